@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/geometry/vec.hpp"
+
+namespace palpate::engine {
+
+/// How a simulated hand means to explore. It knows the chords A-V-B (as a person knows the pictures),
+/// never the curvature between them.
+struct Exploration {
+    Vec2 start{0.0, 0.060};  ///< m, above the vertex
+    Vec2 a{-0.040, 0.0};     ///< m
+    Vec2 vertex{0.0, 0.040};
+    Vec2 b{0.040, 0.0};
+    double speed = 0.08;         ///< m/s along the path
+    double press_depth = 0.007;  ///< m inside the chords that the hand aims for
+    int sweeps = 4;              ///< there, back, ...
+    double tremor = 0.00005;     ///< m, amplitude of the 9 Hz tremor of a healthy hand
+    double tremor_phase = 0.0;   ///< rad
+};
+
+/// Where the hand means to be at each moment: down beside A, up and over the
+/// vertex, down the other side and back, and off again.
+class HandPath {
+public:
+    explicit HandPath(const Exploration& plan);
+
+    struct Intention {
+        Vec2 position{};  ///< m
+        Vec2 velocity{};  ///< m/s, of the path alone
+    };
+
+    /// @param t  s since the start; before 0 the start, after the end the last point
+    [[nodiscard]] Intention at(double t) const noexcept;
+    [[nodiscard]] double duration() const noexcept { return duration_; }
+
+private:
+    Exploration plan_;
+    std::vector<Vec2> corners_;
+    std::vector<double> reached_;  ///< s, when each corner is reached
+    double duration_ = 0.0;
+};
+
+}  // namespace palpate::engine

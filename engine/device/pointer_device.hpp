@@ -1,0 +1,28 @@
+#pragma once
+
+#include <atomic>
+
+#include "engine/device/device.hpp"
+
+namespace palpate::engine {
+
+/// A screen pointer as the handle: the window publishes where it is, the servo reads the latest value.
+/// It gives no force. Safe between one publishing and one reading thread: both coordinates travel
+/// in one atomic word of two 32-bit steps of kStep, so that a point is never half old and half new.
+class PointerDevice : public Device {
+public:
+    /// Resolution of a published position, m: far below a pixel.
+    static constexpr double kStep = 1e-8;
+
+    /// @param position  object frame, m, |coordinate| < 20 m
+    void publish(const Vec2& position) noexcept;
+
+    [[nodiscard]] Reading read() noexcept override;
+    Applied write(const Vec2& force) noexcept override;
+    [[nodiscard]] std::string name() const override { return "mouse"; }
+
+private:
+    std::atomic<std::uint64_t> latest_{0};
+};
+
+}  // namespace palpate::engine

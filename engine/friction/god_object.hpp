@@ -1,0 +1,47 @@
+#pragma once
+
+#include "engine/contact/closest_point.hpp"
+#include "engine/friction/cone_slide.hpp"
+
+namespace palpate::engine {
+
+/// Budget of one tick's walk and the price of a vertex, the "vertex slew".
+struct Slew {
+    double speed =
+        0.0;  ///< v_r, m/s: travel allowed beyond what HIP's own motion needs; 0: no slew
+    double radius = 0.0;  ///< rho_v, m of budget per radian of a convex vertex's fan
+
+    [[nodiscard]] bool none() const noexcept { return speed == 0.0; }
+};
+
+/// The god-object after a walk, with what the force needs to know.
+struct Walk {
+    Place place{};
+    Vec2 point{};
+    Vec2 normal{0.0, 1.0};  ///< unit: of the segment, of the fan at phi, or of the internal fan
+    Vec2 tangent{1.0, 0.0};
+    double tau = 0.0;           ///< r . t, m
+    double nu = 0.0;            ///< -r . n, m
+    double slid = 0.0;          ///< arc length the GO slid along segments, m
+    bool held_outside = false;  ///< stopped outside its cone: the budget ran out, or at an open end
+    bool out_of_budget = false;
+    bool in_corner = false;  ///< rests in a concave vertex, whose two normals carry together
+};
+
+/// Lets the god-object move along the outline until its stretch fits the friction cone.
+///
+/// Along a segment it slides (slide_to_cone). A convex vertex is a fan of normals from the end of one
+/// segment to the start of the next, turned through at `slew.radius` of budget per radian. A concave
+/// vertex is left only along a segment whose drive exceeds mu times that segment's own load. An open
+/// end holds the GO until HIP leaves. The direction never reverses within a walk.
+///
+/// @param budget  travel allowed in this tick, m; infinite without slew
+template <bool HasFriction>
+[[nodiscard]] Walk walk_god_object(const Outline& outline,
+                                   const Place& from,
+                                   const Vec2& h,
+                                   double mu,
+                                   double budget,
+                                   double vertex_radius) noexcept;
+
+}  // namespace palpate::engine

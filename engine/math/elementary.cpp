@@ -1,0 +1,135 @@
+#include "engine/math/elementary.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace palpate::engine {
+namespace {
+
+// pi/2 in three parts of 33, 33 and 53 bits: n * part is exact for |n| < 2^20.
+constexpr double kHalfPi1 = 0x1.921fb54400000p+0;
+constexpr double kHalfPi2 = 0x1.0b4611a600000p-34;
+constexpr double kHalfPi3 = 0x1.3198a2e037073p-69;
+
+// ln 2 in two parts: exponent * part 1 is exact.
+constexpr double kLn2Hi = 0x1.62e42fee00000p-1;
+constexpr double kLn2Lo = 0x1.a39ef35793c76p-33;
+
+/// sin r for |r| <= pi/4; the first term left out is below 1e-18 of the result.
+double sin_kernel(double r) noexcept {
+    const double z = r * r;
+    double p = 1.0 / 355687428096000.0;  // 1/17!
+    p = p * z - 1.0 / 1307674368000.0;
+    p = p * z + 1.0 / 6227020800.0;
+    p = p * z - 1.0 / 39916800.0;
+    p = p * z + 1.0 / 362880.0;
+    p = p * z - 1.0 / 5040.0;
+    p = p * z + 1.0 / 120.0;
+    p = p * z - 1.0 / 6.0;
+    return r + r * (z * p);
+}
+
+/// cos r for |r| <= pi/4. 1 - z/2 is formed last, with its rounding error put back.
+double cos_kernel(double r) noexcept {
+    const double z = r * r;
+    double p = 1.0 / 20922789888000.0;  // 1/16!
+    p = p * z - 1.0 / 87178291200.0;
+    p = p * z + 1.0 / 479001600.0;
+    p = p * z - 1.0 / 3628800.0;
+    p = p * z + 1.0 / 40320.0;
+    p = p * z - 1.0 / 720.0;
+    p = p * z + 1.0 / 24.0;
+    const double half = 0.5 * z;
+    const double head = 1.0 - half;
+    return head + (((1.0 - head) - half) + z * z * p);
+}
+
+// atan(k/8), k = 0..8, rounded from 50 digits.
+constexpr std::array<double, 9> kAtanEighths{0.0,
+                                             0.12435499454676144,
+                                             0.24497866312686414,
+                                             0.35877067027057225,
+                                             0.4636476090008061,
+                                             0.5585993153435624,
+                                             0.6435011087932844,
+                                             0.7188299996216245,
+                                             0.7853981633974483};
+
+/// atan z for 0 <= z <= 1.
+double atan_unit(double z) noexcept {
+    const double eighths = std::floor(8.0 * z + 0.5);
+    const double c = eighths * 0.125;
+    const double t = (z - c) / (1.0 + z * c);
+    const double s = t * t;
+    double p = 1.0 / 13.0;
+    p = 1.0 / 11.0 - p * s;
+    p = 1.0 / 9.0 - p * s;
+    p = 1.0 / 7.0 - p * s;
+    p = 1.0 / 5.0 - p * s;
+    p = 1.0 / 3.0 - p * s;
+    return kAtanEighths[static_cast<std::size_t>(eighths)] + (t - t * s * p);
+}
+
+}  // namespace
+
+SinCos sin_cos(double x) noexcept {
+    if (!std::isfinite(x)) {
+        const double nan = std::numeric_limits<double>::quiet_NaN();
+        return {nan, nan};
+    }
+    const double n = std::floor(x * (2.0 / kPi) + 0.5);
+    const double r = ((x - n * kHalfPi1) - n * kHalfPi2) - n * kHalfPi3;
+    const double quadrant = n - 4.0 * std::floor(n * 0.25);
+    const double s = sin_kernel(r);
+    const double c = cos_kernel(r);
+    if (quadrant == 0.0) {
+        return {s, c};
+    }
+    if (quadrant == 1.0) {
+        return {c, -s};
+    }
+    if (quadrant == 2.0) {
+        return {-s, -c};
+    }
+    return {-c, s};
+}
+
+double arc_tan2(double y, double x) noexcept {
+    const double ax = std::fabs(x);
+    const double ay = std::fabs(y);
+    if (ax == 0.0 && ay == 0.0) {
+        return 0.0;
+    }
+    double angle = ay <= ax ? atan_unit(ay / ax) : 0.5 * kPi - atan_unit(ax / ay);
+    if (x < 0.0) {
+        angle = kPi - angle;
+    }
+    return y < 0.0 ? -angle : angle;
+}
+
+double arc_cos(double c) noexcept {
+    const double clamped = c < -1.0 ? -1.0 : (c > 1.0 ? 1.0 : c);
+    return arc_tan2(std::sqrt((1.0 - clamped) * (1.0 + clamped)), clamped);
+}
+
+double natural_log(double x) noexcept {
+    int exponent = 0;
+    double m = std::frexp(x, &exponent);
+    constexpr double kSqrtHalf = 0.70710678118654752440;
+    if (m < kSqrtHalf) {
+        m *= 2.0;
+        --exponent;
+    }
+    const double s = (m - 1.0) / (m + 1.0);
+    const double z = s * s;
+    double p = 1.0 / 21.0;
+    for (int k = 19; k >= 3; k -= 2) {
+        p = p * z + 1.0 / static_cast<double>(k);
+    }
+    const double e = static_cast<double>(exponent);
+    return e * kLn2Hi + (2.0 * s + (2.0 * s * z * p + e * kLn2Lo));
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "engine/geometry/vec.hpp"
+#include "engine/rendering/mode.hpp"
+
+namespace palpate::engine {
+
+/// Bits of TickRecord::flags.
+enum TickFlag : std::uint8_t {
+    tick_saturated = 1U << 0U,  ///< the device could not give the commanded force
+    tick_late = 1U << 1U,       ///< woke more than half a period after the deadline
+    tick_ramped = 1U << 2U,     ///< the command was scaled down by the enable or disable ramp
+    tick_fault = 1U << 3U,      ///< the device or a guard refused; the command is zero
+};
+
+/// Everything that one servo tick read, decided and commanded. Frame: the object's, SI.
+struct TickRecord {
+    std::int64_t tick = 0;          ///< 0 at the first tick of the trial
+    std::int64_t time_ns = 0;       ///< since the trial's first deadline, on the servo's clock
+    Vec2 hip{};                     ///< haptic interaction point, m
+    Vec2 cp{};                      ///< closest point of the outline, m
+    Vec2 go{};                      ///< god-object, m
+    Vec2 force{};                   ///< rendered force on the user, K (GO - HIP), N
+    Vec2 command{};                 ///< force asked of the device after the safety chain, N
+    double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
+    double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
+    double mu = 0.0;                ///< friction coefficient in force during this tick
+    double parameter = 0.0;  ///< u of the GO on its segment, or fan angle phi (rad) on a vertex
+    std::array<std::int32_t, 2> counts{};  ///< encoder counts as read (0 without encoders)
+    std::array<std::int32_t, 2> codes{};   ///< DAC codes as written (0 without motors)
+    float lateness_us = 0.0F;              ///< wake-up minus deadline, us (0 on a virtual clock)
+    std::int16_t feature = 0;  ///< segment i >= 0 the GO sits on, or -1 - j for vertex j
+    Mode mode = Mode::free;
+    std::uint8_t flags = 0;  ///< TickFlag bits
+};
+static_assert(std::is_trivially_copyable_v<TickRecord>);
+
+}  // namespace palpate::engine

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/design/condition.hpp"
+
+namespace palpate::protocols {
+
+enum class Phase : std::uint8_t { practice, main, catch_trial };
+
+[[nodiscard]] std::string_view to_string(Phase phase) noexcept;
+
+struct PlannedTrial {
+    std::size_t position = 0;  ///< 0, 1, 2, ... through the whole session
+    Phase phase = Phase::main;
+    Condition condition{};
+    bool break_before = false;
+
+    friend bool operator==(const PlannedTrial&, const PlannedTrial&) = default;
+};
+
+/// Who runs what: the key of every random stream and of the session's row.
+struct SessionKey {
+    std::string participant;
+    std::size_t session = 1;  ///< 1, 2, ...
+
+    friend bool operator==(const SessionKey&, const SessionKey&) = default;
+};
+
+/// The whole session, complete before its first trial.
+struct Plan {
+    std::vector<PlannedTrial> trials;
+    std::vector<std::size_t>
+        picture_order;           ///< place on the screen -> index into Protocol::objects
+    double acceptance = 1.0;     ///< estimate: accepted / attempted shuffles
+    std::uint64_t attempts = 1;  ///< whole shuffles drawn for the main phase
+    std::string hash;            ///< SHA-256 (hex) of the canonical text of all the above trials
+
+    friend bool operator==(const Plan&, const Plan&) = default;
+};
+
+}  // namespace palpate::protocols

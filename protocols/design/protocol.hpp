@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/geometry/vec.hpp"
+
+/// The experiment as a value: what a protocol file says, after every check. SI units here; the file
+/// carries its units in the key names. Default members are the default study.
+namespace palpate::protocols {
+
+/// One two-curve object; both curves have the same signed curvature.
+struct ObjectSpec {
+    std::string name;        ///< e.g. "convex_10"; unique, [a-z0-9_]
+    double curvature = 0.0;  ///< 1/m: > 0 convex, 0 straight, < 0 concave
+    bool pictured = true;    ///< false: a catch object, felt but never among the pictures
+
+    friend bool operator==(const ObjectSpec&, const ObjectSpec&) = default;
+};
+
+/// One friction set. law "frictionless" has no coefficients; "gos" is the god-object spring law.
+struct FrictionSpec {
+    std::string name;  ///< e.g. "off", "on"; unique
+    std::string law = "frictionless";
+    double mu_s = 0.0;      ///< static coefficient, mu_d <= mu_s
+    double mu_d = 0.0;      ///< dynamic coefficient
+    double tau_slip = 0.0;  ///< s, relaxation to mu_d while slipping; 0: a sharp drop
+    double tau_heal = 0.0;  ///< s, recovery to mu_s while stuck
+
+    friend bool operator==(const FrictionSpec&, const FrictionSpec&) = default;
+};
+
+/// Where the chords run: A-V and V-B joined at the vertex V, closed by the base line B-A. m.
+struct OutlineSpec {
+    engine::Vec2 a{-0.040, 0.0};
+    engine::Vec2 vertex{0.0, 0.040};
+    engine::Vec2 b{0.040, 0.0};
+
+    friend bool operator==(const OutlineSpec&, const OutlineSpec&) = default;
+};
+
+/// What the hand meets.
+struct ApparatusSpec {
+    double rate_hz = 1000.0;         ///< servo rate, 1/s, 1000 to 10000
+    double stiffness = 1000.0;       ///< K, N/m
+    double force_limit = 10.0;       ///< N, the command is scaled to this, direction kept
+    double force_ramp = 0.2;         ///< s, at enable and disable
+    double vertex_slew = 0.2;        ///< m/s, 0: none
+    double vertex_radius = 0.003;    ///< m of travel budget per radian of a vertex fan
+    engine::Vec2 start{0.0, 0.060};  ///< start pose of the handle, m
+
+    friend bool operator==(const ApparatusSpec&, const ApparatusSpec&) = default;
+};
+
+struct DesignSpec {
+    std::size_t repetitions = 10;          ///< of each condition in the main phase, >= 1
+    std::size_t max_run_object = 2;        ///< same object in a row, 0: no limit
+    std::size_t max_run_friction = 3;      ///< same friction in a row, 0: no limit
+    std::size_t practice_repetitions = 1;  ///< of each condition before the main phase, 0: none
+    std::size_t catch_trials = 4;          ///< placed at random among the main trials
+    std::size_t break_every = 20;          ///< main-phase trials between breaks, 0: none
+
+    friend bool operator==(const DesignSpec&, const DesignSpec&) = default;
+};
+
+struct TimingSpec {
+    double explore_min = 2.0;       ///< s, done is ignored before
+    double explore_prompt = 30.0;   ///< s, then the screen asks for an answer
+    double explore_timeout = 45.0;  ///< s, then the choice is asked for
+    double break_min = 30.0;        ///< s
+    double gap = 1.5;               ///< s between the choice and the next ready screen
+
+    friend bool operator==(const TimingSpec&, const TimingSpec&) = default;
+};
+
+/// The simulated observer of demos and simulations.
+struct ObserverSpec {
+    double noise = 2.62;        ///< 1/m, standard deviation of the curvature percept
+    double lapse = 0.02;        ///< share of answers drawn at random, 0..1
+    double force_weight = 0.5;  ///< weight of the force cue against the position cue, 0..1
+    double bias_per_mu = 0.0;   ///< 1/m added to the percept per unit of felt friction coefficient
+
+    friend bool operator==(const ObserverSpec&, const ObserverSpec&) = default;
+};
+
+struct Protocol {
+    std::string id = "shape_friction";  ///< [a-z0-9_]+, names the study in the database
+    std::string title;
+    std::uint64_t seed = 0;         ///< the one recorded study seed
+    std::size_t participants = 12;  ///< planned
+    std::vector<ObjectSpec> objects;
+    OutlineSpec outline{};
+    std::vector<FrictionSpec> frictions;
+    ApparatusSpec apparatus{};
+    DesignSpec design{};
+    TimingSpec timing{};
+    ObserverSpec observer{};
+
+    friend bool operator==(const Protocol&, const Protocol&) = default;
+};
+
+}  // namespace palpate::protocols

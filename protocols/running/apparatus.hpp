@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+
+#include "engine/realtime/servo.hpp"
+#include "protocols/design/plan.hpp"
+
+namespace palpate::protocols {
+
+/// The port to what is felt: a device and its servo, on a real or a virtual clock.
+class Apparatus {
+public:
+    Apparatus() = default;
+    Apparatus(const Apparatus&) = delete;
+    Apparatus& operator=(const Apparatus&) = delete;
+    virtual ~Apparatus() = default;
+
+    /// Starts the felt part of a trial. @param scene  outlives end()
+    virtual void begin(const engine::Scene& scene, const PlannedTrial& planned) = 0;
+    /// Lets a little time pass; ticks come out of ring().
+    virtual engine::ServoStatus advance() = 0;
+    /// Force out, zero written. The ramp's ticks are still in ring().
+    virtual void end() = 0;
+
+    [[nodiscard]] virtual engine::TickRing& ring() noexcept = 0;
+    [[nodiscard]] virtual double elapsed_s() const noexcept = 0;
+    /// Ticks lost because the ring was full.
+    [[nodiscard]] virtual std::int64_t dropped() const noexcept = 0;
+    /// A simulated hand has finished exploring; always false for people.
+    [[nodiscard]] virtual bool hand_is_done() const noexcept { return false; }
+    /// Nothing more will come (end of a replay): exploration ends now.
+    [[nodiscard]] virtual bool exhausted() const noexcept { return false; }
+    [[nodiscard]] virtual std::string device_name() const = 0;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/realtime/tick_record.hpp"
+#include "protocols/design/plan.hpp"
+
+/// The port to whoever answers: a person at a screen, or a simulated observer.
+///
+/// Blindness is in the types: until choose() no call carries anything that depends on the stimulus.
+/// feel() is the exception, for simulated observers, whose percept comes from the felt ticks.
+namespace palpate::protocols {
+
+struct SessionView {
+    std::string title;
+    std::string participant;
+    std::size_t trials = 0;  ///< in the whole plan
+    std::size_t next = 0;    ///< first position to run, > 0 on resume
+    bool simulated = false;  ///< the run kind is simulated: the screen says so
+    std::string device;      ///< e.g. "simulated pantograph"
+};
+
+/// What the participant may know of a trial while feeling. Nothing of the condition, ever.
+struct TrialView {
+    std::size_t number = 0;  ///< 1, 2, ... as shown
+    std::size_t total = 0;
+    bool practice = false;
+    double explore_min_s = 0.0;
+    double explore_prompt_s = 0.0;
+    double explore_timeout_s = 0.0;
+};
+
+enum class Signal : std::uint8_t {
+    go_on,
+    done,   ///< explore: the participant pressed done
+    abort,  ///< the experimenter (two steps) or the operating system ends the session
+};
+
+/// How an answer was given.
+enum class InputKind : std::uint8_t { simulated, key, arrows, mouse };
+
+[[nodiscard]] std::string_view to_string(InputKind kind) noexcept;
+
+/// One of the pictures, ready to draw. Coordinates: object frame, m, y up.
+struct Picture {
+    std::vector<engine::Vec2> outline;  ///< closed polyline, chord error <= 20 um
+};
+
+struct Choice {
+    Signal signal = Signal::done;  ///< done or abort
+    std::size_t place = 0;         ///< which picture, 0-based from the left
+    double reaction_s = 0.0;       ///< pictures shown -> answer
+    double uncertainty_s = 0.0;    ///< how late the answer may have been seen
+    InputKind input = InputKind::simulated;
+};
+
+struct Exploring {
+    Signal signal = Signal::go_on;
+    double at_s = 0.0;           ///< when done was pressed, since the trial's first tick
+    double uncertainty_s = 0.0;  ///< how late the press may have been seen
+};
+
+class Observer {
+public:
+    Observer() = default;
+    Observer(const Observer&) = delete;
+    Observer& operator=(const Observer&) = delete;
+    virtual ~Observer() = default;
+
+    /// Before the first trial of a run: instructions.
+    [[nodiscard]] virtual Signal welcome(const SessionView& session) = 0;
+    /// Blocks until the participant is at the start and begins. go_on or abort.
+    [[nodiscard]] virtual Signal ready(const TrialView& trial) = 0;
+    /// Called again and again while the object is felt; must return within a few ms.
+    /// @param elapsed_s time since the trial's first tick, on the servo's clock
+    [[nodiscard]] virtual Exploring explore(const TrialView& trial, double elapsed_s) = 0;
+    /// Ticks of the running trial in order; only simulated observers use them.
+    virtual void feel(std::span<const engine::TickRecord> ticks) { static_cast<void>(ticks); }
+    /// Force is off; the pictures, in the order of the screen.
+    [[nodiscard]] virtual Choice choose(const TrialView& trial,
+                                        std::span<const Picture> pictures) = 0;
+    /// Blank screen between two trials, s. go_on or abort.
+    [[nodiscard]] virtual Signal gap(double seconds) = 0;
+    /// A break of at least `seconds`; returns when the participant goes on. go_on or abort.
+    [[nodiscard]] virtual Signal rest(double seconds, const TrialView& next) = 0;
+    /// The plan is finished.
+    virtual void finish(const SessionView& session) = 0;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "engine/realtime/tick_record.hpp"
+#include "protocols/design/plan.hpp"
+#include "protocols/running/observer.hpp"
+
+/// The port to whatever keeps the data. Every call is durable when it returns, or throws.
+namespace palpate::protocols {
+
+enum class Outcome : std::uint8_t {
+    complete,     ///< felt and answered
+    timed_out,    ///< exploration reached the time-out, then answered
+    aborted,      ///< ended by the experimenter or a signal; run again on resume
+    interrupted,  ///< found unfinished when the session was opened again; run again
+    faulted,      ///< device or guard fault; run again on resume
+};
+
+[[nodiscard]] std::string_view to_string(Outcome outcome) noexcept;
+
+/// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs.
+struct TrialSummary {
+    std::int64_t ticks = 0;
+    std::int64_t contact_ticks = 0;
+    std::int64_t slip_ticks = 0;  ///< slip or transition
+    std::int64_t late_ticks = 0;
+    std::int64_t saturated_ticks = 0;
+    double path_length_m = 0.0;        ///< of HIP
+    double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
+    double max_normal_force_n = 0.0;
+    double energy_j = 0.0;                  ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    std::optional<double> first_contact_s;  ///< since the first tick
+};
+
+struct Response {
+    std::size_t place = 0;   ///< on the screen, 0-based
+    std::size_t object = 0;  ///< index into Protocol::objects
+    bool correct = false;
+    double reaction_s = 0.0;  ///< pictures shown -> answer
+    double uncertainty_s = 0.0;
+    InputKind input = InputKind::simulated;
+};
+
+struct TrialResult {
+    Outcome outcome = Outcome::complete;
+    double done_s = 0.0;  ///< first tick -> done (or time-out)
+    double done_uncertainty_s = 0.0;
+    TrialSummary summary{};
+    std::optional<Response> response;  ///< none unless complete or timed_out
+};
+
+/// Constants of the compiled scene that needed exp, kept because exp differs between machines.
+struct SceneConstants {
+    double slip_decay = 0.0;  ///< exp(-T/tau_slip), 0 for a sharp drop
+    double heal_decay = 0.0;  ///< exp(-T/tau_heal)
+};
+
+using TrialId = std::int64_t;
+
+class Recorder {
+public:
+    Recorder() = default;
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+    virtual ~Recorder() = default;
+
+    /// A new attempt at a planned trial.
+    [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned,
+                                              const SceneConstants& scene) = 0;
+    /// The next ticks of the running trial, in order and without gaps.
+    virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
+    virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
+    /// Something that happened: "break", "resume", "abort", "fault", ... with a sentence.
+    virtual void event(std::string_view kind, std::string_view text) = 0;
+    /// All planned trials are done.
+    virtual void finish_session() = 0;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/device/pointer_device.hpp"
+#include "engine/device/replay_device.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+#include "protocols/design/protocol.hpp"
+#include "protocols/running/apparatus.hpp"
+
+namespace palpate::protocols {
+
+/// What the protocol asks of the servo.
+[[nodiscard]] engine::ServoSpec servo_spec(const ApparatusSpec& apparatus);
+
+/// An apparatus that is a servo and a little more.
+class ServoApparatus : public Apparatus {
+public:
+    engine::ServoStatus advance() override { return servo().advance(); }
+    void end() override { servo().end(); }
+    [[nodiscard]] engine::TickRing& ring() noexcept override { return servo().ring(); }
+    [[nodiscard]] double elapsed_s() const noexcept override { return servo().elapsed_s(); }
+    [[nodiscard]] std::int64_t dropped() const noexcept override { return servo().dropped(); }
+
+protected:
+    [[nodiscard]] virtual engine::Servo& servo() noexcept = 0;
+    [[nodiscard]] virtual const engine::Servo& servo() const noexcept = 0;
+};
+
+/// The simulated pantograph and hand on a virtual clock. Every trial's way of exploring is drawn from
+/// the stream "hand" of its position, so that a resumed session explores as the unbroken one.
+class SimulatedApparatus : public ServoApparatus {
+public:
+    /// @param pace  multiple of real time, 0: as fast as the machine
+    SimulatedApparatus(const Protocol& protocol,
+                       std::string protocol_hash,
+                       SessionKey key,
+                       std::uint64_t seed,
+                       double pace = 0.0);
+
+    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
+    [[nodiscard]] std::string device_name() const override { return device_.name(); }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    [[nodiscard]] engine::Exploration exploration(const PlannedTrial& planned) const;
+
+    Protocol protocol_;
+    std::string protocol_hash_;
+    SessionKey key_;
+    std::uint64_t seed_;
+    engine::SimulatedPantograph device_;
+    engine::VirtualServo servo_;
+};
+
+/// Recorded hands: trial k of the plan gets recording k modulo their number.
+class ReplayApparatus : public ServoApparatus {
+public:
+    using Recording = std::vector<engine::Reading>;
+
+    /// @throws std::invalid_argument without recordings, or if one is empty
+    ReplayApparatus(const Protocol& protocol,
+                    std::vector<Recording> recordings,
+                    std::string source,
+                    double pace = 0.0);
+
+    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    [[nodiscard]] bool hand_is_done() const noexcept override { return exhausted(); }
+    [[nodiscard]] bool exhausted() const noexcept override;
+    [[nodiscard]] std::string device_name() const override { return "replay of " + source_; }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    std::vector<Recording> recordings_;
+    std::string source_;
+    engine::ReplayDevice device_;
+    engine::VirtualServo servo_;
+};
+
+/// The screen pointer as the handle, in real time on a thread of its own.
+class PointerApparatus : public ServoApparatus {
+public:
+    explicit PointerApparatus(const Protocol& protocol);
+
+    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }
+    [[nodiscard]] std::string device_name() const override { return device_.name(); }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    engine::PointerDevice device_;
+    engine::ThreadServo servo_;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+
+#include "protocols/running/recorder.hpp"
+
+namespace palpate::protocols {
+
+/// Adds up a trial's ticks while they come.
+class TrialMeter {
+public:
+    void add(std::span<const engine::TickRecord> ticks);
+    [[nodiscard]] TrialSummary summary() const;
+
+private:
+    TrialSummary sum_{};
+    double force_sum_ = 0.0;  ///< N, over contact ticks
+    bool started_ = false;
+    engine::Vec2 last_hip_{};
+    engine::Vec2 last_force_{};
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,34 @@
+#include "protocols/running/trial_scene.hpp"
+
+namespace palpate::protocols {
+
+stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
+    return {.a = protocol.outline.a,
+            .vertex = protocol.outline.vertex,
+            .b = protocol.outline.b,
+            .curvature = protocol.objects.at(object).curvature};
+}
+
+engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
+    const FrictionSpec& friction = protocol.frictions.at(condition.friction);
+    const ApparatusSpec& apparatus = protocol.apparatus;
+    return {stimuli::make_outline(object_of(protocol, condition.object)),
+            {.stiffness = apparatus.stiffness,
+             .period = 1.0 / apparatus.rate_hz,
+             .friction = {.mu_s = friction.mu_s,
+                          .mu_d = friction.mu_d,
+                          .tau_slip = friction.tau_slip,
+                          .tau_heal = friction.tau_heal},
+             .slew = {.speed = apparatus.vertex_slew, .radius = apparatus.vertex_radius}}};
+}
+
+std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std::size_t> order) {
+    std::vector<Picture> pictures;
+    pictures.reserve(order.size());
+    for (const std::size_t object : order) {
+        pictures.push_back({.outline = stimuli::silhouette(object_of(protocol, object))});
+    }
+    return pictures;
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,57 @@
+# CMake: what a room's targets link, how sources are listed, and which flags nobody may set.
+# Input: CMakeLists.txt, *.cmake and CMakePresets.json, as paths from the tree's top.
+
+BEGIN {
+    links["engine"] = "glm::glm Threads::Threads PkgConfig::COMEDI"
+    links["stimuli"] = "palpate::engine"
+    links["protocols"] = "palpate::stimuli fmt::fmt tomlplusplus::tomlplusplus PkgConfig::SODIUM"
+    links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ" \
+                    " PostgreSQL::PostgreSQL"
+    links["ui"] = "palpate::data CLI11::CLI11 SDL2::SDL2 PkgConfig::SDL2_TTF PkgConfig::SDL2_IMAGE"
+    scopes = "PUBLIC PRIVATE INTERFACE palpate::warnings"
+}
+
+FNR == 1 {
+    split(FILENAME, part, "/")
+    room = part[1]
+    command = ""
+}
+
+{
+    if (FILENAME !~ /\.json$/) sub(/#.*/, "")
+    if (/-ffast-math|-Ofast|-funsafe-math|-fassociative-math|-freciprocal-math|-ffp-contract=(fast|on)/)
+        breach("this flag lets the compiler change results: a recorded trace must replay to the bit")
+    if (FILENAME !~ /\.json$/) read_commands($0)
+}
+
+function breach(reason) { print FILENAME ":" FNR ": " reason }
+
+# One argument after another; a command may go on for many lines.
+function read_commands(s,   word) {
+    while (s != "") {
+        if (command == "") {
+            if (!match(s, /[A-Za-z_][A-Za-z0-9_]*[ \t]*\(/)) return
+            command = tolower(substr(s, RSTART, RLENGTH - 1))
+            sub(/[ \t]+$/, "", command)
+            s = substr(s, RSTART + RLENGTH)
+            argument = 0
+            depth = 1
+            if (command == "link_libraries" && room in links)
+                breach("link_libraries links what nobody asked for: use target_link_libraries")
+            continue
+        }
+        if (!match(s, /[^ \t()"]+|[()]/)) return
+        word = substr(s, RSTART, RLENGTH)
+        s = substr(s, RSTART + RLENGTH)
+        if (word == "(") depth++
+        else if (word == ")") { if (--depth == 0) command = "" }
+        else check_argument(++argument, word)
+    }
+}
+
+function check_argument(number, word) {
+    if (command == "file" && word ~ /^GLOB/) breach("sources are listed by hand")
+    if (command != "target_link_libraries" || number == 1 || !(room in links)) return
+    if (index(" " scopes " palpate::" room " " links[room] " ", " " word " ") == 0)
+        breach(room " may not link " word "; it may: " links[room])
+}

@@ -1,0 +1,208 @@
+#!/bin/sh
+# The guard, guarded: each rule must catch its breach at the right line, and pass what is allowed.
+#   sh guard_test.sh
+# shellcheck disable=SC2016
+set -u
+guard=$(cd -- "$(dirname -- "$0")" && pwd -P)
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+failed=0
+
+# A small tree that keeps every rule.
+clean_tree() {
+    rm -rf "$scratch/tree"
+    mkdir -p "$scratch/tree"
+    cd "$scratch/tree" || exit 2
+    put engine/math/sine.hpp '#pragma once' '#include <glm/vec2.hpp>' 'double sine(double x);'
+    put engine/contact/foot.cpp '#include "engine/math/sine.hpp"' '#include <cmath>' \
+        '// std::sin would differ between machines; see also "rand()".' \
+        '/* std::exp(1)' '   std::pow(2, 3) */' \
+        'double f(double x) { return std::sqrt(x) + std::floor(sine(x)) + angle.sin; }' \
+        "const char* kText = R\"(std::cos(x) \"quoted\" // no comment)\"; const int kMany = 1'000;" \
+        "const char kQuote = '\"'; const char* kSin = \"std::sin(x)\"; int atan_unit(int);"
+    put engine/rendering/scene_constants.cpp '#include <cmath>' 'double c = std::exp(-1.0);'
+    put engine/realtime/servo.cpp '#include "engine/contact/foot.hpp"' '#include <sys/mman.h>'
+    put engine/CMakeLists.txt 'add_library(palpate_engine STATIC)' \
+        'target_link_libraries(palpate_engine PUBLIC glm::glm # never -ffast-math' \
+        '    Threads::Threads PRIVATE palpate::warnings)'
+    put protocols/format/parse.cpp '#include "engine/math/sine.hpp"' '#include <toml++/toml.h>' '#include <fmt/core.h>'
+    put data/store/database.cpp '#include <sqlite3.h>' '#include "protocols/format/parse.hpp"'
+    put ui/subject/window.cpp '#include <SDL2/SDL.h>' '#include "data/store/database.hpp"'
+    put tests/data/store_test.cpp '#include <sqlite3.h>' '#include "ui/subject/window.hpp"' '#include <random>' \
+        'std::uniform_real_distribution<double> newtons;'
+    put CMakeLists.txt 'add_compile_options(-ffp-contract=off -fno-fast-math)'
+    put README.md 'See https://example.org/home/page and engine/home/.'
+    put build/engine/generated.hpp '#include "ui/anything.hpp"'
+}
+
+put() { # put FILE LINE...
+    mkdir -p "$(dirname "$1")"
+    file=$1
+    shift
+    printf '%s\n' "$@" >"$file"
+}
+
+check() { found=$(sh "$guard/check.sh" "$scratch/tree" 2>/dev/null); }
+
+# catches PLACE WORDS: the guard finds one breach, there, for that reason. The file was put just before.
+catches() {
+    check && found='nothing'
+    case $found in
+        *"
+"*) ;;
+        "$1: "*"$2"*) clean_tree; return ;;
+    esac
+    failed=$((failed + 1))
+    printf '%s\n' "NOT CAUGHT  $1 ($2)" "  found: $found"
+    clean_tree
+}
+
+passes() { # passes WHAT
+    check || { failed=$((failed + 1)); printf '%s\n' "WRONGLY CAUGHT  $1" "$found"; }
+    clean_tree
+}
+
+clean_tree
+passes 'a clean tree'
+
+# The order of the rooms, and of the folders of engine.
+put engine/math/a.hpp '#pragma once' '' '#include "stimuli/object.hpp"'
+catches engine/math/a.hpp:3 'may not see stimuli'
+put stimuli/a.hpp '#include "protocols/a.hpp"'
+catches stimuli/a.hpp:1 'may not see protocols'
+put protocols/run/a.cpp '' '#  include "data/a.hpp"'
+catches protocols/run/a.cpp:2 'may not see data'
+put data/store/a.cpp '#include "ui/a.hpp" // once'
+catches data/store/a.cpp:1 'may not see ui'
+put ui/a.cpp '#include "tests/support/catch.hpp"'
+catches ui/a.cpp:1 'may not see tests'
+put engine/math/a.cpp '#include "engine/geometry/arc.hpp"'
+catches engine/math/a.cpp:1 'engine/math may not see engine/geometry'
+put engine/geometry/a.cpp '#include "engine/contact/foot.hpp"'
+catches engine/geometry/a.cpp:1 'may not see engine/contact'
+put engine/contact/a.cpp '#include "engine/friction/gos.hpp"'
+catches engine/contact/a.cpp:1 'may not see engine/friction'
+put engine/friction/a.cpp '#include "engine/rendering/tick.hpp"'
+catches engine/friction/a.cpp:1 'may not see engine/rendering'
+put engine/rendering/a.cpp '#include "engine/device/port.hpp"'
+catches engine/rendering/a.cpp:1 'may not see engine/device'
+put engine/device/a.cpp '#include "engine/friction/gos.hpp"'
+catches engine/device/a.cpp:1 'may not see engine/friction'
+put engine/safety/a.cpp '#include "engine/realtime/servo.hpp"'
+catches engine/safety/a.cpp:1 'may not see engine/realtime'
+put engine/deformation/a.cpp '#include "engine/contact/foot.hpp"'
+catches engine/deformation/a.cpp:1 'may not see engine/contact'
+put engine/magic/a.cpp '#include "engine/math/sine.hpp"'
+catches engine/magic/a.cpp:1 'engine/magic has no place'
+put engine/safety/a.hpp '#include "engine/geometry/arc.hpp"' '#include "engine/rendering/mode.hpp"'
+passes 'safety sees geometry and the values of rendering'
+put engine/deformation/a.hpp '#include "engine/geometry/arc.hpp"' '#include "engine/deformation/b.hpp"'
+passes 'deformation sees geometry and itself'
+
+# How an include is written.
+put data/store/a.cpp '#include "database.hpp"'
+catches data/store/a.cpp:1 'does not name its room'
+put data/store/a.cpp '#include "store/database.hpp"'
+catches data/store/a.cpp:1 'does not name its room'
+put data/store/a.cpp '' '' '#include "../store/database.hpp"'
+catches data/store/a.cpp:3 'without dots'
+put data/store/a.cpp '#include "data/../ui/window.hpp"'
+catches data/store/a.cpp:1 'without dots'
+put tests/data/a.cpp '#include "./store_test.hpp"'
+catches tests/data/a.cpp:1 'without dots'
+put data/store/a.cpp '#include <ui/window.hpp>'
+catches data/store/a.cpp:1 'with quotes'
+put data/store/a.cpp '#include A_MACRO'
+catches data/store/a.cpp:1 'cannot read'
+
+# Libraries.
+put data/a.cpp '#include <SDL.h>'
+catches data/a.cpp:1 'SDL2 belongs to ui'
+put engine/device/a.cpp '#include <SDL2/SDL_events.h>'
+catches engine/device/a.cpp:1 'SDL2 belongs to ui'
+put ui/a.hpp '#include <SDL2/SDL.h>'
+catches ui/a.hpp:1 'stays out of headers'
+put ui/a.cpp '#include <sqlite3.h>'
+catches ui/a.cpp:1 'SQLite belongs to data'
+put data/a.hpp '#pragma once' '#include <sqlite3.h>'
+catches data/a.hpp:2 'stays out of headers'
+put data/a.cpp '#include <toml++/toml.h>'
+catches data/a.cpp:1 'toml++ belongs to protocols'
+put protocols/a.cpp '#include <CLI/CLI.hpp>'
+catches protocols/a.cpp:1 'CLI11 belongs to ui'
+put protocols/a.cpp '#include <zlib.h>'
+catches protocols/a.cpp:1 'zlib belongs to data'
+put stimuli/a.cpp '#include <sodium.h>'
+catches stimuli/a.cpp:1 'libsodium belongs to protocols data'
+put engine/contact/a.cpp '#include <fmt/core.h>'
+catches engine/contact/a.cpp:1 'fmt belongs to'
+put engine/contact/a.cpp '#include <comedilib.h>'
+catches engine/contact/a.cpp:1 'comedilib belongs to engine/device'
+put data/a.cpp '#include <nlohmann/json.hpp>'
+catches data/a.cpp:1 'no library that the guard knows'
+put data/a.hpp '#include <fmt/core.h>' '#include <glm/vec2.hpp>'
+passes 'glm and fmt in a header'
+
+# What keeps a result the same to the bit.
+put engine/contact/a.cpp 'double a = std::sin(1.0);'
+catches engine/contact/a.cpp:1 'libm'
+put engine/contact/a.cpp '/* one' 'two */ double a = glm::atan(1.0);'
+catches engine/contact/a.cpp:2 'libm'
+put engine/contact/a.cpp 'double a = pow (2.0, 0.5);  // a comment'
+catches engine/contact/a.cpp:1 'libm'
+put engine/contact/a.cpp 'auto f = &std::hypot;'
+catches engine/contact/a.cpp:1 'libm'
+put engine/contact/a.cpp 'auto f = "\"" + ::log10f(2.0F);'
+catches engine/contact/a.cpp:1 'libm'
+put engine/contact/a.cpp 'auto t = R"x(' 'std::sin(' ')x"; auto b = std::atan2(1.0, 2.0);'
+catches engine/contact/a.cpp:3 'libm'
+put stimuli/a.cpp 'std::shuffle(a.begin(), a.end(), rng);'
+catches stimuli/a.cpp:1 'one order everywhere'
+put protocols/a.cpp '' 'std::normal_distribution<> d;'
+catches protocols/a.cpp:2 'one order everywhere'
+put engine/device/a.cpp 'int a = rand();'
+catches engine/device/a.cpp:1 'one order everywhere'
+put stimuli/a.cpp 'double a = std::sin(1.0) + operand(2);'
+passes 'libm outside engine, and a name that ends in rand'
+put engine/CMakeLists.txt 'target_compile_options(palpate_engine PRIVATE' '    -ffast-math)'
+catches engine/CMakeLists.txt:2 'to the bit'
+put CMakePresets.json '{' '"CMAKE_CXX_FLAGS": "-Ofast"' '}'
+catches CMakePresets.json:2 'to the bit'
+
+# What links what.
+put engine/CMakeLists.txt 'target_link_libraries(palpate_engine PUBLIC glm::glm' '    palpate::stimuli)'
+catches engine/CMakeLists.txt:2 'engine may not link palpate::stimuli'
+put stimuli/CMakeLists.txt 'target_link_libraries(palpate_stimuli PUBLIC palpate::engine SDL2::SDL2)'
+catches stimuli/CMakeLists.txt:1 'stimuli may not link SDL2::SDL2'
+put data/CMakeLists.txt '' 'target_link_libraries(palpate_data PUBLIC palpate::engine)'
+catches data/CMakeLists.txt:2 'data may not link palpate::engine'
+put ui/CMakeLists.txt 'target_link_libraries(palpate PRIVATE palpate::ui SQLite::SQLite3)'
+catches ui/CMakeLists.txt:1 'ui may not link SQLite::SQLite3'
+put ui/CMakeLists.txt 'link_libraries(m)'
+catches ui/CMakeLists.txt:1 'link_libraries'
+put data/CMakeLists.txt 'file(GLOB sources *.cpp)'
+catches data/CMakeLists.txt:1 'by hand'
+
+# Files.
+put data/long.cpp "$(yes 'int x;' | head -n 401)"
+catches data/long.cpp:401 'longer than 400'
+put data/long.cpp "$(yes 'int x;' | head -n 400)"
+passes 'a file of 400 lines'
+put data/a.cpp 'int a;' && printf 'int b;' >>data/a.cpp
+catches data/a.cpp:2 'does not end'
+put README.md 'Look into /ho''me/ann/data.'
+catches README.md:1 'one machine'
+put data/a.cpp '' '// see /ro''ot/notes'
+catches data/a.cpp:2 'one machine'
+put tests/data/a.cpp "const char* k = \"$scratch/tree/data\";"
+catches tests/data/a.cpp:1 'one machine'
+
+# Several breaches in several files are all told.
+put data/a.cpp '#include "ui/a.hpp"' '#include <SDL.h>'
+put stimuli/a.cpp '#include "ui/a.hpp"'
+check
+told=$(printf "%s\n" "$found" | grep -c "^[a-z/.]*:[12]: ")
+[ "$told" = 3 ] || { failed=$((failed + 1)); echo "not all told: $found"; }
+
+echo "$failed rules of the guard broken"
+[ "$failed" = 0 ]

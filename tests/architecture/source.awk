@@ -1,0 +1,176 @@
+# C++: what a file may include and call, and how long it may be. Input: paths from the tree's top.
+# Portable awk (mawk too): no gensub, no intervals in patterns.
+
+BEGIN {
+    order = "engine <- stimuli <- protocols <- data <- ui"
+    rooms = split("engine stimuli protocols data ui tests", name, " ")
+    for (i = 1; i <= rooms; i++) rank[name[i]] = i
+
+    # engine's folders, and which others each may include.
+    sees["math"] = ""
+    sees["geometry"] = "math"
+    sees["contact"] = "math geometry"
+    sees["friction"] = "math geometry contact"
+    sees["rendering"] = "math geometry contact friction"
+    sees["device"] = "math geometry rendering"
+    sees["safety"] = "math geometry rendering"
+    sees["deformation"] = "math geometry"
+    sees["realtime"] = "*"
+
+    # Where a library's headers may be included: a room, or a folder of one. In .cpp files only, but
+    # for glm and fmt, whose values are part of our own interfaces.
+    where["glm"] = "engine stimuli protocols data ui"
+    where["fmt"] = "protocols data ui"
+    where["toml++"] = "protocols"
+    where["libsodium"] = "protocols data"
+    where["SQLite"] = "data"
+    where["zlib"] = "data"
+    where["libpq"] = "data"
+    where["SDL2"] = "ui"
+    where["CLI11"] = "ui"
+    where["comedilib"] = "engine/device"
+
+    posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \
+            " pty.h dirent.h netdb.h syscall.h spawn.h glob.h pwd.h stdlib.h stdio.h string.h"
+
+    # libm differs between C libraries in the last bit, and one bit breaks a replay.
+    inexact = "(a?sinh?|a?cosh?|a?tanh?|atan2|exp2?|expm1|log(2|10|1p)?|pow|cbrt|hypot|erfc?" \
+              "|[tl]gamma|sincos)[fl]?"
+    # Computed once a scene and kept with the session, so that a replay need not compute them again.
+    exempt["engine/friction/stribeck.cpp"] = 1
+    exempt["engine/rendering/scene_constants.hpp"] = exempt["engine/rendering/scene_constants.cpp"] = 1
+
+    longest = 400
+}
+
+FNR == 1 { start_file(FILENAME) }
+
+{
+    if (FNR == longest + 1) breach("longer than " longest " lines: one idea a file")
+    if (!in_comment && raw_end == "" && match($0, /^[ \t]*#[ \t]*include[ \t]*/))
+        check_include(substr($0, RSTART + RLENGTH))
+    line = code($0)
+    if (room == "engine" && !(file in exempt)) check_exactness(line)
+    if (room == "engine" || room == "stimuli" || room == "protocols") check_random(line)
+}
+
+function start_file(path,   part) {
+    file = path
+    split(path, part, "/")
+    room = part[1]
+    folder = part[2]
+    header = path ~ /\.(hpp|h)$/
+    in_comment = 0
+    raw_end = ""
+}
+
+function breach(reason) { print file ":" FNR ": " reason }
+
+function listed(word, words) { return index(" " words " ", " " word " ") > 0 }
+
+# `text`: what follows #include.
+function check_include(text,   path, part) {
+    if (text ~ /^"/) {
+        path = substr(text, 2)
+        sub(/".*/, "", path)
+        split(path, part, "/")
+        if (path ~ /(^|\/)\.\.?\//) breach("\"" path "\": write the path from the room on, without dots")
+        else if (!(part[1] in rank) || path !~ /\//) breach("\"" path "\" does not name its room")
+        else check_order(path, part[1], part[2])
+    } else if (text ~ /^</) {
+        path = substr(text, 2)
+        sub(/>.*/, "", path)
+        split(path, part, "/")
+        if (part[1] in rank && part[1] != path) breach("<" path ">: rooms are included with quotes")
+        else if (room != "tests") check_library(path)
+    } else breach("the guard cannot read this include")
+}
+
+function check_order(path, to, to_folder) {
+    if (room == "tests") return
+    if (rank[to] > rank[room]) {
+        if (to == "tests") breach("\"" path "\": " room " may not see tests")
+        else breach("\"" path "\": " room " may not see " to "; the order is " order)
+    } else if (room == "engine" && folder != to_folder) {
+        if (!(folder in sees) || !(to_folder in sees))
+            breach("engine/" ((folder in sees) ? to_folder : folder) " has no place in the order of engine's folders")
+        else if (sees[folder] != "*" && !listed(to_folder, sees[folder]))
+            breach("\"" path "\": engine/" folder " may not see engine/" to_folder)
+    }
+}
+
+function library_of(path) {
+    if (path ~ /^glm\//) return "glm"
+    if (path ~ /^fmt\//) return "fmt"
+    if (path ~ /^(toml\+\+|tomlplusplus)\/|^toml\.hpp$/) return "toml++"
+    if (path ~ /^sodium(\.h|\/)/) return "libsodium"
+    if (path ~ /^sqlite3(ext)?\.h$/) return "SQLite"
+    if (path ~ /^(zlib|zconf)\.h$/) return "zlib"
+    if (path ~ /^(libpq|pq|postgresql)\/|^libpq-fe\.h$/) return "libpq"
+    if (path ~ /^SDL/) return "SDL2"
+    if (path ~ /^CLI\//) return "CLI11"
+    if (path ~ /^comedi(lib)?\.h$/) return "comedilib"
+    return ""
+}
+
+function check_library(path,   library) {
+    if (path ~ /^[a-z0-9_]+$/ || path ~ /^(sys|linux|netinet|arpa)\// || listed(path, posix)) return
+    if (path ~ /^[a-z0-9]*intrin\.h$/) return
+    library = library_of(path)
+    if (library == "") breach("<" path "> is of no library that the guard knows")
+    else if (!listed(room, where[library]) && !listed(room "/" folder, where[library]))
+        breach("<" path ">: " library " belongs to " where[library])
+    else if (header && library != "glm" && library != "fmt")
+        breach("<" path ">: " library " stays out of headers")
+}
+
+function check_exactness(line) {
+    if (line ~ "(^|[^A-Za-z0-9_])(std|glm) *:: *" inexact "([^A-Za-z0-9_]|$)" ||
+        line ~ "(^|[^A-Za-z0-9_.>:])(::)?" inexact " *\\(" ||
+        line ~ /glm *:: *(rotate|angle|orientedAngle|slerp|fastPow|fastSin|fastCos)[^A-Za-z0-9_]/)
+        breach("libm is not the same to the bit everywhere: engine/math has elementary functions that are")
+}
+
+function check_random(line) {
+    if (line ~ /std *:: *(shuffle|random_shuffle|sample|generate_canonical|[a-z_]+_distribution)/ ||
+        line ~ /(^|[^A-Za-z0-9_])s?rand *\(/)
+        breach("every C++ library draws this in its own way: a seed must give one order everywhere")
+}
+
+# The line without comments, and with its literals emptied.
+function code(s,   out, mark, at) {
+    out = ""
+    while (s != "") {
+        if (in_comment || raw_end != "") {
+            mark = in_comment ? "*/" : raw_end
+            at = index(s, mark)
+            if (!at) return out
+            s = substr(s, at + length(mark))
+            in_comment = 0
+            raw_end = ""
+            continue
+        }
+        if (!match(s, /\/\/|\/\*|"|'/)) return out s
+        mark = substr(s, RSTART, RLENGTH)
+        out = out substr(s, 1, RSTART - 1)
+        s = substr(s, RSTART + RLENGTH)
+        if (mark == "//") return out
+        if (mark == "/*") {
+            in_comment = 1
+            out = out " "
+        } else if (mark == "\"" && out ~ /(^|[^A-Za-z0-9_])(u8|u|U|L)?R$/) {
+            at = index(s, "(")
+            raw_end = ")" substr(s, 1, at - 1) "\""
+            s = substr(s, at + 1)
+        } else if (mark == "'" && out ~ /[0-9a-fA-F]$/ && s ~ /^[0-9a-fA-F]/ &&
+                   out !~ /(^|[^A-Za-z0-9_])(u8|u|U|L)$/) {
+            continue  # 1'000
+        } else {
+            if (mark == "\"") match(s, /^([^"\\]|\\.)*"/)
+            else match(s, /^([^'\\]|\\.)*'/)
+            s = RSTART ? substr(s, RLENGTH + 1) : ""
+            out = out mark mark
+        }
+    }
+    return out
+}

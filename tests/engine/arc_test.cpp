@@ -1,0 +1,78 @@
+#include <algorithm>
+#include <limits>
+
+#include "engine/geometry/arc.hpp"
+#include "engine/geometry/outline.hpp"
+#include "tests/support/arc_oracle.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using Catch::Matchers::Contains;
+using palpate::tests::ArcOracle;
+using palpate::tests::Random;
+
+TEST_CASE("every point of a rational quadratic arc lies on its circle, with the circle's curvature",
+          "[geometry]") {
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const Vec2 from = random.point(-0.1, 0.1);
+        const Vec2 to = random.point(-0.1, 0.1);
+        const double chord = glm::length(to - from);
+        const double curvature = random.in(-1.9, 1.9) / chord;
+        if (std::fabs(curvature) * chord < 1e-3) {
+            continue;
+        }
+        const RationalBezier<2> arc = make_arc(from, to, curvature);
+        const ArcOracle oracle{from, to, curvature};
+        const Vec2 centre = oracle.centre();
+        double off = 0.0;
+        double bend = 0.0;
+        for (int i = 0; i <= 64; ++i) {
+            const Frame frame = frame_at(arc, i / 64.0);
+            off = std::max(off, std::fabs(glm::length(frame.point - centre) - oracle.radius()));
+            bend = std::max(bend, std::fabs(frame.curvature / curvature - 1.0));
+        }
+        CHECK(off <= 1e-15 * (1.0 + oracle.radius() / chord));
+        CHECK(bend <= 1e-11);
+    }
+}
+
+TEST_CASE("derivatives agree with central differences for every degree and weight", "[geometry]") {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const int degree = 1 + random.below(kMaxDegree);
+        std::vector<Vec2> points;
+        std::vector<double> weights;
+        for (int i = 0; i <= degree; ++i) {
+            points.push_back(random.point(-1.0, 1.0));
+            weights.push_back(random.in(0.5, 2.0));
+        }
+        const RationalBezier<2> curve(points, weights);
+        const double u = random.in(0.1, 0.9);
+        const double e = 1e-5;
+        const Jet<2> jet = curve.at(u);
+        const Vec2 first = (curve.at(u + e).point - curve.at(u - e).point) / (2.0 * e);
+        const Vec2 second = (curve.at(u + e).first - curve.at(u - e).first) / (2.0 * e);
+        CHECK(glm::length(first - jet.first) <= 1e-6 * (1.0 + glm::length(jet.first)));
+        CHECK(glm::length(second - jet.second) <= 1e-5 * (1.0 + glm::length(jet.second)));
+    }
+}
+
+TEST_CASE("what is not a curve is refused with the value and the remedy", "[geometry]") {
+    const Vec2 a{0.0, 0.0};
+    const Vec2 b{0.1, 0.0};
+    CHECK_THROWS_WITH(make_line(a, a), Contains("apart"));
+    CHECK_THROWS_WITH(make_arc(a, b, 20.0), Contains("20.0") && Contains("below 19.8"));
+    CHECK_THROWS_WITH(make_arc(a, b, std::numeric_limits<double>::quiet_NaN()), Contains("nan"));
+    const std::vector<Vec2> points{a, b};
+    CHECK_THROWS_WITH(RationalBezier<2>(points, std::vector{1.0, 0.0}),
+                      Contains("weight 1") && Contains("above 0"));
+    CHECK_THROWS_WITH(RationalBezier<2>(points, std::vector{1.0}), Contains("one weight"));
+    CHECK_THROWS_WITH(RationalBezier<2>(std::vector{a}, std::vector{1.0}), Contains("2 to 10"));
+    CHECK_THROWS_WITH(
+        RationalBezier<2>(std::vector{a, Vec2{1.0 / 0.0, 0.0}}, std::vector{1.0, 1.0}),
+        Contains("not finite"));
+}

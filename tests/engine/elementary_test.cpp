@@ -1,0 +1,80 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/math/elementary.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using palpate::tests::Random;
+
+namespace {
+
+/// Error in ulp of the true value, or of 1 when `floor_at_one` (near a zero of sine or cosine).
+double ulps(double value, long double truth, double smallest = 0.0) {
+    const double scale = std::max(std::fabs(static_cast<double>(truth)), smallest);
+    const double ulp = std::nextafter(scale, std::numeric_limits<double>::infinity()) - scale;
+    return static_cast<double>(std::fabs(static_cast<long double>(value) - truth)) / ulp;
+}
+
+}  // namespace
+
+// Origin of the expected values: the C library's long double functions (64-bit mantissa).
+TEST_CASE("sine and cosine are within 2 ulp, or 2.3e-16 near their zeros", "[math]") {
+    Random random(11);
+    double worst = 0.0;
+    for (int i = 0; i < 1'000'000; ++i) {
+        const double x = i % 2 == 0 ? random.in(-7.0, 7.0) : random.in(-1e5, 1e5);
+        const SinCos both = sin_cos(x);
+        worst = std::max({worst, ulps(both.sin, std::sin(static_cast<long double>(x)), 0.5),
+                          ulps(both.cos, std::cos(static_cast<long double>(x)), 0.5)});
+    }
+    CHECK(worst <= 2.0);
+}
+
+TEST_CASE("the arctangent of two sides is within 2 ulp in all quadrants", "[math]") {
+    Random random(12);
+    double worst = 0.0;
+    for (int i = 0; i < 1'000'000; ++i) {
+        const double x = random.in(-1.0, 1.0) * random.decade(-3.0, 3.0);
+        const double y = random.in(-1.0, 1.0) * random.decade(-3.0, 3.0);
+        worst = std::max(worst, ulps(arc_tan2(y, x), std::atan2(static_cast<long double>(y),
+                                                                static_cast<long double>(x))));
+    }
+    CHECK(worst <= 2.0);
+    CHECK(arc_tan2(0.0, 0.0) == 0.0);
+    CHECK(arc_tan2(0.0, -1.0) == kPi);
+    CHECK(arc_tan2(1.0, 0.0) == kPi / 2);
+    CHECK(arc_tan2(-1.0, 0.0) == -kPi / 2);
+}
+
+TEST_CASE("the arccosine is within 4e-16 and clamps what rounding put outside", "[math]") {
+    Random random(13);
+    double worst = 0.0;
+    for (int i = 0; i < 200'000; ++i) {
+        const double c = random.in(-1.0, 1.0);
+        worst = std::max(
+            worst,
+            std::fabs(arc_cos(c) - static_cast<double>(std::acos(static_cast<long double>(c)))));
+    }
+    CHECK(worst <= 4.5e-16);
+    CHECK(arc_cos(1.0 + 1e-15) == 0.0);
+    CHECK(arc_cos(-1.0 - 1e-15) == kPi);
+}
+
+TEST_CASE("the logarithm is within 2 ulp over 600 decades", "[math]") {
+    Random random(14);
+    double worst = 0.0;
+    for (int i = 0; i < 500'000; ++i) {
+        const double x = i % 2 == 0 ? random.decade(-300.0, 300.0) : random.in(0.5, 2.0);
+        worst = std::max(worst, ulps(natural_log(x), std::log(static_cast<long double>(x)), 1e-3));
+    }
+    CHECK(worst <= 2.0);
+    CHECK(natural_log(1.0) == 0.0);
+}
+
+TEST_CASE("sine and cosine of what is not finite are NaN", "[math]") {
+    CHECK(std::isnan(sin_cos(std::numeric_limits<double>::infinity()).sin));
+    CHECK(std::isnan(sin_cos(std::numeric_limits<double>::quiet_NaN()).cos));
+}

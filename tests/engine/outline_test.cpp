@@ -1,0 +1,63 @@
+#include <cmath>
+
+#include "engine/geometry/arc.hpp"
+#include "engine/geometry/outline.hpp"
+#include "stimuli/two_curve.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace palpate::engine;
+using namespace palpate;
+using Catch::Matchers::Contains;
+
+TEST_CASE("the turn at the vertex is 90 degrees less twice what the arcs take up", "[geometry]") {
+    // Each arc turns by 2 asin(kappa c / 2) over its chord, half of it at either end.
+    const double kappa = GENERATE(-20.0, -10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
+    CAPTURE(kappa);
+    const auto outline = stimuli::make_outline({.curvature = kappa});
+    const double half_chord = 0.5 * std::hypot(0.040, 0.040);
+    const Joint& vertex = outline->joints()[0];
+    CHECK(vertex.kind == JointKind::convex);
+    CHECK(std::fabs(vertex.turn - (M_PI / 2.0 - 2.0 * std::asin(kappa * half_chord))) < 1e-14);
+    CHECK(outline->joints().size() == 3);
+    CHECK(outline->joints()[1].kind == JointKind::convex);
+    CHECK(outline->joints()[2].kind == JointKind::convex);
+}
+
+TEST_CASE("joints are classified by the side to which the outline turns", "[geometry]") {
+    const auto bend = [](Vec2 end) {
+        return Outline({make_line({-1.0, 0.0}, {0.0, 0.0}), make_line({0.0, 0.0}, end)}, false)
+            .joints()[0];
+    };
+    CHECK(bend({1.0, -0.5}).kind == JointKind::convex);
+    CHECK(bend({1.0, 0.5}).kind == JointKind::concave);
+    CHECK(bend({1.0, 0.0}).kind == JointKind::smooth);
+}
+
+TEST_CASE("an outline that is not one is refused with the reason", "[geometry]") {
+    CHECK_THROWS_WITH(Outline({}, false), Contains("at least one"));
+    CHECK_THROWS_WITH(
+        Outline({make_line({0.0, 0.0}, {1.0, 0.0}), make_line({1.0, 0.1}, {2.0, 0.0})}, false),
+        Contains("segment 1 starts 0.1"));
+    CHECK_THROWS_WITH(
+        Outline({make_line({0.0, 0.0}, {1.0, 0.0}), make_line({1.0, 0.0}, {0.0, 0.0})}, false),
+        Contains("turns back on itself"));
+    CHECK_THROWS_WITH(
+        stimuli::make_outline({.a = {0.04, 0.0}, .vertex = {0.0, 0.04}, .b = {-0.04, 0.0}}),
+        Contains("clockwise"));
+}
+
+TEST_CASE("walking over every end of a closed outline comes back to the start", "[geometry]") {
+    const auto outline = stimuli::make_outline({});
+    std::size_t segment = 0;
+    for (int i = 0; i < 3; ++i) {
+        segment = outline->joints()[outline->joint_beyond(segment, true).value()].after;
+    }
+    CHECK(segment == 0);
+    for (int i = 0; i < 3; ++i) {
+        segment = outline->joints()[outline->joint_beyond(segment, false).value()].before;
+    }
+    CHECK(segment == 0);
+    const Outline open({make_line({0.0, 0.0}, {1.0, 0.0})}, false);
+    CHECK_FALSE(open.joint_beyond(0, true).has_value());
+    CHECK_FALSE(open.joint_beyond(0, false).has_value());
+}

@@ -1,0 +1,163 @@
+#include <cstring>
+#include <limits>
+
+#include "engine/rendering/scene.hpp"
+#include "stimuli/two_curve.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/arc_oracle.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/hands.hpp"
+
+using namespace palpate;
+using namespace palpate::engine;
+using Catch::Matchers::Contains;
+using palpate::tests::ArcOracle;
+using palpate::tests::Random;
+using palpate::tests::random_hand;
+
+namespace {
+
+constexpr Slew kSlew{.speed = 0.2, .radius = 0.003};
+constexpr Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+constexpr double kCurvatures[] = {-10.0, -5.0, 0.0, 5.0, 10.0};
+
+Scene scene_of(double curvature, const Friction& friction, const Slew& slew) {
+    return {stimuli::make_outline({.curvature = curvature}), {.friction = friction, .slew = slew}};
+}
+
+/// Over and into the whole object, at hand speed.
+std::vector<Vec2> hand(std::uint64_t seed) {
+    return random_hand(seed, 4000, {-0.045, -0.004}, {0.045, 0.046});
+}
+
+}  // namespace
+
+TEST_CASE("without friction the force is K times the depth along the closest point's normal",
+          "[scene][law]") {
+    const double kappa = kCurvatures[GENERATE(0, 1, 2, 3, 4)];
+    CAPTURE(kappa);
+    const Scene scene = scene_of(kappa, {}, {});
+    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
+    ContactState state;
+    double worst = 0.0;
+    int touched = 0;
+    for (int k = 0; k < 4000; ++k) {  // strokes along A-V, 3 mm deep at most, both ways
+        const double s = 0.5 - 0.35 * std::cos(k * 1e-3 * 3.0);
+        const double depth = 0.003 * std::sin(k * 1e-3 * 1.7);
+        const ArcOracle::Foot on = side.closest(side.from + s * (side.to - side.from));
+        const Vec2 h = on.point - depth * on.normal;
+        const Contact contact = scene.tick(state, h);
+        const ArcOracle::Foot foot = side.closest(h);
+        const Vec2 exact = depth > 0.0 ? 1000.0 * foot.distance * foot.normal : Vec2{};
+        worst = std::max(worst, glm::length(contact.force - exact));
+        touched += contact.mode != Mode::free ? 1 : 0;
+    }
+    CHECK(touched > 1000);
+    CHECK(worst <= 1e-10);
+}
+
+TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    CAPTURE(seed);
+    for (const double kappa : kCurvatures) {
+        for (const Friction& friction : {Friction{}, kFriction}) {
+            const Scene scene = scene_of(kappa, friction, kSlew);
+            const OutlineFeet feet(scene.outline());
+            ContactState state;
+            bool was_inside = false;
+            for (const Vec2& h : hand(seed)) {
+                const Contact contact = scene.tick(state, h);
+                const bool inside = feet.closest(h).inside;
+                // A sliding contact may still hold for the tick in which HIP leaves over another side.
+                if (!inside && !was_inside) {
+                    REQUIRE(contact.mode == Mode::free);
+                }
+                if (contact.mode == Mode::free) {
+                    REQUIRE(contact.force == Vec2{});
+                }
+                was_inside = inside || contact.mode != Mode::free;
+            }
+        }
+    }
+}
+
+TEST_CASE("the same path gives the same forces to the bit, and a state can be copied mid-way",
+          "[scene][law]") {
+    const Scene scene = scene_of(5.0, kFriction, kSlew);
+    ContactState first;
+    ContactState second;
+    const std::vector<Vec2> path = hand(3);
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        if (k == path.size() / 2) {
+            second = first;
+        }
+        const Contact a = scene.tick(first, path[k]);
+        const Contact b = scene.tick(second, path[k]);
+        REQUIRE(std::memcmp(&a.force, &b.force, sizeof a.force) == 0);
+    }
+}
+
+TEST_CASE("a tick allocates nothing", "[scene][law]") {
+    for (const Friction& friction : {Friction{}, kFriction}) {
+        const Scene scene = scene_of(-5.0, friction, kSlew);
+        const std::vector<Vec2> path = hand(7);
+        ContactState state;
+        const std::size_t before = tests::allocations();
+        for (const Vec2& h : path) {
+            static_cast<void>(scene.tick(state, h));
+        }
+        CHECK(tests::allocations() == before);
+    }
+}
+
+TEST_CASE("a HIP that is not finite gives zero force, and the next tick is sane", "[scene][law]") {
+    const Scene scene = scene_of(0.0, kFriction, kSlew);
+    const double bad =
+        GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
+    ContactState state;
+    static_cast<void>(scene.tick(state, {-0.02, 0.025}));
+    const Contact inside = scene.tick(state, {-0.02, 0.018});
+    REQUIRE(inside.mode != Mode::free);
+    const Contact refused = scene.tick(state, {bad, 0.018});
+    CHECK(refused.refused);
+    CHECK(refused.force == Vec2{});
+    const Contact again = scene.tick(state, {-0.02, 0.018});
+    CHECK(again.mode != Mode::free);
+    CHECK(std::fabs(again.normal_force - inside.normal_force) < 1e-9);
+}
+
+TEST_CASE("finite in, finite out: HIP anywhere, at any speed", "[scene][law]") {
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const Scene scene =
+            scene_of(random.in(-20.0, 20.0), seed % 2 == 0 ? kFriction : Friction{}, kSlew);
+        ContactState state;
+        for (int k = 0; k < 2000; ++k) {
+            const double size = random.decade(-4.0, 3.0);
+            const Contact c = scene.tick(state, random.point(-size, size));
+            REQUIRE((std::isfinite(c.force.x) && std::isfinite(c.force.y) &&
+                     std::isfinite(c.go.x) && std::isfinite(c.go.y)));
+            REQUIRE(c.normal_force >= 0.0);
+        }
+    }
+}
+
+TEST_CASE("a scene refuses values out of range, with the value and the remedy", "[scene]") {
+    const auto outline = stimuli::make_outline({});
+    const auto refusal = [&](const SceneSpec& spec) -> std::string {
+        try {
+            const Scene scene(outline, spec);
+        } catch (const std::invalid_argument& e) {
+            return e.what();
+        }
+        return "accepted";
+    };
+    CHECK_THAT(refusal({.stiffness = 0.0}), Contains("stiffness is 0.0") && Contains("above 0"));
+    CHECK_THAT(refusal({.period = -0.001}), Contains("period"));
+    CHECK_THAT(refusal({.friction = {.mu_s = 0.4, .mu_d = 0.5}}),
+               Contains("mu_s is 0.4") && Contains("not below mu_d"));
+    CHECK_THAT(refusal({.friction = {.mu_s = 0.4, .mu_d = -0.5}}), Contains("mu_d is -0.5"));
+    CHECK_THAT(refusal({.slew = {.speed = 0.2, .radius = 0.0}}), Contains("vertex radius"));
+    CHECK(refusal({}) == "accepted");
+}

@@ -1,0 +1,73 @@
+#include <cmath>
+
+#include "engine/device/simulated_pantograph.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace palpate::engine;
+using Catch::Matchers::Contains;
+
+TEST_CASE("without forces the handle follows the hand's intention from start to end", "[device]") {
+    SimulatedPantograph device({}, 1e-3);
+    const Exploration plan{.tremor = 0.0};
+    device.begin(plan);
+    const HandPath path(plan);
+    double worst = 0.0;
+    int ticks = 0;
+    while (!device.hand_is_done()) {
+        const Reading reading = device.read();
+        REQUIRE(reading.ok);
+        device.write({});
+        worst = std::max(worst, glm::length(reading.hip - path.at(ticks * 1e-3).position));
+        ++ticks;
+    }
+    CHECK(std::fabs(ticks * 1e-3 - path.duration()) < 2e-3);
+    CHECK(worst < 0.004);  // lag of joint damping and of the corners of the path
+}
+
+TEST_CASE("a constant force moves the handle by force over hand stiffness", "[device][law]") {
+    PantographModel model;
+    const double period = GENERATE(1e-3, 0.25e-3, 0.1e-3);
+    SimulatedPantograph device(model, period);
+    // A path that stands still: the hand holds its start.
+    device.begin({.start = {0.0, 0.030}, .speed = 1e-6, .tremor = 0.0});
+    const Vec2 force = GENERATE(Vec2{1.5, 0.0}, Vec2{0.0, -2.0}, Vec2{-0.7, 0.9});
+    Vec2 hip{};
+    for (int i = 0; i < static_cast<int>(3.0 / period); ++i) {
+        hip = device.read().hip;
+        device.write(force);
+    }
+    // Torques are rounded to DAC codes and HIP to counts: 1 um and 0.1 mN here.
+    CHECK(glm::length(hip - (Vec2{0.0, 0.030} + force / model.hand_stiffness)) < 2e-5);
+}
+
+TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
+    SimulatedPantograph device({}, 1e-3);
+    static_cast<void>(device.read());
+    const Applied gentle = device.write({0.0, -2.0});
+    CHECK_FALSE(gentle.saturated);
+    const Applied hard = device.write({0.0, -200.0});
+    CHECK(hard.saturated);
+    CHECK(std::max(std::abs(hard.codes[0]), std::abs(hard.codes[1])) == 32767);
+    CHECK(std::fabs(static_cast<double>(hard.codes[0]) / hard.codes[1] -
+                    static_cast<double>(gentle.codes[0]) / gentle.codes[1]) < 1e-3);
+}
+
+TEST_CASE("HIP is what the counts say", "[device][law]") {
+    const PantographModel model;
+    SimulatedPantograph device(model, 1e-3);
+    for (int i = 0; i < 2000; ++i) {
+        const Reading reading = device.read();
+        device.write({});
+        const double count = 2.0 * M_PI / model.counts_per_turn;
+        const auto pose =
+            model.linkage.forward({reading.counts[0] * count, reading.counts[1] * count});
+        REQUIRE(pose);
+        REQUIRE(glm::length(pose->handle - model.origin - reading.hip) < 1e-15);
+    }
+}
+
+TEST_CASE("a start out of reach is refused with the place and the remedy", "[device]") {
+    SimulatedPantograph device({}, 1e-3);
+    CHECK_THROWS_WITH(device.begin({.start = {0.0, 0.5}}),
+                      Contains("0.5") && Contains("move the start"));
+}

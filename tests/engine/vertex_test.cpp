@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/geometry/arc.hpp"
+#include "engine/rendering/scene.hpp"
+#include "stimuli/two_curve.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using namespace palpate::engine;
+using palpate::tests::Random;
+
+namespace {
+
+constexpr Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+constexpr Slew kSlew{.speed = 0.2, .radius = 0.003};
+
+std::shared_ptr<const Outline> corner(const Vec2& from, const Vec2& to) {
+    return std::make_shared<const Outline>(
+        Outline({make_line(from, {0.0, 0.0}), make_line({0.0, 0.0}, to)}, false));
+}
+
+}  // namespace
+
+TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule", "[vertex][law]") {
+    // HIP passes under a shallow convex corner while the GO is stuck before it: the force stays that of
+    // the spring, in a straight line with HIP, although the closest feature changes.
+    const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.friction = kFriction, .slew = kSlew});
+    ContactState state;
+    static_cast<void>(scene.tick(state, {-0.001, 0.001}));
+    const Contact first = scene.tick(state, {-0.001, -0.010});
+    REQUIRE(first.mode != Mode::free);
+    std::size_t changes = 0;
+    for (int k = 1; k <= 30; ++k) {
+        const Vec2 h{-0.001 + k * 1e-4, -0.010};
+        const Contact c = scene.tick(state, h);
+        REQUIRE(c.mode == Mode::stuck);
+        CHECK(glm::length(c.force - 1000.0 * (first.go - h)) < 1e-12);
+        changes += c.cp.place.index != 0 ? 1U : 0U;
+    }
+    CHECK(changes > 0);
+}
+
+TEST_CASE("a convex vertex is crossed whole, and the GO arrives on the other curve's closest point",
+          "[vertex]") {
+    for (const Slew& slew : {Slew{}, kSlew}) {
+        const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.slew = slew});
+        ContactState state;
+        Contact c;
+        for (int k = 0; k <= 400; ++k) {  // along the corner, 3 mm below
+            const double x = -0.02 + k * 1e-4;
+            c = scene.tick(state, {x, -0.003 - std::max(0.0, 0.4 * x)});
+        }
+        for (int k = 0; k < 50; ++k) {
+            c = scene.tick(state, state.last_hip);
+        }
+        CHECK_FALSE(c.place.on_joint);
+        CHECK(c.place.index == 1);
+        CHECK(glm::length(c.go - c.cp.point) < 1e-14);
+    }
+}
+
+TEST_CASE("slew spreads the corner: smaller steps of force than without", "[vertex]") {
+    const auto largest_step = [](const Slew& slew) {
+        const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.slew = slew});
+        ContactState state;
+        Vec2 last{};
+        double most = 0.0;
+        for (int k = 0; k <= 4000; ++k) {
+            const double x = -0.02 + k * 1e-5;
+            const Contact c = scene.tick(state, {x, -0.003 - std::max(0.0, 0.4 * x)});
+            most = k > 1 ? std::max(most, glm::length(c.force - last)) : 0.0;
+            last = c.force;
+        }
+        return most;
+    };
+    // Without: the closest-point normal flips by atan(0.4) at once, a jump near 2 K d sin(turn / 2).
+    CHECK(largest_step({}) > 0.9);
+    CHECK(largest_step(kSlew) < 0.3);
+}
+
+TEST_CASE("in a concave vertex both normals carry, and no friction lets go of the force",
+          "[vertex][law]") {
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const double angle = random.in(0.2, 1.5);  // turn to the left
+        const Scene scene(corner({-0.1, 0.0}, {0.1 * std::cos(angle), 0.1 * std::sin(angle)}),
+                          {.friction = seed % 2 == 0 ? kFriction : Friction{}});
+        ContactState state;
+        // Straight into the internal fan of the vertex, between the two inward normals.
+        const double between = random.in(0.1, 0.9) * angle;
+        const Vec2 into{std::sin(between), -std::cos(between)};
+        Contact c;
+        for (int k = -20; k <= 40; ++k) {
+            c = scene.tick(state, 1e-4 * k * into);
+        }
+        REQUIRE(c.mode != Mode::free);
+        CHECK(c.go == Vec2{});
+        CHECK(glm::length(c.force + 1000.0 * 4e-3 * into) < 1e-9);
+        CHECK(std::fabs(c.normal_force - 4.0) < 1e-9);
+        CHECK(std::fabs(c.tangential_force) < 1e-9);
+    }
+}
+
+TEST_CASE("an open end holds the god-object until HIP leaves, inside the cone", "[vertex]") {
+    const Scene scene(
+        std::make_shared<const Outline>(Outline({make_line({-0.1, 0.0}, {0.0, 0.0})}, false)), {});
+    ContactState state;
+    Contact c;
+    for (int k = 0; k <= 100; ++k) {
+        c = scene.tick(state, {-0.005 + k * 1e-4, -0.002});
+    }
+    CHECK(c.go == Vec2{});
+    CHECK(c.tangential_force == 0.0);
+    CHECK(std::fabs(c.normal_force - 2.0) < 1e-12);
+    c = scene.tick(state, {0.005, 0.0005});
+    CHECK(c.mode == Mode::free);
+}
+
+TEST_CASE("starting inside the object begins a contact at the closest point", "[vertex]") {
+    const Scene scene(stimuli::make_outline({}), {.friction = kFriction, .slew = kSlew});
+    ContactState state;
+    const Contact c = scene.tick(state, {-0.021, 0.017});
+    CHECK(c.mode == Mode::stuck);
+    CHECK(glm::length(c.go - c.cp.point) < 1e-15);
+    CHECK(std::fabs(c.normal_force - 1000.0 * 0.002 / std::sqrt(2.0)) < 1e-9);
+}

@@ -1,0 +1,211 @@
+#!/bin/sh
+# What the launcher promises, each on a fresh fake machine.   sh launcher_test.sh PATH/TO/palpate
+# shellcheck disable=SC1091,SC2016,SC2034,SC2154
+set -u
+launcher=$1
+scratch=$(mktemp -d)
+trap 'rm -rf "$scratch"' EXIT
+count=0
+failed=0
+unset LC_ALL
+. "$(dirname "$0")/fake_machine.sh"
+
+holds() { # holds LAW COMMAND...
+    law=$1
+    shift
+    if "$@"; then
+        echo "ok      $law"
+    else
+        failed=$((failed + 1))
+        printf '%s\n' "NOT OK  $law" "  code: $code" "  calls: $calls" "  out: $out" "  err: $err"
+    fi
+}
+has() { case $1 in *"$2"*) return 0 ;; esac; return 1; }
+lacks() { ! has "$@"; }
+install='apt-get install -y --no-install-recommends'
+
+sh -n "$launcher" || exit 1
+
+new_machine 0
+launch demo
+holds 'the first call configures without the tests' has "$calls" 'cmake -DPALPATE_TESTS=OFF --preset release'
+holds 'and builds only the program' has "$calls" '--target palpate'
+holds 'the exit code is the program'\''s' [ "$code" = 42 ]
+holds 'standard output is the program'\''s alone' [ "$out" = '<demo>' ]
+holds 'nothing is installed when nothing is missing' lacks "$calls" apt-get
+holds 'the program keeps the locale of its user' grep -q 'locale unset' "$machine/program-saw"
+holds 'and does not keep others from starting' grep -q 'lock free' "$machine/program-saw"
+: >"$machine/calls"
+launch demo
+holds 'the second call configures nothing' lacks "$calls" preset
+holds 'the second call says nothing' [ -z "$err" ]
+holds 'the second call asks dpkg once' [ "$(grep -c dpkg-query "$machine/calls")" = 1 ]
+: >"$machine/calls"
+launch test -R 'a law'
+holds 'test configures with the tests' has "$calls" 'cmake -DPALPATE_TESTS=ON --preset release'
+holds 'test builds everything' has "$calls" '--target all'
+holds 'test hands its arguments to ctest' has "$calls" \
+    "ctest --test-dir $tree/build --output-on-failure -j2 --no-tests=error -R a law"
+holds 'the exit code of test is ctest'\''s' [ "$code" = 8 ]
+: >"$machine/calls"
+launch demo
+launch test
+holds 'once asked for, the tests stay on' lacks "$calls" preset
+
+new_machine 0
+launch '' 'two words' "a 'single' and a \"double\"" '*' '$HOME' '--no-install' '\n'
+expected="<>
+<two words>
+<a 'single' and a \"double\">
+<*>
+<\$HOME>
+<--no-install>
+<\\n>"
+holds 'arguments arrive as they were given' [ "$out" = "$expected" ]
+launch
+holds 'no arguments stay no arguments' [ -z "$out" ]
+launch -- test
+holds 'only the first word can be the launcher'\''s' has "$out" '<test>'
+
+new_machine 0
+lacking libfmt-dev g++
+launch demo
+holds 'what is missing is named' has "$err" 'not installed: g++ libfmt-dev'
+holds 'root installs it, without sudo' has "$calls" "
+$install g++ libfmt-dev"
+holds 'what apt says is not on standard output' [ "$out" = '<demo>' ]
+holds 'nobody calls sudo for root' lacks "$calls" sudo
+holds 'and goes on to the program' [ "$code" = 42 ]
+holds 'lists that know the packages are not fetched again' lacks "$calls" 'apt-get update'
+holds 'a plain command asks for no test package' lacks "$err" catch2
+
+new_machine 0
+lacking libfmt-dev
+cp "$machine/known" "$machine/mirror"
+: >"$machine/known"
+launch demo
+holds 'empty lists are fetched first' has "$calls" "apt-get update
+$install libfmt-dev"
+holds 'before anybody is alarmed' lacks "$err" 'Unable to locate'
+holds 'and then it goes on' [ "$code" = 42 ]
+
+new_machine 1000
+lacking catch2 xvfb
+launch test
+holds 'others install through sudo' has "$calls" "sudo apt-get -q"
+holds 'test asks for the packages of the tests' has "$calls" "$install catch2 xvfb"
+holds 'and ctest runs' has "$calls" 'ctest --test-dir'
+
+new_machine 1000
+lacking libfmt-dev
+rm "$machine/bin/sudo"
+launch demo
+holds 'neither root nor sudo: leaves with 3' [ "$code" = 3 ]
+holds 'and says what to run' has "$err" "$install libfmt-dev"
+holds 'and builds nothing' lacks "$calls" cmake
+
+new_machine 1000
+lacking libfmt-dev
+touch "$machine/sudo-refuses"
+launch demo
+holds 'sudo refuses: leaves with 3' [ "$code" = 3 ]
+holds 'and says what to run by hand' has "$err" 'cmake --preset release'
+
+new_machine 1000
+lacking libfmt-dev sqlite3
+launch --no-install demo
+holds '--no-install: leaves with 3' [ "$code" = 3 ]
+holds 'and names what is missing' has "$err" 'not installed: libfmt-dev sqlite3'
+holds 'and gives the command' has "$err" "sudo apt-get update && sudo $install libfmt-dev sqlite3"
+holds 'and runs nothing but dpkg-query' [ "$calls" = dpkg-query ]
+new_machine 1000
+launch --no-install demo
+holds '--no-install goes on when nothing is missing' [ "$out" = '<demo>' ]
+
+new_machine 0
+lacking libsdl2-dev
+sed -i 's/liboffered-dev/libsdl2-dev/' "$machine/bin/dpkg-query"
+launch demo
+holds 'a package that another one provides is not missing' lacks "$err" 'not installed'
+
+new_machine 0
+lacking libglm-dev
+grep -vx libglm-dev "$machine/known" >"$machine/less" && mv "$machine/less" "$machine/known"
+launch demo
+holds 'a system whose apt does not know a package: leaves with 3' [ "$code" = 3 ]
+holds 'after fetching the lists once' [ "$(grep -c 'apt-get update' "$machine/calls")" = 1 ]
+holds 'and names the systems that do' has "$err" 'Ubuntu 24.04'
+
+new_machine 0
+rm "$machine/bin/dpkg-query" "$machine/bin/apt-get" "$machine/bin/ninja"
+launch demo
+holds 'no apt, no tools: leaves with 3' [ "$code" = 3 ]
+holds 'with the list of packages' has "$err" 'libtomlplusplus-dev'
+holds 'and the plain CMake way' has "$err" 'cmake --build --preset release'
+fake ninja </dev/null
+launch demo
+holds 'no apt, but the tools are there: goes on' [ "$out" = '<demo>' ]
+new_machine 0
+rm "$machine/bin/dpkg-query"
+touch "$machine/cannot-configure"
+launch demo
+holds 'no apt, and a library is missing: leaves with 3' [ "$code" = 3 ]
+holds 'with CMake'\''s reason' has "$err" 'CMake Error: no fmt'
+
+new_machine 0
+touch "$machine/broken-source"
+launch demo
+holds 'a build that fails leaves with 1' [ "$code" = 1 ]
+holds 'shows the end of the log' has "$err" 'engine.cpp:3: error: this is broken'
+holds 'and where the log is' has "$err" "$tree/build/palpate-build.log"
+holds 'and nothing on standard output' [ -z "$out" ]
+
+new_machine 0
+mkdir "$machine/elsewhere"
+ln -s '../my tree/palpate' "$machine/elsewhere/link"
+here=$machine/elsewhere as=./link
+launch demo
+holds 'runs through a symbolic link' [ "$out" = '<demo>' ]
+holds 'in the folder of its caller' grep -q "here $machine/elsewhere" "$machine/program-saw"
+here=$machine/elsewhere as='../my tree/palpate'
+holds 'and builds in its own tree' [ ! -e "$machine/elsewhere/build" ]
+launch demo
+holds 'runs from any folder' [ "$out" = '<demo>' ]
+unset here as
+
+new_machine 0
+launch demo
+rm "$tree/build/build.ninja"
+: >"$machine/calls"
+launch demo
+holds 'a configuration that was cut short is made again' has "$calls" preset
+
+new_machine 0
+launch demo
+cp -R "$tree" "$machine/copy"
+: >"$machine/calls"
+as=$machine/copy/palpate
+launch demo
+holds 'a copied checkout is configured anew' has "$calls" 'cmake --fresh'
+unset as
+
+new_machine 0
+answer=$(cd "$tree" && echo typed | PATH=$machine/bin ./palpate read-input 2>/dev/null)
+holds 'standard input is the program'\''s' has "$answer" typed
+
+new_machine 0
+launch demo
+(cd "$tree" && PATH=$machine/bin exec ./palpate demo >"$machine/out" 2>&1) &
+wait $!
+holds 'signals reach the program: it is the launcher'\''s own process' grep -qx "process $!" "$machine/program-saw"
+
+new_machine 0
+(cd "$tree" && PATH=$machine/bin ./palpate one >"$machine/one" 2>/dev/null) &
+launch two
+wait
+holds 'two at once both run' [ "$(cat "$machine/one") $out" = '<one> <two>' ]
+calls=$(cat "$machine/calls")
+holds 'and configure once' [ "$(grep -c preset "$machine/calls")" = 1 ]
+
+echo "$failed of the launcher's laws broken"
+[ $failed = 0 ]

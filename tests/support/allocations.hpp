@@ -1,0 +1,10 @@
+#pragma once
+
+#include <cstddef>
+
+namespace palpate::tests {
+
+/// Calls of operator new in this program so far. Link tests/support/allocations.cpp.
+[[nodiscard]] std::size_t allocations() noexcept;
+
+}  // namespace palpate::tests
