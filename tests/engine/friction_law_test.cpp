@@ -6,6 +6,7 @@
 #include "stimuli/two_curve.hpp"
 #include "tests/support/arc_oracle.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/gos_oracle.hpp"
 #include "tests/support/hands.hpp"
 
 using namespace palpate;
@@ -90,6 +91,38 @@ TEST_CASE("a slipping god-object rests where the law of sines puts it", "[fricti
     const Vec2 go = centre + radius * Vec2{std::cos(angle), std::sin(angle)};
     CHECK(glm::length(contact.go - go) <= 1e-14);
     CHECK(std::fabs(std::fabs(contact.tangential_force) - mu * contact.normal_force) <= 1e-10);
+}
+
+TEST_CASE("whole strokes agree with the law solved by trigonometry, tick for tick",
+          "[friction][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    CAPTURE(seed);
+    Random random(seed);
+    const double kappa = seed % 5 == 0 ? 0.0 : random.in(-12.0, 12.0);
+    const Friction friction = seed % 4 == 0 ? Friction{} : random_friction(random);
+    const double k = random.in(100.0, 2000.0);
+    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, kappa};
+    const Scene scene(stimuli::make_outline({.curvature = kappa}),
+                      {.stiffness = k, .friction = friction});
+    tests::GosOracle oracle(side, {.stiffness = k,
+                                   .mu_s = friction.mu_s,
+                                   .mu_d = friction.mu_d,
+                                   .tau_slip = friction.tau_slip,
+                                   .tau_heal = friction.tau_heal});
+    ContactState state;
+    double worst = 0.0;
+    int touched = 0;
+    for (int i = 0; i < 6000; ++i) {  // in and out of the side, away from its ends
+        const double t = i * 1e-3;
+        const double s = 0.5 + 0.3 * std::sin(2.1 * t + 1.0) + 0.02 * std::sin(31.0 * t);
+        const ArcOracle::Foot on = side.closest(side.from + s * (side.to - side.from));
+        const Vec2 h = on.point - (0.0012 + 0.002 * std::sin(3.7 * t)) * on.normal;
+        const Contact contact = scene.tick(state, h);
+        worst = std::max(worst, glm::length(contact.force - oracle.tick(h)));
+        touched += contact.mode != Mode::free ? 1 : 0;
+    }
+    CHECK(touched > 2000);
+    CHECK(worst <= 1e-9);
 }
 
 // Moving the GO along the surface in the direction of the stretch never raises E = K/2 |GO - HIP|^2,

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace palpate::protocols {
+
+/// A protocol file that is part of the program. The source file is written by the build from the
+/// *.toml files of this folder.
+struct ShippedProtocol {
+    std::string_view name;  ///< the file's name without .toml
+    std::string_view text;
+};
+
+[[nodiscard]] std::span<const ShippedProtocol> shipped_protocols() noexcept;
+
+}  // namespace palpate::protocols

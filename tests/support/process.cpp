@@ -1,0 +1,119 @@
+#include "tests/support/process.hpp"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+#include <thread>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace palpate::tests {
+namespace {
+
+std::string slurp(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+void to_file(const std::string& path, int descriptor) {
+    const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    dup2(fd, descriptor);
+    close(fd);
+}
+
+}  // namespace
+
+TemporaryFolder::TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "palpate-test-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+        throw std::runtime_error("no temporary folder: " + name);
+    }
+    path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+std::vector<std::string> TemporaryFolder::names() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(path_)) {
+        names.push_back(entry.path().filename().string());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+Process::Process(const std::vector<std::string>& command,
+                 const std::vector<std::string>& environment) {
+    std::vector<char*> words;
+    for (const std::string& word : command) {
+        words.push_back(const_cast<char*>(word.c_str()));  // NOLINT: execvp's old signature
+    }
+    words.push_back(nullptr);
+    const std::string out = folder_.file("out");
+    const std::string error = folder_.file("error");
+    pid_ = fork();
+    if (pid_ == 0) {
+        for (const std::string& change : environment) {
+            const std::size_t equals = change.find('=');
+            if (equals == std::string::npos) {
+                unsetenv(change.c_str());
+            } else {
+                setenv(change.substr(0, equals).c_str(), change.substr(equals + 1).c_str(), 1);
+            }
+        }
+        to_file(out, STDOUT_FILENO);
+        to_file(error, STDERR_FILENO);
+        execvp(words[0], words.data());
+        _exit(127);
+    }
+}
+
+Process::~Process() {
+    if (!done_) {
+        signal(SIGKILL);
+        waitpid(pid_, &status_, 0);
+    }
+}
+
+void Process::signal(int number) const {
+    kill(pid_, number);
+}
+
+bool Process::running() {
+    if (!done_ && waitpid(pid_, &status_, WNOHANG) == pid_) {
+        done_ = true;
+    }
+    return !done_;
+}
+
+Finished Process::wait(std::chrono::seconds limit) {
+    const auto end = std::chrono::steady_clock::now() + limit;
+    while (running()) {
+        if (std::chrono::steady_clock::now() > end) {
+            signal(SIGKILL);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_),
+            slurp(folder_.file("out")), slurp(folder_.file("error"))};
+}
+
+std::string palpate_program() {
+    return PALPATE_PROGRAM;
+}
+
+Finished palpate_command(const std::vector<std::string>& arguments) {
+    std::vector<std::string> command{palpate_program()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return Process(command, {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}).wait();
+}
+
+}  // namespace palpate::tests

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace palpate::tests {
+
+/// A folder of its own under the system's temporary one, removed at the end.
+class TemporaryFolder {
+public:
+    TemporaryFolder();
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    ~TemporaryFolder();
+
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::string file(const std::string& name) const {
+        return (path_ / name).string();
+    }
+    /// Names of everything in it, sorted.
+    [[nodiscard]] std::vector<std::string> names() const;
+
+private:
+    std::filesystem::path path_;
+};
+
+struct Finished {
+    int code = -1;      ///< exit code, or 128 + signal
+    std::string out;    ///< standard output
+    std::string error;  ///< standard error
+};
+
+/// A child process with its output in files. Killed at the end of its life.
+class Process {
+public:
+    /// @param command      program and arguments
+    /// @param environment  "NAME=value" changes; "NAME" alone removes
+    explicit Process(const std::vector<std::string>& command,
+                     const std::vector<std::string>& environment = {});
+    Process(const Process&) = delete;
+    Process& operator=(const Process&) = delete;
+    ~Process();
+
+    [[nodiscard]] pid_t id() const { return pid_; }
+    void signal(int number) const;
+    [[nodiscard]] bool running();
+    /// Waits to the end; kills after `limit` and reports code 137.
+    Finished wait(std::chrono::seconds limit = std::chrono::seconds(120));
+
+private:
+    TemporaryFolder folder_;
+    pid_t pid_ = -1;
+    int status_ = 0;
+    bool done_ = false;
+};
+
+/// Runs the program under test, headless unless the arguments say otherwise.
+[[nodiscard]] Finished palpate_command(const std::vector<std::string>& arguments);
+
+/// Path of the program under test.
+[[nodiscard]] std::string palpate_program();
+
+}  // namespace palpate::tests

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "ui/cli/options.hpp"
+
+/// One function a command; each returns the exit code and throws for what went wrong.
+namespace palpate::ui {
+
+[[nodiscard]] int run_command(const RunOptions& options);
+[[nodiscard]] int demo_command(const DemoOptions& options);
+[[nodiscard]] int summary_command(const SummaryOptions& options);
+[[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
+
+/// The words or files given are wrong: exit code 2, nothing was created.
+inline constexpr int kExitUsage = 2;
+/// Something failed on the way: exit code 1, what was recorded is kept.
+inline constexpr int kExitFailure = 1;
+/// The experimenter or a signal ended the session early: exit code 3, it can be resumed.
+inline constexpr int kExitStopped = 3;
+
+}  // namespace palpate::ui

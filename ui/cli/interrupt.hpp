@@ -1,0 +1,12 @@
+#pragma once
+
+namespace palpate::ui {
+
+/// From now on SIGINT, SIGTERM and SIGHUP ask the session to stop instead of killing the program; a
+/// second SIGINT kills it. The force is ramped out and the trial kept as aborted.
+void catch_signals();
+
+/// A signal arrived.
+[[nodiscard]] bool interrupted() noexcept;
+
+}  // namespace palpate::ui
