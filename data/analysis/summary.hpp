@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "data/store/database.hpp"
+
+namespace palpate::data {
+
+/// What a person wants to see first, for a terminal: by study and run kind the confusion matrix, the
+/// share correct by friction with 95 % Wilson intervals, and what the file is called. Simulated and
+/// pilot data are never added to real ones, and say so in their title.
+[[nodiscard]] std::string summary_text(Database& database);
+
+/// Two queries to try, as they may be pasted into a shell; `file` is quoted.
+[[nodiscard]] std::string example_queries(const std::string& file);
+
+}  // namespace palpate::data

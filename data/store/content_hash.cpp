@@ -1,0 +1,75 @@
+#include "data/store/content_hash.hpp"
+
+#include <cstring>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "protocols/design/sha256.hpp"
+#include "data/store/reader.hpp"
+#include "data/trace/codec.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// The hash of hashes: each row's text is hashed, the sum hashes the list.
+class Content {
+public:
+    void line(const std::string& text) { all_ += protocols::sha256_hex(text) + '\n'; }
+    [[nodiscard]] std::string hash() const { return protocols::sha256_hex(all_); }
+
+private:
+    std::string all_;
+};
+
+std::vector<std::string> tables(Database& database) {
+    std::vector<std::string> names;
+    Statement row = database.prepare(
+        "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
+        " AND name NOT IN ('session_provenance', 'trace_chunk') ORDER BY name");
+    while (row.step()) {
+        names.push_back(row.text(0));
+    }
+    return names;
+}
+
+void add_table(Database& database, const std::string& table, Content& content) {
+    Statement row = database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2, 3", table));
+    while (row.step()) {
+        std::string text = table + ':';
+        for (int column = 0; column < row.columns(); ++column) {
+            if (!row.name(column).ends_with("_utc")) {
+                const std::string value =
+                    row.type(column) == 2 ? fmt::format("{}", row.real(column)) : row.text(column);
+                text += fmt::format("{}:{}:{};", row.type(column), value.size(), value);
+            }
+        }
+        content.line(text);
+    }
+}
+
+void add_traces(Database& database, Content& content) {
+    std::vector<std::int64_t> trials;
+    Statement row = database.prepare("SELECT id FROM trial ORDER BY id");
+    while (row.step()) {
+        trials.push_back(row.integer(0));
+    }
+    for (const std::int64_t trial : trials) {
+        const std::vector<std::byte> columns = shuffled_columns(read_trace(database, trial));
+        content.line(fmt::format("trace {} ", trial) +
+                     std::string(reinterpret_cast<const char*>(columns.data()), columns.size()));
+    }
+}
+
+}  // namespace
+
+std::string content_hash(Database& database) {
+    Content content;
+    for (const std::string& table : tables(database)) {
+        add_table(database, table, content);
+    }
+    add_traces(database, content);
+    return content.hash();
+}
+
+}  // namespace palpate::data

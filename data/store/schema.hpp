@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace palpate::data {
+
+/// "palp" in the file's header: says that a SQLite file is ours.
+inline constexpr std::int64_t kApplicationId = 0x70616C70;
+inline constexpr std::int64_t kSchemaVersion = 1;
+
+/// The whole schema as SQL, with its comments: the manual of the file.
+[[nodiscard]] std::string_view schema_sql() noexcept;
+
+}  // namespace palpate::data

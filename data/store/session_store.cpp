@@ -1,0 +1,288 @@
+#include "data/store/session_store.hpp"
+
+#include <cstring>
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "protocols/format/protocol_file.hpp"
+#include "data/trace/codec.hpp"
+#include "data/trace/columns.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::PlannedTrial;
+
+std::int64_t study_row(Database& database, const SessionSpec& spec) {
+    database
+        .prepare(
+            "INSERT INTO study (name, title, protocol_sha256, protocol_toml) VALUES (?1, ?2, ?3, "
+            "?4)"
+            " ON CONFLICT (protocol_sha256) DO NOTHING")
+        .bind(1, spec.protocol.id)
+        .bind(2, spec.protocol.title)
+        .bind(3, spec.protocol_hash)
+        .bind(4, protocols::to_toml(spec.protocol))
+        .run();
+    Statement row = database.prepare("SELECT id FROM study WHERE protocol_sha256 = ?1");
+    row.bind(1, spec.protocol_hash).step();
+    return row.integer(0);
+}
+
+std::int64_t participant_row(Database& database, const std::string& code) {
+    database.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING")
+        .bind(1, code)
+        .run();
+    Statement row = database.prepare("SELECT id FROM participant WHERE code = ?1");
+    row.bind(1, code).step();
+    return row.integer(0);
+}
+
+void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
+    Statement trial =
+        database.prepare("INSERT INTO plan VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
+    for (const PlannedTrial& planned : spec.plan.trials) {
+        const auto& object = spec.protocol.objects.at(planned.condition.object);
+        const auto& friction = spec.protocol.frictions.at(planned.condition.friction);
+        trial.bind(1, session)
+            .bind(2, static_cast<std::int64_t>(planned.position))
+            .bind(3, to_string(planned.phase))
+            .bind(4, object.name)
+            .bind(5, object.curvature)
+            .bind(6, friction.name)
+            .bind(7, friction.mu_s)
+            .bind(8, friction.mu_d)
+            .bind(9, std::int64_t{planned.break_before ? 1 : 0})
+            .run();
+    }
+    Statement picture = database.prepare("INSERT INTO picture VALUES (?1, ?2, ?3)");
+    for (std::size_t place = 0; place < spec.plan.picture_order.size(); ++place) {
+        picture.bind(1, session)
+            .bind(2, static_cast<std::int64_t>(place))
+            .bind(3, spec.protocol.objects.at(spec.plan.picture_order[place]).name)
+            .run();
+    }
+}
+
+void describe_columns(Database& database) {
+    Statement column =
+        database.prepare("INSERT OR IGNORE INTO trace_column VALUES (?1, ?2, ?3, ?4, ?5)");
+    std::int64_t position = 0;
+    for (const TraceColumn& c : trace_columns()) {
+        column.bind(1, kTraceCodec)
+            .bind(2, position++)
+            .bind(3, c.name)
+            .bind(4, c.type)
+            .bind(5, c.unit)
+            .run();
+    }
+}
+
+std::int64_t create(Database& database, const SessionSpec& spec) {
+    const std::int64_t study = study_row(database, spec);
+    const std::int64_t participant = participant_row(database, spec.key.participant);
+    database
+        .prepare(
+            "INSERT INTO session (study, participant, number, kind, seed, plan_sha256, shuffles, "
+            "device,"
+            " rate_hz, stiffness_n_per_m, started_utc) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
+            "?10, ?11)")
+        .bind(1, study)
+        .bind(2, participant)
+        .bind(3, static_cast<std::int64_t>(spec.key.session))
+        .bind(4, to_string(spec.kind))
+        .bind(5, std::to_string(spec.seed))
+        .bind(6, spec.plan.hash)
+        .bind(7, static_cast<std::int64_t>(spec.plan.attempts))
+        .bind(8, spec.device)
+        .bind(9, spec.protocol.apparatus.rate_hz)
+        .bind(10, spec.protocol.apparatus.stiffness)
+        .bind(11, utc_now())
+        .run();
+    const std::int64_t session = database.last_row();
+    write_plan(database, session, spec);
+    describe_columns(database);
+    return session;
+}
+
+void note_provenance(Database& database, std::int64_t session, const SessionSpec& spec) {
+    Statement row =
+        database.prepare("INSERT OR REPLACE INTO session_provenance VALUES (?1, ?2, ?3)");
+    for (const auto& [key, value] : spec.provenance) {
+        row.bind(1, session).bind(2, key).bind(3, value).run();
+    }
+}
+
+struct Existing {
+    std::int64_t id = 0;
+    std::string protocol_hash, plan_hash, kind, device;
+    bool finished = false;
+};
+
+std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
+    Statement row = database.prepare(
+        "SELECT session.id, protocol_sha256, plan_sha256, kind, device, finished FROM session"
+        " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
+        " WHERE name = ?1 AND code = ?2 AND number = ?3");
+    row.bind(1, spec.protocol.id)
+        .bind(2, spec.key.participant)
+        .bind(3, static_cast<std::int64_t>(spec.key.session));
+    if (!row.step()) {
+        return std::nullopt;
+    }
+    return Existing{row.integer(0), row.text(1), row.text(2),
+                    row.text(3),    row.text(4), row.integer(5) != 0};
+}
+
+void require_same(const Database& database, const Existing& there, const SessionSpec& spec) {
+    const auto refuse = [&](std::string_view what, std::string_view remedy) {
+        throw StoreError(fmt::format("{}: session {} of {} in {} {}; {}", database.file(),
+                                     spec.key.session, spec.key.participant, spec.protocol.id, what,
+                                     remedy));
+    };
+    if (there.protocol_hash != spec.protocol_hash) {
+        refuse("was begun with another version of the protocol",
+               "run the version it was begun with, or begin a new session with --session");
+    }
+    if (there.plan_hash != spec.plan.hash) {
+        refuse("was begun with another plan",
+               "give the same --seed, or begin a new session with --session");
+    }
+    if (there.kind != to_string(spec.kind)) {
+        refuse(fmt::format("is a {} session", there.kind),
+               fmt::format("it cannot go on as {}: begin a new session with --session",
+                           to_string(spec.kind)));
+    }
+}
+
+std::size_t mark_interrupted(Database& database, std::int64_t session) {
+    Statement count =
+        database.prepare("SELECT count(*) FROM trial WHERE session = ?1 AND outcome = 'running'");
+    count.bind(1, session).step();
+    const auto found = static_cast<std::size_t>(count.integer(0));
+    count.reset();
+    database
+        .prepare(
+            "INSERT INTO event (session, trial, kind, text, at_utc) SELECT session, id, "
+            "'interrupted',"
+            " 'found running when the session was opened again', ?2 FROM trial"
+            " WHERE session = ?1 AND outcome = 'running'")
+        .bind(1, session)
+        .bind(2, utc_now())
+        .run();
+    database
+        .prepare(
+            "UPDATE trial SET outcome = 'interrupted' WHERE session = ?1 AND outcome = 'running'")
+        .bind(1, session)
+        .run();
+    return found;
+}
+
+std::size_t next_position(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT coalesce(min(position), (SELECT count(*) FROM plan WHERE session = ?1)) FROM plan"
+        " WHERE session = ?1 AND position NOT IN"
+        " (SELECT position FROM trial JOIN response ON response.trial = trial.id WHERE session = "
+        "?1)");
+    row.bind(1, session).step();
+    return static_cast<std::size_t>(row.integer(0));
+}
+
+std::optional<SessionState> state_of(Statement& row) {
+    if (!row.step()) {
+        return std::nullopt;
+    }
+    return SessionState{static_cast<std::size_t>(row.integer(0)), std::stoull(row.text(1)),
+                        row.integer(2) != 0};
+}
+
+constexpr const char* kStates =
+    "SELECT number, seed, finished FROM session JOIN study ON study.id = study"
+    " JOIN participant ON participant.id = participant WHERE name = ?1 AND code = ?2";
+
+}  // namespace
+
+std::string_view to_string(RunKind kind) noexcept {
+    switch (kind) {
+        case RunKind::real:
+            return "real";
+        case RunKind::pilot:
+            return "pilot";
+        case RunKind::simulated:
+            return "simulated";
+    }
+    return "?";
+}
+
+std::optional<SessionState> latest_session(Database& database,
+                                           std::string_view study,
+                                           std::string_view participant) {
+    Statement row = database.prepare(std::string(kStates) + " ORDER BY number DESC LIMIT 1");
+    row.bind(1, study).bind(2, participant);
+    return state_of(row);
+}
+
+std::optional<SessionState> find_session(Database& database,
+                                         std::string_view study,
+                                         const protocols::SessionKey& key) {
+    Statement row = database.prepare(std::string(kStates) + " AND number = ?3");
+    row.bind(1, study).bind(2, key.participant).bind(3, static_cast<std::int64_t>(key.session));
+    return state_of(row);
+}
+
+OpenedSession open_session(Database& database, const SessionSpec& spec) {
+    Transaction all(database);
+    OpenedSession opened;
+    if (const auto there = existing_session(database, spec)) {
+        require_same(database, *there, spec);
+        opened = {.id = there->id, .resumed = true, .finished = there->finished};
+        if (there->device != spec.device) {
+            database
+                .prepare(
+                    "INSERT INTO event (session, kind, text, at_utc) VALUES (?1, 'device', ?2, ?3)")
+                .bind(1, there->id)
+                .bind(2, fmt::format("goes on with {}", spec.device))
+                .bind(3, utc_now())
+                .run();
+        }
+        opened.interrupted = mark_interrupted(database, opened.id);
+    } else {
+        opened.id = create(database, spec);
+    }
+    note_provenance(database, opened.id, spec);
+    opened.next = next_position(database, opened.id);
+    all.commit();
+    return opened;
+}
+
+SessionLock::SessionLock(const Database& database, std::int64_t session) {
+    struct stat file {};
+    if (stat(database.file().c_str(), &file) != 0) {
+        throw StoreError(database.file() + ": it is no longer there");
+    }
+    // A name in Linux' abstract socket space: no file is left behind, and the kernel takes the name
+    // back when the process ends, however it ends.
+    const std::string name = fmt::format("palpate-{}-{}-{}", file.st_dev, file.st_ino, session);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    if (socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&address), length) != 0) {
+        close(socket_);
+        throw StoreError(database.file() +
+                         ": another palpate is running this session; end it first");
+    }
+}
+
+SessionLock::~SessionLock() {
+    if (socket_ >= 0) {
+        close(socket_);
+    }
+}
+
+}  // namespace palpate::data

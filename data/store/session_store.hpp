@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "protocols/design/plan.hpp"
+#include "protocols/design/protocol.hpp"
+#include "data/store/database.hpp"
+
+namespace palpate::data {
+
+enum class RunKind : std::uint8_t { real, pilot, simulated };
+[[nodiscard]] std::string_view to_string(RunKind kind) noexcept;
+
+/// All that a session is, before its first trial.
+struct SessionSpec {
+    protocols::Protocol protocol;
+    std::string protocol_hash;
+    protocols::Plan plan;
+    protocols::SessionKey key;
+    std::uint64_t seed = 0;
+    RunKind kind = RunKind::simulated;
+    std::string device;
+    std::vector<std::pair<std::string, std::string>> provenance;
+};
+
+struct OpenedSession {
+    std::int64_t id = 0;
+    bool resumed = false;
+    bool finished = false;
+    std::size_t next = 0;         ///< first position without an answer
+    std::size_t interrupted = 0;  ///< attempts found running and marked so
+};
+
+struct SessionState {
+    std::size_t number = 0;
+    std::uint64_t seed = 0;
+    bool finished = false;
+};
+
+/// The participant's last session of a protocol (by the protocol's id), if there is one.
+[[nodiscard]] std::optional<SessionState> latest_session(Database& database,
+                                                         std::string_view study,
+                                                         std::string_view participant);
+[[nodiscard]] std::optional<SessionState> find_session(Database& database,
+                                                       std::string_view study,
+                                                       const protocols::SessionKey& key);
+
+/// Makes the session with its complete plan in one transaction, or opens the one that is there.
+/// Attempts left running by a killed program are marked interrupted; what they recorded stays.
+/// @throws StoreError if the session was made from another protocol, plan, seed or kind: nothing changes
+[[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
+
+/// Keeps a second program off a session. Released when this object, or the whole process, ends.
+class SessionLock {
+public:
+    /// @throws StoreError if another program runs the session
+    SessionLock(const Database& database, std::int64_t session);
+    SessionLock(const SessionLock&) = delete;
+    SessionLock& operator=(const SessionLock&) = delete;
+    ~SessionLock();
+
+private:
+    int socket_ = -1;
+};
+
+}  // namespace palpate::data

@@ -1,0 +1,123 @@
+#include "data/store/sqlite_recorder.hpp"
+
+namespace palpate::data {
+
+using protocols::TrialId;
+using protocols::TrialResult;
+
+SqliteRecorder::SqliteRecorder(Database& database,
+                               const protocols::Protocol& protocol,
+                               std::int64_t session)
+    : database_(database), protocol_(protocol), session_(session) {
+    pending_.reserve(kChunkTicks);
+}
+
+TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
+                                    const protocols::SceneConstants& scene) {
+    pending_.clear();
+    database_
+        .prepare(
+            "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
+            "started_utc)"
+            " SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4, ?5 FROM trial WHERE session = ?1 AND "
+            "position = ?2")
+        .bind(1, session_)
+        .bind(2, static_cast<std::int64_t>(planned.position))
+        .bind(3, scene.slip_decay)
+        .bind(4, scene.heal_decay)
+        .bind(5, utc_now())
+        .run();
+    return database_.last_row();
+}
+
+void SqliteRecorder::append(TrialId trial, std::span<const engine::TickRecord> ticks) {
+    for (const engine::TickRecord& tick : ticks) {
+        pending_.push_back(tick);
+        if (pending_.size() == kChunkTicks) {
+            write_chunk(trial);
+        }
+    }
+}
+
+void SqliteRecorder::write_chunk(TrialId trial) {
+    if (pending_.empty()) {
+        return;
+    }
+    const EncodedChunk chunk = encode(pending_);
+    database_.prepare("INSERT INTO trace_chunk VALUES (?1, ?2, ?3, ?4, ?5, ?6)")
+        .bind(1, trial)
+        .bind(2, pending_.front().tick)
+        .bind(3, static_cast<std::int64_t>(pending_.size()))
+        .bind(4, kTraceCodec)
+        .bind(5, std::int64_t{chunk.crc32})
+        .bind(6, std::span<const std::byte>(chunk.data))
+        .run();
+    pending_.clear();
+}
+
+void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
+    Transaction all(database_);
+    write_chunk(trial);
+    write_result(trial, result);
+    all.commit();
+    database_.checkpoint();
+}
+
+void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
+    const protocols::TrialSummary& sum = result.summary;
+    database_
+        .prepare(
+            "UPDATE trial SET outcome = ?2, done_s = ?3, done_uncertainty_s = ?4, first_contact_s "
+            "= ?5,"
+            " ticks = ?6, contact_ticks = ?7, slip_ticks = ?8, late_ticks = ?9, saturated_ticks = "
+            "?10,"
+            " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
+            "?14,"
+            " ended_utc = ?15 WHERE id = ?1")
+        .bind(1, trial)
+        .bind(2, to_string(result.outcome))
+        .bind(3, result.done_s)
+        .bind(4, result.done_uncertainty_s)
+        .bind(5, sum.first_contact_s)
+        .bind(6, sum.ticks)
+        .bind(7, sum.contact_ticks)
+        .bind(8, sum.slip_ticks)
+        .bind(9, sum.late_ticks)
+        .bind(10, sum.saturated_ticks)
+        .bind(11, sum.path_length_m)
+        .bind(12, sum.mean_normal_force_n)
+        .bind(13, sum.max_normal_force_n)
+        .bind(14, sum.energy_j)
+        .bind(15, utc_now())
+        .run();
+    if (result.response) {
+        database_.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
+            .bind(1, trial)
+            .bind(2, static_cast<std::int64_t>(result.response->place))
+            .bind(3, protocol_.objects.at(result.response->object).name)
+            .bind(4, std::int64_t{result.response->correct ? 1 : 0})
+            .bind(5, result.response->reaction_s)
+            .bind(6, result.response->uncertainty_s)
+            .bind(7, to_string(result.response->input))
+            .run();
+    }
+}
+
+void SqliteRecorder::event(std::string_view kind, std::string_view text) {
+    database_.prepare("INSERT INTO event (session, kind, text, at_utc) VALUES (?1, ?2, ?3, ?4)")
+        .bind(1, session_)
+        .bind(2, kind)
+        .bind(3, text)
+        .bind(4, utc_now())
+        .run();
+}
+
+void SqliteRecorder::finish_session() {
+    database_.prepare("UPDATE session SET finished = 1, finished_utc = ?2 WHERE id = ?1")
+        .bind(1, session_)
+        .bind(2, utc_now())
+        .run();
+    database_.checkpoint();
+}
+
+}  // namespace palpate::data

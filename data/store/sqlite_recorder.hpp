@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "protocols/design/protocol.hpp"
+#include "protocols/running/recorder.hpp"
+#include "data/store/database.hpp"
+#include "data/trace/codec.hpp"
+
+namespace palpate::data {
+
+/// Writes a running session. Every commit is synced: what a call has stored survives a power cut.
+///
+/// append() collects ticks into chunks of kChunkTicks and commits each full one, so that chunk k holds
+/// ticks 256 k to 256 k + 255 whatever the pace; end_trial() commits the rest with the result.
+class SqliteRecorder : public protocols::Recorder {
+public:
+    /// @param database, protocol  outlive the recorder
+    SqliteRecorder(Database& database, const protocols::Protocol& protocol, std::int64_t session);
+
+    [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
+                                                 const protocols::SceneConstants& scene) override;
+    void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override;
+    void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;
+    void event(std::string_view kind, std::string_view text) override;
+    void finish_session() override;
+
+private:
+    void write_chunk(protocols::TrialId trial);
+    void write_result(protocols::TrialId trial, const protocols::TrialResult& result);
+
+    Database& database_;
+    const protocols::Protocol& protocol_;
+    std::int64_t session_;
+    std::vector<engine::TickRecord> pending_;
+};
+
+}  // namespace palpate::data

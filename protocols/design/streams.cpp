@@ -1,0 +1,36 @@
+#include "protocols/design/streams.hpp"
+
+#include <span>
+
+#include <fmt/format.h>
+
+#include "protocols/design/sha256.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+std::uint64_t big_endian(std::span<const std::uint8_t, 8> bytes) {
+    std::uint64_t word = 0;
+    for (const std::uint8_t byte : bytes) {
+        word = (word << 8U) | byte;
+    }
+    return word;
+}
+
+}  // namespace
+
+std::string canonical_text(const StreamKey& key) {
+    return fmt::format(
+        "palpate-stream-v1\nprotocol={}:{}\nparticipant={}:{}\nsession={}\nblock={}\n"
+        "purpose={}:{}\nseed={}\n",
+        key.protocol_hash.size(), key.protocol_hash, key.participant.size(), key.participant,
+        key.session, key.block, key.purpose.size(), key.purpose, key.seed);
+}
+
+Pcg32 stream(const StreamKey& key) {
+    const Sha256 digest = sha256(canonical_text(key));
+    const std::span<const std::uint8_t, 32> bytes(digest);
+    return {big_endian(bytes.subspan<0, 8>()), big_endian(bytes.subspan<8, 8>())};
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+/// A TOML file as a plain tree with positions. Only document.cpp knows the TOML library.
+namespace palpate::protocols {
+
+/// Where something stands in a text, both counted from 1.
+struct Position {
+    std::size_t line = 1;
+    std::size_t column = 1;
+
+    friend auto operator<=>(const Position&, const Position&) = default;
+};
+
+struct Value;
+struct Entry;
+using Array = std::vector<Value>;
+using Table = std::vector<Entry>;  ///< in the order of the file
+
+/// A date or time: no key of ours takes one.
+struct Moment {};
+
+struct Value {
+    Position at{};
+    std::variant<bool, std::int64_t, double, std::string, Moment, Array, Table> data;
+};
+
+struct Entry {
+    std::string key;
+    Position at{};  ///< of the key
+    Value value;
+};
+
+/// "an integer", "a table", ... for messages.
+[[nodiscard]] std::string_view kind_of(const Value& value);
+/// The value for a message: on one line, shortened, in quotes if it is text.
+[[nodiscard]] std::string shown(const Value& value);
+[[nodiscard]] std::string shown(std::string_view text);
+
+/// Parses TOML. @throws ProtocolError at the first error of syntax. @param file_name  for messages
+[[nodiscard]] Table parse_document(std::string_view text, std::string_view file_name);
+
+}  // namespace palpate::protocols

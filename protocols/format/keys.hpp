@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "protocols/design/protocol.hpp"
+
+/// What a protocol file may say. One row a key; reading, range checks, writing and the reference for
+/// people are all driven by these rows, so that they cannot disagree.
+namespace palpate::protocols {
+
+/// When a key has to be there.
+enum class Need : std::uint8_t {
+    required,
+    optional,  ///< left out: the default member of the struct
+    gos,       ///< friction coefficients: required by the law "gos", refused with "frictionless"
+    gos_optional,
+};
+
+/// How a text is restricted.
+enum class Text : std::uint8_t { name, free };  ///< name: [a-z0-9_]+, at most 64
+
+/// One key of a table that becomes a Record.
+template <class Record>
+struct Key {
+    std::string_view name;  ///< carries the unit
+    std::variant<double Record::*,
+                 std::uint64_t Record::*,
+                 bool Record::*,
+                 std::string Record::*,
+                 engine::Vec2 Record::*>
+        member;
+    Need need = Need::optional;
+    double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
+    double highest = 0.0;
+    bool above = false;   ///< `lowest` itself is refused
+    double per_si = 1.0;  ///< file value = SI value * per_si: 1000 for mm and ms
+    Text text = Text::name;
+    std::string_view meaning;
+};
+
+// Counts are std::size_t in the structs; on every platform we build for that is std::uint64_t.
+static_assert(std::is_same_v<std::size_t, std::uint64_t>);
+
+/// Rows of [study], [[object]], ... by the struct that they fill. [study] fills Protocol itself.
+template <class Record>
+[[nodiscard]] std::span<const Key<Record>> keys_of();
+template <>
+std::span<const Key<Protocol>> keys_of();
+template <>
+std::span<const Key<ApparatusSpec>> keys_of();
+template <>
+std::span<const Key<OutlineSpec>> keys_of();
+template <>
+std::span<const Key<ObjectSpec>> keys_of();
+template <>
+std::span<const Key<FrictionSpec>> keys_of();
+template <>
+std::span<const Key<DesignSpec>> keys_of();
+template <>
+std::span<const Key<TimingSpec>> keys_of();
+template <>
+std::span<const Key<ObserverSpec>> keys_of();
+
+/// The version of the format that this program reads: `format = 1`.
+inline constexpr std::int64_t kFormat = 1;
+
+inline constexpr std::size_t kMinPictures = 2;
+inline constexpr std::size_t kMaxPictures = 9;  ///< answered by the keys 1-9
+inline constexpr std::size_t kMaxObjects = 18;
+inline constexpr std::size_t kMaxFrictions = 9;
+inline constexpr std::size_t kMaxTrials = 2000;  ///< of a session: a day's work at 15 s each
+
+/// "0 to 50", "above 0, at most 50", "letters a-z, digits and _", ...
+template <class Record>
+[[nodiscard]] std::string range_of(const Key<Record>& key);
+
+/// All keys for people: table, key, range, default, meaning; one line a key, tables as headings.
+[[nodiscard]] std::string key_reference();
+
+}  // namespace palpate::protocols

@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "protocols/format/keys.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/format/reader.hpp"
+#include "protocols/format/rules.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+constexpr std::array<std::string_view, 9> kTables{"format",  "study",  "apparatus",
+                                                  "outline", "object", "friction",
+                                                  "design",  "timing", "observer"};
+
+/// Stage 2: keys, types and ranges.
+class Stage {
+public:
+    Stage(const Table& file, Problems& problems, Places& places)
+        : file_(file), problems_(problems), places_(places), reader_(problems, places) {}
+
+    Protocol read() {
+        Protocol protocol;
+        for (const Entry& entry : file_) {
+            if (std::find(kTables.begin(), kTables.end(), entry.key) == kTables.end()) {
+                problems_.add(entry.at, fmt::format("unknown key or table {}{}", shown(entry.key),
+                                                    suggestion(entry.key, kTables)));
+            }
+        }
+        format();
+        table("study", protocol, true);
+        table("apparatus", protocol.apparatus, false);
+        table("outline", protocol.outline, false);
+        tables("object", protocol.objects);
+        tables("friction", protocol.frictions);
+        for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
+            law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
+        }
+        table("design", protocol.design, true);
+        table("timing", protocol.timing, false);
+        table("observer", protocol.observer, false);
+        return protocol;
+    }
+
+private:
+    [[nodiscard]] const Entry* find(std::string_view key) const {
+        const auto found = std::find_if(file_.begin(), file_.end(),
+                                        [&](const Entry& entry) { return entry.key == key; });
+        return found == file_.end() ? nullptr : &*found;
+    }
+
+    void format() {
+        const Entry* entry = find("format");
+        if (entry == nullptr) {
+            problems_.add({},
+                          fmt::format("the file does not say its format: begin it with format = {}",
+                                      kFormat));
+            return;
+        }
+        const auto* version = std::get_if<std::int64_t>(&entry->value.data);
+        if (version == nullptr || *version != kFormat) {
+            problems_.add(entry->value.at,
+                          fmt::format("format is {}: this program reads format = {}",
+                                      shown(entry->value), kFormat));
+        }
+    }
+
+    template <class Record>
+    void table(std::string_view name, Record& record, bool required) {
+        const Entry* entry = find(name);
+        if (entry == nullptr) {
+            if (required) {
+                problems_.add({}, fmt::format("the table [{}] is missing: add it", name));
+            }
+            return;
+        }
+        if (const auto* found = std::get_if<Table>(&entry->value.data)) {
+            reader_.read(*found, std::string(name), entry->at, record);
+        } else {
+            problems_.add(entry->at, fmt::format("{} is {}: write it as a table, [{}]", name,
+                                                 shown(entry->value), name));
+        }
+    }
+
+    template <class Record>
+    void tables(std::string_view name, std::vector<Record>& records) {
+        const Entry* entry = find(name);
+        if (entry == nullptr) {
+            problems_.add({},
+                          fmt::format("there is no [[{}]]: add one table for each {}", name, name));
+            return;
+        }
+        const auto* array = std::get_if<Array>(&entry->value.data);
+        if (array == nullptr) {
+            problems_.add(
+                entry->at,
+                fmt::format("{} is {}: write each {} as a table [[{}]], with two brackets", name,
+                            shown(entry->value), name, name));
+            return;
+        }
+        for (std::size_t i = 0; i < array->size(); ++i) {
+            const Value& value = (*array)[i];
+            const auto* found = std::get_if<Table>(&value.data);
+            if (found == nullptr) {
+                problems_.add(value.at, fmt::format("{} {} is {}: write it as a table [[{}]]", name,
+                                                    i + 1, shown(value), name));
+                continue;
+            }
+            reader_.read(*found, fmt::format("{}.{}", name, i + 1), value.at,
+                         records.emplace_back());
+        }
+    }
+
+    /// Which coefficients a friction needs depends on its law.
+    void law(const FrictionSpec& friction, const std::string& path) {
+        const bool gos = friction.law == "gos";
+        if (!gos && friction.law != "frictionless") {
+            constexpr std::array<std::string_view, 2> kLaws{"frictionless", "gos"};
+            problems_.add(places_.of(path + ".law"),
+                          fmt::format("law is {}, give frictionless or gos{}", shown(friction.law),
+                                      suggestion(friction.law, kLaws)));
+            return;
+        }
+        for (const Key<FrictionSpec>& key : keys_of<FrictionSpec>()) {
+            const bool coefficient = key.need == Need::gos || key.need == Need::gos_optional;
+            const std::string at = fmt::format("{}.{}", path, key.name);
+            if (gos && key.need == Need::gos && !places_.has(at)) {
+                problems_.add(places_.of(path),
+                              fmt::format("law \"gos\" needs the key {}: add it ({}; {})", key.name,
+                                          range_of(key), key.meaning));
+            } else if (!gos && coefficient && places_.has(at)) {
+                problems_.add(
+                    places_.of(at),
+                    fmt::format(
+                        "{} is given, but law is \"frictionless\": delete it, or give law \"gos\"",
+                        key.name));
+            }
+        }
+    }
+
+    const Table& file_;
+    Problems& problems_;
+    Places& places_;
+    Reader reader_;
+};
+
+}  // namespace
+
+Protocol parse_protocol(std::string_view text, std::string_view file_name) {
+    const Table file = parse_document(text, file_name);
+    Problems problems;
+    Places places;
+    Protocol protocol = Stage(file, problems, places).read();
+    problems.throw_if_any(file_name);
+    check_rules(protocol, places, problems);
+    problems.throw_if_any(file_name);
+    return protocol;
+}
+
+Protocol load_protocol(const std::filesystem::path& file) {
+    const auto unreadable = [&](const std::string& why) {
+        return ProtocolError(
+            fmt::format("{}:1:1: cannot be read: {}; check the path", file.string(), why));
+    };
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) {
+        throw unreadable("it is a folder");
+    }
+    errno = 0;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) {
+        throw unreadable(std::generic_category().message(errno));
+    }
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    if (stream.bad()) {
+        throw unreadable(std::generic_category().message(errno));
+    }
+    return parse_protocol(text, file.string());
+}
+
+}  // namespace palpate::protocols

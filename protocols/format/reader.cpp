@@ -1,0 +1,258 @@
+#include "protocols/format/reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "protocols/format/keys.hpp"
+#include "protocols/format/protocol_file.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+/// Levenshtein's distance, an exchange of two neighbours counted as two.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+bool is_name(std::string_view text) {
+    constexpr std::size_t kLongest = 64;
+    return !text.empty() && text.size() <= kLongest &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+           });
+}
+
+bool is_free_text(std::string_view text) {
+    constexpr std::size_t kLongest = 200;
+    return !text.empty() && text.size() <= kLongest &&
+           std::all_of(text.begin(), text.end(),
+                       [](char c) { return static_cast<unsigned char>(c) >= 0x20 && c != 0x7f; });
+}
+
+/// "[design]", or "[[object]] 3" for the third of them.
+std::string heading(const std::string& path) {
+    const std::size_t dot = path.find('.');
+    return dot == std::string::npos
+             ? fmt::format("[{}]", path)
+             : fmt::format("[[{}]] {}", path.substr(0, dot), path.substr(dot + 1));
+}
+
+/// One value into one member. Says what is wrong, or nothing.
+template <class Record>
+class Cell {
+public:
+    Cell(const Key<Record>& key, const Value& value) : key_(key), value_(value) {}
+
+    [[nodiscard]] std::string read(double& out) const {
+        const auto number = as_number(value_);
+        if (!number) {
+            return wrong_kind("a number");
+        }
+        if (!in_range(*number)) {
+            return out_of_range(value_);
+        }
+        out = to_si(*number);
+        return {};
+    }
+
+    [[nodiscard]] std::string read(std::uint64_t& out) const {
+        const auto* integer = std::get_if<std::int64_t>(&value_.data);
+        if (integer == nullptr) {
+            return wrong_kind("an integer");
+        }
+        if (*integer < 0 || !in_range(static_cast<double>(*integer))) {
+            return out_of_range(value_);
+        }
+        out = static_cast<std::uint64_t>(*integer);
+        return {};
+    }
+
+    [[nodiscard]] std::string read(bool& out) const {
+        const auto* flag = std::get_if<bool>(&value_.data);
+        if (flag == nullptr) {
+            return wrong_kind("true or false");
+        }
+        out = *flag;
+        return {};
+    }
+
+    [[nodiscard]] std::string read(std::string& out) const {
+        const auto* text = std::get_if<std::string>(&value_.data);
+        if (text == nullptr) {
+            return wrong_kind("text in quotes");
+        }
+        if (key_.text == Text::name && !is_name(*text)) {
+            return fmt::format("{} is {}: give 1 to 64 letters a-z, digits and _", key_.name,
+                               shown(*text));
+        }
+        if (key_.text == Text::free && !is_free_text(*text)) {
+            return fmt::format("{} is {}: give 1 to 200 bytes of text on one line", key_.name,
+                               shown(*text));
+        }
+        out = *text;
+        return {};
+    }
+
+    [[nodiscard]] std::string read(engine::Vec2& out) const {
+        const auto* array = std::get_if<Array>(&value_.data);
+        if (array == nullptr || array->size() != 2) {
+            return wrong_kind("two numbers as [x, y]");
+        }
+        const auto x = as_number((*array)[0]);
+        const auto y = as_number((*array)[1]);
+        if (!x || !y) {
+            return wrong_kind("two numbers as [x, y]");
+        }
+        if (!in_range(*x)) {
+            return out_of_range((*array)[0]);
+        }
+        if (!in_range(*y)) {
+            return out_of_range((*array)[1]);
+        }
+        out = engine::Vec2{to_si(*x), to_si(*y)};
+        return {};
+    }
+
+private:
+    /// Integers are numbers, too.
+    static std::optional<double> as_number(const Value& value) {
+        if (const auto* integer = std::get_if<std::int64_t>(&value.data)) {
+            return static_cast<double>(*integer);
+        }
+        if (const auto* number = std::get_if<double>(&value.data)) {
+            return *number;
+        }
+        return std::nullopt;
+    }
+
+    /// False for NaN as well.
+    [[nodiscard]] bool in_range(double value) const {
+        return value <= key_.highest && (key_.above ? value > key_.lowest : value >= key_.lowest);
+    }
+
+    /// A quotient is rounded once: 40 mm is the double that 0.04 is. Adding 0 makes -0 into 0.
+    [[nodiscard]] double to_si(double value) const { return value / key_.per_si + 0.0; }
+
+    [[nodiscard]] std::string wrong_kind(std::string_view wanted) const {
+        return fmt::format("{} is {} ({}): give {}", key_.name, shown(value_), kind_of(value_),
+                           wanted);
+    }
+
+    [[nodiscard]] std::string out_of_range(const Value& value) const {
+        return fmt::format("{} is {}: give {}", key_.name, shown(value), range_of(key_));
+    }
+
+    const Key<Record>& key_;
+    const Value& value_;
+};
+
+}  // namespace
+
+void Problems::throw_if_any(std::string_view file_name) const {
+    if (none()) {
+        return;
+    }
+    std::string text;
+    for (const auto& [at, what] : found_) {
+        text += fmt::format("{}{}:{}:{}: {}", text.empty() ? "" : "\n", file_name, at.line,
+                            at.column, what);
+    }
+    throw ProtocolError(text);
+}
+
+bool Places::has(const std::string& path) const {
+    return places_.contains(path);
+}
+
+Position Places::of(std::string path) const {
+    for (;;) {
+        if (const auto found = places_.find(path); found != places_.end()) {
+            return found->second;
+        }
+        const std::size_t dot = path.rfind('.');
+        if (dot == std::string::npos) {
+            return {};
+        }
+        path.resize(dot);
+    }
+}
+
+std::string suggestion(std::string_view unknown, std::span<const std::string_view> known) {
+    constexpr std::size_t kLongest = 64;  // beyond any key: no need to measure
+    if (unknown.size() > kLongest) {
+        return ": delete it";
+    }
+    std::string_view nearest;
+    std::size_t least = std::max<std::size_t>(2, unknown.size() / 3) + 1;
+    for (const std::string_view key : known) {
+        // A forgotten unit is the commonest slip: stiffness for stiffness_n_per_m.
+        const bool unit_forgotten = unknown.size() >= 3 && key.starts_with(unknown);
+        const std::size_t distance = unit_forgotten ? 1 : edit_distance(unknown, key);
+        if (distance < least) {
+            least = distance;
+            nearest = key;
+        }
+    }
+    return nearest.empty() ? ": delete it" : fmt::format(": did you mean {}?", nearest);
+}
+
+template <class Record>
+void Reader::read(const Table& table, const std::string& path, const Position& at, Record& record) {
+    const auto keys = keys_of<Record>();
+    places_.note(path, at);
+    std::vector<std::string_view> known;
+    for (const Key<Record>& key : keys) {
+        known.push_back(key.name);
+    }
+    std::set<std::string_view> seen;
+    for (const Entry& entry : table) {
+        const auto key = std::find_if(keys.begin(), keys.end(), [&](const Key<Record>& row) {
+            return row.name == entry.key;
+        });
+        if (key == keys.end()) {
+            problems_.add(entry.at, fmt::format("unknown key {} in {}{}", shown(entry.key),
+                                                heading(path), suggestion(entry.key, known)));
+            continue;
+        }
+        seen.insert(key->name);
+        places_.note(path + '.' + entry.key, entry.value.at);
+        const std::string what = std::visit(
+            [&](auto member) { return Cell<Record>(*key, entry.value).read(record.*member); },
+            key->member);
+        if (!what.empty()) {
+            problems_.add(entry.value.at, what);
+        }
+    }
+    for (const Key<Record>& key : keys) {
+        if (key.need == Need::required && !seen.contains(key.name)) {
+            problems_.add(at, fmt::format("{} lacks the key {}: add it ({}; {})", heading(path),
+                                          key.name, range_of(key), key.meaning));
+        }
+    }
+}
+
+template void Reader::read(const Table&, const std::string&, const Position&, Protocol&);
+template void Reader::read(const Table&, const std::string&, const Position&, ApparatusSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, OutlineSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, ObjectSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, FrictionSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, DesignSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, TimingSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, ObserverSpec&);
+
+}  // namespace palpate::protocols

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "engine/realtime/tick_record.hpp"
+#include "protocols/design/protocol.hpp"
+
+namespace palpate::protocols {
+
+/// What a hand can tell of the curvature of a two-curve object, from the ticks alone.
+struct Cues {
+    std::optional<double> force;     ///< 1/m, from how the force turns along a stroke
+    std::optional<double> position;  ///< 1/m, from how the hand's path bends along a stroke
+    double friction = 0.0;           ///< mean |F_t| / F_n of the strokes, 0 without any
+};
+
+/// Adds up the strokes of one trial; keeps sums, no ticks.
+///
+/// It knows the chords A-V and V-B, as people know them from the pictures, and never the curvature. A
+/// tick counts when the object is pressed with 0.05 N or more, the contact slides, the hand has kept
+/// its direction for 3 mm, and it is within the middle 80 % of a chord. x is the hand's place along the
+/// chord and y its height above it, in half chords.
+///
+///     force cue       a, the angle of the force from the chord's normal: da/dx = curvature
+///     position cue    y = c0 + c1 x + c2 x^2: curvature = -2 c2
+///
+/// Both are least squares with an intercept (and tilt c1) for each chord and direction of motion. In the
+/// force cue this is what removes friction: it turns the force by atan(mu) against the motion, one way up
+/// and the other way down. In the position cue it removes how deep and how askew the hand presses.
+///
+/// Both use the hand (HIP), not the surface: where the surface is below a pressed hand, nobody is told.
+/// So the force cue is stretched by 1 / (1 - curvature * depth), 3 % at 3 mm on 10 1/m, and the position
+/// cue shrinks by K / (K + hand stiffness), since a hand yields less than the surface would ask: .77 for
+/// 1000 N/m and a hand of 300 N/m. Arc and chord differ by below 1 % for |curvature| <= 10 1/m.
+class CurvatureCues {
+public:
+    explicit CurvatureCues(const OutlineSpec& outline);
+
+    void add(std::span<const engine::TickRecord> ticks) noexcept;
+    [[nodiscard]] Cues cues() const noexcept;
+
+private:
+    /// Power sums of the ticks of one chord and one direction of motion.
+    struct Strokes {
+        double n = 0.0, x = 0.0, x2 = 0.0, x3 = 0.0, x4 = 0.0;
+        double a = 0.0, xa = 0.0;
+        double y = 0.0, xy = 0.0, x2y = 0.0;
+    };
+    struct Chord {
+        engine::Vec2 middle{};
+        engine::Vec2 along{1.0, 0.0};
+        engine::Vec2 outward{0.0, 1.0};
+        double half = 1.0;  ///< m
+    };
+    static constexpr std::size_t kNone = 2;
+
+    void add(const engine::TickRecord& tick) noexcept;
+    [[nodiscard]] std::size_t chord_at(const engine::Vec2& hip) const noexcept;
+    [[nodiscard]] bool sliding(const engine::TickRecord& tick, std::size_t chord) noexcept;
+
+    std::array<Chord, 2> chords_;
+    std::array<std::array<Strokes, 2>, 2> strokes_{};  ///< [chord][towards its end]
+    double friction_sum_ = 0.0;
+    double friction_count_ = 0.0;
+
+    std::size_t chord_ =
+        kNone;  ///< of the last tick, kNone before the first contact and off the chords
+    engine::Vec2 last_hip_{};
+    double velocity_ = 0.0;  ///< smoothed, m per tick along the chord
+    double kept_ = 0.0;      ///< m since the last change of direction or chord
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "protocols/design/protocol.hpp"
+#include "protocols/design/streams.hpp"
+#include "protocols/observer/curvature_cues.hpp"
+#include "protocols/running/observer.hpp"
+
+namespace palpate::protocols {
+
+/// An observer made of numbers: it answers from the ticks that it felt, never from the trial's label.
+///
+///     percept = w * force cue + (1 - w) * position cue + bias * felt friction + noise * N(0, 1)
+///
+/// with the weights of [observer] in the protocol. The answer is the pictured object of the nearest
+/// curvature (criteria midway between neighbours), or any picture with the probability `lapse`. With one
+/// cue missing the other has all the weight; an observer who felt nothing guesses.
+///
+/// Reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986): 0.8 s + 0.15 s N(0, 1) + an
+/// exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
+///
+/// Every trial draws from a stream of its own, keyed by its position: a resumed session, or a trial that
+/// is run again, answers as the unbroken one.
+class SimulatedObserver : public Observer {
+public:
+    /// @param key            of the session; block and purpose are set here, trial by trial
+    /// @param picture_order  place on the screen -> index into protocol.objects, as in the plan
+    /// @param hand_is_done   the hand that explores for this observer has finished
+    SimulatedObserver(const Protocol& protocol,
+                      StreamKey key,
+                      const std::vector<std::size_t>& picture_order,
+                      std::function<bool()> hand_is_done);
+
+    [[nodiscard]] Signal welcome(const SessionView& session) override;
+    [[nodiscard]] Signal ready(const TrialView& trial) override;
+    [[nodiscard]] Exploring explore(const TrialView& trial, double elapsed_s) override;
+    void feel(std::span<const engine::TickRecord> ticks) override;
+    [[nodiscard]] Choice choose(const TrialView& trial, std::span<const Picture> pictures) override;
+    [[nodiscard]] Signal gap(double seconds) override;
+    [[nodiscard]] Signal rest(double seconds, const TrialView& next) override;
+    void finish(const SessionView& session) override;
+
+    /// Of the last answer, 1/m; none if nothing was felt.
+    [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
+
+private:
+    [[nodiscard]] std::optional<double> evidence() const noexcept;
+    [[nodiscard]] std::size_t nearest_place(double curvature) const noexcept;
+
+    OutlineSpec outline_;
+    ObserverSpec spec_;
+    StreamKey key_;
+    std::vector<double> curvatures_;  ///< of the pictures from the left, 1/m
+    std::function<bool()> hand_is_done_;
+    CurvatureCues cues_;
+    std::optional<double> percept_;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,81 @@
+#include <cmath>
+
+#include "protocols/observer/curvature_cues.hpp"
+#include "tests/protocols/strokes.hpp"
+#include "tests/support/catch.hpp"
+
+using palpate::protocols::Cues;
+using palpate::protocols::CurvatureCues;
+using palpate::protocols::OutlineSpec;
+using palpate::tests::strokes;
+using palpate::tests::StrokeSpec;
+
+namespace {
+
+Cues felt(const StrokeSpec& spec, std::uint64_t seed = 1) {
+    CurvatureCues cues(OutlineSpec{});
+    cues.add(strokes(spec, seed));
+    return cues.cues();
+}
+
+}  // namespace
+
+TEST_CASE("both cues find the curvature of an exact arc, with and without friction",
+          "[observer][law]") {
+    const double curvature = GENERATE(-10.0, -7.5, -5.0, -2.5, 0.0, 2.5, 5.0, 7.5, 10.0);
+    const double mu = GENERATE(0.0, 0.5, 0.7);
+    CAPTURE(curvature, mu);
+    const Cues cues = felt({.curvature = curvature, .mu = mu});
+    REQUIRE(cues.force);
+    REQUIRE(cues.position);
+    // 1 % of the arc's series, 0.5 % of the depth, and a little of the turns.
+    CHECK(std::fabs(*cues.force - curvature) < 0.02 * std::fabs(curvature) + 0.02);
+    CHECK(std::fabs(*cues.position - curvature) < 0.02 * std::fabs(curvature) + 0.02);
+    CHECK(cues.friction == Approx(mu).margin(1e-12));
+}
+
+TEST_CASE("a deep press stretches both cues as the header says", "[observer]") {
+    const double curvature = GENERATE(-10.0, 10.0);
+    const Cues cues = felt({.curvature = curvature, .depth = 0.003});
+    const double expected = curvature / (1.0 - curvature * 0.003);
+    CHECK(*cues.force == Approx(expected).epsilon(0.015));
+    CHECK(*cues.position == Approx(expected).epsilon(0.015));
+}
+
+TEST_CASE("a trembling hand does not bias the cues", "[observer][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    CAPTURE(seed);
+    const Cues cues = felt({.curvature = 5.0, .depth = 0.001, .mu = 0.5, .tremor = 0.0002}, seed);
+    CHECK(std::fabs(*cues.force - 5.0) < 0.2);
+    CHECK(std::fabs(*cues.position - 5.0) < 0.2);
+}
+
+TEST_CASE("nothing is told by ticks that are free, too light, stuck or off the chords",
+          "[observer]") {
+    auto ticks = strokes({.curvature = 5.0});
+    const auto none_of = [](const std::vector<palpate::engine::TickRecord>& some) {
+        CurvatureCues cues(OutlineSpec{});
+        cues.add(some);
+        const Cues result = cues.cues();
+        return !result.force && !result.position && result.friction == 0.0;
+    };
+    CHECK(none_of({}));
+    for (auto& tick : ticks) {
+        tick.mode = palpate::engine::Mode::stuck;
+    }
+    CHECK(none_of(ticks));
+    for (auto& tick : ticks) {
+        tick.mode = palpate::engine::Mode::free;
+    }
+    CHECK(none_of(ticks));
+    for (auto& tick : ticks) {
+        tick.mode = palpate::engine::Mode::slip;
+        tick.normal_force = 0.04;
+    }
+    CHECK(none_of(ticks));
+    for (auto& tick : ticks) {
+        tick.normal_force = 1.0;
+        tick.hip.x += 0.5;
+    }
+    CHECK(none_of(ticks));
+}

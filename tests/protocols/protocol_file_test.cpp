@@ -1,0 +1,152 @@
+#include <filesystem>
+#include <fstream>
+
+#include "protocols/design/session_plan.hpp"
+#include "protocols/format/keys.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::protocols;
+using palpate::tests::Random;
+
+namespace {
+
+std::filesystem::path library(const std::string& name) {
+    return std::filesystem::path(PALPATE_SOURCE_DIR) / "protocols" / "library" / name;
+}
+
+/// A number as people write it: rounded to some digits, or with all of them.
+std::string number(Random& random, double lo, double hi) {
+    const int digits = random.below(4) == 0 ? 17 : 1 + random.below(6);
+    char text[64];
+    std::snprintf(text, sizeof text, "%.*g", digits, random.in(lo, hi));
+    return text;
+}
+
+/// A correct file with every number drawn at random.
+std::string random_file(Random& random) {
+    const auto n = [&](double lo, double hi) {
+        return number(random, lo, hi);
+    };
+    std::string text =
+        "format = 1\n[study]\nid = \"s\"\ntitle = \"a \\\"b\\\" \\\\ \u00e7\"\nseed = " +
+        std::to_string(random.below(1000000)) + "\n";
+    text += "[apparatus]\nstiffness_n_per_m = " + n(1, 19000) + "\nforce_limit_n = " + n(0.1, 49) +
+            "\nvertex_slew_mm_per_s = " + n(0, 9000) + "\nvertex_radius_mm = " + n(0.1, 99) +
+            "\nstart_mm = [" + n(-30, 30) + ", " + n(70, 90) + "]\n";
+    text += "[outline]\na_mm = [" + n(-50, -40) + ", 0]\nvertex_mm = [" + n(-2, 2) + ", " +
+            n(35, 42) + "]\n";
+    text += "[[object]]\nname = \"a\"\ncurvature_per_m = " + n(-10, -1) + "\n";
+    text += "[[object]]\nname = \"b\"\ncurvature_per_m = " + n(1, 10) + "\n";
+    text += "[[friction]]\nname = \"on\"\nlaw = \"gos\"\nmu_s = " + n(0.6, 0.9) +
+            "\nmu_d = " + n(0.1, 0.5) + "\ntau_slip_ms = " + n(0, 900) +
+            "\ntau_heal_ms = " + n(0, 900) + "\n";
+    text +=
+        "[design]\nrepetitions = 2\nmax_run_object = 0\nmax_run_friction = 0\ncatch_trials = 0\n";
+    text += "[timing]\ngap_s = " + n(0, 9) + "\n[observer]\nnoise_per_m = " + n(0, 9) + "\n";
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("the default study is the one that is described", "[protocol]") {
+    const Protocol protocol = load_protocol(library("shape_friction.toml"));
+    CHECK(protocol.id == "shape_friction");
+    CHECK(protocol.objects.size() == 7);
+    CHECK(protocol.frictions.size() == 2);
+    CHECK(protocol.frictions[1].tau_slip == 0.02);
+    // The structs' default members are this study's.
+    CHECK(protocol.outline == OutlineSpec{});
+    CHECK(protocol.apparatus == ApparatusSpec{});
+    CHECK(protocol.design == DesignSpec{});
+    CHECK(protocol.timing == TimingSpec{});
+    CHECK(protocol.observer == ObserverSpec{});
+
+    const Plan plan =
+        make_plan(protocol, protocol_hash(protocol), {.participant = "p01"}, protocol.seed);
+    CHECK(plan.trials.size() == 10 + 100 + 4);
+    CHECK(plan.picture_order.size() == 5);
+}
+
+TEST_CASE("the demo is ten trials of the default study", "[protocol]") {
+    const Protocol study = load_protocol(library("shape_friction.toml"));
+    const Protocol demo = load_protocol(library("shape_friction_demo.toml"));
+    CHECK(std::vector(study.objects.begin(), study.objects.begin() + 5) == demo.objects);
+    CHECK(study.frictions == demo.frictions);
+    CHECK(study.outline == demo.outline);
+    CHECK(study.apparatus == demo.apparatus);
+    CHECK(study.timing.explore_timeout == demo.timing.explore_timeout);
+
+    const Plan plan = make_plan(demo, protocol_hash(demo), {.participant = "p01"}, demo.seed);
+    CHECK(plan.trials.size() == 10);
+}
+
+TEST_CASE("what is written is read back to the last bit", "[protocol][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{300}));
+    Random random(seed);
+    const std::string file = random_file(random);
+    CAPTURE(seed, file);
+    const Protocol protocol = parse_protocol(file, "random.toml");
+    const std::string text = to_toml(protocol);
+    CAPTURE(text);
+    CHECK(parse_protocol(text, "canonical.toml") == protocol);
+    CHECK(to_toml(parse_protocol(text, "canonical.toml")) == text);
+}
+
+TEST_CASE("whole millimetres are read as the double of their decimal in metres",
+          "[protocol][law]") {
+    const Protocol study = load_protocol(library("shape_friction.toml"));
+    const std::string text = to_toml(study);
+    const std::string start = "start_mm = [0, 60]";
+    for (int x = -400; x <= 400; ++x) {
+        const std::string number = std::to_string(x);
+        std::string changed = text;
+        changed.replace(changed.find(start), start.size(), "start_mm = [" + number + ", 60]");
+        CHECK(parse_protocol(changed, "x.toml").apparatus.start.x == std::stod(number + "e-3"));
+    }
+}
+
+TEST_CASE("numbers are written as short as they can be", "[protocol]") {
+    const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
+    CHECK_THAT(text, Catch::Contains("a_mm = [-40, 0]\n"));
+    CHECK_THAT(text, Catch::Contains("vertex_radius_mm = 3\n"));
+    CHECK_THAT(text, Catch::Contains("tau_slip_ms = 20\n"));
+    CHECK_THAT(text, Catch::Contains("mu_s = 0.7\n"));
+    CHECK_THAT(text, Catch::Contains("noise_per_m = 2.62\n"));
+}
+
+TEST_CASE("the hash sees values, not spelling", "[protocol]") {
+    std::ifstream stream(library("shape_friction.toml"));
+    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const std::string hash = protocol_hash(parse_protocol(text, "a"));
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string changed = text;
+        changed.replace(changed.find(from), from.size(), to);
+        return protocol_hash(parse_protocol(changed, "b"));
+    };
+    CHECK(with("mu_s = 0.7", "mu_s = 7.0e-1 # the same") == hash);
+    CHECK(with("gap_s = 1.5", "") == hash);  // its default
+    CHECK(with("curvature_per_m = 0", "curvature_per_m = -0.0") == hash);
+    CHECK(with("mu_s = 0.7", "mu_s = 0.71") != hash);
+    CHECK(with("seed = 20260114", "seed = 20260115") != hash);
+}
+
+TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]") {
+    const std::string text = to_toml(load_protocol(library("shape_friction.toml")));
+    std::string windows = "\xef\xbb\xbf";
+    for (const char c : text) {
+        windows += c == '\n' ? std::string("\r\n") : std::string(1, c);
+    }
+    CHECK(to_toml(parse_protocol(windows, "windows.toml")) == text);
+}
+
+TEST_CASE("the reference for people names every key of the canonical text", "[protocol]") {
+    const std::string reference = key_reference();
+    std::istringstream lines(to_toml(load_protocol(library("shape_friction.toml"))));
+    for (std::string line; std::getline(lines, line);) {
+        if (const auto equals = line.find(" = "); equals != std::string::npos) {
+            CHECK_THAT(reference, Catch::Contains(line.substr(0, equals)));
+        }
+    }
+}

@@ -1,0 +1,90 @@
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+#include "protocols/format/protocol_file.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::protocols;
+using palpate::tests::Random;
+
+namespace {
+
+/// Bytes and words that break things: signs, brackets, quotes, numbers at the edges, no UTF-8.
+constexpr std::array<std::string_view, 26> kSplinters{
+    "-",          "[",      "]", "[[", "\"",   "'''",  "=",     "#",
+    "\n",         "\r",     ".", ",",  "nan",  "inf",  "1e999", "9223372036854775808",
+    "0x",         "1_0",    "{", "}",  "\xff", "\xc3", "\x01",  "true",
+    "1979-05-27", "\\u0000"};
+
+std::string mutated(std::string text, Random& random) {
+    const auto somewhere = [&] {
+        return static_cast<std::size_t>(random.below(static_cast<int>(text.size())));
+    };
+    const int changes = 1 + random.below(4);
+    for (int i = 0; i < changes && !text.empty(); ++i) {
+        switch (random.below(6)) {
+            case 0:
+                text[somewhere()] = static_cast<char>(random.below(256));
+                break;
+            case 1:
+                text.erase(somewhere(), 1);
+                break;
+            case 2:
+                text.erase(somewhere(), static_cast<std::size_t>(random.below(200)));
+                break;
+            case 3:
+                text.insert(somewhere(), kSplinters[static_cast<std::size_t>(random.below(26))]);
+                break;
+            case 4: {
+                const std::string piece =
+                    text.substr(somewhere(), static_cast<std::size_t>(random.below(120)));
+                text.insert(somewhere(), piece);
+                break;
+            }
+            default: {
+                // Another digit is the change that gets furthest.
+                const std::size_t digit = text.find_first_of("0123456789", somewhere());
+                if (digit != std::string::npos) {
+                    text[digit] = static_cast<char>('0' + random.below(10));
+                }
+            }
+        }
+    }
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("no file, however broken, does more than be refused line by line", "[protocol][fuzz]") {
+    std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) /
+                         "protocols/library/shape_friction.toml");
+    const std::string study{std::istreambuf_iterator<char>(stream), {}};
+    const std::regex form("^[^:]+:[0-9]+:[0-9]+: .+");
+    int accepted = 0;
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        Random random(seed);
+        const std::string text = mutated(study, random);
+        CAPTURE(seed, text);
+        try {
+            const Protocol protocol = parse_protocol(text, "p.toml");
+            ++accepted;
+            CHECK(parse_protocol(to_toml(protocol), "again.toml") == protocol);
+        } catch (const ProtocolError& error) {
+            std::istringstream lines(error.what());
+            for (std::string line; std::getline(lines, line);) {
+                CAPTURE(line);
+                CHECK(std::regex_search(line, form));
+            }
+        }
+    }
+    // Both ways are taken: most of the text is comments.
+    CHECK(accepted > 100);
+    CHECK(accepted < 900);
+}

@@ -1,0 +1,40 @@
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/format/protocol_file.hpp"
+#include "ui/cli/commands.hpp"
+
+namespace {
+
+using namespace palpate::ui;
+
+int dispatch(const Options& options) {
+    struct Visitor {
+        int operator()(const Exit& exit) const { return exit.code; }
+        int operator()(const RunOptions& run) const { return run_command(run); }
+        int operator()(const DemoOptions& demo) const { return demo_command(demo); }
+        int operator()(const SummaryOptions& summary) const { return summary_command(summary); }
+        int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
+    };
+    return std::visit(Visitor{}, options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    try {
+        return dispatch(parse_command_line(argc, argv));
+    } catch (const palpate::protocols::ProtocolError& e) {
+        fmt::print(stderr, "{}\n", e.what());
+        return kExitUsage;
+    } catch (const std::invalid_argument& e) {
+        fmt::print(stderr, "palpate: {}\n", e.what());
+        return kExitUsage;
+    } catch (const std::exception& e) {
+        fmt::print(stderr, "palpate: {}\n", e.what());
+        return kExitFailure;
+    }
+}

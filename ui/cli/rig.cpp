@@ -1,0 +1,202 @@
+#include "ui/cli/rig.hpp"
+
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "protocols/design/session_plan.hpp"
+#include "protocols/observer/simulated_observer.hpp"
+#include "protocols/running/servo_apparatus.hpp"
+#include "data/store/async_recorder.hpp"
+#include "data/store/reader.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "ui/cli/interrupt.hpp"
+#include "ui/cli/provenance.hpp"
+#include "ui/subject/spectator_screen.hpp"
+#include "ui/subject/subject_screen.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using protocols::PlannedTrial;
+using protocols::TrialResult;
+
+std::vector<protocols::ReplayApparatus::Recording> recordings(const DeviceChoice& device) {
+    data::Database source(device.file, data::Access::read);
+    const std::vector<std::int64_t> trials =
+        device.trial ? std::vector{*device.trial} : data::answered_trials(source);
+    std::vector<protocols::ReplayApparatus::Recording> all;
+    for (const std::int64_t trial : trials) {
+        protocols::ReplayApparatus::Recording recording;
+        for (const engine::TickRecord& tick : data::read_trace(source, trial)) {
+            recording.push_back({.hip = tick.hip, .counts = tick.counts});
+        }
+        all.push_back(std::move(recording));
+    }
+    return all;
+}
+
+std::unique_ptr<protocols::Apparatus> make_apparatus(const RigSpec& spec) {
+    const protocols::Protocol& protocol = spec.study.protocol;
+    switch (spec.device.kind) {
+        case DeviceChoice::Kind::simulated:
+            return std::make_unique<protocols::SimulatedApparatus>(
+                protocol, spec.study.hash, spec.key, spec.seed, spec.screen.speed);
+        case DeviceChoice::Kind::replay:
+            return std::make_unique<protocols::ReplayApparatus>(
+                protocol, recordings(spec.device), spec.device.file, spec.screen.speed);
+        case DeviceChoice::Kind::mouse:
+            break;
+    }
+    return std::make_unique<protocols::PointerApparatus>(protocol);
+}
+
+std::unique_ptr<protocols::Observer> make_simulated_observer(
+    const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
+    return std::make_unique<protocols::SimulatedObserver>(
+        spec.study.protocol,
+        protocols::StreamKey{.protocol_hash = spec.study.hash,
+                             .participant = spec.key.participant,
+                             .session = spec.key.session,
+                             .purpose = {},
+                             .seed = spec.seed},
+        plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
+}
+
+SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& apparatus) {
+    SubjectScreenOptions options;
+    options.window.fullscreen = spec.screen.fullscreen;
+    options.window.font = spec.screen.font;
+    options.start = spec.study.protocol.apparatus.start;
+    options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
+                      : spec.kind == data::RunKind::pilot     ? "PILOT"
+                                                              : "";
+    options.interrupted = [] {
+        return interrupted();
+    };
+    if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&apparatus)) {
+        options.on_pointer = [pointer](const engine::Vec2& position) {
+            pointer->pointer().publish(position);
+        };
+    }
+    return options;
+}
+
+/// Whoever answers, and the simulated observer behind a window that people only watch.
+struct Observers {
+    std::unique_ptr<protocols::Observer> simulated;
+    std::unique_ptr<protocols::Observer> screen;
+
+    [[nodiscard]] protocols::Observer& port() const { return screen ? *screen : *simulated; }
+};
+
+Observers make_observers(const RigSpec& spec,
+                         const protocols::Plan& plan,
+                         protocols::Apparatus& apparatus) {
+    Observers observers;
+    const bool window = wants_window(spec.screen);
+    if (!window || spec.watch_only) {
+        observers.simulated = make_simulated_observer(spec, plan, apparatus);
+    }
+    if (window && spec.watch_only) {
+        observers.screen = std::make_unique<SpectatorScreen>(*observers.simulated,
+                                                             screen_options(spec, apparatus));
+    } else if (window) {
+        observers.screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus));
+    }
+    return observers;
+}
+
+void print_trial(const RigSpec& spec,
+                 std::size_t total,
+                 const PlannedTrial& planned,
+                 const TrialResult& result) {
+    std::string line = fmt::format("trial {:>3} of {}", planned.position + 1, total);
+    if (!result.response) {
+        line += fmt::format("  {}", to_string(result.outcome));
+    } else if (spec.kind == data::RunKind::simulated) {
+        const protocols::Protocol& protocol = spec.study.protocol;
+        line += fmt::format("  {:<11} friction {:<4} -> {:<11} {}",
+                            protocol.objects.at(planned.condition.object).name,
+                            protocol.frictions.at(planned.condition.friction).name,
+                            protocol.objects.at(result.response->object).name,
+                            result.response->correct ? "correct" : "wrong");
+    } else {  // a person may see this terminal: nothing about the stimulus or the answer
+        line += fmt::format("  felt {:.1f} s, answered in {:.1f} s", result.done_s,
+                            result.response->reaction_s);
+    }
+    fmt::print("{}\n", line);
+    std::fflush(stdout);
+}
+
+void print_start(const RigSpec& spec,
+                 const protocols::Plan& plan,
+                 const data::OpenedSession& opened,
+                 const protocols::Apparatus& apparatus) {
+    const protocols::Protocol& protocol = spec.study.protocol;
+    fmt::print("{}: participant {}, session {}, {} trials, {}, code {}\n", protocol.id,
+               spec.key.participant, spec.key.session, plan.trials.size(), apparatus.device_name(),
+               session_code(plan));
+    if (spec.kind == data::RunKind::simulated) {
+        fmt::print(
+            "Simulated: these data are recorded as simulated and never count as a person's.\n");
+    }
+    if (opened.resumed && !opened.finished) {
+        fmt::print("Resuming at trial {}{}.\n", opened.next + 1,
+                   opened.interrupted > 0
+                       ? "; the trial that was cut off is kept as interrupted and run again"
+                       : "");
+    }
+    std::fflush(stdout);
+}
+
+}  // namespace
+
+bool wants_window(const ScreenOptions& screen) {
+    return !screen.headless && display_available();
+}
+
+RigEnd run_rig(data::Database& database, const RigSpec& spec) {
+    const protocols::Protocol& protocol = spec.study.protocol;
+    const protocols::Plan plan = make_plan(protocol, spec.study.hash, spec.key, spec.seed);
+    const auto apparatus = make_apparatus(spec);
+    const Observers observers = make_observers(spec, plan, *apparatus);
+
+    const data::OpenedSession opened =
+        data::open_session(database, {.protocol = protocol,
+                                      .protocol_hash = spec.study.hash,
+                                      .plan = plan,
+                                      .key = spec.key,
+                                      .seed = spec.seed,
+                                      .kind = spec.kind,
+                                      .device = apparatus->device_name(),
+                                      .provenance = provenance()});
+    print_start(spec, plan, opened, *apparatus);
+    if (opened.finished) {
+        return {.session = {.next = plan.trials.size()}, .already_finished = true};
+    }
+    const data::SessionLock lock(database, opened.id);
+    data::SqliteRecorder recorder(database, protocol, opened.id);
+    const auto writer =
+        observers.screen ? std::make_unique<data::AsyncRecorder>(recorder) : nullptr;
+    return {.session = run_session(
+                protocol, plan,
+                {.title = protocol.title,
+                 .participant = spec.key.participant,
+                 .trials = plan.trials.size(),
+                 .next = opened.next,
+                 .simulated = spec.kind == data::RunKind::simulated,
+                 .device = apparatus->device_name()},
+                opened.next,
+                {.apparatus = *apparatus,
+                 .observer = observers.port(),
+                 .recorder = writer ? static_cast<protocols::Recorder&>(*writer) : recorder,
+                 .interrupted = [] { return interrupted(); },
+                 .progress =
+                     [&](const PlannedTrial& planned, const TrialResult& result) {
+                         print_trial(spec, plan.trials.size(), planned, result);
+                     }})};
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "protocols/running/session.hpp"
+#include "data/store/database.hpp"
+#include "data/store/session_store.hpp"
+#include "ui/cli/device_choice.hpp"
+#include "ui/cli/load_study.hpp"
+#include "ui/cli/options.hpp"
+
+namespace palpate::ui {
+
+/// What a session is run on: the parts behind its three ports.
+struct RigSpec {
+    Study study;
+    protocols::SessionKey key;
+    std::uint64_t seed = 0;
+    data::RunKind kind = data::RunKind::simulated;
+    DeviceChoice device;
+    ScreenOptions screen;
+    bool watch_only =
+        false;  ///< in a window the simulated observer answers, and people watch (demo)
+};
+
+/// How a session went, for the command to report.
+struct RigEnd {
+    protocols::SessionEnd session{};
+    bool already_finished = false;
+};
+
+/// A window can be opened here and was not declined.
+[[nodiscard]] bool wants_window(const ScreenOptions& screen);
+
+/// Plans, opens or resumes the session in `database`, and runs it to its end. Prints a line when it
+/// starts and one for every trial, to standard output.
+/// @throws what the parts throw; the force is off and everything recorded is kept
+[[nodiscard]] RigEnd run_rig(data::Database& database, const RigSpec& spec);
+
+}  // namespace palpate::ui

@@ -1,0 +1,84 @@
+#include <cstdio>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "ui/cli/commands.hpp"
+#include "ui/cli/interrupt.hpp"
+#include "ui/cli/rig.hpp"
+
+namespace palpate::ui {
+namespace {
+
+void check_participant(const std::string& id) {
+    constexpr std::string_view kAllowed =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+    if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
+        throw std::invalid_argument(fmt::format(
+            "--participant \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", id));
+    }
+}
+
+data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
+    const bool person = wants_window(options.screen);
+    if (device.kind == DeviceChoice::Kind::mouse && !person) {
+        throw std::invalid_argument(
+            "--device mouse needs a display and a window: set DISPLAY and leave --headless out, or "
+            "use --device sim");
+    }
+    if (device.kind != DeviceChoice::Kind::mouse || !person) {
+        if (options.kind == "real") {
+            fmt::print(
+                stderr,
+                "palpate: the hand is simulated: the session is recorded as simulated, not real\n");
+        }
+        return data::RunKind::simulated;
+    }
+    return options.kind == "pilot" ? data::RunKind::pilot : data::RunKind::real;
+}
+
+}  // namespace
+
+int run_command(const RunOptions& options) {
+    check_participant(options.participant);
+    RigSpec spec;
+    spec.study = load_study(options.protocol);
+    spec.device = parse_device(options.device);
+    spec.screen = options.screen;
+    spec.kind = kind_of(options, spec.device);
+    if (wants_window(options.screen) && spec.screen.speed == 0.0) {
+        spec.screen.speed = 1.0;
+    }
+    data::Database database(options.database, data::Access::write);
+    spec.key.participant = options.participant;
+    const std::string& study = spec.study.protocol.id;
+    const auto last = data::latest_session(database, study, options.participant);
+    spec.key.session = options.session.value_or(last ? last->number : 1);
+    const auto there = data::find_session(database, study, spec.key);
+    spec.seed = options.seed.value_or(there ? there->seed : spec.study.protocol.seed);
+    if (there && there->finished) {
+        throw std::invalid_argument(fmt::format(
+            "{}: {} has finished session {} of {}; for another one give --session {}",
+            options.database, options.participant, spec.key.session, study, last->number + 1));
+    }
+    catch_signals();
+    const RigEnd end = run_rig(database, spec);
+    switch (end.session.why) {
+        case protocols::SessionEnd::Why::finished:
+            fmt::print("Finished. Data: {}\n", options.database);
+            return 0;
+        case protocols::SessionEnd::Why::aborted:
+            fmt::print("Stopped before trial {}; the same command goes on there. Data: {}\n",
+                       end.session.next + 1, options.database);
+            return kExitStopped;
+        case protocols::SessionEnd::Why::faulted:
+            break;
+    }
+    throw std::runtime_error(
+        fmt::format("the device failed in trial {}: the force is off, the trial is kept as "
+                    "faulted; check the device, then run "
+                    "the same command to go on there",
+                    end.session.next + 1));
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "protocols/running/observer.hpp"
+#include "ui/subject/picture_row.hpp"
+#include "ui/subject/window.hpp"
+
+/// What each screen looks like: pure functions from a few values to pixels.
+namespace palpate::ui {
+
+struct WelcomeFace {
+    std::string title;
+    std::size_t trials = 0;
+    bool resumed = false;
+    bool moves_pointer = false;  ///< the mouse is the handle
+};
+void draw(Window& window, const WelcomeFace& face);
+
+struct ReadyFace {
+    std::size_t number = 0;
+    std::size_t total = 0;
+    bool practice = false;
+};
+void draw(Window& window, const ReadyFace& face);
+
+/// All that the screen may depend on while an object is felt. Nothing of the condition is here, so
+/// nothing of it can be seen.
+struct ExploreFace {
+    std::size_t number = 0;
+    std::size_t total = 0;
+    bool practice = false;
+    bool may_finish = false;  ///< the least exploration time has passed
+    bool prompt = false;      ///< time to decide
+
+    friend bool operator==(const ExploreFace&, const ExploreFace&) = default;
+};
+void draw(Window& window, const ExploreFace& face);
+
+struct ChooseFace {
+    std::span<const protocols::Picture> pictures;
+    std::optional<std::size_t> selected;
+    bool watched = false;  ///< a simulated observer chooses, people only look on
+};
+void draw(Window& window, const ChooseFace& face);
+
+struct BreakFace {
+    int seconds_left = 0;  ///< 0: the participant may go on
+    std::size_t next = 0;
+    std::size_t total = 0;
+};
+void draw(Window& window, const BreakFace& face);
+
+struct GapFace {};
+void draw(Window& window, const GapFace& face);
+
+struct EndFace {
+    std::string title;
+};
+void draw(Window& window, const EndFace& face);
+
+/// In the upper right corner of every screen: SIMULATED or PILOT.
+void draw_watermark(Window& window, const std::string& text);
+/// The second step of stopping a session.
+void draw_stop_question(Window& window);
+
+}  // namespace palpate::ui

@@ -1,0 +1,96 @@
+#include "ui/subject/picture_row.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "ui/subject/stroke.hpp"
+#include "ui/subject/style.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using engine::Vec2;
+
+/// One box around all pictures: they share scale and centre, so that only the shape differs.
+struct Box {
+    Vec2 lo{1e9, 1e9};
+    Vec2 hi{-1e9, -1e9};
+};
+
+Box box_of(std::span<const protocols::Picture> pictures) {
+    Box box;
+    for (const protocols::Picture& picture : pictures) {
+        for (const Vec2& p : picture.outline) {
+            box.lo = Vec2{std::min(box.lo.x, p.x), std::min(box.lo.y, p.y)};
+            box.hi = Vec2{std::max(box.hi.x, p.x), std::max(box.hi.y, p.y)};
+        }
+    }
+    return box;
+}
+
+std::vector<Vec2> on_card(const protocols::Picture& picture, const Box& box, const Card& card) {
+    const Vec2 extent = box.hi - box.lo;
+    const double scale = 0.80 * std::min(card.size.x / extent.x, card.size.y / extent.y);
+    std::vector<Vec2> points;
+    points.reserve(picture.outline.size());
+    for (const Vec2& p : picture.outline) {
+        const Vec2 d = (p - 0.5 * (box.lo + box.hi)) * scale;
+        points.push_back(card.centre() +
+                         Vec2{d.x, -d.y});  // y is up in the object, down on the screen
+    }
+    return points;
+}
+
+}  // namespace
+
+std::vector<Card> lay_out_cards(std::size_t count, const Vec2& window) {
+    const auto n = static_cast<double>(count);
+    const double gap = 0.016 * window.x;
+    const double width = std::min((0.94 * window.x - (n - 1.0) * gap) / n, 0.30 * window.x);
+    const double height = std::min(width, 0.5 * window.y);
+    const double left = 0.5 * (window.x - n * width - (n - 1.0) * gap);
+    std::vector<Card> cards;
+    for (std::size_t i = 0; i < count; ++i) {
+        cards.push_back(
+            {Vec2{left + static_cast<double>(i) * (width + gap), 0.5 * (window.y - height)},
+             Vec2{width, height}});
+    }
+    return cards;
+}
+
+std::optional<std::size_t> card_at(std::span<const Card> cards, const Vec2& pixel) {
+    for (std::size_t i = 0; i < cards.size(); ++i) {
+        if (cards[i].contains(pixel)) {
+            return i;
+        }
+    }
+    return std::nullopt;
+}
+
+void draw_pictures(Window& window,
+                   std::span<const Card> cards,
+                   std::span<const protocols::Picture> pictures,
+                   std::optional<std::size_t> selected) {
+    const Box box = box_of(pictures);
+    const double type = type_size(window.size());
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+        const Card& card = cards[i];
+        const bool chosen = selected == i;
+        const double frame = chosen ? 0.2 * type : 0.0;
+        if (chosen) {
+            window.triangles(
+                rectangle(card.corner - Vec2{frame, frame}, card.size + 2.0 * Vec2{frame, frame}),
+                kAccent);
+        }
+        window.triangles(rectangle(card.corner, card.size), kCard);
+        const std::vector<Vec2> outline = on_card(pictures[i], box, card);
+        window.triangles(fill(outline), kShape);
+        window.triangles(stroke(outline, std::max(3.0, 0.018 * card.size.x)), kOutline);
+        window.text(fmt::format("{}", i + 1),
+                    {card.centre().x, card.corner.y + card.size.y + 1.5 * type}, 1.3 * type,
+                    chosen ? kAccent : kText);
+    }
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "protocols/running/observer.hpp"
+#include "ui/subject/window.hpp"
+
+namespace palpate::ui {
+
+/// Where a picture's card stands, pixels.
+struct Card {
+    engine::Vec2 corner{};  ///< top left
+    engine::Vec2 size{};
+
+    [[nodiscard]] engine::Vec2 centre() const { return corner + 0.5 * size; }
+    [[nodiscard]] bool contains(const engine::Vec2& p) const {
+        return p.x >= corner.x && p.y >= corner.y && p.x < corner.x + size.x &&
+               p.y < corner.y + size.y;
+    }
+};
+
+/// Cards of `count` pictures side by side in the middle of a window of `window` pixels, all alike.
+[[nodiscard]] std::vector<Card> lay_out_cards(std::size_t count, const engine::Vec2& window);
+
+/// Which card is at `pixel`.
+[[nodiscard]] std::optional<std::size_t> card_at(std::span<const Card> cards,
+                                                 const engine::Vec2& pixel);
+
+/// Draws the pictures on their cards, all at one scale and about one centre, with their numbers below.
+/// @param selected  the card to highlight
+void draw_pictures(Window& window,
+                   std::span<const Card> cards,
+                   std::span<const protocols::Picture> pictures,
+                   std::optional<std::size_t> selected);
+
+}  // namespace palpate::ui

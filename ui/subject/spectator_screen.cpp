@@ -1,0 +1,96 @@
+#include "ui/subject/spectator_screen.hpp"
+
+#include <algorithm>
+
+namespace palpate::ui {
+namespace {
+
+using protocols::Choice;
+using protocols::Exploring;
+using protocols::Signal;
+
+/// How long each screen stays for those who look on, s.
+constexpr double kLook = 0.6;
+/// Longest gap and break, s: nobody needs to rest.
+constexpr double kLongestPause = 0.5;
+
+template <class Face>
+std::function<void(Window&)> drawing(Face face) {
+    return [face = std::move(face)](Window& window) {
+        draw(window, face);
+    };
+}
+
+Signal or_abort(bool aborted, Signal signal) {
+    return aborted ? Signal::abort : signal;
+}
+
+}  // namespace
+
+SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScreenOptions& options)
+    : observer_(observer), stage_(options.window, options.watermark, options.interrupted) {}
+
+Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
+    stage_.show(drawing(WelcomeFace{.title = session.title,
+                                    .trials = session.trials - session.next,
+                                    .resumed = session.next > 0}));
+    return or_abort(stage_.wait_or_abort(3.0 * kLook), observer_.welcome(session));
+}
+
+Signal SpectatorScreen::ready(const protocols::TrialView& trial) {
+    exploring_.reset();
+    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice}));
+    return or_abort(stage_.wait_or_abort(kLook), observer_.ready(trial));
+}
+
+Exploring SpectatorScreen::explore(const protocols::TrialView& trial, double elapsed_s) {
+    const ExploreFace face{.number = trial.number,
+                           .total = trial.total,
+                           .practice = trial.practice,
+                           .may_finish = elapsed_s >= trial.explore_min_s,
+                           .prompt = elapsed_s >= trial.explore_prompt_s};
+    if (exploring_ != face) {
+        exploring_ = face;
+        stage_.show(drawing(face));
+    }
+    if (stage_.next(0).kind == Input::Kind::abort) {
+        return {.signal = Signal::abort};
+    }
+    return observer_.explore(trial, elapsed_s);
+}
+
+void SpectatorScreen::feel(std::span<const engine::TickRecord> ticks) {
+    observer_.feel(ticks);
+}
+
+Choice SpectatorScreen::choose(const protocols::TrialView& trial,
+                               std::span<const protocols::Picture> pictures) {
+    stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = {}, .watched = true}));
+    const bool stopped = stage_.wait_or_abort(2.0 * kLook);
+    const Choice choice = observer_.choose(trial, pictures);
+    stage_.show(
+        drawing(ChooseFace{.pictures = pictures, .selected = choice.place, .watched = true}));
+    if (stopped || stage_.wait_or_abort(1.5 * kLook)) {
+        return {.signal = Signal::abort};
+    }
+    return choice;
+}
+
+Signal SpectatorScreen::gap(double seconds) {
+    stage_.show(drawing(GapFace{}));
+    return or_abort(stage_.wait_or_abort(std::min(seconds, kLongestPause)), observer_.gap(seconds));
+}
+
+Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
+    stage_.show(drawing(BreakFace{0, next.number, next.total}));
+    return or_abort(stage_.wait_or_abort(std::min(seconds, kLongestPause)),
+                    observer_.rest(seconds, next));
+}
+
+void SpectatorScreen::finish(const protocols::SessionView& session) {
+    observer_.finish(session);
+    stage_.show(drawing(EndFace{session.title}));
+    static_cast<void>(stage_.wait_or_abort(3.0 * kLook));
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "protocols/running/observer.hpp"
+#include "ui/subject/subject_screen.hpp"
+
+namespace palpate::ui {
+
+/// A window onto a simulated session: another observer answers, people look on. Shows what a
+/// participant would see, at a pace that can be followed.
+class SpectatorScreen : public protocols::Observer {
+public:
+    /// @param observer  who answers; outlives this one
+    SpectatorScreen(protocols::Observer& observer, const SubjectScreenOptions& options);
+
+    [[nodiscard]] protocols::Signal welcome(const protocols::SessionView& session) override;
+    [[nodiscard]] protocols::Signal ready(const protocols::TrialView& trial) override;
+    [[nodiscard]] protocols::Exploring explore(const protocols::TrialView& trial,
+                                               double elapsed_s) override;
+    void feel(std::span<const engine::TickRecord> ticks) override;
+    [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
+                                           std::span<const protocols::Picture> pictures) override;
+    [[nodiscard]] protocols::Signal gap(double seconds) override;
+    [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
+    void finish(const protocols::SessionView& session) override;
+
+private:
+    protocols::Observer& observer_;
+    Stage stage_;
+    std::optional<ExploreFace> exploring_;
+};
+
+}  // namespace palpate::ui

@@ -1,0 +1,152 @@
+#include "ui/subject/stage.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <SDL.h>
+
+#include "engine/realtime/servo.hpp"
+#include "ui/subject/faces.hpp"
+#include "ui/subject/style.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using engine::monotonic_ns;
+
+constexpr std::int64_t kStopQuestionNs = 3'000'000'000;
+
+}  // namespace
+
+Stage::Stage(const WindowOptions& window, std::string watermark, std::function<bool()> interrupted)
+    : window_(window),
+      watermark_(std::move(watermark)),
+      interrupted_(std::move(interrupted)),
+      looked_ns_(monotonic_ns()) {}
+
+std::int64_t Stage::show(std::function<void(Window&)> face) {
+    face_ = std::move(face);
+    redraw();
+    return monotonic_ns();
+}
+
+void Stage::redraw() {
+    window_.clear(kBackground);
+    if (face_) {
+        face_(window_);
+    }
+    if (!watermark_.empty()) {
+        draw_watermark(window_, watermark_);
+    }
+    if (asked_until_ns_ != 0) {
+        draw_stop_question(window_);
+    }
+    window_.present();
+}
+
+void Stage::forget_earlier() {
+    SDL_PumpEvents();
+    SDL_FlushEvents(SDL_KEYDOWN, SDL_KEYUP);
+    SDL_FlushEvents(SDL_MOUSEBUTTONDOWN, SDL_MOUSEBUTTONUP);
+    looked_ns_ = monotonic_ns();
+}
+
+void Stage::ask_to_stop() {
+    asked_until_ns_ = monotonic_ns() + kStopQuestionNs;
+    redraw();
+}
+
+Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
+    if (repeat) {  // held since an earlier screen, or too long: not a press
+        return {};
+    }
+    const bool modifier_alone = symbol >= SDLK_LCTRL && symbol <= SDLK_RGUI;
+    if (asked_until_ns_ != 0 && !modifier_alone) {
+        asked_until_ns_ = 0;
+        redraw();
+        return {.kind = symbol == SDLK_y ? Input::Kind::abort : Input::Kind::none};
+    }
+    if (symbol == SDLK_q && (modifiers & KMOD_CTRL) != 0 && (modifiers & KMOD_SHIFT) != 0) {
+        ask_to_stop();
+        return {};
+    }
+    switch (symbol) {
+        case SDLK_SPACE:
+            return {.kind = Input::Kind::go};
+        case SDLK_RETURN:
+        case SDLK_KP_ENTER:
+            return {.kind = Input::Kind::enter};
+        case SDLK_LEFT:
+            return {.kind = Input::Kind::left};
+        case SDLK_RIGHT:
+            return {.kind = Input::Kind::right};
+        default:
+            break;
+    }
+    if (symbol >= SDLK_1 && symbol <= SDLK_9) {
+        return {.kind = Input::Kind::digit, .digit = symbol - SDLK_0};
+    }
+    if (symbol >= SDLK_KP_1 && symbol <= SDLK_KP_9) {
+        return {.kind = Input::Kind::digit, .digit = symbol - SDLK_KP_1 + 1};
+    }
+    return {};
+}
+
+Input Stage::next(int wait_ms) {
+    const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(wait_ms) * 1'000'000;
+    for (;;) {
+        if (interrupted_ && interrupted_()) {
+            return {.kind = Input::Kind::abort};
+        }
+        if (asked_until_ns_ != 0 && monotonic_ns() > asked_until_ns_) {
+            asked_until_ns_ = 0;
+            redraw();
+        }
+        SDL_Event event;
+        const std::int64_t left_ms = (until - monotonic_ns()) / 1'000'000;
+        if (SDL_WaitEventTimeout(&event,
+                                 static_cast<int>(std::clamp<std::int64_t>(left_ms, 0, 20))) == 0) {
+            looked_ns_ = monotonic_ns();
+            if (looked_ns_ >= until) {
+                return {};
+            }
+            continue;
+        }
+        Input input;
+        if (event.type == SDL_KEYDOWN) {
+            input = key(event.key.keysym.sym, event.key.keysym.mod, event.key.repeat != 0);
+        } else if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT) {
+            input = {.kind = Input::Kind::click, .pixel = {event.button.x, event.button.y}};
+        } else if (event.type == SDL_MOUSEMOTION) {
+            input = {.kind = Input::Kind::motion, .pixel = {event.motion.x, event.motion.y}};
+        } else if (event.type == SDL_QUIT) {
+            ask_to_stop();
+        } else if (event.type == SDL_WINDOWEVENT &&
+                   (event.window.event == SDL_WINDOWEVENT_EXPOSED ||
+                    event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)) {
+            redraw();
+        }
+        if (input.kind != Input::Kind::none) {
+            input.seen_ns = monotonic_ns();
+            input.uncertainty_s =
+                std::max(0.0, static_cast<double>(input.seen_ns - looked_ns_) * 1e-9);
+            return input;
+        }
+    }
+}
+
+bool Stage::wait_or_abort(double seconds) {
+    const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
+    while (monotonic_ns() < until) {
+        if (next(5).kind == Input::Kind::abort) {
+            return true;
+        }
+    }
+    return false;
+}
+
+void Stage::warp_pointer(const engine::Vec2& pixel) {
+    SDL_WarpMouseInWindow(nullptr, static_cast<int>(pixel.x), static_cast<int>(pixel.y));
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "ui/subject/window.hpp"
+
+namespace palpate::ui {
+
+/// One thing that somebody did, stamped with CLOCK_MONOTONIC when it was seen.
+struct Input {
+    enum class Kind : std::uint8_t {
+        none,  ///< nothing within the time waited
+        go,    ///< Space
+        enter,
+        digit,
+        left,
+        right,
+        click,
+        motion,
+        abort,  ///< the experimenter's second step, or the operating system's signal
+    } kind = Kind::none;
+    int digit = 0;         ///< 1 to 9
+    engine::Vec2 pixel{};  ///< of click and motion
+    std::int64_t seen_ns = 0;
+    double uncertainty_s =
+        0.0;  ///< time since the queue was last looked at: how late it may be seen
+};
+
+/// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q or closing the
+/// window asks, Y within 3 s stops; nothing else can, Escape least of all.
+class Stage {
+public:
+    /// @param interrupted  a signal asks the session to end
+    Stage(const WindowOptions& window, std::string watermark, std::function<bool()> interrupted);
+
+    /// Shows `face` from now on, redrawn whenever the window needs it. Returns the time of presentation.
+    std::int64_t show(std::function<void(Window&)> face);
+    /// Waits up to `wait_ms` for something that matters.
+    Input next(int wait_ms);
+    /// Forgets presses and clicks that came before now: they were meant for another screen.
+    void forget_earlier();
+    /// Waits, still showing the face. True if the session is to end.
+    bool wait_or_abort(double seconds);
+
+    [[nodiscard]] Window& window() { return window_; }
+    /// Puts the pointer there, pixels.
+    void warp_pointer(const engine::Vec2& pixel);
+
+private:
+    void redraw();
+    Input key(std::int32_t symbol, std::uint16_t modifiers, bool repeat);
+    void ask_to_stop();
+
+    Window window_;
+    std::string watermark_;
+    std::function<bool()> interrupted_;
+    std::function<void(Window&)> face_;
+    std::int64_t looked_ns_ = 0;       ///< when the queue was last seen empty
+    std::int64_t asked_until_ns_ = 0;  ///< the stop question is open until then, 0: it is not
+};
+
+}  // namespace palpate::ui

@@ -1,0 +1,183 @@
+#include "ui/subject/subject_screen.hpp"
+
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "engine/realtime/servo.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using engine::monotonic_ns;
+using protocols::Choice;
+using protocols::Exploring;
+using protocols::InputKind;
+using protocols::Signal;
+
+/// explore() looks for presses this long, ms: often enough for 1 ms times, and the force goes on by itself.
+constexpr int kExploreWaitMs = 1;
+constexpr int kIdleWaitMs = 50;
+
+template <class Face>
+std::function<void(Window&)> drawing(Face face) {
+    return [face = std::move(face)](Window& window) {
+        draw(window, face);
+    };
+}
+
+}  // namespace
+
+SubjectScreen::SubjectScreen(SubjectScreenOptions options)
+    : options_(std::move(options)),
+      stage_(options_.window, options_.watermark, options_.interrupted) {}
+
+Signal SubjectScreen::wait_for_go() {
+    stage_.forget_earlier();
+    for (;;) {
+        const Input input = stage_.next(kIdleWaitMs);
+        if (input.kind == Input::Kind::abort) {
+            return Signal::abort;
+        }
+        if (input.kind == Input::Kind::go || input.kind == Input::Kind::enter) {
+            return Signal::go_on;
+        }
+    }
+}
+
+Signal SubjectScreen::welcome(const protocols::SessionView& session) {
+    stage_.show(drawing(WelcomeFace{.title = session.title,
+                                    .trials = session.trials - session.next,
+                                    .resumed = session.next > 0,
+                                    .moves_pointer = static_cast<bool>(options_.on_pointer)}));
+    return wait_for_go();
+}
+
+Signal SubjectScreen::ready(const protocols::TrialView& trial) {
+    exploring_.reset();
+    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice}));
+    return wait_for_go();
+}
+
+void SubjectScreen::follow_pointer(const Input& input) {
+    if (input.kind == Input::Kind::motion && options_.on_pointer) {
+        options_.on_pointer(PointerMap{stage_.window().size()}.to_object(input.pixel));
+    }
+}
+
+Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elapsed_s) {
+    const std::int64_t entered = monotonic_ns();
+    const ExploreFace face{.number = trial.number,
+                           .total = trial.total,
+                           .practice = trial.practice,
+                           .may_finish = elapsed_s >= trial.explore_min_s,
+                           .prompt = elapsed_s >= trial.explore_prompt_s};
+    if (!exploring_) {
+        stage_.window().show_pointer(false);
+        stage_.forget_earlier();
+        if (options_.on_pointer) {
+            stage_.warp_pointer(PointerMap{stage_.window().size()}.to_pixel(options_.start));
+            options_.on_pointer(options_.start);
+        }
+    }
+    if (exploring_ != face) {
+        exploring_ = face;
+        stage_.show(drawing(face));
+    }
+    for (;;) {
+        const Input input = stage_.next(kExploreWaitMs);
+        follow_pointer(input);
+        if (input.kind == Input::Kind::abort) {
+            return {.signal = Signal::abort};
+        }
+        if (input.kind == Input::Kind::go || input.kind == Input::Kind::enter) {
+            return {.signal = Signal::done,
+                    .at_s = elapsed_s + static_cast<double>(input.seen_ns - entered) * 1e-9,
+                    .uncertainty_s = input.uncertainty_s};
+        }
+        if (input.kind != Input::Kind::motion || monotonic_ns() - entered > 4'000'000) {
+            return {};
+        }
+    }
+}
+
+Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
+                             std::span<const protocols::Picture> pictures) {
+    stage_.window().show_pointer(true);
+    std::optional<std::size_t> selected;
+    stage_.forget_earlier();
+    std::int64_t shown =
+        stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+    const auto chosen = [&](std::size_t place, const Input& input, InputKind kind) {
+        return Choice{.signal = Signal::done,
+                      .place = place,
+                      .reaction_s = static_cast<double>(input.seen_ns - shown) * 1e-9,
+                      .uncertainty_s = input.uncertainty_s,
+                      .input = kind};
+    };
+    for (;;) {
+        const Input input = stage_.next(kIdleWaitMs);
+        const std::size_t last = pictures.size() - 1;
+        switch (input.kind) {
+            case Input::Kind::abort:
+                return {.signal = Signal::abort};
+            case Input::Kind::digit:
+                if (input.digit <= static_cast<int>(pictures.size())) {
+                    return chosen(static_cast<std::size_t>(input.digit - 1), input, InputKind::key);
+                }
+                break;
+            case Input::Kind::click:
+                if (const auto place = card_at(
+                        lay_out_cards(pictures.size(), stage_.window().size()), input.pixel)) {
+                    return chosen(*place, input, InputKind::mouse);
+                }
+                break;
+            case Input::Kind::enter:
+                if (selected) {
+                    return chosen(*selected, input, InputKind::arrows);
+                }
+                break;
+            case Input::Kind::left:
+                selected = selected ? (*selected > 0 ? *selected - 1 : 0) : last;
+                stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+                break;
+            case Input::Kind::right:
+                selected = selected ? std::min(*selected + 1, last) : 0;
+                stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+                break;
+            default:
+                break;
+        }
+    }
+}
+
+Signal SubjectScreen::gap(double seconds) {
+    stage_.show(drawing(GapFace{}));
+    return stage_.wait_or_abort(seconds) ? Signal::abort : Signal::go_on;
+}
+
+Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
+    const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
+    int shown = -1;
+    for (;;) {
+        const double left = static_cast<double>(until - monotonic_ns()) * 1e-9;
+        const int seconds_left = left > 0.0 ? static_cast<int>(std::ceil(left)) : 0;
+        if (seconds_left != shown) {
+            shown = seconds_left;
+            stage_.show(drawing(BreakFace{seconds_left, next.number, next.total}));
+        }
+        if (seconds_left == 0) {
+            return wait_for_go();
+        }
+        if (stage_.next(kIdleWaitMs).kind == Input::Kind::abort) {
+            return Signal::abort;
+        }
+    }
+}
+
+void SubjectScreen::finish(const protocols::SessionView& session) {
+    stage_.show(drawing(EndFace{session.title}));
+    static_cast<void>(wait_for_go());
+}
+
+}  // namespace palpate::ui

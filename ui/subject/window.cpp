@@ -1,0 +1,203 @@
+#include "ui/subject/window.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+
+#include <SDL.h>
+#include <SDL_image.h>
+#include <SDL_ttf.h>
+#include <fmt/format.h>
+
+namespace palpate::ui {
+namespace {
+
+constexpr const char* kFonts[] = {
+    "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+    "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+    "/usr/share/fonts/TTF/DejaVuSans.ttf",
+};
+
+std::string find_font(const std::string& asked) {
+    if (!asked.empty()) {
+        if (!std::filesystem::exists(asked)) {
+            throw std::runtime_error(fmt::format("--font {}: there is no such file", asked));
+        }
+        return asked;
+    }
+    for (const char* file : kFonts) {
+        if (std::filesystem::exists(file)) {
+            return file;
+        }
+    }
+    throw std::runtime_error(
+        "the font DejaVu Sans is not installed: install fonts-dejavu-core, or give --font FILE");
+}
+
+struct Delete {
+    void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
+    void operator()(SDL_Renderer* renderer) const { SDL_DestroyRenderer(renderer); }
+    void operator()(SDL_Surface* surface) const { SDL_FreeSurface(surface); }
+    void operator()(SDL_Texture* texture) const { SDL_DestroyTexture(texture); }
+    void operator()(TTF_Font* font) const { TTF_CloseFont(font); }
+};
+
+template <class T>
+using Own = std::unique_ptr<T, Delete>;
+
+template <class T>
+T* checked(T* made, std::string_view what) {
+    if (made == nullptr) {
+        throw std::runtime_error(
+            fmt::format("{} failed: {}; without a display use --headless", what, SDL_GetError()));
+    }
+    return made;
+}
+
+}  // namespace
+
+struct Window::Parts {
+    Own<SDL_Window> window;
+    Own<SDL_Renderer> renderer;
+    std::string font_file;
+    std::map<int, Own<TTF_Font>> fonts;  ///< by height in pixels
+
+    TTF_Font* font(double height) {
+        const int points = std::max(8, static_cast<int>(std::lround(height)));
+        Own<TTF_Font>& font = fonts[points];
+        if (!font) {
+            font.reset(
+                checked(TTF_OpenFont(font_file.c_str(), points), "opening the font " + font_file));
+        }
+        return font.get();
+    }
+    [[nodiscard]] Own<SDL_Surface> snapshot() const {
+        int width = 0;
+        int height = 0;
+        SDL_GetRendererOutputSize(renderer.get(), &width, &height);
+        Own<SDL_Surface> surface(
+            SDL_CreateRGBSurfaceWithFormat(0, width, height, 32, SDL_PIXELFORMAT_RGBA32));
+        if (SDL_RenderReadPixels(renderer.get(), nullptr, SDL_PIXELFORMAT_RGBA32, surface->pixels,
+                                 surface->pitch) != 0) {
+            throw std::runtime_error(
+                fmt::format("reading the window's pixels failed: {}", SDL_GetError()));
+        }
+        return surface;
+    }
+};
+
+Window::Window(const WindowOptions& options) : parts_(std::make_unique<Parts>()) {
+    parts_->font_file = find_font(options.font);
+    SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
+    SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
+    if (SDL_Init(SDL_INIT_VIDEO) != 0 || TTF_Init() != 0) {
+        throw std::runtime_error(
+            fmt::format("no window can be opened: {}; use --headless", SDL_GetError()));
+    }
+    const auto flags =
+        static_cast<Uint32>(SDL_WINDOW_SHOWN | SDL_WINDOW_RESIZABLE |
+                            (options.fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0));
+    parts_->window.reset(
+        checked(SDL_CreateWindow("palpate", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED,
+                                 options.width, options.height, flags),
+                "opening the window"));
+    SDL_Renderer* renderer = SDL_CreateRenderer(parts_->window.get(), -1, 0);
+    if (renderer == nullptr) {
+        renderer = SDL_CreateRenderer(parts_->window.get(), -1, SDL_RENDERER_SOFTWARE);
+    }
+    parts_->renderer.reset(checked(renderer, "drawing into the window"));
+    SDL_SetRenderDrawBlendMode(renderer, SDL_BLENDMODE_BLEND);
+}
+
+Window::~Window() {
+    SDL_ShowCursor(SDL_ENABLE);
+    parts_.reset();
+    TTF_Quit();
+    SDL_Quit();
+}
+
+engine::Vec2 Window::size() const {
+    int width = 0;
+    int height = 0;
+    SDL_GetRendererOutputSize(parts_->renderer.get(), &width, &height);
+    return {static_cast<double>(width), static_cast<double>(height)};
+}
+
+void Window::clear(Colour colour) {
+    SDL_SetRenderDrawColor(parts_->renderer.get(), colour.r, colour.g, colour.b, 255);
+    SDL_RenderClear(parts_->renderer.get());
+}
+
+void Window::triangles(std::span<const Corner> corners, Colour colour) {
+    std::vector<SDL_Vertex> vertices;
+    vertices.reserve(corners.size());
+    for (const Corner& corner : corners) {
+        const auto alpha = static_cast<Uint8>(std::lround(255.0F * corner.cover));
+        vertices.push_back(
+            {{static_cast<float>(corner.position.x), static_cast<float>(corner.position.y)},
+             {colour.r, colour.g, colour.b, alpha},
+             {0.0F, 0.0F}});
+    }
+    SDL_RenderGeometry(parts_->renderer.get(), nullptr, vertices.data(),
+                       static_cast<int>(vertices.size()), nullptr, 0);
+}
+
+void Window::text(
+    std::string_view line, const engine::Vec2& at, double height, Colour colour, Align align) {
+    if (line.empty()) {
+        return;
+    }
+    const Own<SDL_Surface> surface(
+        TTF_RenderUTF8_Blended(parts_->font(height), std::string(line).c_str(),
+                               SDL_Color{colour.r, colour.g, colour.b, 255}));
+    const Own<SDL_Texture> texture(SDL_CreateTextureFromSurface(
+        parts_->renderer.get(), checked(surface.get(), "drawing text")));
+    const double share = align == Align::left ? 0.0 : align == Align::centre ? 0.5 : 1.0;
+    const SDL_Rect where{static_cast<int>(std::lround(at.x - share * surface->w)),
+                         static_cast<int>(std::lround(at.y - 0.5 * surface->h)), surface->w,
+                         surface->h};
+    SDL_RenderCopy(parts_->renderer.get(), texture.get(), nullptr, &where);
+}
+
+double Window::text_width(std::string_view line, double height) {
+    int width = 0;
+    TTF_SizeUTF8(parts_->font(height), std::string(line).c_str(), &width, nullptr);
+    return width;
+}
+
+void Window::present() {
+    SDL_RenderPresent(parts_->renderer.get());
+}
+
+void Window::show_pointer(bool shown) {
+    SDL_ShowCursor(shown ? SDL_ENABLE : SDL_DISABLE);
+}
+
+std::vector<std::uint8_t> Window::pixels() const {
+    const Own<SDL_Surface> surface = parts_->snapshot();
+    const auto* bytes = static_cast<const std::uint8_t*>(surface->pixels);
+    return {bytes, bytes + static_cast<std::ptrdiff_t>(surface->pitch) * surface->h};
+}
+
+void Window::save_png(const std::string& file) const {
+    const Own<SDL_Surface> surface = parts_->snapshot();
+    if (IMG_SavePNG(surface.get(), file.c_str()) != 0) {
+        throw std::runtime_error(fmt::format("{} cannot be written: {}", file, SDL_GetError()));
+    }
+}
+
+bool display_available() {
+    const char* driver = std::getenv("SDL_VIDEODRIVER");
+    if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr &&
+        driver == nullptr) {
+        return false;
+    }
+    const bool available = SDL_Init(SDL_INIT_VIDEO) == 0;
+    SDL_Quit();
+    return available;
+}
+
+}  // namespace palpate::ui

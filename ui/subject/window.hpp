@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/geometry/vec.hpp"
+
+struct SDL_Window;
+
+namespace palpate::ui {
+
+/// Opaque colour, 0 to 255.
+struct Colour {
+    std::uint8_t r = 0;
+    std::uint8_t g = 0;
+    std::uint8_t b = 0;
+};
+
+/// A corner of a triangle: pixels from the top left, and how much of the colour it carries, 0 to 1.
+struct Corner {
+    engine::Vec2 position{};
+    float cover = 1.0F;
+};
+
+enum class Align { left, centre, right };
+
+struct WindowOptions {
+    bool fullscreen = false;
+    int width = 1280;
+    int height = 800;
+    std::string font;  ///< TrueType file; empty: DejaVu Sans where Debian keeps it
+};
+
+/// The subject's window: a canvas with triangles and text. Anti-aliasing is the caller's: a corner of
+/// cover 0 makes an edge fade out. Works on any SDL video driver, "dummy" included.
+class Window {
+public:
+    /// @throws std::runtime_error if there is no display, no renderer or no font: what, and the remedy
+    explicit Window(const WindowOptions& options);
+    Window(const Window&) = delete;
+    Window& operator=(const Window&) = delete;
+    ~Window();
+
+    [[nodiscard]] engine::Vec2 size() const;  ///< pixels
+    void clear(Colour colour);
+    /// Corners in threes. Both windings are drawn.
+    void triangles(std::span<const Corner> corners, Colour colour);
+    /// `at` is the left end, centre or right end of the line's middle. @param height  of the type, pixels
+    void text(std::string_view line,
+              const engine::Vec2& at,
+              double height,
+              Colour colour,
+              Align align = Align::centre);
+    /// Pixels that the line would take.
+    [[nodiscard]] double text_width(std::string_view line, double height);
+    void present();
+    void show_pointer(bool shown);
+
+    /// What was last presented, RGBA, rows from the top.
+    [[nodiscard]] std::vector<std::uint8_t> pixels() const;
+    /// @throws std::runtime_error if the file cannot be written
+    void save_png(const std::string& file) const;
+
+private:
+    struct Parts;
+    std::unique_ptr<Parts> parts_;
+};
+
+/// A real display is there to open a window on (SDL_VIDEODRIVER=dummy counts as one when set).
+[[nodiscard]] bool display_available();
+
+}  // namespace palpate::ui
