@@ -34,7 +34,8 @@ std::vector<std::string> tables(Database& database) {
 }
 
 void add_table(Database& database, const std::string& table, Content& content) {
-    Statement row = database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2, 3", table));
+    // The first two columns are a key in every table, or begin with one.
+    Statement row = database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2", table));
     while (row.step()) {
         std::string text = table + ':';
         for (int column = 0; column < row.columns(); ++column) {

@@ -6,7 +6,7 @@ std::string_view schema_sql() noexcept {
     return R"sql(
 -- palpate, schema 1. SI units, in the column names. Times *_utc are wall clock and for people;
 -- every duration comes from the servo's monotonic clock.
-PRAGMA application_id = 1885433968;
+PRAGMA application_id = 1885432944;
 PRAGMA user_version = 1;
 
 -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.

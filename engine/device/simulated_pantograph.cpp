@@ -103,8 +103,12 @@ void SimulatedPantograph::integrate(double dt) noexcept {
     const Vec2 velocity = j * rates_;
     const Vec2 drift = (velocity - last_jacobian_ * rates_) / dt;  // J' q'
     const HandPath::Intention aim = path_.at(time_);
-    const Vec2 hand = model_.hand_stiffness * (aim.position - (pose->handle - model_.origin)) +
-                      model_.hand_damping * (aim.velocity - velocity);
+    Vec2 pull = model_.hand_stiffness * (aim.position - (pose->handle - model_.origin));
+    const double strength = glm::length(pull);
+    if (strength > model_.hand_strength) {
+        pull *= model_.hand_strength / strength;
+    }
+    const Vec2 hand = pull + model_.hand_damping * (aim.velocity - velocity);
     const Vec2 drive = torque_ - model_.joint_damping * rates_ + j.transposed(hand - mass * drift);
     // (I + m J^T J) q'' = drive
     const Vec2 column_1{j.row_x.x, j.row_y.x};

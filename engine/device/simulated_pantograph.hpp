@@ -19,6 +19,8 @@ struct PantographModel {
     double hand_mass = 0.100;           ///< kg of the hand that moves with the handle
     double hand_stiffness = 300.0;      ///< N/m towards the intention
     double hand_damping = 8.0;          ///< N s/m
+    double hand_strength =
+        4.0;  ///< N, the most the hand pulls towards its intention: it explores gently
 };
 
 /// A five-bar pantograph and the hand that holds it, as one device on a virtual clock.

@@ -24,7 +24,8 @@ enum class Outcome : std::uint8_t {
 
 [[nodiscard]] std::string_view to_string(Outcome outcome) noexcept;
 
-/// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs.
+/// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs, from its first
+/// tick to done; the ramp out of the force is in the trace, but not in here.
 struct TrialSummary {
     std::int64_t ticks = 0;
     std::int64_t contact_ticks = 0;

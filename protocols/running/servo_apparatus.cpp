@@ -45,7 +45,7 @@ engine::Exploration SimulatedApparatus::exploration(const PlannedTrial& planned)
                              .a = protocol_.outline.a,
                              .vertex = protocol_.outline.vertex,
                              .b = protocol_.outline.b};
-    plan.speed = 0.065 + 0.030 * unit(random);        // 65 to 95 mm/s
+    plan.speed = 0.065 + 0.030 * unit(random);          // 65 to 95 mm/s
     plan.press_depth = 0.0085 + 0.0015 * unit(random);  // 8.5 to 10 mm: reaches into every object
     plan.sweeps = 3 + static_cast<int>(random.bounded(3));
     plan.tremor_phase = 2.0 * engine::kPi * unit(random);

@@ -52,7 +52,7 @@ public:
             Felt felt(ports_.apparatus, scene, planned);
             explore(id, view, result);
             felt.end();
-            drain(id);
+            drain(id, false);
         }
         result.summary = meter_.summary();
         if (result.outcome == Outcome::complete || result.outcome == Outcome::timed_out) {
@@ -77,7 +77,7 @@ private:
         const TimingSpec& timing = protocol_.timing;
         for (;;) {
             const engine::ServoStatus status = ports_.apparatus.advance();
-            drain(id);
+            drain(id, true);
             const double elapsed = ports_.apparatus.elapsed_s();
             const Exploring exploring = ports_.observer.explore(view, elapsed);
             result.done_s = elapsed;
@@ -121,15 +121,18 @@ private:
                                    .input = choice.input};
     }
 
-    void drain(TrialId id) {
+    /// @param exploring  the ticks count for the summary and for the observer; the ramp out does not
+    void drain(TrialId id, bool exploring) {
         for (;;) {
             const std::size_t n = ports_.apparatus.ring().pop(buffer_);
             if (n == 0) {
                 return;
             }
             const std::span<const engine::TickRecord> ticks(buffer_.data(), n);
-            meter_.add(ticks);
-            ports_.observer.feel(ticks);
+            if (exploring) {
+                meter_.add(ticks);
+                ports_.observer.feel(ticks);
+            }
             ports_.recorder.append(id, ticks);
         }
     }

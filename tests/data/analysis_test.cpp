@@ -1,0 +1,93 @@
+#include <cmath>
+
+#include "data/analysis/summary.hpp"
+#include "data/analysis/wilson.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::Contains;
+using data::Access;
+using data::Database;
+using tests::TemporaryFolder;
+
+// R. G. Newcombe, "Two-sided confidence intervals for the single proportion", Statistics in Medicine 17
+// (1998), table I, method 3 (score).
+TEST_CASE("the Wilson interval agrees with the published values", "[analysis][golden]") {
+    struct Published {
+        std::int64_t k, n;
+        double low, high;
+    };
+    for (const Published& p :
+         {Published{81, 263, 0.2553, 0.3662}, Published{15, 148, 0.0624, 0.1605},
+          Published{0, 20, 0.0, 0.1611}, Published{1, 29, 0.0061, 0.1718}}) {
+        const data::Interval ci = data::wilson(p.k, p.n);
+        CAPTURE(p.k, p.n, ci.low, ci.high);
+        CHECK(std::fabs(ci.low - p.low) < 5.1e-5);
+        CHECK(std::fabs(ci.high - p.high) < 5.1e-5);
+    }
+}
+
+TEST_CASE("a Wilson interval holds its share, lies in 0 to 1, and mirrors", "[analysis][law]") {
+    for (std::int64_t n = 0; n <= 60; ++n) {
+        for (std::int64_t k = 0; k <= n; ++k) {
+            const data::Interval ci = data::wilson(k, n);
+            const data::Interval mirror = data::wilson(n - k, n);
+            const double share = n == 0 ? 0.5 : static_cast<double>(k) / static_cast<double>(n);
+            REQUIRE((ci.low >= 0.0 && ci.high <= 1.0 && ci.low <= share && share <= ci.high));
+            REQUIRE(std::fabs(ci.low - (1.0 - mirror.high)) < 1e-12);
+        }
+    }
+}
+
+TEST_CASE("the summary counts main trials of each kind apart, and says what is simulated",
+          "[analysis]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("it's.sqlite"), Access::write);
+    CHECK_THAT(data::summary_text(database), Contains("No main trial"));
+    for (const data::RunKind kind : {data::RunKind::simulated, data::RunKind::real}) {
+        auto spec =
+            tests::session_spec(tests::small_protocol(), kind == data::RunKind::real ? "R1" : "S1");
+        spec.kind = kind;
+        const auto opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        for (const auto& planned : spec.plan.trials) {  // the real one always says "convex"
+            const std::size_t object = kind == data::RunKind::real ? 2 : planned.condition.object;
+            const auto id = recorder.begin_trial(planned, {});
+            recorder.end_trial(id, tests::answered(object, object == planned.condition.object));
+        }
+    }
+    const std::string text = data::summary_text(database);
+    CHECK_THAT(text, Contains("simulated data: participant and device are SIMULATED"));
+    CHECK_THAT(text, Contains("friction off    3 of   3 correct = 1.00") &&
+                         Contains("friction on     3 of   3"));
+    CHECK_THAT(text,
+               Contains("friction off    1 of   3 correct = 0.33   95 % interval 0.06 to 0.79"));
+    CHECK(text.find("real data") < text.find("simulated data"));
+    CHECK_THAT(text, Contains("straight         .         .         2"));
+}
+
+TEST_CASE("the two queries of the summary run as printed, also for a name with a quote in it",
+          "[analysis]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("it's.sqlite");
+    Database database(file, Access::write);
+    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    recorder.end_trial(recorder.begin_trial(spec.plan.trials[0], {}), tests::answered(1, false));
+    const std::string text = data::example_queries(file);
+    int ran = 0;
+    for (std::size_t at = text.find("  sqlite3"); at != std::string::npos;
+         at = text.find("  sqlite3", at + 1)) {
+        const tests::Finished query =
+            tests::Process({"sh", "-c", text.substr(at, text.find('\n', at) - at)}).wait();
+        CAPTURE(query.error);
+        CHECK(query.code == 0);
+        CHECK(query.out.find("friction") != std::string::npos);
+        ++ran;
+    }
+    CHECK(ran == 2);
+}

@@ -1,0 +1,65 @@
+#include "data/store/content_hash.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using data::Access;
+using data::Database;
+using tests::TemporaryFolder;
+
+namespace {
+
+void fill(Database& database, std::uint64_t seed) {
+    auto spec = tests::session_spec(tests::small_protocol());
+    spec.provenance = {{"run", std::to_string(seed)}};  // differs, and must not matter
+    const auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    for (const auto& planned : spec.plan.trials) {
+        const auto id = recorder.begin_trial(planned, {});
+        recorder.append(id, tests::random_ticks(planned.position, 400));
+        recorder.end_trial(id, tests::answered(0, planned.condition.object == 0, 400));
+    }
+    recorder.event("note", "a test");
+    recorder.finish_session();
+}
+
+}  // namespace
+
+TEST_CASE("two equal sessions have one hash, whatever the clock and the machine's versions",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    Database a(folder.file("a.sqlite"), Access::write);
+    Database b(folder.file("b.sqlite"), Access::write);
+    fill(a, 1);
+    fill(b, 2);
+    CHECK(data::content_hash(a) == data::content_hash(b));
+    a.execute("UPDATE trial SET started_utc = 'yesterday'; VACUUM");
+    CHECK(data::content_hash(a) == data::content_hash(b));
+}
+
+TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    fill(database, 1);
+    const std::string before = data::content_hash(database);
+    const char* edits[] = {
+        "UPDATE response SET correct = 1 - correct WHERE trial = 3",
+        "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial = 1",
+        "UPDATE plan SET object = 'straight' WHERE position = 2",
+        "UPDATE session SET seed = '8'",
+        "UPDATE trial SET slip_decay = 0.5 WHERE id = 2",
+        "UPDATE event SET text = 'another' WHERE kind = 'note'",
+        "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 256",
+        "UPDATE picture SET place = 2 - place + 10",
+    };
+    for (const char* sql : edits) {
+        CAPTURE(sql);
+        database.execute("SAVEPOINT edit");
+        database.execute(sql);
+        CHECK(data::content_hash(database) != before);
+        database.execute("ROLLBACK TO edit; RELEASE edit");
+    }
+    CHECK(data::content_hash(database) == before);
+}

@@ -1,0 +1,138 @@
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::Contains;
+using data::Access;
+using data::Database;
+using tests::session_spec;
+using tests::small_protocol;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::int64_t count(Database& database, const std::string& sql) {
+    auto row = database.prepare("SELECT count(*) FROM " + sql);
+    row.step();
+    return row.integer(0);
+}
+
+}  // namespace
+
+TEST_CASE("the whole plan is stored before the first trial, as it was made", "[store][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec = session_spec(small_protocol(4));
+    const auto opened = data::open_session(database, spec);
+    CHECK_FALSE(opened.resumed);
+    CHECK(opened.next == 0);
+    auto row = database.prepare(
+        "SELECT position, phase, object, curvature_per_m, friction, mu_s FROM plan ORDER BY "
+        "position");
+    for (const auto& planned : spec.plan.trials) {
+        REQUIRE(row.step());
+        CHECK(row.integer(0) == static_cast<std::int64_t>(planned.position));
+        CHECK(row.text(1) == "main");
+        CHECK(row.text(2) == spec.protocol.objects[planned.condition.object].name);
+        CHECK(row.real(3) == spec.protocol.objects[planned.condition.object].curvature);
+        CHECK(row.text(4) == spec.protocol.frictions[planned.condition.friction].name);
+        CHECK(row.real(5) == spec.protocol.frictions[planned.condition.friction].mu_s);
+    }
+    CHECK_FALSE(row.step());
+    CHECK(count(database, "picture") == 3);
+    CHECK(count(database, "trial") == 0);
+    auto hash = database.prepare("SELECT plan_sha256, seed FROM session");
+    hash.step();
+    CHECK(hash.text(0) == spec.plan.hash);
+    CHECK(hash.text(1) == std::to_string(spec.seed));
+}
+
+TEST_CASE("a session goes on at the first position without an answer; other attempts stay",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec = session_spec(small_protocol());
+    const auto opened = data::open_session(database, spec);
+    {
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        for (std::size_t i = 0; i < 2; ++i) {
+            const auto id = recorder.begin_trial(spec.plan.trials[i], {});
+            recorder.append(id, tests::random_ticks(i, 300));
+            recorder.end_trial(id, tests::answered(0, false, 300));
+        }
+        protocols::TrialResult aborted;
+        aborted.outcome = protocols::Outcome::aborted;
+        recorder.end_trial(recorder.begin_trial(spec.plan.trials[2], {}), aborted);
+        const auto cut = recorder.begin_trial(spec.plan.trials[2], {});
+        recorder.append(cut, tests::random_ticks(9, 600));  // and then the program dies
+    }
+    const auto again = data::open_session(database, spec);
+    CHECK(again.id == opened.id);
+    CHECK(again.resumed);
+    CHECK(again.next == 2);
+    CHECK(again.interrupted == 1);
+    CHECK(count(database, "trial WHERE outcome = 'interrupted'") == 1);
+    CHECK(count(database, "trial WHERE outcome = 'aborted'") == 1);
+    CHECK(count(database,
+                "trace_chunk JOIN trial ON trial.id = trial WHERE outcome = 'interrupted'") == 2);
+    CHECK(count(database, "event WHERE kind = 'interrupted'") == 1);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    const auto id = recorder.begin_trial(spec.plan.trials[2], {});
+    recorder.end_trial(id, tests::answered(0, false));
+    CHECK(count(database, "trial WHERE position = 2 AND attempt = 3") == 1);
+    CHECK(data::open_session(database, spec).next == 3);
+    CHECK(count(database, "trial_result") == 3);
+}
+
+TEST_CASE("a session goes on only with what it was begun with, and nothing changes otherwise",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec = session_spec(small_protocol());
+    static_cast<void>(data::open_session(database, spec));
+
+    auto changed = small_protocol();
+    changed.apparatus.stiffness = 500.0;
+    CHECK_THROWS_WITH(data::open_session(database, session_spec(changed)),
+                      Contains("another version of the protocol") && Contains("--session"));
+    auto seeded = spec;
+    seeded.seed = 8;
+    seeded.plan = protocols::make_plan(seeded.protocol, seeded.protocol_hash, seeded.key, 8);
+    CHECK_THROWS_WITH(data::open_session(database, seeded),
+                      Contains("another plan") && Contains("--seed"));
+    auto real = spec;
+    real.kind = data::RunKind::real;
+    CHECK_THROWS_WITH(data::open_session(database, real), Contains("simulated session"));
+    CHECK(count(database, "session") == 1);
+    CHECK(count(database, "study") == 1);
+}
+
+TEST_CASE("sessions of a participant are found by number", "[store]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    CHECK_FALSE(data::latest_session(database, "small", "P01").has_value());
+    static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P01", 1)));
+    static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P01", 2)));
+    static_cast<void>(data::open_session(database, session_spec(small_protocol(), "P02", 1)));
+    CHECK(data::latest_session(database, "small", "P01")->number == 2);
+    CHECK(data::latest_session(database, "small", "P02")->number == 1);
+    CHECK_FALSE(data::find_session(database, "small", {"P02", 2}).has_value());
+    CHECK(count(database, "participant") == 2);
+    CHECK(count(database, "study") == 1);
+}
+
+TEST_CASE("a session that is being run is refused to a second program, and free again afterwards",
+          "[store]") {
+    const TemporaryFolder folder;
+    const Database database(folder.file("a.sqlite"), Access::write);
+    {
+        const data::SessionLock lock(database, 1);
+        CHECK_THROWS_WITH(data::SessionLock(database, 1), Contains("another palpate"));
+        CHECK_NOTHROW(data::SessionLock(database, 2));
+    }
+    CHECK_NOTHROW(data::SessionLock(database, 1));
+    CHECK(folder.names().size() <= 3);  // the database, its log and the log's index: no lock file
+}
