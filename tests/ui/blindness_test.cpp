@@ -1,0 +1,130 @@
+#include <chrono>
+#include <set>
+#include <string>
+#include <thread>
+#include <type_traits>
+
+#include <SDL.h>
+
+#include "protocols/design/session_plan.hpp"
+#include "protocols/design/sha256.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/library/shipped.hpp"
+#include "protocols/running/servo_apparatus.hpp"
+#include "protocols/running/session.hpp"
+#include "protocols/running/trial_scene.hpp"
+#include "ui/subject/subject_screen.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/dummy_window.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+
+namespace {
+
+Protocol shipped() {
+    for (const ShippedProtocol& one : shipped_protocols()) {
+        if (one.name == "shape_friction_demo") {
+            return parse_protocol(one.text, one.name);
+        }
+    }
+    throw std::runtime_error("no demo protocol");
+}
+
+/// Runs the real subject's screen in a session: begins and answers by itself, and keeps what the
+/// screen showed while each object was felt.
+class WatchedScreen : public Observer {
+public:
+    WatchedScreen()
+        : screen_({.window = {.font = {}}, .watermark = {}, .interrupted = {}, .on_pointer = {}}) {}
+
+    Signal welcome(const SessionView& /*session*/) override { return Signal::go_on; }
+    Signal ready(const TrialView& trial) override {
+        std::thread subject([] {
+            std::this_thread::sleep_for(std::chrono::milliseconds(30));
+            SDL_Event space{};
+            space.type = SDL_KEYDOWN;
+            space.key.keysym.sym = SDLK_SPACE;
+            SDL_PushEvent(&space);
+        });
+        const Signal signal = screen_.ready(trial);
+        subject.join();
+        return signal;
+    }
+    Exploring explore(const TrialView& trial, double elapsed_s) override {
+        // One and the same trial number for all: only the condition differs between the trials.
+        TrialView view = trial;
+        view.number = 1;
+        static_cast<void>(screen_.explore(view, elapsed_s));
+        shown_.insert(frame());
+        ++frames_;
+        return {.signal = elapsed_s > 0.2 ? Signal::done : Signal::go_on, .at_s = elapsed_s};
+    }
+    Choice choose(const TrialView& /*trial*/, std::span<const Picture> pictures) override {
+        screen_.stage().show([pictures](ui::Window& window) {
+            draw(window, ui::ChooseFace{pictures, 0, false});
+        });
+        pictures_.insert(frame());
+        return {};
+    }
+    Signal gap(double /*seconds*/) override { return Signal::go_on; }
+    Signal rest(double /*seconds*/, const TrialView& /*next*/) override { return Signal::go_on; }
+    void finish(const SessionView& /*session*/) override {}
+
+    std::set<std::string> shown_;  ///< SHA-256 of every frame
+    std::set<std::string> pictures_;
+    int frames_ = 0;
+
+private:
+    std::string frame() {
+        const std::vector<std::uint8_t> pixels = screen_.stage().window().pixels();
+        return sha256_hex(std::string(pixels.begin(), pixels.end()));
+    }
+
+    ui::SubjectScreen screen_;
+};
+
+class Forgetful : public Recorder {
+public:
+    TrialId begin_trial(const PlannedTrial& planned, const SceneConstants& /*scene*/) override {
+        conditions.insert(planned.condition);
+        return 1;
+    }
+    void append(TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {}
+    void end_trial(TrialId /*t*/, const TrialResult& /*result*/) override {}
+    void event(std::string_view /*kind*/, std::string_view /*text*/) override {}
+    void finish_session() override {}
+    std::set<Condition> conditions;
+};
+
+}  // namespace
+
+TEST_CASE("while exploring, the subject's picture is the same to the pixel for all ten conditions",
+          "[blind][law]") {
+    tests::draw_into_memory();
+    Protocol protocol = shipped();
+    protocol.timing.explore_min = 0.0;
+    const std::string hash = protocol_hash(protocol);
+    const SessionKey key{"P1", 1};
+    const Plan plan = make_plan(protocol, hash, key, protocol.seed);
+    SimulatedApparatus apparatus(protocol, hash, key, protocol.seed);
+    WatchedScreen screen;
+    Forgetful recorder;
+    const SessionEnd end = run_session(protocol, plan, {}, 0, {apparatus, screen, recorder});
+    CHECK(end.why == SessionEnd::Why::finished);
+    CHECK(recorder.conditions.size() == 10);
+    CHECK(screen.frames_ >= 100);
+    CHECK(screen.shown_.size() == 1);
+    // The test sees differences where there are some: the pictures of the choice.
+    CHECK(screen.pictures_.size() == 1);
+    CHECK(*screen.pictures_.begin() != *screen.shown_.begin());
+}
+
+TEST_CASE("nothing of the condition is among what the explore screen is drawn from",
+          "[blind][law]") {
+    // Whoever adds a member to the face must come here and say why it cannot tell the shape.
+    const auto [number, total, practice, may_finish, prompt] = ui::ExploreFace{};
+    CHECK(std::is_same_v<std::remove_const_t<decltype(number)>, std::size_t>);
+    CHECK(std::is_same_v<std::remove_const_t<decltype(total)>, std::size_t>);
+    CHECK_FALSE((practice || may_finish || prompt));
+}

@@ -1,0 +1,23 @@
+#include "ui/cli/device_choice.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace palpate::ui;
+using Catch::Matchers::Contains;
+
+TEST_CASE("a device is read as it is written, also a replay of a file with colons", "[cli]") {
+    CHECK(parse_device("sim").kind == DeviceChoice::Kind::simulated);
+    CHECK(parse_device("mouse").kind == DeviceChoice::Kind::mouse);
+    const DeviceChoice whole = parse_device("replay:a.sqlite");
+    CHECK(whole.kind == DeviceChoice::Kind::replay);
+    CHECK(whole.file == "a.sqlite");
+    CHECK_FALSE(whole.trial.has_value());
+    const DeviceChoice one = parse_device("replay:C:my:12.sqlite:7");
+    CHECK(one.file == "C:my:12.sqlite");
+    CHECK(one.trial == 7);
+    CHECK(parse_device("replay:a:b").file == "a:b");
+    CHECK(parse_device("replay:a:").file == "a:");
+    for (const char* wrong : {"", "simulated", "replay", "replay:", "haply"}) {
+        CHECK_THROWS_WITH(parse_device(wrong),
+                          Contains(wrong) && Contains("sim, mouse, or replay:FILE[:TRIAL]"));
+    }
+}
