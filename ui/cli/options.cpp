@@ -1,6 +1,9 @@
 #include "ui/cli/options.hpp"
 
+#include <cstdio>
+
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include "ui/cli/version.hpp"
 
@@ -78,6 +81,14 @@ Options parse_command_line(int argc, const char* const* argv) {
 
     try {
         app.parse(argc, argv);
+    } catch (const CLI::RequiredError& e) {
+        if (argc > 1 && argv[1][0] != '-' &&
+            app.get_subcommands().empty()) {  // CLI11 does not say which word
+            fmt::print(stderr, "palpate: there is no command \"{}\"; palpate --help lists them\n",
+                       argv[1]);
+            return Exit{kWrongWords};
+        }
+        return Exit{app.exit(e) == 0 ? 0 : kWrongWords};
     } catch (const CLI::ParseError& e) {
         return Exit{app.exit(e) == 0 ? 0 : kWrongWords};
     }

@@ -22,21 +22,6 @@ namespace {
 using protocols::PlannedTrial;
 using protocols::TrialResult;
 
-std::vector<protocols::ReplayApparatus::Recording> recordings(const DeviceChoice& device) {
-    data::Database source(device.file, data::Access::read);
-    const std::vector<std::int64_t> trials =
-        device.trial ? std::vector{*device.trial} : data::answered_trials(source);
-    std::vector<protocols::ReplayApparatus::Recording> all;
-    for (const std::int64_t trial : trials) {
-        protocols::ReplayApparatus::Recording recording;
-        for (const engine::TickRecord& tick : data::read_trace(source, trial)) {
-            recording.push_back({.hip = tick.hip, .counts = tick.counts});
-        }
-        all.push_back(std::move(recording));
-    }
-    return all;
-}
-
 std::unique_ptr<protocols::Apparatus> make_apparatus(const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
     switch (spec.device.kind) {
@@ -45,7 +30,7 @@ std::unique_ptr<protocols::Apparatus> make_apparatus(const RigSpec& spec) {
                 protocol, spec.study.hash, spec.key, spec.seed, spec.screen.speed);
         case DeviceChoice::Kind::replay:
             return std::make_unique<protocols::ReplayApparatus>(
-                protocol, recordings(spec.device), spec.device.file, spec.screen.speed);
+                protocol, spec.recordings, spec.device.file, spec.screen.speed);
         case DeviceChoice::Kind::mouse:
             break;
     }
@@ -152,6 +137,24 @@ void print_start(const RigSpec& spec,
 }
 
 }  // namespace
+
+std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceChoice& device) {
+    if (device.kind != DeviceChoice::Kind::replay) {
+        return {};
+    }
+    data::Database source(device.file, data::Access::read);
+    const std::vector<std::int64_t> trials =
+        device.trial ? std::vector{*device.trial} : data::answered_trials(source);
+    std::vector<protocols::ReplayApparatus::Recording> all;
+    for (const std::int64_t trial : trials) {
+        protocols::ReplayApparatus::Recording recording;
+        for (const engine::TickRecord& tick : data::read_trace(source, trial)) {
+            recording.push_back({.hip = tick.hip, .counts = tick.counts});
+        }
+        all.push_back(std::move(recording));
+    }
+    return all;
+}
 
 bool wants_window(const ScreenOptions& screen) {
     return !screen.headless && display_available();

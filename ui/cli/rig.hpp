@@ -3,7 +3,9 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
+#include "protocols/running/servo_apparatus.hpp"
 #include "protocols/running/session.hpp"
 #include "data/store/database.hpp"
 #include "data/store/session_store.hpp"
@@ -20,6 +22,7 @@ struct RigSpec {
     std::uint64_t seed = 0;
     data::RunKind kind = data::RunKind::simulated;
     DeviceChoice device;
+    std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
     ScreenOptions screen;
     bool watch_only =
         false;  ///< in a window the simulated observer answers, and people watch (demo)
@@ -30,6 +33,11 @@ struct RigEnd {
     protocols::SessionEnd session{};
     bool already_finished = false;
 };
+
+/// The recorded hands that a replay asks for; nothing for other devices.
+/// @throws data::StoreError, data::TraceError if the file, the trial or its ticks are not there
+[[nodiscard]] std::vector<protocols::ReplayApparatus::Recording> load_recordings(
+    const DeviceChoice& device);
 
 /// A window can be opened here and was not declined.
 [[nodiscard]] bool wants_window(const ScreenOptions& screen);

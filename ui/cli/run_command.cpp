@@ -49,6 +49,8 @@ int run_command(const RunOptions& options) {
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
     }
+    spec.recordings =
+        load_recordings(spec.device);  // what is missing is said before a file is made
     data::Database database(options.database, data::Access::write);
     spec.key.participant = options.participant;
     const std::string& study = spec.study.protocol.id;

@@ -1,0 +1,114 @@
+#include <fstream>
+
+#include "protocols/library/shipped.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::Contains;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// The demo protocol with one text replaced.
+std::string edited(const std::string& from, const std::string& to) {
+    for (const auto& one : protocols::shipped_protocols()) {
+        if (one.name == "shape_friction_demo") {
+            std::string text(one.text);
+            const std::size_t at = text.find(from);
+            REQUIRE(at != std::string::npos);
+            return text.replace(at, from.size(), to);
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("a wrong protocol file gets place, value and remedy; exit code 2; nothing is created",
+          "[cli][law]") {
+    struct Wrong {
+        const char *from, *to, *value;
+    };
+    for (const Wrong& wrong :
+         {Wrong{"repetitions = 1", "repetitons = 1", "repetitions"},
+          Wrong{"rate_hz = 1000", "rate_hz = 100", "100"},
+          Wrong{"rate_hz = 1000", "rate_hz = \"fast\"", "rate_hz"},
+          Wrong{"mu_s = 0.7", "mu_s = 0.3", "0.3"}, Wrong{"[timing]", "[timing", "table"},
+          Wrong{"max_run_object = 2", "max_run_object = -1", "-1"}}) {
+        CAPTURE(wrong.to);
+        const TemporaryFolder folder;
+        std::ofstream(folder.file("p.toml")) << edited(wrong.from, wrong.to);
+        const Finished run = palpate_command({"run", folder.file("p.toml"), "--participant", "P1",
+                                              "--db", folder.file("d.sqlite"), "--headless"});
+        CAPTURE(run.error);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error, Catch::Matchers::Matches("(?:[^:\n]*p\\.toml:[0-9]+:[0-9]+: .+\n)+",
+                                                       Catch::CaseSensitive::Yes) &&
+                                  Contains(wrong.value));
+        CHECK(folder.names() == std::vector<std::string>{"p.toml"});
+    }
+}
+
+TEST_CASE("wrong words on the command line get a sentence and exit code 2, and create nothing",
+          "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string db = folder.file("d.sqlite");
+    struct Wrong {
+        std::vector<std::string> words;
+        const char* says;
+    };
+    for (const Wrong& wrong :
+         {Wrong{{}, "subcommand"}, Wrong{{"fly"}, "fly"}, Wrong{{"run"}, "PROTOCOL"},
+          Wrong{{"run", "nothing.toml", "--participant", "P1", "--db", db}, "nothing.toml"},
+          Wrong{{"run", "shape_friction_demo", "--participant", "Jane Doe", "--db", db},
+                "Jane Doe"},
+          Wrong{{"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--device",
+                 "haptic"},
+                "sim, mouse"},
+          Wrong{{"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--device",
+                 "mouse"},
+                "display"},
+          Wrong{
+              {"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--kind", "maybe"},
+              "maybe"}}) {
+        CAPTURE(wrong.words);
+        const Finished run = palpate_command(wrong.words);
+        CAPTURE(run.error);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error + run.out, Contains(wrong.says));
+        CHECK(folder.names().empty());
+    }
+}
+
+TEST_CASE("a replay of a file that is not there is said before anything is created", "[cli]") {
+    const TemporaryFolder folder;
+    const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",
+                                          "--db", folder.file("d.sqlite"), "--headless", "--device",
+                                          "replay:" + folder.file("absent.sqlite")});
+    CHECK(run.code != 0);
+    CHECK_THAT(run.error, Contains("absent.sqlite"));
+    CHECK(folder.names().empty());
+}
+
+TEST_CASE("help and version go to standard output with exit code 0", "[cli]") {
+    CHECK(palpate_command({"--help"}).code == 0);
+    CHECK_THAT(palpate_command({"--help"}).out,
+               Contains("run") && Contains("demo") && Contains("summary"));
+    CHECK_THAT(palpate_command({"--version"}).out, Contains("palpate "));
+}
+
+TEST_CASE("a finished session is not run again by mistake", "[cli]") {
+    const TemporaryFolder folder;
+    const std::vector<std::string> words{"run",  "shape_friction_demo",   "--participant", "P1",
+                                         "--db", folder.file("d.sqlite"), "--headless"};
+    CHECK(palpate_command(words).code == 0);
+    const Finished again = palpate_command(words);
+    CHECK(again.code == 2);
+    CHECK_THAT(again.error, Contains("--session 2"));
+    std::vector<std::string> second = words;
+    second.insert(second.end(), {"--session", "2"});
+    CHECK(palpate_command(second).code == 0);
+}

@@ -1,0 +1,57 @@
+#include <cmath>
+
+#include "data/store/reader.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+TEST_CASE("the default study, whole: every condition equally often, forces lawful on every tick",
+          "[study][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command(
+                {"run", "shape_friction", "--participant", "P1", "--db", file, "--headless"})
+                .code == 0);
+    data::Database database(file, data::Access::read);
+    auto cells = database.prepare(
+        "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM trial_result"
+        " WHERE phase = 'main' GROUP BY object, friction)");
+    cells.step();
+    CHECK(cells.integer(0) == 10);
+    CHECK(cells.integer(1) == 10);
+    CHECK(cells.integer(2) == 10);
+    auto phases =
+        database.prepare("SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM trial_result");
+    phases.step();
+    CHECK(phases.integer(0) == 10);
+    CHECK(phases.integer(1) == 4);
+
+    auto trial = database.prepare("SELECT trial, friction FROM trial_result");
+    int outside = 0;
+    int inside = 0;
+    double excess = -1.0;
+    double highest_mu = 0.0;
+    while (trial.step()) {
+        for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
+            if (tick.mode == engine::Mode::free) {
+                ++outside;
+                REQUIRE(tick.force == engine::Vec2{});
+                REQUIRE(tick.command == engine::Vec2{});
+                continue;
+            }
+            ++inside;
+            const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
+            excess = std::max(excess, std::fabs(tick.tangential_force) - mu_s * tick.normal_force);
+            highest_mu = std::max(highest_mu, tick.mu);
+            REQUIRE(tick.normal_force >= 0.0);
+            REQUIRE(glm::length(tick.command) <= 10.0 * (1.0 + 1e-12));
+        }
+    }
+    CHECK(outside > 10'000);
+    CHECK(inside > 10'000);
+    CHECK(excess <= 1e-9);
+    CHECK(highest_mu <= 0.7);
+}

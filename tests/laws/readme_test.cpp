@@ -1,0 +1,73 @@
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "data/store/schema.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::string readme() {
+    std::ifstream file(PALPATE_SOURCE_DIR "/README.md");
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+/// Every fenced block of README in this language.
+std::vector<std::string> blocks(const std::string& language) {
+    const std::string text = readme();
+    const std::string open = "\n```" + language + "\n";
+    std::vector<std::string> found;
+    for (std::size_t at = text.find(open); at != std::string::npos; at = text.find(open, at + 1)) {
+        const std::size_t begin = at + open.size();
+        found.push_back(text.substr(begin, text.find("\n```", begin) + 1 - begin));
+    }
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("the example queries of README run as printed, and answer", "[readme][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("demo.sqlite");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    const auto queries = blocks("sql");
+    CHECK(queries.size() >= 3);
+    for (const std::string& query : queries) {
+        CAPTURE(query);
+        const tests::Finished answer = tests::Process({"sqlite3", file, query}).wait();
+        CAPTURE(answer.error);
+        CHECK(answer.code == 0);
+        CHECK_FALSE(answer.out.empty());
+    }
+}
+
+TEST_CASE("README names every table and view of the schema, and every file it points at is there",
+          "[readme][law]") {
+    const TemporaryFolder folder;
+    REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("d.sqlite")}).code == 0);
+    const tests::Finished names =
+        tests::Process({"sqlite3", folder.file("d.sqlite"),
+                        "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')"})
+            .wait();
+    const std::string text = readme();
+    std::istringstream lines(names.out);
+    for (std::string name; std::getline(lines, name);) {
+        CAPTURE(name);
+        CHECK(text.find("`" + name + "`") != std::string::npos);
+    }
+    int files = 0;
+    for (std::size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at + 1)) {
+        const std::string target = text.substr(at + 2, text.find(')', at) - at - 2);
+        if (target.rfind("http", 0) != 0 && target.rfind('#', 0) != 0) {
+            CAPTURE(target);
+            CHECK(std::filesystem::exists(std::string(PALPATE_SOURCE_DIR "/") + target));
+            ++files;
+        }
+    }
+    CHECK(files >= 6);
+}

@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <set>
+#include <thread>
+
+#include "data/store/reader.hpp"
+#include "ui/subject/picture_row.hpp"
+#include "ui/subject/pointer_map.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/gos_oracle.hpp"
+#include "tests/support/x_hand.hpp"
+#include "tests/support/xvfb.hpp"
+
+using namespace palpate;
+using engine::Vec2;
+using tests::ArcOracle;
+using tests::GosOracle;
+using tests::TemporaryFolder;
+using tests::XHand;
+
+namespace {
+
+constexpr std::size_t kClicked = 1;
+
+void pause(double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+/// Strokes of the real pointer in the left side A-V, up and down, from the start pose and off again.
+void explore(XHand& hand, const XHand::Window& window) {
+    const ui::PointerMap map{
+        {static_cast<double>(window.width), static_cast<double>(window.height)}};
+    const auto go = [&](const Vec2& object) {
+        const Vec2 pixel = map.to_pixel(object);
+        hand.move(window.x + static_cast<int>(pixel.x), window.y + static_cast<int>(pixel.y));
+        pause(0.004);
+    };
+    const Vec2 a{-0.040, 0.0};
+    const Vec2 v{0.0, 0.040};
+    const Vec2 out = Vec2{-1.0, 1.0} / std::sqrt(2.0);
+    for (int i = 0; i <= 40; ++i) {  // over to the side and in
+        go(Vec2{0.0, 0.060} + (i / 40.0) * (0.5 * (a + v) + 0.012 * out - Vec2{0.0, 0.060}));
+    }
+    for (int i = 0; i <= 240; ++i) {
+        const double t = i / 240.0;
+        const double s = 0.5 + 0.22 * std::sin(2.0 * M_PI * 2.0 * t);
+        const double depth =
+            std::min({0.012 * 8.0 * t - 0.012, 0.0035, 0.012 * 8.0 * (1.0 - t) - 0.012});
+        go(a + s * (v - a) - depth * out);
+    }
+}
+
+struct Condition {
+    double curvature = 0.0;
+    bool friction = false;
+};
+
+/// Largest difference between the recorded forces and those of the exact object under the recorded
+/// pointer, by an independent method.
+double worst_difference(const std::vector<engine::TickRecord>& trace,
+                        const Condition& condition,
+                        int& touched) {
+    const ArcOracle side{{-0.040, 0.0}, {0.0, 0.040}, condition.curvature};
+    GosOracle::Law law{.stiffness = 1000.0};
+    if (condition.friction) {
+        law = {.stiffness = 1000.0, .mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+    }
+    GosOracle oracle(side, law);
+    double worst = 0.0;
+    for (const engine::TickRecord& tick : trace) {
+        worst = std::max(worst, glm::length(tick.force - oracle.tick(tick.hip)));
+        touched += tick.mode != engine::Mode::free ? 1 : 0;
+    }
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a real pointer in a real window: choice, reaction time and exact forces are in the database",
+    "[window][law]") {
+    const tests::Xvfb screen(1280, 800);
+    XHand hand(screen.display());
+    const TemporaryFolder folder;
+    tests::Process program(
+        {tests::palpate_program(), "run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+         "--participant", "P1", "--db", folder.file("d.sqlite"), "--device", "mouse", "--kind",
+         "pilot"},
+        {"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY"});
+    const XHand::Window window = hand.wait_for_window("palpate", 20.0);
+    const Vec2 size{static_cast<double>(window.width), static_cast<double>(window.height)};
+    const Vec2 card = ui::lay_out_cards(2, size)[kClicked].centre();
+    std::set<std::uint64_t> explore_screens;
+    const auto shown_for_long =
+        [&](std::uint64_t before) {  // the picture has changed and stands still
+            for (int i = 0; i < 500; ++i) {
+                const std::uint64_t now = hand.pixels(window);
+                pause(0.02);
+                if (now != before && now == hand.pixels(window)) {
+                    return now;
+                }
+            }
+            return before;
+        };
+    pause(0.5);
+    std::uint64_t shown = hand.pixels(window);
+    hand.key("space");  // welcome
+    for (int trial = 0; trial < 4; ++trial) {
+        shown = shown_for_long(shown);
+        pause(0.2);
+        shown = hand.pixels(window);
+        hand.key("space");  // ready
+        shown = shown_for_long(shown);
+        explore(hand, window);
+        explore_screens.insert(hand.pixels(window));
+        shown = hand.pixels(window);
+        hand.key("space");  // done
+        shown = shown_for_long(shown);
+        hand.move(window.x + static_cast<int>(card.x), window.y + static_cast<int>(card.y));
+        pause(0.3);
+        hand.click();
+    }
+    pause(0.6);
+    hand.key("space");  // the end
+    const tests::Finished end = program.wait(std::chrono::seconds(20));
+    CAPTURE(end.out, end.error);
+    REQUIRE(end.code == 0);
+    CHECK(explore_screens.size() == 4);  // they differ in the trial's number only
+
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare(
+        "SELECT trial, curvature_per_m, friction, choice, trial_result.reaction_s, "
+        "response.uncertainty_s, kind,"
+        " input, done_s FROM trial_result JOIN response USING (trial) ORDER BY position");
+    auto picture = database.prepare("SELECT object FROM picture WHERE place = 1");
+    REQUIRE(picture.step());
+    int trials = 0;
+    while (row.step()) {
+        ++trials;
+        CAPTURE(row.integer(0), row.real(1), row.text(2));
+        CHECK(row.text(3) == picture.text(0));
+        CHECK(row.real(4) > 0.2);
+        CHECK(row.real(4) < 10.0);
+        CHECK(row.real(5) >= 0.0);
+        CHECK(row.text(6) == "pilot");
+        CHECK(row.text(7) == "mouse");
+        CHECK(row.real(8) > 1.0);
+        int touched = 0;
+        const auto trace = data::read_trace(database, row.integer(0));
+        CHECK(worst_difference(trace, {row.real(1), row.text(2) == "on"}, touched) <= 1e-9);
+        CHECK(touched > 200);
+    }
+    CHECK(trials == 4);
+}

@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <cstring>
+
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/running/trial_scene.hpp"
+#include "data/store/reader.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::vector<std::string> run(const std::string& file, const std::string& device) {
+    return {"run", "shape_friction_demo", "--participant", "P1",  "--db",
+            file,  "--headless",          "--device",      device};
+}
+
+}  // namespace
+
+TEST_CASE("every recorded force comes back to the bit from the database alone", "[replay][law]") {
+    const TemporaryFolder folder;
+    REQUIRE(palpate_command(run(folder.file("a.sqlite"), "sim")).code == 0);
+    data::Database database(folder.file("a.sqlite"), data::Access::read);
+    auto text = database.prepare("SELECT protocol_toml FROM study");
+    text.step();
+    const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
+    auto trial = database.prepare(
+        "SELECT trial.id, plan.object, plan.friction, slip_decay, heal_decay FROM trial"
+        " JOIN plan ON plan.session = trial.session AND plan.position = trial.position");
+    int replayed = 0;
+    while (trial.step()) {
+        const auto index = [&](const auto& list, const std::string& name) {
+            return static_cast<std::size_t>(
+                std::find_if(list.begin(), list.end(),
+                             [&](const auto& one) { return one.name == name; }) -
+                list.begin());
+        };
+        engine::Scene scene = protocols::make_scene(
+            protocol,
+            {index(protocol.objects, trial.text(1)), index(protocol.frictions, trial.text(2))});
+        scene.restore_decay({trial.real(3), trial.real(4)});
+        engine::ContactState state;
+        for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
+            const engine::Contact contact = scene.tick(state, tick.hip);
+            REQUIRE(std::memcmp(&contact.force, &tick.force, sizeof tick.force) == 0);
+            REQUIRE(std::memcmp(&contact.go, &tick.go, sizeof tick.go) == 0);
+            REQUIRE(contact.mu == tick.mu);
+            REQUIRE(contact.mode == tick.mode);
+            ++replayed;
+        }
+    }
+    CHECK(replayed > 40'000);
+}
+
+TEST_CASE("a session on a replayed hand feels and answers as the recorded one", "[replay][law]") {
+    const TemporaryFolder folder;
+    const std::string first = folder.file("a.sqlite");
+    const std::string second = folder.file("b.sqlite");
+    REQUIRE(palpate_command(run(first, "sim")).code == 0);
+    REQUIRE(palpate_command(run(second, "replay:" + first)).code == 0);
+    data::Database a(first, data::Access::read);
+    data::Database b(second, data::Access::read);
+    const auto trials_a = data::answered_trials(a);
+    const auto trials_b = data::answered_trials(b);
+    REQUIRE(trials_a.size() == 10);
+    REQUIRE(trials_b.size() == 10);
+    for (std::size_t i = 0; i < 10; ++i) {
+        const auto one = data::read_trace(a, trials_a[i]);
+        const auto two = data::read_trace(b, trials_b[i]);
+        REQUIRE(one.size() == two.size());
+        for (std::size_t k = 0; k < one.size(); ++k) {
+            REQUIRE(std::memcmp(&one[k].force, &two[k].force, sizeof one[k].force) == 0);
+            REQUIRE(std::memcmp(&one[k].hip, &two[k].hip, sizeof one[k].hip) == 0);
+        }
+    }
+    const auto choices = [](data::Database& database) {
+        auto row = database.prepare(
+            "SELECT group_concat(choice) FROM (SELECT choice FROM trial_result ORDER BY position)");
+        row.step();
+        return row.text(0);
+    };
+    CHECK(choices(a) == choices(b));
+}
+
+TEST_CASE("one named trial can be replayed for all", "[replay]") {
+    const TemporaryFolder folder;
+    const std::string first = folder.file("a.sqlite");
+    REQUIRE(palpate_command(run(first, "sim")).code == 0);
+    CHECK(palpate_command(run(folder.file("b.sqlite"), "replay:" + first + ":3")).code == 0);
+    const tests::Finished absent =
+        palpate_command(run(folder.file("c.sqlite"), "replay:" + first + ":333"));
+    CHECK(absent.code == 1);
+    CHECK_THAT(absent.error, Catch::Matchers::Contains("no trial 333"));
+}

@@ -1,0 +1,137 @@
+#include <csignal>
+#include <thread>
+
+#include "data/store/content_hash.hpp"
+#include "data/store/reader.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::Contains;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::vector<std::string> words(const std::string& file, const std::string& speed = "0") {
+    return {"run", "shape_friction_demo", "--participant", "P1", "--db",
+            file,  "--headless",          "--speed",       speed};
+}
+
+/// Starts a slowed-down session and waits until trial `position` has stored some of its ticks.
+std::unique_ptr<Process> run_into_trial(const std::string& file, std::int64_t position) {
+    std::vector<std::string> command = words(file, "40");
+    command.insert(command.begin(), tests::palpate_program());
+    auto process =
+        std::make_unique<Process>(command, std::vector<std::string>{"DISPLAY", "WAYLAND_DISPLAY"});
+    for (int i = 0; i < 5000 && process->running(); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(4));
+        try {
+            data::Database database(file, data::Access::read);
+            auto row = database.prepare(
+                "SELECT count(*) FROM trace_chunk JOIN trial ON trial.id = trial"
+                " WHERE position = ?1 AND outcome = 'running'");
+            row.bind(1, position).step();
+            if (row.integer(0) >= 2) {
+                return process;
+            }
+        } catch (const data::StoreError&) {  // it is not there yet
+        }
+    }
+    return process;
+}
+
+std::vector<std::vector<engine::TickRecord>> answered_traces(const std::string& file) {
+    data::Database database(file, data::Access::read);
+    std::vector<std::vector<engine::TickRecord>> traces;
+    for (const std::int64_t trial : data::answered_trials(database)) {
+        traces.push_back(data::read_trace(database, trial));
+    }
+    return traces;
+}
+
+std::string answers(const std::string& file) {
+    data::Database database(file, data::Access::read);
+    auto row = database.prepare(
+        "SELECT position, object, friction, choice, reaction_s FROM trial_result ORDER BY "
+        "position");
+    std::string text;
+    while (row.step()) {
+        for (int i = 0; i < 5; ++i) {
+            text += row.text(i) + ' ';
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "kill -9 in the middle of a trial: sound file, finished trials there, the same order goes on",
+    "[crash][law]") {
+    const TemporaryFolder folder;
+    REQUIRE(palpate_command(words(folder.file("unbroken.sqlite"))).code == 0);
+    const std::string file = folder.file("killed.sqlite");
+    for (const std::int64_t position : {2, 6}) {
+        const auto process = run_into_trial(file, position);
+        REQUIRE(process->running());
+        process->signal(SIGKILL);
+        CHECK(process->wait().code == 128 + SIGKILL);
+        data::Database database(file, data::Access::read);
+        auto check = database.prepare("PRAGMA integrity_check");
+        check.step();
+        CHECK(check.text(0) == "ok");
+        CHECK(data::answered_trials(database).size() == static_cast<std::size_t>(position));
+    }
+    const Finished rest = palpate_command(words(file));
+    CHECK(rest.code == 0);
+    CHECK_THAT(rest.out, Contains("Resuming at trial 7") && Contains("kept as interrupted"));
+    // What was answered and felt is that of the unbroken session, to the bit.
+    CHECK(answers(file) == answers(folder.file("unbroken.sqlite")));
+    const auto broken = answered_traces(file);
+    const auto unbroken = answered_traces(folder.file("unbroken.sqlite"));
+    REQUIRE(broken.size() == unbroken.size());
+    for (std::size_t i = 0; i < broken.size(); ++i) {
+        REQUIRE(broken[i].size() == unbroken[i].size());
+        for (std::size_t k = 0; k < broken[i].size(); ++k) {
+            REQUIRE(tests::same_bits(broken[i][k], unbroken[i][k]));
+        }
+    }
+    data::Database database(file, data::Access::read);
+    auto interrupted = database.prepare("SELECT count(*) FROM trial WHERE outcome = 'interrupted'");
+    interrupted.step();
+    CHECK(interrupted.integer(0) == 2);
+}
+
+TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit code 3, resumable",
+          "[crash]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const auto process = run_into_trial(file, 1);
+    process->signal(SIGINT);
+    const Finished stopped = process->wait();
+    CHECK(stopped.code == 3);
+    CHECK_THAT(stopped.out, Contains("goes on there"));
+    {
+        data::Database database(file, data::Access::read);
+        auto row = database.prepare("SELECT id, ticks FROM trial WHERE outcome = 'aborted'");
+        REQUIRE(row.step());
+        const auto trace = data::read_trace(database, row.integer(0));
+        CHECK(glm::length(trace.back().command) < 1e-9);  // ramped out
+    }
+    CHECK(palpate_command(words(file)).code == 0);
+}
+
+TEST_CASE("two programs cannot run one session at once", "[crash]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const auto process = run_into_trial(file, 1);
+    REQUIRE(process->running());
+    const Finished second = palpate_command(words(file));
+    CHECK(second.code == 1);
+    CHECK_THAT(second.error, Contains("another palpate"));
+}
