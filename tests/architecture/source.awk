@@ -114,7 +114,7 @@ function library_of(path) {
 }
 
 function check_library(path,   library) {
-    if (path ~ /^[a-z0-9_]+$/ || path ~ /^(sys|linux|netinet|arpa)\// || listed(path, posix)) return
+    if (path ~ /^[a-z0-9_]+$/ || path ~ /^(sys|linux|gnu|netinet|arpa)\// || listed(path, posix)) return
     if (path ~ /^[a-z0-9]*intrin\.h$/) return
     library = library_of(path)
     if (library == "") breach("<" path "> is of no library that the guard knows")
