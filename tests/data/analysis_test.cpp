@@ -8,7 +8,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using tests::TemporaryFolder;
@@ -46,7 +46,7 @@ TEST_CASE("the summary counts main trials of each kind apart, and says what is s
           "[analysis]") {
     const TemporaryFolder folder;
     Database database(folder.file("it's.sqlite"), Access::write);
-    CHECK_THAT(data::summary_text(database), Contains("No main trial"));
+    CHECK_THAT(data::summary_text(database), ContainsSubstring("No main trial"));
     for (const data::RunKind kind : {data::RunKind::simulated, data::RunKind::real}) {
         auto spec =
             tests::session_spec(tests::small_protocol(), kind == data::RunKind::real ? "R1" : "S1");
@@ -60,13 +60,13 @@ TEST_CASE("the summary counts main trials of each kind apart, and says what is s
         }
     }
     const std::string text = data::summary_text(database);
-    CHECK_THAT(text, Contains("simulated data: participant and device are SIMULATED"));
-    CHECK_THAT(text, Contains("friction off    3 of   3 correct = 1.00") &&
-                         Contains("friction on     3 of   3"));
-    CHECK_THAT(text,
-               Contains("friction off    1 of   3 correct = 0.33   95 % interval 0.06 to 0.79"));
+    CHECK_THAT(text, ContainsSubstring("simulated data: participant and device are SIMULATED"));
+    CHECK_THAT(text, ContainsSubstring("friction off    3 of   3 correct = 1.00") &&
+                         ContainsSubstring("friction on     3 of   3"));
+    CHECK_THAT(text, ContainsSubstring(
+                         "friction off    1 of   3 correct = 0.33   95 % interval 0.06 to 0.79"));
     CHECK(text.find("real data") < text.find("simulated data"));
-    CHECK_THAT(text, Contains("straight         .         .         2"));
+    CHECK_THAT(text, ContainsSubstring("straight         .         .         2"));
 }
 
 TEST_CASE("the two queries of the summary run as printed, also for a name with a quote in it",

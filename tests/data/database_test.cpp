@@ -11,7 +11,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using tests::TemporaryFolder;
@@ -48,15 +48,16 @@ TEST_CASE("a file that is no palpate database is refused and stays as it is", "[
     const std::string text = folder.file("notes.txt");
     std::ofstream(text) << std::string(5000, 'x');
     const std::string before = bytes_of(text);
-    CHECK_THROWS_WITH(Database(text, Access::write),
-                      Contains("notes.txt") && Contains("choose another file name"));
+    CHECK_THROWS_WITH(
+        Database(text, Access::write),
+        ContainsSubstring("notes.txt") && ContainsSubstring("choose another file name"));
     CHECK(bytes_of(text) == before);
 
     const std::string other = folder.file("other.sqlite");
     tests::Process({"sqlite3", other, "CREATE TABLE theirs (x); INSERT INTO theirs VALUES (1);"})
         .wait();
     const std::string theirs = bytes_of(other);
-    CHECK_THROWS_WITH(Database(other, Access::write), Contains("not a palpate database"));
+    CHECK_THROWS_WITH(Database(other, Access::write), ContainsSubstring("not a palpate database"));
     CHECK(bytes_of(other) == theirs);
 }
 
@@ -65,15 +66,16 @@ TEST_CASE("a database of a newer program is refused with what to do", "[store]")
     const std::string file = folder.file("a.sqlite");
     { Database(file, Access::write).execute("PRAGMA user_version = 99"); }
     CHECK_THROWS_WITH(Database(file, Access::write),
-                      Contains("schema 99") && Contains("update palpate"));
+                      ContainsSubstring("schema 99") && ContainsSubstring("update palpate"));
 }
 
 TEST_CASE("a place that cannot be written is named, with the remedy", "[store]") {
-    CHECK_THROWS_WITH(Database("/nowhere/at/all.sqlite", Access::write),
-                      Contains("/nowhere/at/all.sqlite") && Contains("folder exists"));
+    CHECK_THROWS_WITH(
+        Database("/nowhere/at/all.sqlite", Access::write),
+        ContainsSubstring("/nowhere/at/all.sqlite") && ContainsSubstring("folder exists"));
     const TemporaryFolder folder;
     CHECK_THROWS_WITH(Database(folder.file("absent.sqlite"), Access::read),
-                      Contains("absent.sqlite"));
+                      ContainsSubstring("absent.sqlite"));
     CHECK(folder.names().empty());
 }
 

@@ -8,7 +8,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using tests::TemporaryFolder;
@@ -140,7 +140,7 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     } catch (const data::StoreError& e) {
         said = e.what();
     }
-    CHECK_THAT(said, Contains("a.sqlite") && Contains("free some space"));
+    CHECK_THAT(said, ContainsSubstring("a.sqlite") && ContainsSubstring("free some space"));
     CHECK(stored > 0);
     Database again(folder.file("a.sqlite"), Access::read);
     check_same(data::read_trace(again, first), ticks);
@@ -154,7 +154,8 @@ TEST_CASE("what fails on the writing thread is heard of, and nothing is stored a
     const auto id = recorder.begin_trial({}, {});
     const auto ticks = tests::random_ticks(1, 10);
     recorder.append(id, ticks);
-    CHECK_THROWS_WITH(recorder.end_trial(id, tests::answered(0, true)), Contains("disk is full"));
+    CHECK_THROWS_WITH(recorder.end_trial(id, tests::answered(0, true)),
+                      ContainsSubstring("disk is full"));
     CHECK(disk.ended == 0);
 }
 
@@ -164,9 +165,10 @@ TEST_CASE("a damaged or missing chunk is reported, never averaged", "[store][law
     const auto id = rig.recorder.begin_trial(rig.spec.plan.trials[0], {});
     rig.recorder.append(id, tests::random_ticks(1, 700));
     rig.recorder.end_trial(id, tests::answered(0, true));
-    CHECK_THROWS_WITH(data::read_trace(rig.database, 99), Contains("no trial 99"));
+    CHECK_THROWS_WITH(data::read_trace(rig.database, 99), ContainsSubstring("no trial 99"));
     rig.database.execute("UPDATE trace_chunk SET crc32 = crc32 + 1 WHERE first_tick = 256");
-    CHECK_THROWS_WITH(data::read_trace(rig.database, id), Contains("checksum"));
+    CHECK_THROWS_WITH(data::read_trace(rig.database, id), ContainsSubstring("checksum"));
     rig.database.execute("DELETE FROM trace_chunk WHERE first_tick = 256");
-    CHECK_THROWS_WITH(data::read_trace(rig.database, id), Contains("ticks 256 to 511 are missing"));
+    CHECK_THROWS_WITH(data::read_trace(rig.database, id),
+                      ContainsSubstring("ticks 256 to 511 are missing"));
 }

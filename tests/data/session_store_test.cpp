@@ -5,7 +5,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using tests::session_spec;
@@ -96,16 +96,17 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
 
     auto changed = small_protocol();
     changed.apparatus.stiffness = 500.0;
-    CHECK_THROWS_WITH(data::open_session(database, session_spec(changed)),
-                      Contains("another version of the protocol") && Contains("--session"));
+    CHECK_THROWS_WITH(
+        data::open_session(database, session_spec(changed)),
+        ContainsSubstring("another version of the protocol") && ContainsSubstring("--session"));
     auto seeded = spec;
     seeded.seed = 8;
     seeded.plan = protocols::make_plan(seeded.protocol, seeded.protocol_hash, seeded.key, 8);
     CHECK_THROWS_WITH(data::open_session(database, seeded),
-                      Contains("another plan") && Contains("--seed"));
+                      ContainsSubstring("another plan") && ContainsSubstring("--seed"));
     auto real = spec;
     real.kind = data::RunKind::real;
-    CHECK_THROWS_WITH(data::open_session(database, real), Contains("simulated session"));
+    CHECK_THROWS_WITH(data::open_session(database, real), ContainsSubstring("simulated session"));
     CHECK(count(database, "session") == 1);
     CHECK(count(database, "study") == 1);
 }
@@ -130,7 +131,7 @@ TEST_CASE("a session that is being run is refused to a second program, and free 
     const Database database(folder.file("a.sqlite"), Access::write);
     {
         const data::SessionLock lock(database, 1);
-        CHECK_THROWS_WITH(data::SessionLock(database, 1), Contains("another palpate"));
+        CHECK_THROWS_WITH(data::SessionLock(database, 1), ContainsSubstring("another palpate"));
         CHECK_NOTHROW(data::SessionLock(database, 2));
     }
     CHECK_NOTHROW(data::SessionLock(database, 1));

@@ -10,7 +10,7 @@
 
 using namespace palpate;
 using namespace palpate::engine;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using palpate::tests::ArcOracle;
 using palpate::tests::Random;
 using palpate::tests::random_hand;
@@ -153,11 +153,14 @@ TEST_CASE("a scene refuses values out of range, with the value and the remedy", 
         }
         return "accepted";
     };
-    CHECK_THAT(refusal({.stiffness = 0.0}), Contains("stiffness is 0.0") && Contains("above 0"));
-    CHECK_THAT(refusal({.period = -0.001}), Contains("period"));
+    CHECK_THAT(refusal({.stiffness = 0.0}),
+               ContainsSubstring("stiffness is 0.0") && ContainsSubstring("above 0"));
+    CHECK_THAT(refusal({.period = -0.001}), ContainsSubstring("period"));
     CHECK_THAT(refusal({.friction = {.mu_s = 0.4, .mu_d = 0.5}}),
-               Contains("mu_s is 0.4") && Contains("not below mu_d"));
-    CHECK_THAT(refusal({.friction = {.mu_s = 0.4, .mu_d = -0.5}}), Contains("mu_d is -0.5"));
-    CHECK_THAT(refusal({.slew = {.speed = 0.2, .radius = 0.0}}), Contains("vertex radius"));
+               ContainsSubstring("mu_s is 0.4") && ContainsSubstring("not below mu_d"));
+    CHECK_THAT(refusal({.friction = {.mu_s = 0.4, .mu_d = -0.5}}),
+               ContainsSubstring("mu_d is -0.5"));
+    CHECK_THAT(refusal({.slew = {.speed = 0.2, .radius = 0.0}}),
+               ContainsSubstring("vertex radius"));
     CHECK(refusal({}) == "accepted");
 }

@@ -4,7 +4,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace palpate::engine;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("without forces the handle follows the hand's intention from start to end", "[device]") {
     SimulatedPantograph device({}, 1e-3);
@@ -69,5 +69,5 @@ TEST_CASE("HIP is what the counts say", "[device][law]") {
 TEST_CASE("a start out of reach is refused with the place and the remedy", "[device]") {
     SimulatedPantograph device({}, 1e-3);
     CHECK_THROWS_WITH(device.begin({.start = {0.0, 0.5}}),
-                      Contains("0.5") && Contains("move the start"));
+                      ContainsSubstring("0.5") && ContainsSubstring("move the start"));
 }

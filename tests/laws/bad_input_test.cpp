@@ -5,7 +5,7 @@
 #include "tests/support/process.hpp"
 
 using namespace palpate;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
 using tests::palpate_command;
 using tests::TemporaryFolder;
@@ -47,7 +47,7 @@ TEST_CASE("a wrong protocol file gets place, value and remedy; exit code 2; noth
         CHECK(run.code == 2);
         CHECK_THAT(run.error, Catch::Matchers::Matches("(?:[^:\n]*p\\.toml:[0-9]+:[0-9]+: .+\n)+",
                                                        Catch::CaseSensitive::Yes) &&
-                                  Contains(wrong.value));
+                                  ContainsSubstring(wrong.value));
         CHECK(folder.names() == std::vector<std::string>{"p.toml"});
     }
 }
@@ -78,7 +78,7 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
         const Finished run = palpate_command(wrong.words);
         CAPTURE(run.error);
         CHECK(run.code == 2);
-        CHECK_THAT(run.error + run.out, Contains(wrong.says));
+        CHECK_THAT(run.error + run.out, ContainsSubstring(wrong.says));
         CHECK(folder.names().empty());
     }
 }
@@ -89,15 +89,16 @@ TEST_CASE("a replay of a file that is not there is said before anything is creat
                                           "--db", folder.file("d.sqlite"), "--headless", "--device",
                                           "replay:" + folder.file("absent.sqlite")});
     CHECK(run.code != 0);
-    CHECK_THAT(run.error, Contains("absent.sqlite"));
+    CHECK_THAT(run.error, ContainsSubstring("absent.sqlite"));
     CHECK(folder.names().empty());
 }
 
 TEST_CASE("help and version go to standard output with exit code 0", "[cli]") {
     CHECK(palpate_command({"--help"}).code == 0);
-    CHECK_THAT(palpate_command({"--help"}).out,
-               Contains("run") && Contains("demo") && Contains("summary"));
-    CHECK_THAT(palpate_command({"--version"}).out, Contains("palpate "));
+    CHECK_THAT(palpate_command({"--help"}).out, ContainsSubstring("run") &&
+                                                    ContainsSubstring("demo") &&
+                                                    ContainsSubstring("summary"));
+    CHECK_THAT(palpate_command({"--version"}).out, ContainsSubstring("palpate "));
 }
 
 TEST_CASE("a finished session is not run again by mistake", "[cli]") {
@@ -107,7 +108,7 @@ TEST_CASE("a finished session is not run again by mistake", "[cli]") {
     CHECK(palpate_command(words).code == 0);
     const Finished again = palpate_command(words);
     CHECK(again.code == 2);
-    CHECK_THAT(again.error, Contains("--session 2"));
+    CHECK_THAT(again.error, ContainsSubstring("--session 2"));
     std::vector<std::string> second = words;
     second.insert(second.end(), {"--session", "2"});
     CHECK(palpate_command(second).code == 0);

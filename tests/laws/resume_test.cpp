@@ -8,7 +8,7 @@
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
 using tests::palpate_command;
 using tests::Process;
@@ -89,7 +89,8 @@ TEST_CASE(
     }
     const Finished rest = palpate_command(words(file));
     CHECK(rest.code == 0);
-    CHECK_THAT(rest.out, Contains("Resuming at trial 7") && Contains("kept as interrupted"));
+    CHECK_THAT(rest.out, ContainsSubstring("Resuming at trial 7") &&
+                             ContainsSubstring("kept as interrupted"));
     // What was answered and felt is that of the unbroken session, to the bit.
     CHECK(answers(file) == answers(folder.file("unbroken.sqlite")));
     const auto broken = answered_traces(file);
@@ -115,7 +116,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
     process->signal(SIGINT);
     const Finished stopped = process->wait();
     CHECK(stopped.code == 3);
-    CHECK_THAT(stopped.out, Contains("goes on there"));
+    CHECK_THAT(stopped.out, ContainsSubstring("goes on there"));
     {
         data::Database database(file, data::Access::read);
         auto row = database.prepare("SELECT id, ticks FROM trial WHERE outcome = 'aborted'");
@@ -133,5 +134,5 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
     REQUIRE(process->running());
     const Finished second = palpate_command(words(file));
     CHECK(second.code == 1);
-    CHECK_THAT(second.error, Contains("another palpate"));
+    CHECK_THAT(second.error, ContainsSubstring("another palpate"));
 }

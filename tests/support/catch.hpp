@@ -4,5 +4,16 @@
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
 #else
+#include <string>
+
 #include <catch2/catch.hpp>
+
+namespace Catch::Matchers {
+
+/// v3's name for v2's matcher of texts; v3 has another `Contains`.
+inline auto ContainsSubstring(const std::string& text) {
+    return Contains(text);
+}  // NOLINT: Catch2's case
+
+}  // namespace Catch::Matchers
 #endif

@@ -2,7 +2,7 @@
 #include "tests/support/catch.hpp"
 
 using namespace palpate::ui;
-using Catch::Matchers::Contains;
+using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("a device is read as it is written, also a replay of a file with colons", "[cli]") {
     CHECK(parse_device("sim").kind == DeviceChoice::Kind::simulated);
@@ -17,7 +17,8 @@ TEST_CASE("a device is read as it is written, also a replay of a file with colon
     CHECK(parse_device("replay:a:b").file == "a:b");
     CHECK(parse_device("replay:a:").file == "a:");
     for (const char* wrong : {"", "simulated", "replay", "replay:", "haply"}) {
-        CHECK_THROWS_WITH(parse_device(wrong),
-                          Contains(wrong) && Contains("sim, mouse, or replay:FILE[:TRIAL]"));
+        CHECK_THROWS_WITH(
+            parse_device(wrong),
+            ContainsSubstring(wrong) && ContainsSubstring("sim, mouse, or replay:FILE[:TRIAL]"));
     }
 }
