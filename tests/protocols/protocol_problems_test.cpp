@@ -119,9 +119,10 @@ TEST_CASE("every wrong file is refused at the right place, with the value and a 
         text.replace(found, std::string(change.from).size(), change.to);
         CAPTURE(change.from, change.to);
         const std::string said = refusal(text);
-        CHECK_THAT(said, Catch::ContainsSubstring(change.says));
+        CHECK_THAT(said, Catch::Matchers::ContainsSubstring(change.says));
         const bool syntax = std::string(change.says) == "not TOML";
-        CHECK_THAT(said, Catch::StartsWith(syntax ? "p.toml:" : place_of(text, change.at)));
+        CHECK_THAT(said,
+                   Catch::Matchers::StartsWith(syntax ? "p.toml:" : place_of(text, change.at)));
     }
 }
 
@@ -132,9 +133,9 @@ TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") 
     text.erase(text.find("[[friction]]\n" + second),
                text.find("[design]") - text.find("[[friction]]\n" + second));
     const std::string said = refusal(text);
-    CHECK_THAT(said, Catch::StartsWith(place_of(text, "3     # two levels")));
-    CHECK_THAT(said, Catch::ContainsSubstring("max_run_friction is 3") &&
-                         Catch::ContainsSubstring("0 for no limit"));
+    CHECK_THAT(said, Catch::Matchers::StartsWith(place_of(text, "3     # two levels")));
+    CHECK_THAT(said, Catch::Matchers::ContainsSubstring("max_run_friction is 3") &&
+                         Catch::Matchers::ContainsSubstring("0 for no limit"));
 }
 
 TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
@@ -142,8 +143,8 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
     for (std::size_t at = 0; (at = text.find("pictured = false\n")) != std::string::npos;) {
         text.erase(at, std::string("pictured = false\n").size());
     }
-    CHECK_THAT(refusal(text), Catch::StartsWith(place_of(text, "4         # both")) &&
-                                  Catch::ContainsSubstring("every object is pictured"));
+    CHECK_THAT(refusal(text), Catch::Matchers::StartsWith(place_of(text, "4         # both")) &&
+                                  Catch::Matchers::ContainsSubstring("every object is pictured"));
 }
 
 TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
@@ -152,10 +153,10 @@ TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
         "object = [{name = \"a\", curvature_per_m = 1}]\nfriction = [{name = \"f\", law = "
         "\"frictionless\"}]\n";
     CHECK_THAT(refusal(text),
-               Catch::ContainsSubstring("there are 1 pictured objects: give 2 to 9"));
+               Catch::Matchers::ContainsSubstring("there are 1 pictured objects: give 2 to 9"));
     CHECK_THAT(refusal("format = 1\nobject = 3\nfriction = [3]\n"),
-               Catch::ContainsSubstring("with two brackets") &&
-                   Catch::ContainsSubstring("friction 1 is 3"));
+               Catch::Matchers::ContainsSubstring("with two brackets") &&
+                   Catch::Matchers::ContainsSubstring("friction 1 is 3"));
 }
 
 TEST_CASE("all problems of a stage are said at once, in the order of the file", "[protocol]") {

@@ -14,8 +14,8 @@ int screenshots_command(const ScreenshotOptions& options) {
     const Study study = load_study("shape_friction");
     const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
     std::filesystem::create_directories(options.directory);
-    for (const std::string& file : write_screenshots(options.directory, study.protocol.title,
-                                                     pictures, {.font = options.font})) {
+    for (const std::string& file :
+         write_screenshots(options.directory, pictures, {.font = options.font})) {
         fmt::print("{}\n", file);
     }
     return 0;

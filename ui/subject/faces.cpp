@@ -28,14 +28,14 @@ void trial_number(Window& window, std::size_t number, std::size_t total, bool pr
 }  // namespace
 
 void draw(Window& window, const WelcomeFace& face) {
-    line(window, face.title, 0.18, 1.7, kText);
+    line(window, face.resumed ? "Welcome back" : "Welcome", 0.18, 2.2, kText);
     line(window, "You will feel objects that you cannot see.", 0.34, 1.15, kText);
     line(window, "After each one, say which of the pictures it was.", 0.41, 1.15, kText);
     if (face.moves_pointer) {
         line(window, "The pointer is the handle; it stays hidden while you feel.", 0.48, 1.15,
              kText);
     }
-    line(window, "Take the time you need. There is no right or wrong hand.", 0.55, 1.15, kText);
+    line(window, "Take the time you need.", 0.55, 1.15, kText);
     line(window,
          fmt::format("{}{} trials, with breaks.", face.resumed ? "The session goes on. " : "",
                      face.trials),
@@ -88,9 +88,8 @@ void draw(Window& window, const BreakFace& face) {
 
 void draw(Window& /*window*/, const GapFace& /*face*/) {}
 
-void draw(Window& window, const EndFace& face) {
+void draw(Window& window, const EndFace& /*face*/) {
     line(window, "That was all. Thank you!", 0.42, 2.2, kText);
-    line(window, face.title, 0.54, 1.0, kQuiet);
     line(window, "Please tell the experimenter. Space closes this window.", 0.84, 1.15, kQuiet);
 }
 

@@ -10,8 +10,8 @@
 /// What each screen looks like: pure functions from a few values to pixels.
 namespace palpate::ui {
 
+/// Not the study's title: it may tell a participant what is being compared.
 struct WelcomeFace {
-    std::string title;
     std::size_t trials = 0;
     bool resumed = false;
     bool moves_pointer = false;  ///< the mouse is the handle
@@ -55,9 +55,7 @@ void draw(Window& window, const BreakFace& face);
 struct GapFace {};
 void draw(Window& window, const GapFace& face);
 
-struct EndFace {
-    std::string title;
-};
+struct EndFace {};
 void draw(Window& window, const EndFace& face);
 
 /// In the upper right corner of every screen: SIMULATED or PILOT.

@@ -85,8 +85,10 @@ void draw_pictures(Window& window,
         }
         window.triangles(rectangle(card.corner, card.size), kCard);
         const std::vector<Vec2> outline = on_card(pictures[i], box, card);
-        window.triangles(fill(outline), kShape);
-        window.triangles(stroke(outline, std::max(3.0, 0.018 * card.size.x)), kOutline);
+        window.fine(card.corner, card.size, [&] {
+            window.triangles(fill(outline), kShape);
+            window.triangles(stroke(outline, std::max(3.0, 0.018 * card.size.x)), kOutline);
+        });
         window.text(fmt::format("{}", i + 1),
                     {card.centre().x, card.corner.y + card.size.y + 1.5 * type}, 1.3 * type,
                     chosen ? kAccent : kText);

@@ -8,7 +8,6 @@
 namespace palpate::ui {
 
 std::vector<std::string> write_screenshots(const std::string& directory,
-                                           const std::string& title,
                                            std::span<const protocols::Picture> pictures,
                                            const WindowOptions& options) {
     setenv("SDL_VIDEODRIVER", "dummy", 1);
@@ -19,12 +18,12 @@ std::vector<std::string> write_screenshots(const std::string& directory,
         files.push_back(directory + "/" + name + ".png");
         stage.window().save_png(files.back());
     };
-    take("welcome", WelcomeFace{.title = title, .trials = 114});
+    take("welcome", WelcomeFace{.trials = 114});
     take("ready", ReadyFace{.number = 27, .total = 114});
     take("explore", ExploreFace{.number = 27, .total = 114, .may_finish = true});
     take("choose", ChooseFace{.pictures = pictures, .selected = std::size_t{1}});
     take("break", BreakFace{.seconds_left = 18, .next = 31, .total = 114});
-    take("end", EndFace{.title = title});
+    take("end", EndFace{});
     return files;
 }
 

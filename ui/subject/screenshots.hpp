@@ -13,7 +13,6 @@ namespace palpate::ui {
 /// end as PNG files into `directory`, which must exist. Returns their names.
 /// @throws std::runtime_error if a file cannot be written
 std::vector<std::string> write_screenshots(const std::string& directory,
-                                           const std::string& title,
                                            std::span<const protocols::Picture> pictures,
                                            const WindowOptions& options);
 

@@ -31,9 +31,8 @@ SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScr
     : observer_(observer), stage_(options.window, options.watermark, options.interrupted) {}
 
 Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
-    stage_.show(drawing(WelcomeFace{.title = session.title,
-                                    .trials = session.trials - session.next,
-                                    .resumed = session.next > 0}));
+    stage_.show(
+        drawing(WelcomeFace{.trials = session.trials - session.next, .resumed = session.next > 0}));
     return or_abort(stage_.wait_or_abort(3.0 * kLook), observer_.welcome(session));
 }
 
@@ -89,7 +88,7 @@ Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
 
 void SpectatorScreen::finish(const protocols::SessionView& session) {
     observer_.finish(session);
-    stage_.show(drawing(EndFace{session.title}));
+    stage_.show(drawing(EndFace{}));
     static_cast<void>(stage_.wait_or_abort(3.0 * kLook));
 }
 

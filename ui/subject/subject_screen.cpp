@@ -46,8 +46,7 @@ Signal SubjectScreen::wait_for_go() {
 }
 
 Signal SubjectScreen::welcome(const protocols::SessionView& session) {
-    stage_.show(drawing(WelcomeFace{.title = session.title,
-                                    .trials = session.trials - session.next,
+    stage_.show(drawing(WelcomeFace{.trials = session.trials - session.next,
                                     .resumed = session.next > 0,
                                     .moves_pointer = static_cast<bool>(options_.on_pointer)}));
     return wait_for_go();
@@ -175,8 +174,8 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
     }
 }
 
-void SubjectScreen::finish(const protocols::SessionView& session) {
-    stage_.show(drawing(EndFace{session.title}));
+void SubjectScreen::finish(const protocols::SessionView& /*session*/) {
+    stage_.show(drawing(EndFace{}));
     static_cast<void>(wait_for_go());
 }
 

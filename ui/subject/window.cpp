@@ -64,6 +64,9 @@ struct Window::Parts {
     Own<SDL_Renderer> renderer;
     std::string font_file;
     std::map<int, Own<TTF_Font>> fonts;  ///< by height in pixels
+    bool software = false;               ///< the renderer rounds corners to whole pixels
+    engine::Vec2 origin{};               ///< of what is being drawn finely, pixels
+    double scale = 1.0;
 
     TTF_Font* font(double height) {
         const int points = std::max(8, static_cast<int>(std::lround(height)));
@@ -110,6 +113,9 @@ Window::Window(const WindowOptions& options) : parts_(std::make_unique<Parts>())
     }
     parts_->renderer.reset(checked(renderer, "drawing into the window"));
     SDL_SetRenderDrawBlendMode(renderer, SDL_BLENDMODE_BLEND);
+    SDL_RendererInfo info{};
+    SDL_GetRendererInfo(renderer, &info);
+    parts_->software = (info.flags & static_cast<Uint32>(SDL_RENDERER_SOFTWARE)) != 0;
 }
 
 Window::~Window() {
@@ -136,13 +142,55 @@ void Window::triangles(std::span<const Corner> corners, Colour colour) {
     vertices.reserve(corners.size());
     for (const Corner& corner : corners) {
         const auto alpha = static_cast<Uint8>(std::lround(255.0F * corner.cover));
-        vertices.push_back(
-            {{static_cast<float>(corner.position.x), static_cast<float>(corner.position.y)},
-             {colour.r, colour.g, colour.b, alpha},
-             {0.0F, 0.0F}});
+        const engine::Vec2 p = (corner.position - parts_->origin) * parts_->scale;
+        vertices.push_back({{static_cast<float>(p.x), static_cast<float>(p.y)},
+                            {colour.r, colour.g, colour.b, alpha},
+                            {0.0F, 0.0F}});
     }
     SDL_RenderGeometry(parts_->renderer.get(), nullptr, vertices.data(),
                        static_cast<int>(vertices.size()), nullptr, 0);
+}
+
+void Window::fine(const engine::Vec2& corner,
+                  const engine::Vec2& extent,
+                  const std::function<void()>& shapes) {
+    constexpr int kFiner = 4;
+    SDL_Renderer* renderer = parts_->renderer.get();
+    const SDL_Rect where{
+        static_cast<int>(std::lround(corner.x)), static_cast<int>(std::lround(corner.y)),
+        static_cast<int>(std::lround(extent.x)), static_cast<int>(std::lround(extent.y))};
+    const auto texture = [&](int scale) {
+        SDL_Texture* made =
+            SDL_CreateTexture(renderer, SDL_PIXELFORMAT_RGBA32, SDL_TEXTUREACCESS_TARGET,
+                              scale * where.w, scale * where.h);
+        if (made != nullptr) {
+            SDL_SetTextureScaleMode(made, SDL_ScaleModeLinear);
+        }
+        return Own<SDL_Texture>(made);
+    };
+    const Own<SDL_Texture> large = parts_->software ? texture(kFiner) : nullptr;
+    const Own<SDL_Texture> half = parts_->software ? texture(kFiner / 2) : nullptr;
+    if (!large || !half) {
+        shapes();
+        return;
+    }
+    // What the shapes leave out keeps the window's picture, copied in first.
+    const Own<SDL_Surface> behind(
+        SDL_CreateRGBSurfaceWithFormat(0, where.w, where.h, 32, SDL_PIXELFORMAT_RGBA32));
+    SDL_RenderReadPixels(renderer, &where, SDL_PIXELFORMAT_RGBA32, behind->pixels, behind->pitch);
+    const Own<SDL_Texture> below(SDL_CreateTextureFromSurface(renderer, behind.get()));
+    SDL_SetRenderTarget(renderer, large.get());
+    SDL_RenderCopy(renderer, below.get(), nullptr, nullptr);
+    parts_->origin = {static_cast<double>(where.x), static_cast<double>(where.y)};
+    parts_->scale = kFiner;
+    shapes();
+    parts_->origin = {0.0, 0.0};
+    parts_->scale = 1.0;
+    // Two halvings, each the mean of 2 x 2 pixels.
+    SDL_SetRenderTarget(renderer, half.get());
+    SDL_RenderCopy(renderer, large.get(), nullptr, nullptr);
+    SDL_SetRenderTarget(renderer, nullptr);
+    SDL_RenderCopy(renderer, half.get(), nullptr, &where);
 }
 
 void Window::text(

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -50,6 +51,12 @@ public:
     void clear(Colour colour);
     /// Corners in threes. Both windings are drawn.
     void triangles(std::span<const Corner> corners, Colour colour);
+    /// Draws shapes finer than whole pixels also where SDL's software renderer rounds their corners to
+    /// them: `shapes` is drawn four times as large and scaled down. With a graphics card it is just called.
+    /// Nothing but triangles() inside `corner`, `extent` may be drawn by it.
+    void fine(const engine::Vec2& corner,
+              const engine::Vec2& extent,
+              const std::function<void()>& shapes);
     /// `at` is the left end, centre or right end of the line's middle. @param height  of the type, pixels
     void text(std::string_view line,
               const engine::Vec2& at,
