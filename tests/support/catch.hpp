@@ -3,6 +3,7 @@
 // Catch2 v3 (Debian 13, Ubuntu 24.04) and v2 (Debian 12) behind one include.
 #if __has_include(<catch2/catch_all.hpp>)
 #include <catch2/catch_all.hpp>
+using Catch::Approx;  // v2 has it in the global namespace
 #else
 #include <string>
 
