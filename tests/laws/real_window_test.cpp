@@ -87,7 +87,8 @@ TEST_CASE(
          "--participant", "P1", "--db", folder.file("d.sqlite"), "--device", "mouse", "--kind",
          "pilot"},
         {"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY",
-         "ASAN_OPTIONS=detect_leaks=0"});
+         "ASAN_OPTIONS=detect_leaks=0",
+         "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"});
     const XHand::Window window = hand.wait_for_window("palpate", 20.0);
     const Vec2 size{static_cast<double>(window.width), static_cast<double>(window.height)};
     const Vec2 card = ui::lay_out_cards(2, size)[kClicked].centre();

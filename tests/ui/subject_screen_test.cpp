@@ -42,10 +42,10 @@ void move(const engine::Vec2& at) {
     SDL_PushEvent(&event);
 }
 
-/// Somebody who acts a little after the screen has appeared.
+/// Somebody who acts after the screen has appeared, also where drawing is slow (sanitizers, a busy machine).
 class Later {
 public:
-    explicit Later(std::function<void()> act, int after_ms = 60)
+    explicit Later(std::function<void()> act, int after_ms = 500)
         : thread_([act = std::move(act), after_ms] {
               std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
               act();

@@ -104,9 +104,10 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
                              std::span<const protocols::Picture> pictures) {
     stage_.window().show_pointer(true);
     std::optional<std::size_t> selected;
-    stage_.forget_earlier();
-    std::int64_t shown =
+    const std::int64_t shown =
         stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+    stage_
+        .forget_earlier();  // a press while the pictures were being drawn was not an answer to them
     const auto chosen = [&](std::size_t place, const Input& input, InputKind kind) {
         return Choice{.signal = Signal::done,
                       .place = place,
