@@ -50,7 +50,7 @@ TEST_CASE("the whole plan is stored before the first trial, as it was made", "[s
     CHECK(hash.text(1) == std::to_string(spec.seed));
 }
 
-TEST_CASE("a session goes on at the first position without an answer; other attempts stay",
+TEST_CASE("a session goes on at the first position without an answer, other attempts stay",
           "[store][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);

@@ -27,7 +27,7 @@ std::string edited(const std::string& from, const std::string& to) {
 
 }  // namespace
 
-TEST_CASE("a wrong protocol file gets place, value and remedy; exit code 2; nothing is created",
+TEST_CASE("a wrong protocol file gets place, value and remedy, exit code 2, nothing is created",
           "[cli][law]") {
     struct Wrong {
         const char *from, *to, *value;

@@ -102,7 +102,7 @@ TEST_CASE("a number key chooses the picture of that number, and says how it was 
     }
 }
 
-TEST_CASE("a click on a card chooses it, for 2 to 9 pictures; a click beside them does nothing",
+TEST_CASE("a click on a card chooses it, for 2 to 9 pictures, a click beside them does nothing",
           "[screen]") {
     SubjectScreen screen(options());
     for (std::size_t n = 2; n <= 9; ++n) {
@@ -150,7 +150,7 @@ TEST_CASE("what was pressed before a screen, or is held down, does not answer it
     CHECK(screen.choose(kTrial, pictures(5)).place == 2);
 }
 
-TEST_CASE("no key of the subject ends a session; the experimenter's two steps do",
+TEST_CASE("no key of the subject ends a session, the experimenter's two steps do",
           "[screen][law]") {
     SubjectScreen screen(options());
     {
