@@ -59,6 +59,12 @@ public:
             answer(planned, view, result);
         }
         ports_.recorder.end_trial(id, result);
+        if (const std::int64_t lost = ports_.apparatus.dropped() - dropped_; lost > 0) {
+            dropped_ += lost;
+            ports_.recorder.event("ticks lost", std::to_string(lost) +
+                                                    " ticks found the ring full at position " +
+                                                    std::to_string(planned.position));
+        }
         ports_.progress(planned, result);
         return result.outcome;
     }
@@ -142,6 +148,7 @@ private:
     Ports& ports_;
     std::vector<Picture> pictures_;
     TrialMeter meter_{};
+    std::int64_t dropped_ = 0;  ///< ticks lost so far in this run
     std::array<engine::TickRecord, 256> buffer_{};
 };
 
