@@ -36,17 +36,26 @@ std::string title(const Group& group) {
     return text + "\n";
 }
 
-/// Objects in the order of their curvature, from concave to convex.
+/// Everything felt or chosen in main trials, and everything that will be: from concave to convex.
 std::vector<std::string> objects(Database& database, const Group& group) {
     std::vector<std::string> names;
     Statement row = database.prepare(
-        "SELECT object FROM trial_result WHERE study = ?1 AND kind = ?2 AND phase = 'main'"
-        " GROUP BY object ORDER BY min(curvature_per_m)");
+        "SELECT object FROM plan JOIN session ON session.id = plan.session"
+        " JOIN study ON study.id = session.study WHERE name = ?1 AND kind = ?2 AND phase = 'main'"
+        " GROUP BY object ORDER BY min(curvature_per_m), object");
     row.bind(1, group.study).bind(2, group.kind);
     while (row.step()) {
         names.push_back(row.text(0));
     }
     return names;
+}
+
+/// The longest of the texts, at least `least`.
+std::size_t width_of(const std::vector<std::string>& texts, std::size_t least) {
+    for (const std::string& text : texts) {
+        least = std::max(least, text.size());
+    }
+    return least;
 }
 
 std::string confusion_text(Database& database, const Group& group) {
@@ -59,10 +68,7 @@ std::string confusion_text(Database& database, const Group& group) {
     while (row.step()) {
         counts[{row.text(0), row.text(1)}] = row.integer(2);
     }
-    std::size_t width = 4;
-    for (const std::string& name : names) {
-        width = std::max(width, name.size());
-    }
+    const std::size_t width = width_of(names, 4);
     std::string text = fmt::format("\n  {:<{}}   chosen\n  {:<{}}", "", width, "felt", width);
     for (const std::string& name : names) {
         text += fmt::format("  {:>{}}", name, width);
@@ -80,20 +86,29 @@ std::string confusion_text(Database& database, const Group& group) {
 }
 
 std::string shares_text(Database& database, const Group& group) {
-    std::string text = "\n";
+    struct Share {
+        std::int64_t correct, trials;
+    };
+    std::vector<std::string> frictions;
+    std::vector<Share> shares;
     Statement row = database.prepare(
         "SELECT friction, sum(correct), count(*) FROM trial_result WHERE study = ?1 AND kind = ?2 "
         "AND phase = 'main'"
         " GROUP BY friction ORDER BY friction");
     row.bind(1, group.study).bind(2, group.kind);
     while (row.step()) {
-        const Interval ci = wilson(row.integer(1), row.integer(2));
+        frictions.push_back(row.text(0));
+        shares.push_back({row.integer(1), row.integer(2)});
+    }
+    std::string text = "\n";
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        const auto [correct, trials] = shares[i];
+        const Interval ci = wilson(correct, trials);
         text += fmt::format(
-            "  friction {:<4} {:>3} of {:>3} correct = {:.2f}   95 % interval {:.2f} to {:.2f} "
+            "  friction {:<{}} {:>3} of {:>3} correct = {:.2f}   95 % interval {:.2f} to {:.2f} "
             "(Wilson)\n",
-            row.text(0), row.integer(1), row.integer(2),
-            static_cast<double>(row.integer(1)) / static_cast<double>(row.integer(2)), ci.low,
-            ci.high);
+            frictions[i], width_of(frictions, 4), correct, trials,
+            static_cast<double>(correct) / static_cast<double>(trials), ci.low, ci.high);
     }
     return text;
 }
@@ -110,6 +125,7 @@ std::string quoted(const std::string& word) {
 }  // namespace
 
 std::string summary_text(Database& database) {
+    const Snapshot now(database);
     std::string text;
     for (const Group& group : groups(database)) {
         text +=
@@ -127,9 +143,8 @@ std::string example_queries(const std::string& file) {
         "Two queries to try:\n"
         "  sqlite3 -box {0} \"SELECT object, friction, choice, correct, done_s, reaction_s FROM "
         "trial_result\"\n"
-        "  sqlite3 -box {0} \"SELECT friction, avg(correct), avg(mean_normal_force_n), "
-        "avg(slip_share) FROM trial_result "
-        "GROUP BY friction\"\n",
+        "  sqlite3 -box {0} \"SELECT kind, friction, avg(correct), avg(mean_normal_force_n), "
+        "avg(slip_share) FROM trial_result WHERE phase = 'main' GROUP BY kind, friction\"\n",
         name);
 }
 

@@ -36,10 +36,9 @@ void AsyncRecorder::run() {
         }
         lock.lock();
         busy_ = false;
-        if (error && !error_) {
+        if (error) {  // a hole in a trace is worse than its end: nothing is stored from here on
             error_ = error;
-            work_ =
-                {};  // a gap in a trace is worse than its end: nothing after the error is stored
+            work_ = {};
         }
         changed_.notify_all();
     }
@@ -48,7 +47,7 @@ void AsyncRecorder::run() {
 void AsyncRecorder::hand_over(std::function<void()> work) {
     const std::scoped_lock lock(mutex_);
     if (error_) {
-        std::rethrow_exception(std::exchange(error_, nullptr));
+        std::rethrow_exception(error_);
     }
     work_.push(std::move(work));
     changed_.notify_all();
@@ -59,7 +58,7 @@ void AsyncRecorder::wait_for(std::function<void()> work) {
     std::unique_lock lock(mutex_);
     changed_.wait(lock, [this] { return error_ || (work_.empty() && !busy_); });
     if (error_) {
-        std::rethrow_exception(std::exchange(error_, nullptr));
+        std::rethrow_exception(error_);
     }
 }
 

@@ -14,7 +14,8 @@ namespace palpate::data {
 /// Writes on a thread of its own, so that a slow disk never holds up a screen or a key press.
 ///
 /// append() only hands the ticks over. Every other call waits until all before it is stored, and then
-/// for itself. What fails on the thread is thrown by the next call.
+/// for itself. What fails on the thread is thrown by the next call and by every one after it: from the
+/// error on nothing is stored, so that nothing can stand behind a hole.
 class AsyncRecorder : public protocols::Recorder {
 public:
     /// @param recorder  outlives this one; used by its thread alone

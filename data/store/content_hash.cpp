@@ -56,7 +56,7 @@ void add_traces(Database& database, Content& content) {
         trials.push_back(row.integer(0));
     }
     for (const std::int64_t trial : trials) {
-        const std::vector<std::byte> columns = shuffled_columns(read_trace(database, trial));
+        const std::vector<std::byte> columns = shuffled_columns(stored_ticks(database, trial));
         content.line(fmt::format("trace {} ", trial) +
                      std::string(reinterpret_cast<const char*>(columns.data()), columns.size()));
     }
@@ -65,6 +65,7 @@ void add_traces(Database& database, Content& content) {
 }  // namespace
 
 std::string content_hash(Database& database) {
+    const Snapshot now(database);
     Content content;
     for (const std::string& table : tables(database)) {
         add_table(database, table, content);

@@ -1,9 +1,9 @@
 #include "data/store/database.hpp"
 
 #include <array>
-#include <cerrno>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <utility>
 
 #include <fcntl.h>
@@ -50,94 +50,68 @@ void make_private_file(const std::string& file) {
     }
 }
 
+/// The file under a name that SQLite takes for nothing else: "" would be a database that vanishes,
+/// ":memory:" one that never was, "file:..." a URI.
+std::string plain_name(const std::string& file) {
+    return file.starts_with('/') ? file : "./" + file;
+}
+
+/// The file as a URI of one that cannot change, for SQLite to read it without any file beside it.
+std::string immutable_uri(const std::string& file) {
+    std::string uri = "file:";
+    for (const char c : plain_name(file)) {
+        const bool plain = c == '/' || c == '.' || c == '-' || c == '_' || (c >= '0' && c <= '9') ||
+                           (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z');
+        uri += plain ? std::string(1, c)
+                     : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+    return uri + "?immutable=1";
+}
+
+/// A database that nobody writes, where nobody can: SQLite could not lay its index of the log beside
+/// it, and with no log and no index there, it needs none. A live or a killed rig leaves both.
+bool lies_still(const std::string& file) {
+    const auto folder = std::filesystem::absolute(file).parent_path();
+    return ::access(folder.c_str(), W_OK) != 0 && ::access((file + "-wal").c_str(), F_OK) != 0 &&
+           ::access((file + "-shm").c_str(), F_OK) != 0;
+}
+
+[[noreturn]] void not_ours(const std::string& file) {
+    throw StoreError(
+        fmt::format("{}: this is not a palpate database; choose another file name", file));
+}
+
+/// What the first page says (https://www.sqlite.org/fileformat2.html, 1.3), before SQLite looks at the
+/// log or rolls anything back: a database of somebody else's must not be tidied up.
+enum class FirstPage : std::uint8_t { blank, ours, theirs };
+
+FirstPage first_page(sqlite3* handle) {
+    sqlite3_file* file = nullptr;
+    sqlite3_int64 size = 0;
+    std::array<unsigned char, 100> head{};
+    // Through SQLite's own handle: closing another one would drop the process' locks on the file.
+    if (sqlite3_file_control(handle, "main", SQLITE_FCNTL_FILE_POINTER, &file) != SQLITE_OK ||
+        file->pMethods->xFileSize(file, &size) != SQLITE_OK || size == 0) {
+        return FirstPage::blank;
+    }
+    constexpr std::string_view kMagic{"SQLite format 3\0", 16};
+    if (file->pMethods->xRead(file, head.data(), head.size(), 0) != SQLITE_OK ||
+        std::memcmp(head.data(), kMagic.data(), kMagic.size()) != 0) {
+        return FirstPage::theirs;
+    }
+    const auto number = [&head](std::size_t at) {
+        return std::int64_t{head[at]} << 24U | head[at + 1] << 16U | head[at + 2] << 8U |
+               head[at + 3];
+    };
+    const std::int64_t pages = number(28);
+    const std::int64_t application = number(68);
+    if (application == kApplicationId) {
+        return FirstPage::ours;
+    }
+    return application == 0 && pages <= 1 ? FirstPage::blank : FirstPage::theirs;
+}
+
 }  // namespace
-
-Statement::Statement(Database& database, std::string_view sql) : database_(&database) {
-    if (sqlite3_prepare_v2(database.handle(), sql.data(), static_cast<int>(sql.size()), &statement_,
-                           nullptr) != SQLITE_OK) {
-        database.fail(fmt::format("preparing \"{}\"", sql.substr(0, 60)));
-    }
-}
-
-Statement::Statement(Statement&& other) noexcept
-    : database_(other.database_), statement_(std::exchange(other.statement_, nullptr)) {}
-
-Statement::~Statement() {
-    sqlite3_finalize(statement_);
-}
-
-Statement& Statement::bind(int parameter, std::int64_t value) {
-    sqlite3_bind_int64(statement_, parameter, value);
-    return *this;
-}
-Statement& Statement::bind(int parameter, double value) {
-    sqlite3_bind_double(statement_, parameter, value);
-    return *this;
-}
-Statement& Statement::bind(int parameter, std::string_view value) {
-    sqlite3_bind_text(statement_, parameter, value.data(), static_cast<int>(value.size()),
-                      SQLITE_TRANSIENT);
-    return *this;
-}
-Statement& Statement::bind(int parameter, std::span<const std::byte> value) {
-    sqlite3_bind_blob(statement_, parameter, value.data(), static_cast<int>(value.size()),
-                      SQLITE_TRANSIENT);
-    return *this;
-}
-Statement& Statement::bind_null(int parameter) {
-    sqlite3_bind_null(statement_, parameter);
-    return *this;
-}
-
-bool Statement::step() {
-    const int code = sqlite3_step(statement_);
-    if (code == SQLITE_ROW) {
-        return true;
-    }
-    if (code != SQLITE_DONE) {
-        database_->fail(
-            fmt::format("running \"{}\"", std::string_view(sqlite3_sql(statement_)).substr(0, 60)));
-    }
-    return false;
-}
-
-void Statement::run() {
-    while (step()) {
-    }
-    reset();
-}
-
-void Statement::reset() {
-    sqlite3_reset(statement_);
-    sqlite3_clear_bindings(statement_);
-}
-
-int Statement::columns() const {
-    return sqlite3_column_count(statement_);
-}
-std::string_view Statement::name(int column) const {
-    return sqlite3_column_name(statement_, column);
-}
-int Statement::type(int column) const {
-    return sqlite3_column_type(statement_, column);
-}
-std::int64_t Statement::integer(int column) const {
-    return sqlite3_column_int64(statement_, column);
-}
-double Statement::real(int column) const {
-    return sqlite3_column_double(statement_, column);
-}
-
-std::string Statement::text(int column) const {
-    const auto bytes = blob(column);
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::span<const std::byte> Statement::blob(int column) const {
-    const void* data = sqlite3_column_blob(statement_, column);
-    const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_, column));
-    return {static_cast<const std::byte*>(data), data == nullptr ? 0 : size};
-}
 
 Database::Database(std::string file, Access access) : file_(std::move(file)) {
     try {
@@ -160,46 +134,95 @@ void Database::fail(std::string_view doing) const {
                                  *what == '\0' ? "" : "; ", what));
 }
 
-void Database::open(Access access) {
-    if (access == Access::write) {
-        make_private_file(file_);
-    }
-    const int flags = access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY;
-    if (sqlite3_open_v2(file_.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
+void Database::connect(const std::string& name, int flags) {
+    sqlite3_close_v2(std::exchange(handle_, nullptr));
+    if (sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
         fail("opening");
     }
     sqlite3_extended_result_codes(handle_, 1);
     sqlite3_busy_timeout(handle_, kBusyMs);
-    check_identity(access);
+    // A file can come from anywhere: its views call no function that reaches out of SQLite, and no
+    // statement may write to SQLite's own tables.
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    // Until it is known to be ours, closing must not move its log.
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+}
+
+void Database::open(Access access) {
     if (access == Access::write) {
-        execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;");
+        make_private_file(plain_name(file_));
+    }
+    connect(plain_name(file_),
+            access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
+    if (first_page(handle_) == FirstPage::theirs) {
+        not_ours(file_);
+    }
+    if (access == Access::read && lies_still(plain_name(file_))) {
+        connect(immutable_uri(file_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    }
+    if (access == Access::write && sqlite3_db_readonly(handle_, "main") == 1) {
+        throw StoreError(fmt::format("{}: {}", file_, remedy(SQLITE_READONLY)));
+    }
+    check_identity(access);
+    sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
+    if (access == Access::write) {
+        keep_log();
+        execute("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;");
     }
 }
 
-void Database::check_identity(Access access) {
-    Statement id = prepare(
+Database::Identity Database::identity() {
+    Statement row = prepare(
         "SELECT (SELECT application_id FROM pragma_application_id),"
-        " (SELECT user_version FROM pragma_user_version), (SELECT count(*) FROM sqlite_master)");
-    id.step();
-    const std::int64_t application = id.integer(0);
-    const std::int64_t version = id.integer(1);
-    const bool empty = id.integer(2) == 0;
-    id.reset();
-    if (application == 0 && version == 0 && empty && access == Access::write) {
-        execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL;");
-        Transaction all(*this);
-        execute(std::string(schema_sql()).c_str());
-        all.commit();
-        return;
+        " (SELECT user_version FROM pragma_user_version), (SELECT count(*) FROM sqlite_schema)");
+    row.step();
+    return {.application = row.integer(0),
+            .version = row.integer(1),
+            .blank = row.integer(0) == 0 && row.integer(1) == 0 && row.integer(2) == 0};
+}
+
+void Database::check_identity(Access access) {
+    Identity id = identity();
+    if (id.blank && access == Access::write) {
+        create();
+        id = identity();
     }
-    if (application != kApplicationId) {
-        throw StoreError(
-            fmt::format("{}: this is not a palpate database; choose another file name", file_));
+    if (id.application != kApplicationId || id.version < 1) {
+        not_ours(file_);
     }
-    if (version > kSchemaVersion) {
+    if (id.version > kSchemaVersion) {
         throw StoreError(fmt::format(
             "{}: made by a newer palpate (schema {}, this program knows {}); update palpate", file_,
-            version, kSchemaVersion));
+            id.version, kSchemaVersion));
+    }
+}
+
+void Database::create() {
+    Transaction all(*this);  // another program that makes the same file is waited for here
+    if (identity().blank && sqlite3_exec(handle_, std::string(schema_sql()).c_str(), nullptr,
+                                         nullptr, nullptr) != SQLITE_OK) {
+        fail("making the tables");
+    }
+    all.commit();
+}
+
+void Database::keep_log() {
+    // SQLite does not wait by itself for others that open the file in this moment.
+    constexpr int kPauseMs = 5;
+    int waited = 0;
+    while (sqlite3_exec(handle_, "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr) !=
+           SQLITE_OK) {
+        if ((sqlite3_errcode(handle_) & 0xFF) != SQLITE_BUSY || waited >= kBusyMs) {
+            fail("switching to a write-ahead log");
+        }
+        sqlite3_sleep(kPauseMs);
+        waited += kPauseMs;
+    }
+    Statement mode = prepare("PRAGMA journal_mode");
+    if (!mode.step() || mode.text(0) != "wal") {  // some network disks: readers would stop the rig
+        throw StoreError(fmt::format(
+            "{}: this disk cannot keep a write-ahead log; choose a folder on a local disk", file_));
     }
 }
 
@@ -213,9 +236,15 @@ std::int64_t Database::last_row() const {
     return sqlite3_last_insert_rowid(handle_);
 }
 
+std::int64_t Database::changes() const {
+    return sqlite3_changes64(handle_);
+}
+
 void Database::checkpoint() {
+    sqlite3_busy_timeout(handle_, 0);
     const int code =
-        sqlite3_wal_checkpoint_v2(handle_, nullptr, SQLITE_CHECKPOINT_PASSIVE, nullptr, nullptr);
+        sqlite3_wal_checkpoint_v2(handle_, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+    sqlite3_busy_timeout(handle_, kBusyMs);
     if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY && (code & 0xFF) != SQLITE_LOCKED) {
         fail("moving the log into the file");
     }
@@ -234,6 +263,14 @@ Transaction::~Transaction() {
 void Transaction::commit() {
     database_->execute("COMMIT");
     database_ = nullptr;
+}
+
+Snapshot::Snapshot(Database& database) : database_(database) {
+    database_.execute("SAVEPOINT snapshot");
+}
+
+Snapshot::~Snapshot() {
+    sqlite3_exec(database_.handle(), "RELEASE snapshot", nullptr, nullptr, nullptr);
 }
 
 std::string utc_now() {

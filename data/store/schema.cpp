@@ -9,8 +9,8 @@ std::string_view schema_sql() noexcept {
 PRAGMA application_id = 1885432944;
 PRAGMA user_version = 1;
 
--- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
 CREATE TABLE study (
+    -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
     id              INTEGER PRIMARY KEY,
     name            TEXT NOT NULL,
     title           TEXT NOT NULL,
@@ -18,8 +18,8 @@ CREATE TABLE study (
     protocol_toml   TEXT NOT NULL
 ) STRICT;
 
--- Pseudonyms only.
 CREATE TABLE participant (
+    -- Pseudonyms only.
     id   INTEGER PRIMARY KEY,
     code TEXT NOT NULL UNIQUE CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*')
 ) STRICT;
@@ -30,7 +30,8 @@ CREATE TABLE session (
     participant         INTEGER NOT NULL REFERENCES participant,
     number              INTEGER NOT NULL CHECK (number >= 1),
     kind                TEXT NOT NULL CHECK (kind IN ('real', 'pilot', 'simulated')),
-    seed                TEXT NOT NULL,              -- unsigned 64 bit, decimal
+    seed                TEXT NOT NULL               -- unsigned 64 bit, decimal
+                            CHECK (length(seed) BETWEEN 1 AND 20 AND seed NOT GLOB '*[^0-9]*'),
     plan_sha256         TEXT NOT NULL CHECK (length(plan_sha256) = 64),
     shuffles            INTEGER NOT NULL CHECK (shuffles >= 1),  -- whole orders drawn until one kept the limits
     device              TEXT NOT NULL,
@@ -42,16 +43,16 @@ CREATE TABLE session (
     UNIQUE (study, participant, number)
 ) STRICT;
 
--- What shaped the session besides its protocol: versions, compiler, kernel.
 CREATE TABLE session_provenance (
+    -- What shaped the session besides its protocol: versions, compiler, kernel.
     session INTEGER NOT NULL REFERENCES session,
     key     TEXT NOT NULL,
     value   TEXT NOT NULL,
     PRIMARY KEY (session, key)
 ) STRICT;
 
--- The whole order, complete before the first trial.
 CREATE TABLE plan (
+    -- The whole order, complete before the first trial.
     session          INTEGER NOT NULL REFERENCES session,
     position         INTEGER NOT NULL CHECK (position >= 0),
     phase            TEXT NOT NULL CHECK (phase IN ('practice', 'main', 'catch')),
@@ -64,8 +65,8 @@ CREATE TABLE plan (
     PRIMARY KEY (session, position)
 ) STRICT;
 
--- The pictures from left to right, the same for all trials of a participant.
 CREATE TABLE picture (
+    -- The pictures from left to right, the same for all trials of a participant.
     session INTEGER NOT NULL REFERENCES session,
     place   INTEGER NOT NULL CHECK (place >= 0),
     object  TEXT NOT NULL,
@@ -73,8 +74,8 @@ CREATE TABLE picture (
     UNIQUE (session, object)
 ) STRICT;
 
--- One attempt at a planned trial. Attempts that were not answered stay, and the position is run again.
 CREATE TABLE trial (
+    -- One attempt at a planned trial. Attempts that were not answered stay, and the position is run again.
     id                  INTEGER PRIMARY KEY,
     session             INTEGER NOT NULL,
     position            INTEGER NOT NULL,
@@ -111,9 +112,9 @@ CREATE TABLE response (
     input          TEXT NOT NULL CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
 ) STRICT;
 
--- Servo ticks, 256 a chunk. codec 1: columns as in trace_column, one after the other, each with its
--- bytes shuffled (all first bytes, all second bytes, ...), the whole as one zlib stream.
 CREATE TABLE trace_chunk (
+    -- Servo ticks, 256 a chunk. codec 1: columns as in trace_column, one after the other, each with its
+    -- bytes shuffled (all first bytes, all second bytes, ...), the whole as one zlib stream.
     trial      INTEGER NOT NULL REFERENCES trial,
     first_tick INTEGER NOT NULL CHECK (first_tick >= 0),
     ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 256),
@@ -141,8 +142,8 @@ CREATE TABLE event (
     at_utc  TEXT NOT NULL
 ) STRICT;
 
--- One row per answered trial, practice and catch trials included: filter by phase and kind.
 CREATE VIEW trial_result AS
+-- One row per answered trial, practice and catch trials included: filter by phase and kind.
 SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
        session.kind AS kind, plan.position AS position, plan.phase AS phase, plan.object AS object,
        plan.curvature_per_m AS curvature_per_m, plan.friction AS friction, response.object AS choice,
@@ -160,8 +161,8 @@ JOIN session ON session.id = trial.session
 JOIN participant ON participant.id = session.participant
 JOIN study ON study.id = session.study;
 
--- How often each object was taken for which, main trials only.
 CREATE VIEW confusion AS
+-- How often each object was taken for which, main trials only.
 SELECT study, kind, friction, object, choice, count(*) AS n
 FROM trial_result WHERE phase = 'main'
 GROUP BY study, kind, friction, object, choice;

@@ -9,7 +9,8 @@ namespace palpate::data {
 inline constexpr std::int64_t kApplicationId = 0x70616C70;
 inline constexpr std::int64_t kSchemaVersion = 1;
 
-/// The whole schema as SQL, with its comments: the manual of the file.
+/// The whole schema as SQL: the manual of the file. SQLite keeps a comment only inside a statement, so
+/// they stand there, and `sqlite3 FILE .schema` prints them from any database.
 [[nodiscard]] std::string_view schema_sql() noexcept;
 
 }  // namespace palpate::data

@@ -1,5 +1,6 @@
 #include "data/store/session_store.hpp"
 
+#include <cerrno>
 #include <cstring>
 
 #include <fmt/format.h>
@@ -109,23 +110,54 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
     return session;
 }
 
-void note_provenance(Database& database, std::int64_t session, const SessionSpec& spec) {
-    Statement row =
-        database.prepare("INSERT OR REPLACE INTO session_provenance VALUES (?1, ?2, ?3)");
+struct Existing {
+    std::int64_t id = 0;
+    std::string protocol_hash, plan_hash, kind, device, seed;
+    bool finished = false;
+};
+
+void note_event(Database& database,
+                std::int64_t session,
+                std::string_view kind,
+                std::string_view text) {
+    database.prepare("INSERT INTO event (session, kind, text, at_utc) VALUES (?1, ?2, ?3, ?4)")
+        .bind(1, session)
+        .bind(2, kind)
+        .bind(3, text)
+        .bind(4, utc_now())
+        .run();
+}
+
+void write_provenance(Database& database, std::int64_t session, const SessionSpec& spec) {
+    Statement row = database.prepare("INSERT INTO session_provenance VALUES (?1, ?2, ?3)");
     for (const auto& [key, value] : spec.provenance) {
         row.bind(1, session).bind(2, key).bind(3, value).run();
     }
 }
 
-struct Existing {
-    std::int64_t id = 0;
-    std::string protocol_hash, plan_hash, kind, device;
-    bool finished = false;
-};
+/// What a session goes on with belongs to the trials from here on: the first trials keep theirs.
+void note_changes(Database& database, const Existing& there, const SessionSpec& spec) {
+    if (there.device != spec.device) {
+        note_event(database, there.id, "device", fmt::format("goes on with {}", spec.device));
+    }
+    Statement row = database.prepare(
+        "SELECT coalesce((SELECT text FROM event WHERE session = ?1 AND kind = 'provenance'"
+        " AND substr(text, 1, length(?2) + 2) = ?2 || ': ' ORDER BY id DESC LIMIT 1),"
+        " (SELECT ?2 || ': ' || value FROM session_provenance WHERE session = ?1 AND key = ?2))");
+    for (const auto& [key, value] : spec.provenance) {
+        const std::string now = fmt::format("{}: {}", key, value);
+        row.bind(1, there.id).bind(2, key).step();
+        const bool same = row.text(0) == now;
+        row.reset();
+        if (!same) {
+            note_event(database, there.id, "provenance", now);
+        }
+    }
+}
 
 std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
     Statement row = database.prepare(
-        "SELECT session.id, protocol_sha256, plan_sha256, kind, device, finished FROM session"
+        "SELECT session.id, protocol_sha256, plan_sha256, kind, device, seed, finished FROM session"
         " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
         " WHERE name = ?1 AND code = ?2 AND number = ?3");
     row.bind(1, spec.protocol.id)
@@ -134,8 +166,13 @@ std::optional<Existing> existing_session(Database& database, const SessionSpec& 
     if (!row.step()) {
         return std::nullopt;
     }
-    return Existing{row.integer(0), row.text(1), row.text(2),
-                    row.text(3),    row.text(4), row.integer(5) != 0};
+    return Existing{.id = row.integer(0),
+                    .protocol_hash = row.text(1),
+                    .plan_hash = row.text(2),
+                    .kind = row.text(3),
+                    .device = row.text(4),
+                    .seed = row.text(5),
+                    .finished = row.integer(6) != 0};
 }
 
 void require_same(const Database& database, const Existing& there, const SessionSpec& spec) {
@@ -148,8 +185,9 @@ void require_same(const Database& database, const Existing& there, const Session
         refuse("was begun with another version of the protocol",
                "run the version it was begun with, or begin a new session with --session");
     }
-    if (there.plan_hash != spec.plan.hash) {
-        refuse("was begun with another plan",
+    // The seed too: the order of a small plan can come from many seeds, the hand and the answers not.
+    if (there.plan_hash != spec.plan.hash || there.seed != std::to_string(spec.seed)) {
+        refuse(fmt::format("was begun with another plan (seed {})", there.seed),
                "give the same --seed, or begin a new session with --session");
     }
     if (there.kind != to_string(spec.kind)) {
@@ -238,22 +276,15 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
     Transaction all(database);
     OpenedSession opened;
     if (const auto there = existing_session(database, spec)) {
+        const SessionLock alone(database, there->id);  // a trial that runs now is not interrupted
         require_same(database, *there, spec);
+        note_changes(database, *there, spec);
         opened = {.id = there->id, .resumed = true, .finished = there->finished};
-        if (there->device != spec.device) {
-            database
-                .prepare(
-                    "INSERT INTO event (session, kind, text, at_utc) VALUES (?1, 'device', ?2, ?3)")
-                .bind(1, there->id)
-                .bind(2, fmt::format("goes on with {}", spec.device))
-                .bind(3, utc_now())
-                .run();
-        }
         opened.interrupted = mark_interrupted(database, opened.id);
     } else {
         opened.id = create(database, spec);
+        write_provenance(database, opened.id, spec);
     }
-    note_provenance(database, opened.id, spec);
     opened.next = next_position(database, opened.id);
     all.commit();
     return opened;
@@ -272,11 +303,18 @@ SessionLock::SessionLock(const Database& database, std::int64_t session) {
     std::memcpy(address.sun_path + 1, name.data(), name.size());
     socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-    if (socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&address), length) != 0) {
-        close(socket_);
-        throw StoreError(database.file() +
-                         ": another palpate is running this session; end it first");
+    if (socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
+        return;
     }
+    const int error = errno;
+    if (socket_ >= 0) {
+        close(socket_);
+    }
+    throw StoreError(error == EADDRINUSE
+                         ? fmt::format("{}: another palpate is running this session; end it first",
+                                       database.file())
+                         : fmt::format("{}: the session could not be locked: {}", database.file(),
+                                       std::strerror(error)));
 }
 
 SessionLock::~SessionLock() {

@@ -51,8 +51,10 @@ struct SessionState {
                                                        const protocols::SessionKey& key);
 
 /// Makes the session with its complete plan in one transaction, or opens the one that is there.
-/// Attempts left running by a killed program are marked interrupted; what they recorded stays.
-/// @throws StoreError if the session was made from another protocol, plan, seed or kind: nothing changes
+/// Attempts left running by a killed program are marked interrupted; what they recorded stays. A device
+/// or provenance other than before is an event: what was noted at the beginning stays too.
+/// @throws StoreError if the session was made from another protocol, plan, seed or kind, or if a program
+///         holds its SessionLock, this one too: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
 
 /// Keeps a second program off a session. Released when this object, or the whole process, ends.

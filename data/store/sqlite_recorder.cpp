@@ -1,6 +1,17 @@
 #include "data/store/sqlite_recorder.hpp"
 
+#include <stdexcept>
+
+#include <fmt/format.h>
+
 namespace palpate::data {
+namespace {
+
+bool is_answered(protocols::Outcome outcome) {
+    return outcome == protocols::Outcome::complete || outcome == protocols::Outcome::timed_out;
+}
+
+}  // namespace
 
 using protocols::TrialId;
 using protocols::TrialResult;
@@ -15,6 +26,8 @@ SqliteRecorder::SqliteRecorder(Database& database,
 TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
     pending_.clear();
+    cut_ = false;
+    running_ = 0;
     database_
         .prepare(
             "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
@@ -27,16 +40,31 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
         .bind(4, scene.heal_decay)
         .bind(5, utc_now())
         .run();
-    return database_.last_row();
+    running_ = database_.last_row();
+    return running_;
+}
+
+void SqliteRecorder::require_running(TrialId trial) const {
+    if (trial != running_ || running_ == 0) {
+        throw std::logic_error(fmt::format("trial {} is not the one that is running", trial));
+    }
 }
 
 void SqliteRecorder::append(TrialId trial, std::span<const engine::TickRecord> ticks) {
+    require_running(trial);
+    if (cut_) {
+        throw StoreError(fmt::format("{}: trial {} takes no more ticks after an earlier error",
+                                     database_.file(), trial));
+    }
+    cut_ = true;  // until all of them are in
     for (const engine::TickRecord& tick : ticks) {
         pending_.push_back(tick);
         if (pending_.size() == kChunkTicks) {
             write_chunk(trial);
+            pending_.clear();
         }
     }
+    cut_ = false;
 }
 
 void SqliteRecorder::write_chunk(TrialId trial) {
@@ -52,14 +80,21 @@ void SqliteRecorder::write_chunk(TrialId trial) {
         .bind(5, std::int64_t{chunk.crc32})
         .bind(6, std::span<const std::byte>(chunk.data))
         .run();
-    pending_.clear();
 }
 
 void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
+    require_running(trial);
+    if (is_answered(result.outcome) != result.response.has_value()) {
+        throw std::logic_error(fmt::format("trial {} is {} {} an answer", trial,
+                                           to_string(result.outcome),
+                                           result.response ? "with" : "without"));
+    }
     Transaction all(database_);
     write_chunk(trial);
     write_result(trial, result);
-    all.commit();
+    all.commit();  // what fails before leaves the ticks for another try
+    pending_.clear();
+    running_ = 0;
     database_.checkpoint();
 }
 
@@ -73,7 +108,7 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
             "?10,"
             " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
             "?14,"
-            " ended_utc = ?15 WHERE id = ?1")
+            " ended_utc = ?15 WHERE id = ?1 AND outcome = 'running'")
         .bind(1, trial)
         .bind(2, to_string(result.outcome))
         .bind(3, result.done_s)
@@ -90,6 +125,10 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
         .bind(14, sum.energy_j)
         .bind(15, utc_now())
         .run();
+    if (database_.changes() != 1) {
+        throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",
+                                     database_.file(), trial));
+    }
     if (result.response) {
         database_.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
             .bind(1, trial)

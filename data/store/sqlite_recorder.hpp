@@ -13,6 +13,10 @@ namespace palpate::data {
 ///
 /// append() collects ticks into chunks of kChunkTicks and commits each full one, so that chunk k holds
 /// ticks 256 k to 256 k + 255 whatever the pace; end_trial() commits the rest with the result.
+///
+/// After an error in append() the trial takes no more ticks, so that a stored trace may end early but
+/// never has a hole. Results need a trial that runs: an answer that went nowhere would go unnoticed.
+/// @throws StoreError, and std::logic_error for a call that breaks the order begin, append, end
 class SqliteRecorder : public protocols::Recorder {
 public:
     /// @param database, protocol  outlive the recorder
@@ -26,12 +30,15 @@ public:
     void finish_session() override;
 
 private:
+    void require_running(protocols::TrialId trial) const;
     void write_chunk(protocols::TrialId trial);
     void write_result(protocols::TrialId trial, const protocols::TrialResult& result);
 
     Database& database_;
     const protocols::Protocol& protocol_;
     std::int64_t session_;
+    protocols::TrialId running_ = 0;  ///< 0: none
+    bool cut_ = false;                ///< ticks of the running trial were lost
     std::vector<engine::TickRecord> pending_;
 };
 

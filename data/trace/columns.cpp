@@ -51,6 +51,7 @@ constexpr std::size_t total_bytes() {
     }
     return total;
 }
+static_assert(total_bytes() == sizeof(TickRecord), "a field of TickRecord has no column");
 
 }  // namespace
 

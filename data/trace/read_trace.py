@@ -3,19 +3,20 @@
 
 usage: read_trace.py FILE TRIAL [COLUMN ...]     (writes CSV)
 """
-import sqlite3, struct, sys, zlib
+import pathlib, sqlite3, struct, sys, zlib
 
 CODES = {"f64le": "d", "f32le": "f", "i64le": "q", "i32le": "i", "i16le": "h", "u8": "B"}
 
 def read_trace(file, trial):
     """{column: [values]} of all ticks; the chunks' checksums are checked."""
-    db = sqlite3.connect(f"file:{file}?mode=ro", uri=True)
+    db = sqlite3.connect(pathlib.Path(file).resolve().as_uri() + "?mode=ro", uri=True)
     columns = db.execute("SELECT name, type FROM trace_column WHERE codec = 1 ORDER BY position").fetchall()
     trace = {name: [] for name, _ in columns}
     chunks = "SELECT ticks, crc32, data FROM trace_chunk WHERE trial = ? ORDER BY first_tick"
     for ticks, crc, data in db.execute(chunks, (trial,)):
         raw, at = zlib.decompress(data), 0
-        assert zlib.crc32(raw) == crc, "a chunk is damaged"
+        if zlib.crc32(raw) != crc:
+            raise ValueError(f"trial {trial}: a chunk is damaged")
         for name, kind in columns:
             size = struct.calcsize("<" + CODES[kind])
             block, at = raw[at:at + size * ticks], at + size * ticks

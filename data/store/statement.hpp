@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+struct sqlite3_stmt;
+
+namespace palpate::data {
+
+/// Something went wrong with a database: which file, what was being done, why, and the remedy.
+class StoreError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+class Database;
+
+/// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws StoreError if
+/// SQLite refuses it. A NaN is stored as NULL: SQLite has none.
+class Statement {
+public:
+    Statement(Database& database, std::string_view sql);
+    Statement(Statement&&) noexcept;
+    Statement& operator=(Statement&&) = delete;
+    Statement(const Statement&) = delete;
+    Statement& operator=(const Statement&) = delete;
+    ~Statement();
+
+    Statement& bind(int parameter, std::int64_t value);
+    Statement& bind(int parameter, double value);
+    Statement& bind(int parameter, std::string_view value);
+    Statement& bind(int parameter, std::span<const std::byte> value);
+    Statement& bind_null(int parameter);
+    template <class T>
+    Statement& bind(int parameter, const std::optional<T>& value) {
+        return value ? bind(parameter, *value) : bind_null(parameter);
+    }
+
+    /// The next row is there.
+    bool step();
+    /// Runs to the end and makes the statement ready for new values.
+    void run();
+    void reset();
+
+    [[nodiscard]] int columns() const;
+    [[nodiscard]] std::string_view name(int column) const;
+    [[nodiscard]] int type(
+        int column) const;  ///< SQLite's: 1 integer, 2 real, 3 text, 4 blob, 5 null
+    [[nodiscard]] std::int64_t integer(int column) const;
+    [[nodiscard]] double real(int column) const;
+    [[nodiscard]] std::string text(int column) const;
+    /// Valid until the next step().
+    [[nodiscard]] std::span<const std::byte> blob(int column) const;
+    [[nodiscard]] bool null(int column) const { return type(column) == 5; }
+
+private:
+    Statement& bound(int code);
+
+    Database* database_;
+    sqlite3_stmt* statement_ = nullptr;
+};
+
+}  // namespace palpate::data
