@@ -77,5 +77,5 @@ TEST_CASE("what is not a curve is refused with the value and the remedy", "[geom
                       ContainsSubstring("2 to 10"));
     CHECK_THROWS_WITH(
         RationalBezier<2>(std::vector{a, Vec2{1.0 / 0.0, 0.0}}, std::vector{1.0, 1.0}),
-        ContainsSubstring("not finite"));
+        ContainsSubstring("control point 1 has the coordinate inf"));
 }

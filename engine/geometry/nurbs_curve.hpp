@@ -1,0 +1,59 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/geometry/knots.hpp"
+#include "engine/geometry/rational_bezier.hpp"
+
+namespace palpate::engine {
+
+/// A NURBS curve in D = 2 or 3 dimensions, split once into its rational Bezier spans.
+///
+///     C(u) = sum N_i,p(u) w_i P_i / sum N_i,p(u) w_i        Piegl & Tiller, The NURBS Book, eq. 4.1
+///                                                            (thesis eq. 2.1 to 2.5)
+/// u runs over [front, back] of the knot vector; the last span is closed, so that C(back) is the last
+/// control point (the thesis' half-open eq. 2.3 leaves it undefined).
+template <int D>
+class NurbsCurve {
+public:
+    struct Span {
+        RationalBezier<D> curve;  ///< parameter 0 .. 1
+        double lo = 0.0;          ///< u at its start
+        double hi = 1.0;          ///< u at its end
+    };
+
+    /// @param degree   1 to 9
+    /// @param knots    as KnotVector asks
+    /// @param points   control points, m, finite; they may repeat
+    /// @param weights  as many, finite and > 0; empty: all 1
+    /// @throws std::invalid_argument with what, the value and the remedy
+    NurbsCurve(int degree,
+               std::vector<double> knots,
+               std::span<const Vec<D>> points,
+               std::span<const double> weights = {});
+
+    /// One Bezier span as a curve with u in [0, 1].
+    explicit NurbsCurve(const RationalBezier<D>& span) : degree_(span.degree()) {
+        spans_.push_back({span, 0.0, 1.0});
+    }
+
+    [[nodiscard]] int degree() const noexcept { return degree_; }
+    [[nodiscard]] double front() const noexcept { return spans_.front().lo; }
+    [[nodiscard]] double back() const noexcept { return spans_.back().hi; }
+    [[nodiscard]] const std::vector<Span>& spans() const noexcept { return spans_; }
+
+    /// C, C' and C'' at u, per unit of u. Outside of the domain the end span goes on as a polynomial.
+    [[nodiscard]] Jet<D> at(double u) const noexcept;
+    /// Index of the span that holds u.
+    [[nodiscard]] std::size_t span_of(double u) const noexcept;
+
+private:
+    int degree_ = 1;
+    std::vector<Span> spans_;
+};
+
+extern template class NurbsCurve<2>;
+extern template class NurbsCurve<3>;
+
+}  // namespace palpate::engine

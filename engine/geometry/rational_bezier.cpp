@@ -1,0 +1,137 @@
+#include "engine/geometry/rational_bezier.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "engine/math/number_text.hpp"
+
+namespace palpate::engine {
+template <int D>
+void check_control_point(const Vec<D>& point, double weight, std::size_t index) {
+    if (!(weight >= kMinWeight) || !(weight <= kMaxWeight)) {
+        throw std::invalid_argument("weight " + std::to_string(index) + " is " +
+                                    number_text(weight) +
+                                    ": give a finite weight above 0, from 1e-12 to 1e12");
+    }
+    for (int k = 0; k < D; ++k) {
+        if (!(std::fabs(point[k]) <= kMaxCoordinate)) {
+            throw std::invalid_argument("control point " + std::to_string(index) +
+                                        " has the coordinate " + number_text(point[k]) +
+                                        ": give finite coordinates in m, up to 1e9");
+        }
+    }
+}
+
+template <int D>
+RationalBezier<D>::RationalBezier(std::span<const Vec<D>> points, std::span<const double> weights) {
+    if (points.size() < 2 || points.size() > kMaxDegree + 1) {
+        throw std::invalid_argument("a Bezier span has 2 to " + std::to_string(kMaxDegree + 1) +
+                                    " control points, not " + std::to_string(points.size()));
+    }
+    if (weights.size() != points.size()) {
+        throw std::invalid_argument(
+            "a Bezier span needs one weight a control point: " + std::to_string(points.size()) +
+            ", not " + std::to_string(weights.size()));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        check_control_point<D>(points[i], weights[i], i);
+    }
+    degree_ = static_cast<int>(points.size()) - 1;
+    box_ = box_of<D>(points);
+    origin_ = box_.middle();
+    polynomial_ = std::all_of(weights.begin(), weights.end(),
+                              [&weights](double w) { return w == weights[0]; });
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        local_[i] = points[i] - origin_;
+        weights_[i] = polynomial_ ? 1.0 : weights[i];
+        weighted_[i] = weights_[i] * local_[i];
+    }
+    horner_ = polynomial_ && degree_ <= 3;
+    if (horner_) {  // forward differences times binomials
+        const auto& b = local_;
+        const double n = degree_;
+        power_[0] = b[0];
+        power_[1] = n * (b[1] - b[0]);
+        if (degree_ >= 2) {
+            power_[2] = (0.5 * n * (n - 1.0)) * ((b[2] - b[1]) - (b[1] - b[0]));
+        }
+        if (degree_ == 3) {
+            power_[3] = (b[3] - b[0]) - 3.0 * (b[2] - b[1]);
+        }
+    }
+}
+
+template <int D>
+template <int N>
+Jet<D> RationalBezier<D>::cut(double u) const noexcept {
+    constexpr auto kCount = static_cast<std::size_t>(N) + 1;
+    std::array<Vec<D>, kCount> p;
+    std::array<double, kCount> w;
+    for (std::size_t i = 0; i < kCount; ++i) {
+        p[i] = weighted_[i];
+        w[i] = weights_[i];
+    }
+    const double v = 1.0 - u;
+    for (std::size_t level = N; level > 2; --level) {
+        for (std::size_t i = 0; i < level; ++i) {
+            p[i] = v * p[i] + u * p[i + 1];
+            w[i] = v * w[i] + u * w[i + 1];
+        }
+    }
+    constexpr double n = N;
+    Vec<D> a = p[0];
+    Vec<D> b = p[1];
+    double wa = w[0];
+    double wb = w[1];
+    Vec<D> curl{};
+    double wcurl = 0.0;
+    if constexpr (N >= 2) {
+        curl = n * (n - 1.0) * ((p[2] - p[1]) - (p[1] - p[0]));
+        wcurl = n * (n - 1.0) * ((w[2] - w[1]) - (w[1] - w[0]));
+        a = v * p[0] + u * p[1];
+        b = v * p[1] + u * p[2];
+        wa = v * w[0] + u * w[1];
+        wb = v * w[1] + u * w[2];
+    }
+    const double inverse = 1.0 / (v * wa + u * wb);
+    const double slope = n * (wb - wa);
+    Jet<D> jet;
+    const Vec<D> local = (v * a + u * b) * inverse;
+    jet.point = origin_ + local;
+    jet.first = (n * (b - a) - slope * local) * inverse;
+    jet.second = (curl - (2.0 * slope) * jet.first - wcurl * local) * inverse;
+    return jet;
+}
+
+template <int D>
+Jet<D> RationalBezier<D>::by_corner_cutting(double u) const noexcept {
+    switch (degree_) {
+        case 1:
+            return cut<1>(u);
+        case 2:
+            return cut<2>(u);
+        case 3:
+            return cut<3>(u);
+        case 4:
+            return cut<4>(u);
+        case 5:
+            return cut<5>(u);
+        case 6:
+            return cut<6>(u);
+        case 7:
+            return cut<7>(u);
+        case 8:
+            return cut<8>(u);
+        default:
+            return cut<9>(u);
+    }
+}
+
+template class RationalBezier<2>;
+template class RationalBezier<3>;
+template void check_control_point<2>(const Vec<2>&, double, std::size_t);
+template void check_control_point<3>(const Vec<3>&, double, std::size_t);
+
+}  // namespace palpate::engine

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "engine/geometry/vec.hpp"
+#include "tests/support/random.hpp"
+
+namespace palpate::tests {
+
+/// A NURBS curve as its definition reads: what a scene file holds.
+template <int D>
+struct NurbsData {
+    int degree = 1;
+    std::vector<double> knots;
+    std::vector<engine::Vec<D>> points;
+    std::vector<double> weights;
+};
+
+/// N_i,p(u) by the recursion of Cox and de Boor (Piegl & Tiller, eq. 2.5) in long double, 0/0 = 0, the
+/// last span closed. Written from the definition, not from the code under test.
+inline long double basis(const std::vector<double>& t, std::size_t i, int p, long double u) {
+    if (p == 0) {
+        const bool last = u == t.back() && t[i] < t[i + 1] && t[i + 1] == t.back();
+        return (t[i] <= u && u < t[i + 1]) || last ? 1.0L : 0.0L;
+    }
+    const auto q = static_cast<std::size_t>(p);
+    const long double left = static_cast<long double>(t[i + q]) - t[i];
+    const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
+    long double sum = 0.0L;
+    if (left > 0.0L) {
+        sum += (u - t[i]) / left * basis(t, i, p - 1, u);
+    }
+    if (right > 0.0L) {
+        sum += (t[i + q + 1] - u) / right * basis(t, i + 1, p - 1, u);
+    }
+    return sum;
+}
+
+/// C(u) in long double, straight from the definition.
+template <int D>
+std::array<long double, static_cast<std::size_t>(D)> nurbs_point(const NurbsData<D>& curve,
+                                                                 long double u) {
+    std::array<long double, static_cast<std::size_t>(D)> sum{};
+    long double weight = 0.0L;
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+        const long double n = basis(curve.knots, i, curve.degree, u) * curve.weights[i];
+        weight += n;
+        for (int k = 0; k < D; ++k) {
+            sum[static_cast<std::size_t>(k)] += n * curve.points[i][k];
+        }
+    }
+    for (long double& x : sum) {
+        x /= weight;
+    }
+    return sum;
+}
+
+/// A clamped curve of random degree, spacing, repeated knots and weights in 10^[-decades, decades].
+template <int D>
+NurbsData<D> random_nurbs(Random& random, double size, double decades) {
+    NurbsData<D> curve;
+    curve.degree = 1 + random.below(9);
+    const int inner = random.below(5);
+    const auto p = static_cast<std::size_t>(curve.degree);
+    curve.knots.assign(p + 1, 0.0);
+    double at = 0.0;
+    for (int i = 0; i < inner; ++i) {
+        at += random.decade(-3.0, 1.0);
+        const int repeats = random.coin() ? 1 : 1 + random.below(curve.degree);
+        curve.knots.insert(curve.knots.end(), static_cast<std::size_t>(repeats), at);
+    }
+    at += random.decade(-3.0, 1.0);
+    curve.knots.insert(curve.knots.end(), p + 1, at);
+    const std::size_t count = curve.knots.size() - p - 1;
+    for (std::size_t i = 0; i < count; ++i) {
+        engine::Vec<D> point{};
+        for (int k = 0; k < D; ++k) {
+            point[k] = size * random.in(-0.5, 0.5);
+        }
+        const bool repeated = i > 0 && random.below(8) == 0;
+        curve.points.push_back(repeated ? curve.points.back() : point);
+        curve.weights.push_back(decades > 0.0 ? random.decade(-decades, decades) : 1.0);
+    }
+    return curve;
+}
+
+}  // namespace palpate::tests
