@@ -40,8 +40,8 @@ std::shared_ptr<const engine::Outline> make_outline(const TwoCurve& object) {
 std::vector<Vec2> silhouette(const TwoCurve& object, double tolerance) {
     const auto outline = make_outline(object);
     std::vector<Vec2> points;
-    append_polyline(points, outline->segments()[0], object.curvature, tolerance);
-    append_polyline(points, outline->segments()[1], object.curvature, tolerance);
+    append_polyline(points, outline->spans()[0], object.curvature, tolerance);
+    append_polyline(points, outline->spans()[1], object.curvature, tolerance);
     points.push_back(object.b);
     return points;
 }

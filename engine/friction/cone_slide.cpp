@@ -9,64 +9,63 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-/// Newton's steps towards the root before giving up for this tick; 3 or 4 are usual.
-constexpr int kMaxSteps = 48;
+/// Newton's steps towards the root before giving up for this tick; 2 or 3 are usual.
+constexpr int kMaxSteps = 64;
 
-/// Excess in the direction of the slide, and the length of Newton's step from here.
-struct Drive {
+/// A step below this is finished by the curve's Taylor series, whose tangent is then right to 1e-16.
+constexpr double kTaylor = 0x1p-27;
+
+/// Doublings of the last nudge over the root: 2^20 last bits of u are 1e-10 of the span.
+constexpr int kMaxNudges = 20;
+
+/// Excess in the direction of the slide, and how fast it falls with u; both times |C'|.
+struct Fall {
     double excess = 0.0;
-    double step = 0.0;   ///< m, signed like excess
-    double speed = 0.0;  ///< m per unit of u
+    double slope = 0.0;
+    double speed2 = 0.0;
 };
 
 template <bool HasFriction>
-Drive drive_at(
-    const RationalBezier<2>& curve, const Vec2& h, double mu, double u, double dir) noexcept {
-    const ConeState s = cone_state<HasFriction>(frame_at(curve, u), h, mu);
-    const double along = dir * s.tau;
-    Drive d{.excess = along - cone_radius<HasFriction>(mu, s.nu), .speed = s.frame.speed};
-    double reach = s.nu;
+Fall fall_at(const Jet<2>& jet, const Vec2& h, double mu, double dir) noexcept {
+    const Vec2 r = h - jet.point;
+    const double load = -cross(jet.first, r);
+    Fall fall{.excess = dir * glm::dot(r, jet.first) - cone_radius<HasFriction>(mu, load),
+              .speed2 = glm::dot(jet.first, jet.first)};
+    fall.slope = fall.speed2 - glm::dot(r, jet.second);
     if constexpr (HasFriction) {
-        reach += s.nu > 0.0 ? mu * along : 0.0;
+        fall.slope -= load > 0.0 ? dir * mu * cross(jet.second, r) : 0.0;
     }
-    d.step = d.excess / std::max(1.0 - s.frame.curvature * reach, 0.25);
-    return d;
+    fall.slope = std::max({fall.slope, 0.25 * fall.speed2, std::numeric_limits<double>::min()});
+    return fall;
 }
 
-/// The root between `outside` (excess > 0) and `inside` (excess <= 0), returned on the inner side.
+/// The jet a short step `du` further.
+Jet<2> beside(const Jet<2>& jet, double du) noexcept {
+    return {.point = jet.point + du * (jet.first + (0.5 * du) * jet.second),
+            .first = jet.first + du * jet.second,
+            .second = jet.second};
+}
+
+/// The last step, and then bit by bit over the root, so that a hand at rest finds the contact stuck.
+/// False, and nothing moved, if that does not lead into the cone: close to a centre of curvature the
+/// excess may not fall at first.
 template <bool HasFriction>
-double close_in(const RationalBezier<2>& curve,
-                const Vec2& h,
-                double mu,
-                double dir,
-                double outside,
-                double inside,
-                Drive at) noexcept {
-    double u = inside;
-    for (int i = 0; i < kMaxSteps; ++i) {
-        double next = at.speed > 0.0 ? u + dir * at.step / at.speed : 0.5 * (outside + inside);
-        const double lo = std::min(outside, inside);
-        const double hi = std::max(outside, inside);
-        if (!(next > lo && next < hi)) {
-            next = 0.5 * (outside + inside);
+bool finish(Slide& slide, const Vec2& h, double mu, double dir, double step) noexcept {
+    const double u = slide.u;
+    const Jet<2> jet = slide.jet;
+    double nudge = 0.0;
+    for (int i = 0; i < kMaxNudges; ++i) {
+        const double next = std::clamp(u + dir * (step + nudge), 0.0, 1.0);
+        slide.u = next;
+        slide.jet = beside(jet, next - u);
+        if (fall_at<HasFriction>(slide.jet, h, mu, dir).excess <= 0.0) {
+            return true;
         }
-        const bool settled = std::fabs(next - u) <= 2.0 * kEpsilon;
-        u = next;
-        at = drive_at<HasFriction>(curve, h, mu, u, dir);
-        (at.excess > 0.0 ? outside : inside) = u;
-        if (settled || hi - lo <= 2.0 * kEpsilon) {
-            break;
-        }
+        nudge = std::max(2.0 * nudge, kEpsilon);
     }
-    // The last bits: step over the root, so that a hand at rest finds the contact stuck.
-    double nudge = kEpsilon;
-    for (int i = 0; i < 12 && at.excess > 0.0; ++i) {
-        const double next = std::clamp(u + dir * nudge, 0.0, 1.0);
-        at = drive_at<HasFriction>(curve, h, mu, next, dir);
-        u = next;
-        nudge *= 2.0;
-    }
-    return at.excess > 0.0 ? inside : u;
+    slide.u = u;
+    slide.jet = jet;
+    return false;
 }
 
 }  // namespace
@@ -76,46 +75,60 @@ Slide slide_to_cone(const RationalBezier<2>& curve,
                     const Vec2& h,
                     double mu,
                     double u,
+                    const Jet<2>& jet,
                     double dir,
                     double budget) noexcept {
-    Slide slide{.u = u};
-    Drive at = drive_at<HasFriction>(curve, h, mu, u, dir);
+    Slide slide{.u = u, .jet = jet};
+    double outside = u;      // the last place known to lie outside the cone
+    double inside = u;       // and inside
+    bool bracketed = false;  // there is one inside
+    Fall at = fall_at<HasFriction>(jet, h, mu, dir);
     for (int i = 0; i < kMaxSteps; ++i) {
+        double step = at.excess / at.slope;
+        const double speed = std::sqrt(at.speed2);
         const double left = budget - slide.length;
-        if (left <= 0.0) {
-            slide.end = SlideEnd::out_of_budget;
-            return slide;
+        const bool limited = step * speed > left;
+        if (limited) {
+            step = left / speed;
         }
-        const double ds = std::min(at.step, left);
-        double next = slide.u + dir * ds / std::max(at.speed, std::numeric_limits<double>::min());
-        const bool over_end = next >= 1.0 || next <= 0.0;
-        next = std::clamp(next, 0.0, 1.0);
-        if (next == slide.u && !over_end) {  // the step is below the last bit of u
-            return slide;
-        }
-        const Drive ahead = drive_at<HasFriction>(curve, h, mu, next, dir);
-        const double start = slide.u;
-        if (ahead.excess <= 0.0) {
-            slide.u = close_in<HasFriction>(curve, h, mu, dir, start, next, ahead);
-            slide.length += std::fabs(slide.u - start) * at.speed;
+        if (i > 0 && std::fabs(step) <= kTaylor && !limited &&
+            finish<HasFriction>(slide, h, mu, dir, step)) {
+            slide.length += step * speed;
             slide.end = SlideEnd::in_cone;
             return slide;
         }
-        slide.length += over_end ? std::fabs(next - start) * at.speed : ds;
+        double next = slide.u + dir * step;
+        if (bracketed && !((next - outside) * (next - inside) < 0.0)) {
+            next = 0.5 * (outside + inside);
+        }
+        const bool over_end = next >= 1.0 || next <= 0.0;
+        next = std::clamp(next, 0.0, 1.0);
+        slide.length += dir * (next - slide.u) * speed;
         slide.u = next;
-        at = ahead;
-        if (over_end) {
-            slide.end = SlideEnd::at_end;
+        slide.jet = curve.at(next);
+        at = fall_at<HasFriction>(slide.jet, h, mu, dir);
+        if (at.excess <= 0.0) {
+            inside = next;
+            bracketed = true;
+            if (at.excess == 0.0) {
+                slide.end = SlideEnd::in_cone;
+                return slide;
+            }
+            continue;
+        }
+        outside = next;
+        if (limited || over_end) {
+            slide.end = over_end ? SlideEnd::at_end : SlideEnd::out_of_budget;
             return slide;
         }
     }
-    slide.end = SlideEnd::out_of_budget;
+    slide.end = at.excess <= 0.0 ? SlideEnd::in_cone : SlideEnd::out_of_budget;
     return slide;
 }
 
 template Slide slide_to_cone<true>(
-    const RationalBezier<2>&, const Vec2&, double, double, double, double) noexcept;
+    const RationalBezier<2>&, const Vec2&, double, double, const Jet<2>&, double, double) noexcept;
 template Slide slide_to_cone<false>(
-    const RationalBezier<2>&, const Vec2&, double, double, double, double) noexcept;
+    const RationalBezier<2>&, const Vec2&, double, double, const Jet<2>&, double, double) noexcept;
 
 }  // namespace palpate::engine

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
@@ -12,21 +13,37 @@ namespace {
 /// rounding errors, far above what a hand can cross in a millisecond.
 constexpr int kMaxFeatures = 64;
 
+/// A curve that moves less than this share of its own bending, |C'| < 1e-6 |C''|, stands still: an end
+/// with repeated control points or a cusp, where the tangent is that of the end.
+constexpr double kStill2 = 1e-12;
+
+/// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the curve.
+constexpr double kSetOut = 0x1p-14;
+
+/// A frictionless GO closer than this to its foot, in u, rests there.
+constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
+
 /// What happens after a step on one feature.
 enum class Next : std::uint8_t { go_on, stop };
+
+/// The stretch in a unit frame with tangent t.
+struct ConeState {
+    Vec2 tangent{};
+    double tau = 0.0;     ///< r . t, m, signed
+    double nu = 0.0;      ///< -r . n, m
+    double excess = 0.0;  ///< |tau| - mu max(nu, 0), m; > 0: the GO has to move
+};
 
 template <bool HasFriction>
 class Walker {
 public:
     Walker(const Outline& outline,
-           const Place& from,
+           GodObject& go,
            const Vec2& h,
            double mu,
            double budget,
            double radius) noexcept
-        : outline_(outline), h_(h), mu_(mu), budget_(budget), radius_(radius) {
-        walk_.place = from;
-    }
+        : outline_(outline), go_(go), h_(h), mu_(mu), budget_(budget), radius_(radius) {}
 
     Walk run() noexcept {
         for (int i = 0; i < kMaxFeatures; ++i) {
@@ -34,6 +51,7 @@ public:
                 return walk_;
             }
         }
+        settle_at(cone(outline_, go_));
         walk_.held_outside = true;
         walk_.out_of_budget = true;
         return walk_;
@@ -41,88 +59,144 @@ public:
 
 private:
     Next step() noexcept {
-        if (!walk_.place.on_joint) {
-            return on_segment();
+        if (!go_.place.on_joint) {
+            return on_span();
         }
-        const Joint& joint = outline_.joints()[walk_.place.index];
+        const Joint& joint = outline_.joints()[go_.place.index];
         return joint.kind == JointKind::concave ? in_corner(joint) : on_fan(joint);
     }
 
-    /// Takes `s` as the outcome so far; true when the walk ends here inside the cone or turns back.
-    bool settle(const ConeState& s) noexcept {
-        walk_.point = s.frame.point;
-        walk_.normal = s.frame.normal;
-        walk_.tangent = s.frame.tangent;
-        walk_.tau = s.tau;
-        walk_.nu = s.nu;
-        walk_.in_corner = false;
-        if (s.excess <= 0.0) {
-            return true;
-        }
-        const double sign = s.tau < 0.0 ? -1.0 : 1.0;
-        if (direction_ != 0.0 && sign != direction_) {
-            return true;
-        }
-        direction_ = sign;
-        if (used_ >= budget_) {
-            walk_.held_outside = true;
-            walk_.out_of_budget = true;
-            return true;
-        }
-        return false;
+    [[nodiscard]] ConeState cone(const Vec2& point, const Vec2& tangent) const noexcept {
+        const Vec2 r = h_ - point;
+        ConeState s{.tangent = tangent, .tau = glm::dot(r, tangent), .nu = -cross(tangent, r)};
+        s.excess = std::fabs(s.tau) - cone_radius<HasFriction>(mu_, s.nu);
+        return s;
     }
 
-    Next on_segment() noexcept {
-        const std::size_t index = walk_.place.index;
-        const RationalBezier<2>& curve = outline_.segments()[index];
-        if (settle(cone_state<HasFriction>(frame_at(curve, walk_.place.parameter), h_, mu_))) {
-            return Next::stop;
+    [[nodiscard]] ConeState cone(const Outline& outline, const GodObject& go) const noexcept {
+        if (go.place.on_joint) {
+            const Joint& joint = outline.joints()[go.place.index];
+            return cone(joint.point, fan_tangent(joint, go.place.parameter));
         }
-        const Slide slide = slide_to_cone<HasFriction>(curve, h_, mu_, walk_.place.parameter,
-                                                       direction_, budget_ - used_);
-        walk_.place.parameter = slide.u;
+        const double speed2 = glm::dot(go.jet.first, go.jet.first);
+        if (stands_still(go.jet, speed2)) {
+            return cone(go.jet.point,
+                        end_tangent(outline.spans()[go.place.index], go.place.parameter > 0.5));
+        }
+        return cone(go.jet.point, go.jet.first * (1.0 / std::sqrt(speed2)));
+    }
+
+    static bool stands_still(const Jet<2>& jet, double speed2) noexcept {
+        return speed2 <= kStill2 * glm::dot(jet.second, jet.second);
+    }
+
+    /// The walk ends here, with this stretch.
+    Next settle_at(const ConeState& s) noexcept {
+        walk_.point = go_.place.on_joint ? outline_.joints()[go_.place.index].point : go_.jet.point;
+        walk_.tangent = s.tangent;
+        walk_.normal = perp(s.tangent);
+        walk_.tau = s.tau;
+        walk_.nu = s.nu;
+        return Next::stop;
+    }
+
+    /// Whether a drive along t moves the GO on: not against the direction of the walk so far.
+    bool goes(double tangential) noexcept {
+        const double sign = tangential < 0.0 ? -1.0 : 1.0;
+        if (direction_ != 0.0 && sign != direction_) {
+            return false;
+        }
+        direction_ = sign;
+        return true;
+    }
+
+    Next hold_outside(bool out_of_budget) noexcept {
+        walk_.held_outside = true;
+        walk_.out_of_budget = out_of_budget;
+        return Next::stop;
+    }
+
+    Next on_span() noexcept {
+        const Drive drive = drive_at(go_.jet, h_);
+        if (stands_still(go_.jet, drive.speed2)) {
+            return from_still_end();
+        }
+        const double rest = HasFriction ? 0.0 : kRest * drive.speed2;
+        if (drive.excess<HasFriction>(mu_) <= rest || !goes(drive.tangential)) {
+            return settle_at(cone(outline_, go_));
+        }
+        return slide();
+    }
+
+    Next slide() noexcept {
+        const std::size_t index = go_.place.index;
+        if (used_ >= budget_) {
+            settle_at(cone(outline_, go_));
+            return hold_outside(true);
+        }
+        const Slide slide =
+            slide_to_cone<HasFriction>(outline_.spans()[index], h_, mu_, go_.place.parameter,
+                                       go_.jet, direction_, budget_ - used_);
+        go_.place.parameter = slide.u;
+        go_.jet = slide.jet;
         walk_.slid += slide.length;
         used_ += slide.length;
         if (slide.end == SlideEnd::at_end) {
             return over_end(index);
         }
-        static_cast<void>(settle(cone_state<HasFriction>(frame_at(curve, slide.u), h_, mu_)));
-        if (slide.end == SlideEnd::out_of_budget) {
-            walk_.held_outside = true;
-            walk_.out_of_budget = true;
-        }
-        return Next::stop;
+        settle_at(cone(outline_, go_));
+        return slide.end == SlideEnd::out_of_budget ? hold_outside(true) : Next::stop;
     }
 
-    Next over_end(std::size_t segment) noexcept {
-        const bool forward = direction_ > 0.0;
-        const auto joint = outline_.joint_beyond(segment, forward);
-        if (!joint) {  // an open end holds the GO
-            static_cast<void>(settle(cone_state<HasFriction>(
-                frame_at(outline_.segments()[segment], forward ? 1.0 : 0.0), h_, mu_)));
-            walk_.held_outside = true;
-            return Next::stop;
+    /// Where C' = 0 the drive in u says nothing: the end's tangent decides, and the first step is given.
+    Next from_still_end() noexcept {
+        const ConeState s = cone(outline_, go_);
+        if (s.excess <= 0.0 || !goes(s.tau)) {
+            return settle_at(s);
         }
-        walk_.place = {.on_joint = true,
-                       .index = *joint,
-                       .parameter = forward ? 0.0 : outline_.joints()[*joint].turn};
+        double& u = go_.place.parameter;
+        if (direction_ > 0.0 ? u > 0.5 : u <= 0.5) {
+            return over_end(go_.place.index);
+        }
+        u += direction_ * kSetOut;
+        go_.jet = outline_.spans()[go_.place.index].at(u);
+        return Next::go_on;
+    }
+
+    Next over_end(std::size_t span) noexcept {
+        const bool forward = direction_ > 0.0;
+        const auto joint = outline_.joint_beyond(span, forward);
+        if (!joint) {  // an open end holds the GO
+            settle_at(cone(outline_, go_));
+            return hold_outside(false);
+        }
+        go_.place = {.on_joint = true,
+                     .index = *joint,
+                     .parameter = forward ? 0.0 : outline_.joints()[*joint].turn};
         return Next::go_on;
     }
 
     /// Convex (or smooth) vertex: turn the normal through the fan. While HIP drives the GO on, the
     /// excess only grows with the angle, so the fan is crossed whole unless the budget ends.
     Next on_fan(const Joint& joint) noexcept {
-        double& phi = walk_.place.parameter;
-        if (settle(cone_state<HasFriction>(fan_frame(joint, phi), h_, mu_))) {
-            return Next::stop;
+        double& phi = go_.place.parameter;
+        const ConeState s = cone(outline_, go_);
+        if (s.excess <= 0.0 || !goes(s.tau)) {
+            return settle_at(s);
+        }
+        if (used_ >= budget_) {
+            settle_at(s);
+            return hold_outside(true);
         }
         const double to_go = direction_ > 0.0 ? joint.turn - phi : phi;
         const double price = radius_ * to_go;
         if (price > budget_ - used_) {
             phi += direction_ * (budget_ - used_) / radius_;
             used_ = budget_;
-            static_cast<void>(settle(cone_state<HasFriction>(fan_frame(joint, phi), h_, mu_)));
-            return Next::stop;
+            const ConeState turned = cone(outline_, go_);
+            settle_at(turned);
+            return turned.excess > 0.0 && direction_ * turned.tau > 0.0 ? hold_outside(true)
+                                                                        : Next::stop;
         }
         used_ += price;
         leave(joint, direction_);
@@ -131,8 +205,8 @@ private:
 
     /// Concave vertex: two normals, two loads. F = K (V - h) is carried by both together.
     Next in_corner(const Joint& joint) noexcept {
-        const ConeState after = cone_state<HasFriction>(start_of(joint), h_, mu_);
-        const ConeState before = cone_state<HasFriction>(end_of(joint), h_, mu_);
+        const ConeState after = cone(joint.point, joint.tangent_out);
+        const ConeState before = cone(joint.point, joint.tangent_in);
         const bool drives_on = after.tau > 0.0 && after.excess > 0.0 && direction_ >= 0.0;
         const bool drives_back = before.tau < 0.0 && before.excess > 0.0 && direction_ <= 0.0;
         if ((drives_on || drives_back) && used_ < budget_) {
@@ -149,52 +223,33 @@ private:
     void settle_corner(const Joint& joint,
                        const ConeState& before,
                        const ConeState& after) noexcept {
-        walk_.place.parameter = 0.0;
-        walk_.point = joint.point;
+        go_.place.parameter = 0.0;
         walk_.in_corner = true;
         if (after.tau >= 0.0) {
-            take(after);
+            settle_at(after);
         } else if (before.tau <= 0.0) {
-            take(before);
+            settle_at(before);
         } else {
             const Vec2 gap = joint.point - h_;
             const double length = glm::length(gap);
-            walk_.normal = length > 0.0 ? gap / length : after.frame.normal;
-            walk_.tangent = -perp(walk_.normal);
-            walk_.tau = 0.0;
-            walk_.nu = length;
+            const Vec2 normal = length > 0.0 ? gap / length : perp(after.tangent);
+            settle_at({.tangent = -perp(normal), .nu = length});
         }
     }
 
-    void take(const ConeState& s) noexcept {
-        walk_.normal = s.frame.normal;
-        walk_.tangent = s.frame.tangent;
-        walk_.tau = s.tau;
-        walk_.nu = s.nu;
-    }
-
     void leave(const Joint& joint, double direction) noexcept {
-        walk_.place = direction > 0.0 ? Place{.index = joint.after, .parameter = 0.0}
-                                      : Place{.index = joint.before, .parameter = 1.0};
+        go_ = god_object_at(outline_, direction > 0.0
+                                          ? Place{.index = joint.after, .parameter = 0.0}
+                                          : Place{.index = joint.before, .parameter = 1.0});
     }
 
-    static Frame fan_frame(const Joint& joint, double phi) noexcept {
+    static Vec2 fan_tangent(const Joint& joint, double phi) noexcept {
         const SinCos turn = sin_cos(phi);
-        Frame frame{.point = joint.point};
-        frame.tangent = turn.cos * joint.tangent_in - turn.sin * perp(joint.tangent_in);
-        frame.normal = perp(frame.tangent);
-        return frame;
-    }
-    static Frame end_of(const Joint& joint) noexcept {
-        return {
-            .point = joint.point, .tangent = joint.tangent_in, .normal = perp(joint.tangent_in)};
-    }
-    static Frame start_of(const Joint& joint) noexcept {
-        return {
-            .point = joint.point, .tangent = joint.tangent_out, .normal = perp(joint.tangent_out)};
+        return turn.cos * joint.tangent_in - turn.sin * perp(joint.tangent_in);
     }
 
     const Outline& outline_;
+    GodObject& go_;
     Vec2 h_;
     double mu_;
     double budget_;
@@ -206,19 +261,26 @@ private:
 
 }  // namespace
 
+GodObject god_object_at(const Outline& outline, const Place& place) noexcept {
+    if (place.on_joint) {
+        return {.place = place};
+    }
+    return {.place = place, .jet = outline.spans()[place.index].at(place.parameter)};
+}
+
 template <bool HasFriction>
 Walk walk_god_object(const Outline& outline,
-                     const Place& from,
+                     GodObject& go,
                      const Vec2& h,
                      double mu,
                      double budget,
                      double vertex_radius) noexcept {
-    return Walker<HasFriction>(outline, from, h, mu, budget, vertex_radius).run();
+    return Walker<HasFriction>(outline, go, h, mu, budget, vertex_radius).run();
 }
 
 template Walk walk_god_object<true>(
-    const Outline&, const Place&, const Vec2&, double, double, double) noexcept;
+    const Outline&, GodObject&, const Vec2&, double, double, double) noexcept;
 template Walk walk_god_object<false>(
-    const Outline&, const Place&, const Vec2&, double, double, double) noexcept;
+    const Outline&, GodObject&, const Vec2&, double, double, double) noexcept;
 
 }  // namespace palpate::engine

@@ -14,15 +14,23 @@ struct Slew {
     [[nodiscard]] bool none() const noexcept { return speed == 0.0; }
 };
 
+/// Where the god-object is. On a span it keeps the curve's jet, so that a tick in which it stays costs
+/// no evaluation.
+struct GodObject {
+    Place place{};
+    Jet<2> jet{};  ///< of the span at the place; unused on a joint
+};
+
+[[nodiscard]] GodObject god_object_at(const Outline& outline, const Place& place) noexcept;
+
 /// The god-object after a walk, with what the force needs to know.
 struct Walk {
-    Place place{};
     Vec2 point{};
-    Vec2 normal{0.0, 1.0};  ///< unit: of the segment, of the fan at phi, or of the internal fan
+    Vec2 normal{0.0, 1.0};  ///< unit: of the span, of the fan at phi, or of the internal fan
     Vec2 tangent{1.0, 0.0};
     double tau = 0.0;           ///< r . t, m
     double nu = 0.0;            ///< -r . n, m
-    double slid = 0.0;          ///< arc length the GO slid along segments, m
+    double slid = 0.0;          ///< arc length the GO slid along spans, m
     bool held_outside = false;  ///< stopped outside its cone: the budget ran out, or at an open end
     bool out_of_budget = false;
     bool in_corner = false;  ///< rests in a concave vertex, whose two normals carry together
@@ -30,15 +38,15 @@ struct Walk {
 
 /// Lets the god-object move along the outline until its stretch fits the friction cone.
 ///
-/// Along a segment it slides (slide_to_cone). A convex vertex is a fan of normals from the end of one
-/// segment to the start of the next, turned through at `slew.radius` of budget per radian. A concave
-/// vertex is left only along a segment whose drive exceeds mu times that segment's own load. An open
+/// Along a span it slides (slide_to_cone). A convex vertex is a fan of normals from the end of one
+/// span to the start of the next, turned through at `vertex_radius` of budget per radian. A concave
+/// vertex is left only along a span whose drive exceeds mu times that span's own load. An open
 /// end holds the GO until HIP leaves. The direction never reverses within a walk.
 ///
 /// @param budget  travel allowed in this tick, m; infinite without slew
 template <bool HasFriction>
 [[nodiscard]] Walk walk_god_object(const Outline& outline,
-                                   const Place& from,
+                                   GodObject& go,
                                    const Vec2& h,
                                    double mu,
                                    double budget,

@@ -4,7 +4,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
+#include "engine/math/number_text.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -12,25 +14,53 @@ namespace {
 /// Ends further apart than this, m, are not the same vertex: 1 nm, a thousandth of what is felt.
 constexpr double kSameEnd = 1e-9;
 
-Joint join(const std::vector<RationalBezier<2>>& segments, std::size_t before, std::size_t after) {
-    const Frame end = frame_at(segments[before], 1.0);
-    const Frame start = frame_at(segments[after], 0.0);
-    const double gap = glm::length(start.point - end.point);
-    if (gap > kSameEnd) {
-        throw std::invalid_argument("segment " + std::to_string(after) + " starts " +
-                                    std::to_string(gap) + " m away from the end of segment " +
-                                    std::to_string(before) + ": let them share the point");
+/// Turns closer to pi than this, rad, are a cusp: the tangents alone no longer tell the side.
+constexpr double kCuspTurn = 1e-6;
+
+/// Side on which the outline goes on after turning back by pi: < 0 right, the object fills the spike
+/// between the two branches; > 0 left, it surrounds it; 0 if the branches coincide.
+double side_of_cusp(const RationalBezier<2>& in,
+                    const RationalBezier<2>& out,
+                    const Vec2& tangent) {
+    const Vec2 tip = out.point(0);
+    for (const double s : {1e-3, 1e-2, 0.1, 0.3, 0.6, 1.0}) {
+        const Vec2 before = in.at(1.0 - s).point - tip;
+        const Vec2 after = out.at(s).point - tip;
+        // Compare at the same distance from the tip: the branches lie on curves tangent to each other.
+        const double scale = glm::dot(after, tangent) / glm::dot(before, tangent);
+        const double side = cross(tangent, after) - scale * cross(tangent, before);
+        if (std::fabs(side) > 1e-9 * glm::length(after)) {
+            return side;
+        }
     }
-    Joint joint{.point = start.point,
-                .before = before,
-                .after = after,
-                .tangent_in = end.tangent,
-                .tangent_out = start.tangent};
-    const double side = cross(end.tangent, start.tangent);
-    joint.turn = std::fabs(arc_tan2(side, glm::dot(end.tangent, start.tangent)));
-    if (joint.turn > kPi - 1e-6) {
-        throw std::invalid_argument("the outline turns back on itself where segment " +
-                                    std::to_string(after) + " starts: open the angle");
+    return 0.0;
+}
+
+std::string name_text(const SpanName& name) {
+    return "segment " + std::to_string(name.segment) +
+           (name.lo == 0.0 ? "" : " at u = " + number_text(name.lo));
+}
+
+Joint join(const RationalBezier<2>& before, const RationalBezier<2>& after, const SpanName& name) {
+    const Vec2 end = before.point(static_cast<std::size_t>(before.degree()));
+    const Vec2 start = after.point(0);
+    const double gap = glm::length(start - end);
+    if (!(gap <= kSameEnd)) {
+        throw std::invalid_argument(name_text(name) + " starts " + number_text(gap) +
+                                    " m away from the end of the one before: let them share the "
+                                    "point");
+    }
+    Joint joint{.point = start,
+                .tangent_in = end_tangent(before, true),
+                .tangent_out = end_tangent(after, false)};
+    double side = cross(joint.tangent_in, joint.tangent_out);
+    joint.turn = std::fabs(arc_tan2(side, glm::dot(joint.tangent_in, joint.tangent_out)));
+    if (joint.turn > kPi - kCuspTurn) {
+        side = side_of_cusp(before, after, joint.tangent_in);
+        if (side == 0.0) {
+            throw std::invalid_argument("the outline runs back along itself where " +
+                                        name_text(name) + " starts: open the angle");
+        }
     }
     joint.kind = joint.turn <= kSmoothTurn ? JointKind::smooth
                : side < 0.0                ? JointKind::convex
@@ -65,34 +95,71 @@ Frame frame_at(const RationalBezier<2>& curve, double u) noexcept {
     return frame;
 }
 
-Outline::Outline(std::vector<RationalBezier<2>> segments, bool closed)
-    : segments_(std::move(segments)), closed_(closed) {
-    if (segments_.empty()) {
-        throw std::invalid_argument("an outline needs at least one segment");
+Outline::Outline(const std::vector<NurbsCurve<2>>& segments, bool closed) : closed_(closed) {
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        add_segment(segments[i], i);
     }
-    for (std::size_t i = 0; i + 1 < segments_.size(); ++i) {
-        joints_.push_back(join(segments_, i, i + 1));
+    join_all();
+}
+
+Outline::Outline(std::vector<RationalBezier<2>> segments, bool closed) : closed_(closed) {
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+        add_segment(NurbsCurve<2>(segments[i]), i);
     }
-    if (closed_) {
-        joints_.push_back(join(segments_, segments_.size() - 1, 0));
-        if (!(control_area(segments_) < 0.0)) {
-            throw std::invalid_argument(
-                "a closed outline must run clockwise, the object on the right "
-                "of travel: reverse the order of its points");
+    join_all();
+}
+
+void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
+    const std::size_t first = spans_.size();
+    for (const auto& [span, lo, hi] : curve.spans()) {
+        if (!(glm::length(span.box().size()) > 0.0)) {
+            continue;  // control points that all coincide: the curve only waits here
         }
+        std::vector<double> cuts = cusps_of(span);
+        cuts.push_back(1.0);
+        double from = 0.0;
+        for (const double to : cuts) {
+            spans_.push_back(cuts.size() == 1 ? span : stretch_of(span, from, to));
+            const double width = hi - lo;
+            names_.push_back({index, lo + from * width, to == 1.0 ? hi : lo + to * width});
+            from = to;
+        }
+    }
+    if (spans_.size() == first) {
+        throw std::invalid_argument("segment " + std::to_string(index) +
+                                    " is a mere point: give control points apart from one another");
     }
 }
 
-std::optional<std::size_t> Outline::joint_beyond(std::size_t segment, bool forward) const noexcept {
-    const std::size_t n = segments_.size();
+void Outline::join_all() {
+    if (spans_.empty()) {
+        throw std::invalid_argument("an outline needs at least one segment");
+    }
+    const std::size_t n = spans_.size();
+    for (std::size_t i = 0; i + (closed_ ? 0 : 1) < n; ++i) {
+        const std::size_t next = (i + 1) % n;
+        Joint joint = join(spans_[i], spans_[next], names_[next]);
+        joint.before = i;
+        joint.after = next;
+        joints_.push_back(joint);
+    }
+    if (closed_ && !(control_area(spans_) < 0.0)) {
+        throw std::invalid_argument(
+            "a closed outline must run clockwise, the object on the right "
+            "of travel: reverse the order of its points");
+    }
+}
+
+std::optional<std::size_t> Outline::joint_beyond(std::size_t span, bool forward) const noexcept {
+    const std::size_t n = spans_.size();
     if (forward) {
-        if (segment + 1 < n || closed_) {
-            return segment;
+        if (span + 1 < n || closed_) {
+            return span;
         }
         return std::nullopt;
     }
-    if (segment > 0) {
-        return segment - 1;
+    if (span > 0) {
+        return span - 1;
     }
     if (closed_) {
         return n - 1;

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/geometry/rational_bezier.hpp"
+#include "engine/geometry/nurbs_curve.hpp"
 
 namespace palpate::engine {
 
@@ -33,36 +33,55 @@ inline constexpr double kSmoothTurn = 1e-9;
 /// Where one segment ends and the next begins.
 struct Joint {
     Vec2 point{};
-    std::size_t before = 0;  ///< segment that ends here
-    std::size_t after = 0;   ///< segment that starts here
+    std::size_t before = 0;  ///< span that ends here
+    std::size_t after = 0;   ///< span that starts here
     Vec2 tangent_in{};       ///< unit tangent at the end of `before`
     Vec2 tangent_out{};      ///< unit tangent at the start of `after`
     JointKind kind = JointKind::smooth;
-    double turn = 0.0;  ///< angle between the tangents, rad in [0, pi)
+    double turn = 0.0;  ///< angle between the tangents, rad in [0, pi]
+};
+
+/// Where a span of an outline comes from: parameters [lo, hi] of the experimenter's segment.
+struct SpanName {
+    std::size_t segment = 0;
+    double lo = 0.0;
+    double hi = 1.0;
+
+    /// The segment's own parameter at u in [0, 1] of the span.
+    [[nodiscard]] double parameter(double u) const noexcept { return lo + u * (hi - lo); }
 };
 
 /// Curves joined end to end, the object on the right of travel. Closed: the last joins the first,
 /// so that inside and outside are defined everywhere. Open chains end in two open ends.
+///
+/// Segments are what an experimenter names; spans are the rational Bezier pieces they consist of. A kink
+/// or a cusp within a segment becomes a joint like the vertex between two segments: at a cusp the
+/// outline turns by pi, convex where the object fills the spike, concave where it surrounds it.
 class Outline {
 public:
     /// @param segments  each starts where the one before ends, within 1e-9 m; at least one
     /// @param closed    the last one ends where the first starts
-    /// @throws std::invalid_argument if ends do not meet, a joint turns back on itself, or a closed
-    ///         outline runs anticlockwise (the object would be outside)
+    /// @throws std::invalid_argument if ends do not meet, a joint runs back along itself, a segment is
+    ///         a mere point, or a closed outline runs anticlockwise (the object would be outside)
+    Outline(const std::vector<NurbsCurve<2>>& segments, bool closed);
+    /// Segments of one span each.
     Outline(std::vector<RationalBezier<2>> segments, bool closed);
 
-    [[nodiscard]] const std::vector<RationalBezier<2>>& segments() const noexcept {
-        return segments_;
-    }
+    [[nodiscard]] const std::vector<RationalBezier<2>>& spans() const noexcept { return spans_; }
+    [[nodiscard]] const SpanName& name(std::size_t span) const noexcept { return names_[span]; }
     [[nodiscard]] const std::vector<Joint>& joints() const noexcept { return joints_; }
     [[nodiscard]] bool closed() const noexcept { return closed_; }
 
-    /// Joint at the end (forward) or at the start of segment i; none at an open end.
-    [[nodiscard]] std::optional<std::size_t> joint_beyond(std::size_t segment,
+    /// Joint at the end (forward) or at the start of span i; none at an open end.
+    [[nodiscard]] std::optional<std::size_t> joint_beyond(std::size_t span,
                                                           bool forward) const noexcept;
 
 private:
-    std::vector<RationalBezier<2>> segments_;
+    void add_segment(const NurbsCurve<2>& curve, std::size_t index);
+    void join_all();
+
+    std::vector<RationalBezier<2>> spans_;
+    std::vector<SpanName> names_;
     std::vector<Joint> joints_;
     bool closed_ = false;
 };

@@ -12,6 +12,9 @@ namespace {
 /// mu counts as relaxed once theta is below this: 1e-3 of mu_s - mu_d is 0.2 mN at 1 N.
 constexpr double kRelaxed = 1e-3;
 
+/// Share of the clearance that may be used up before the next look; the rest is for rounding.
+constexpr double kClearShare = 1.0 - 1e-12;
+
 void require(bool ok, const char* what, double value, const char* remedy) {
     if (!ok) {
         throw std::invalid_argument(std::string(what) + " is " + std::to_string(value) + ": " +
@@ -25,6 +28,7 @@ const SceneSpec& checked(const SceneSpec& spec) {
     };
     require(std::isfinite(spec.stiffness) && spec.stiffness > 0.0, "stiffness", spec.stiffness,
             "give N/m above 0");
+    require(finite_from_zero(spec.damping), "damping", spec.damping, "give N s/m, 0 for none");
     require(std::isfinite(spec.period) && spec.period > 0.0, "tick period", spec.period,
             "give seconds above 0");
     require(finite_from_zero(spec.friction.mu_d), "mu_d", spec.friction.mu_d, "give 0 or more");
@@ -46,55 +50,88 @@ const SceneSpec& checked(const SceneSpec& spec) {
 Scene::Scene(std::shared_ptr<const Outline> outline, const SceneSpec& spec)
     : outline_(std::move(outline)),
       spec_(checked(spec)),
-      feet_(*outline_),
-      decay_(stribeck_decay(spec.friction, spec.period)) {
-    const bool friction = !spec.friction.none();
-    const bool slew = !spec.slew.none();
-    step_ = friction ? (slew ? &Scene::step<true, true> : &Scene::step<true, false>)
-                     : (slew ? &Scene::step<false, true> : &Scene::step<false, false>);
+      tracker_(*outline_),
+      decay_(stribeck_decay(spec.friction, spec.period)),
+      step_(step_for(spec)) {}
+
+Scene::Step Scene::step_for(const SceneSpec& spec) const noexcept {
+    const auto chosen = [&spec]<bool F, bool S>() {
+        return spec.damping > 0.0 ? &Scene::step<F, S, true> : &Scene::step<F, S, false>;
+    };
+    if (spec.friction.none()) {
+        return spec.slew.none() ? chosen.operator()<false, false>()
+                                : chosen.operator()<false, true>();
+    }
+    return spec.slew.none() ? chosen.operator()<true, false>() : chosen.operator()<true, true>();
 }
 
-template <bool HasFriction, bool HasSlew>
+/// Out of contact: how far HIP may go before the next look.
+Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept {
+    state.touching = false;
+    state.theta = 1.0;
+    state.last_spring = Vec2{};
+    state.last_cp = cp;
+    state.clear_from = state.last_hip;
+    const double clear = cp.inside || spec_.always_look ? 0.0 : cp.distance * kClearShare;
+    state.clear2 = clear * clear;
+    return {.cp = cp, .place = cp.place, .go = cp.point};
+}
+
+template <bool HasFriction, bool HasSlew, bool HasDamper>
 Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
+    state.clear2 = 0.0;
     if (!std::isfinite(hip.x) || !std::isfinite(hip.y)) {
         state.touching = false;
         state.theta = 1.0;
+        state.last_spring = Vec2{};
         return {.refused = true};
     }
-    const double travelled = state.started ? glm::length(hip - state.last_hip) : 0.0;
+    const double travelled = HasSlew && state.started ? glm::length(hip - state.last_hip) : 0.0;
     state.started = true;
     state.last_hip = hip;
 
-    const ClosestPoint cp = feet_.closest(hip);
+    ClosestPoint cp;
+    bool looked = false;
     if (!state.touching) {
+        looked = true;
         state.theta = 1.0;
+        cp = tracker_.track(state.track, hip, state.counts.track);
         if (!cp.inside) {
-            return {.cp = cp, .place = cp.place, .go = cp.point};
+            return free(state, cp);
         }
         state.touching = true;
-        state.place = cp.place;
+        state.go = god_object_at(*outline_, cp.place);
     }
 
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
     const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
                                   : std::numeric_limits<double>::infinity();
-    const Walk walk = walk_god_object<HasFriction>(*outline_, state.place, hip, mu, budget,
+    const Walk walk = walk_god_object<HasFriction>(*outline_, state.go, hip, mu, budget,
                                                    HasSlew ? spec_.slew.radius : 0.0);
-    state.place = walk.place;
-
+    const Place& at = state.go.place;
+    const double depth = std::fabs(walk.nu);
+    if (!HasFriction && !walk.held_outside && !at.on_joint &&
+        tracker_.vouches(state.track, hip, at.index, at.parameter, depth)) {
+        ++state.counts.shared;  // the GO is the foot, and the foot is the global one
+        cp = {.place = at, .point = walk.point, .distance = depth, .inside = walk.nu > 0.0};
+    } else if (!looked) {
+        cp = tracker_.track(state.track, hip, state.counts.track);
+    }
     if (walk.nu <= 0.0 && !walk.out_of_budget) {
-        state.touching = false;
-        state.theta = 1.0;
-        return {.cp = cp, .place = cp.place, .go = cp.point};
+        return free(state, cp);
     }
     Contact contact = render<HasFriction>(walk, hip, mu);
     contact.cp = cp;
+    contact.place = at;
     const bool slipped = walk.slid > 0.0;
     contact.mode =
         !slipped ? Mode::stuck
         : HasFriction && state.theta > kRelaxed && spec_.friction.mu_s > spec_.friction.mu_d
             ? Mode::transition
             : Mode::slip;
+    if constexpr (HasDamper) {
+        damp<HasFriction>(state, walk, contact);
+    }
     if constexpr (HasFriction) {
         state.theta = next_theta(state.theta, slipped, decay_);
     }
@@ -104,7 +141,7 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
 template <bool HasFriction>
 Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexcept {
     const double k = spec_.stiffness;
-    Contact contact{.place = walk.place, .go = walk.point, .mu = mu, .slewed = walk.out_of_budget};
+    Contact contact{.go = walk.point, .mu = mu, .slewed = walk.out_of_budget};
     if (walk.held_outside) {
         // The GO could not reach its cone in this tick: keep what the surface can carry here.
         const double load = std::max(walk.nu, 0.0);
@@ -119,6 +156,26 @@ Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexce
     contact.normal_force = k * walk.nu;
     contact.tangential_force = -k * walk.tau;
     return contact;
+}
+
+/// The damper acts on the rate of the spring. The surface still only pushes, and friction stays in its
+/// cone; in a concave vertex, where two normals carry, the force may not turn against the spring.
+template <bool HasFriction>
+void Scene::damp(ContactState& state, const Walk& walk, Contact& contact) const noexcept {
+    const Vec2 spring = contact.force / spec_.stiffness;
+    const Vec2 rate = (spring - state.last_spring) / spec_.period;
+    state.last_spring = spring;
+    const Vec2 force = contact.force + spec_.damping * rate;
+    if (walk.in_corner) {
+        contact.force = glm::dot(force, contact.force) > 0.0 ? force : Vec2{};
+        contact.normal_force = std::max(glm::dot(contact.force, walk.normal), 0.0);
+        contact.tangential_force = glm::dot(contact.force, walk.tangent);
+        return;
+    }
+    contact.normal_force = std::max(glm::dot(force, walk.normal), 0.0);
+    const double most = cone_radius<HasFriction>(contact.mu, contact.normal_force);
+    contact.tangential_force = std::clamp(glm::dot(force, walk.tangent), -most, most);
+    contact.force = contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
 }
 
 }  // namespace palpate::engine

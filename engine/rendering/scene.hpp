@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
+#include "engine/contact/certified_tracker.hpp"
 #include "engine/friction/god_object.hpp"
 #include "engine/friction/stribeck.hpp"
 #include "engine/rendering/mode.hpp"
@@ -10,36 +12,53 @@ namespace palpate::engine {
 
 /// What is to be felt, as chosen by an experimenter. SI.
 struct SceneSpec {
-    double stiffness = 1000.0;  ///< K, N/m, > 0
-    double period = 0.001;      ///< T, s, > 0
+    double stiffness = 1000.0;  ///< K, N/m, > 0: the spring of the virtual coupling
+    double damping = 0.0;   ///< B, N s/m, >= 0: its damper; the device must then give b > K T/2 + B
+    double period = 0.001;  ///< T, s, > 0
     Friction friction{};
     Slew slew{};
+    bool always_look = false;  ///< find the closest point on every tick, out of reach too
+};
+
+/// How often the tick did less than everything, since the state was made.
+struct TickCounts {
+    std::uint64_t skipped = 0;  ///< out of reach: a comparison
+    std::uint64_t shared = 0;   ///< closest point and GO were the same, found once
+    TrackCounts track{};        ///< closest points by certificate, and by search
 };
 
 /// What lives on from tick to tick. A plain value: copying it copies the contact.
 struct ContactState {
     bool touching = false;
     bool started = false;  ///< a first HIP was seen
-    Place place{};         ///< where the GO is
-    double theta = 1.0;    ///< Stribeck state: 1 static, 0 dynamic
-    Vec2 last_hip{};       ///< m
+    GodObject go{};
+    double theta = 1.0;   ///< Stribeck state: 1 static, 0 dynamic
+    Vec2 last_hip{};      ///< m
+    Vec2 last_spring{};   ///< GO - HIP of the tick before, m, zero out of contact
+    Vec2 clear_from{};    ///< HIP of the last look, m
+    double clear2 = 0.0;  ///< squared distance it may move before it could touch, m^2
+    ClosestPoint last_cp{};
+    TrackState track{};
+    TickCounts counts{};
 };
 
 /// One tick's answer. Frame: the object's; the force is the one on the user.
 struct Contact {
     Mode mode = Mode::free;
-    ClosestPoint cp{};              ///< global closest point of HIP
-    Place place{};                  ///< of the GO
-    Vec2 go{};                      ///< m
-    Vec2 force{};                   ///< K (GO - HIP), N
+    ClosestPoint cp{};  ///< global closest point of HIP; on a skipped tick the last one found
+    Place place{};      ///< of the GO
+    Vec2 go{};          ///< m; out of contact the closest point
+    Vec2 force{};       ///< K (GO - HIP) + B d(GO - HIP)/dt, N
     double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool slewed = false;            ///< the vertex slew held the GO back in this tick
     bool refused = false;           ///< HIP was not finite: force zero, contact ended
+    bool skipped = false;           ///< out of reach: nothing was computed
 };
 
-/// A scene compiled once into the tick it needs: with or without friction, with or without slew.
+/// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of reach
+/// (the clearance of the last look minus the way since is > 0) a tick is a comparison.
 ///
 /// The law is GOS ("god-object spring"): F = K (GO - HIP), always; friction decides only where the GO
 /// may stay (Stretch in engine/friction/friction_law.hpp). Why it is safe: moving the GO along the
@@ -53,6 +72,10 @@ public:
 
     /// The contact after HIP moved to `hip`. No allocation, no lock; bit-reproducible.
     [[nodiscard]] Contact tick(ContactState& state, const Vec2& hip) const noexcept {
+        const Vec2 moved = hip - state.clear_from;
+        if (glm::dot(moved, moved) < state.clear2) {
+            return out_of_reach(state, hip);
+        }
         return (this->*step_)(state, hip);
     }
 
@@ -63,16 +86,32 @@ public:
     void restore_decay(const StribeckDecay& recorded) noexcept { decay_ = recorded; }
 
 private:
-    template <bool HasFriction, bool HasSlew>
+    using Step = Contact (Scene::*)(ContactState&, const Vec2&) const noexcept;
+
+    static Contact out_of_reach(ContactState& state, const Vec2& hip) noexcept {
+        state.last_hip = hip;
+        ++state.counts.skipped;
+        Contact contact;
+        contact.cp = state.last_cp;
+        contact.place = state.last_cp.place;
+        contact.go = state.last_cp.point;
+        contact.skipped = true;
+        return contact;
+    }
+    template <bool HasFriction, bool HasSlew, bool HasDamper>
     Contact step(ContactState& state, const Vec2& hip) const noexcept;
     template <bool HasFriction>
     [[nodiscard]] Contact render(const Walk& walk, const Vec2& hip, double mu) const noexcept;
+    template <bool HasFriction>
+    void damp(ContactState& state, const Walk& walk, Contact& contact) const noexcept;
+    [[nodiscard]] Contact free(ContactState& state, const ClosestPoint& cp) const noexcept;
+    [[nodiscard]] Step step_for(const SceneSpec& spec) const noexcept;
 
     std::shared_ptr<const Outline> outline_;
     SceneSpec spec_;
-    OutlineFeet feet_;
+    CertifiedTracker tracker_;
     StribeckDecay decay_;
-    Contact (Scene::*step_)(ContactState&, const Vec2&) const noexcept;
+    Step step_;
 };
 
 }  // namespace palpate::engine

@@ -34,13 +34,14 @@ TEST_CASE("joints are classified by the side to which the outline turns", "[geom
 }
 
 TEST_CASE("an outline that is not one is refused with the reason", "[geometry]") {
-    CHECK_THROWS_WITH(Outline({}, false), ContainsSubstring("at least one"));
+    CHECK_THROWS_WITH(Outline(std::vector<RationalBezier<2>>{}, false),
+                      ContainsSubstring("at least one"));
     CHECK_THROWS_WITH(
         Outline({make_line({0.0, 0.0}, {1.0, 0.0}), make_line({1.0, 0.1}, {2.0, 0.0})}, false),
         ContainsSubstring("segment 1 starts 0.1"));
     CHECK_THROWS_WITH(
         Outline({make_line({0.0, 0.0}, {1.0, 0.0}), make_line({1.0, 0.0}, {0.0, 0.0})}, false),
-        ContainsSubstring("turns back on itself"));
+        ContainsSubstring("runs back along itself"));
     CHECK_THROWS_WITH(
         stimuli::make_outline({.a = {0.04, 0.0}, .vertex = {0.0, 0.04}, .b = {-0.04, 0.0}}),
         ContainsSubstring("clockwise"));

@@ -27,7 +27,7 @@ TEST_CASE("curvature bulges by the sagitta of its circle, outwards when positive
     const double half = 0.5 * std::hypot(0.040, 0.040);
     const double sagitta =
         radius - std::sqrt(radius * radius - half * half);  // 2 mm at 5, 4 mm at 10
-    const Vec2 middle = outline->segments()[0].at(0.5).point;
+    const Vec2 middle = outline->spans()[0].at(0.5).point;
     const Vec2 outward = Vec2{-1.0, 1.0} / std::sqrt(2.0);
     CHECK(std::fabs(glm::dot(middle - Vec2{-0.020, 0.020}, outward) -
                     std::copysign(sagitta, kappa)) < 1e-16);
@@ -58,8 +58,8 @@ TEST_CASE("the two sides mirror one another", "[stimuli][law]") {
     const double kappa = GENERATE(-10.0, 0.0, 10.0);
     const auto outline = stimuli::make_outline({.curvature = kappa});
     for (int i = 0; i <= 32; ++i) {
-        const Vec2 left = outline->segments()[0].at(i / 32.0).point;
-        const Vec2 right = outline->segments()[1].at(1.0 - i / 32.0).point;
+        const Vec2 left = outline->spans()[0].at(i / 32.0).point;
+        const Vec2 right = outline->spans()[1].at(1.0 - i / 32.0).point;
         CHECK(glm::length(left - Vec2{-right.x, right.y}) < 1e-16);
     }
 }

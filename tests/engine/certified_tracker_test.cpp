@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/contact/certified_tracker.hpp"
+#include "engine/geometry/arc.hpp"
+#include "engine/math/elementary.hpp"
+#include "engine/rendering/scene.hpp"
+#include "stimuli/two_curve.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/nurbs_oracle.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using namespace palpate::engine;
+using palpate::tests::NurbsData;
+using palpate::tests::Random;
+
+namespace {
+
+/// An open chain of one to three random NURBS curves that share end points: kinks, loops, spikes.
+Outline random_chain(Random& random, double size) {
+    std::vector<NurbsCurve<2>> segments;
+    Vec2 start = size * random.point(-0.5, 0.5);
+    const int count = 1 + random.below(3);
+    for (int i = 0; i < count; ++i) {
+        NurbsData<2> data = tests::random_nurbs<2>(random, size, random.coin() ? 0.0 : 1.0);
+        data.points.front() = start;
+        start = data.points.back();
+        segments.emplace_back(data.degree, data.knots, data.points, data.weights);
+    }
+    return {segments, false};
+}
+
+/// A hand that wanders around `size` in steps of up to `step`, and sometimes jumps.
+class Wanderer {
+public:
+    Wanderer(Random& random, double size, double step)
+        : random_(&random), size_(size), step_(step) {}
+
+    Vec2 next() {
+        if (random_->below(200) == 0) {
+            at_ = size_ * random_->point(-0.7, 0.7);
+            speed_ = Vec2{};
+        }
+        speed_ = 0.95 * speed_ + (0.3 * step_) * random_->point(-1.0, 1.0);
+        at_ += speed_;
+        if (std::max(std::fabs(at_.x), std::fabs(at_.y)) > size_) {
+            speed_ = -speed_;
+            at_ += 2.0 * speed_;
+        }
+        return at_;
+    }
+
+private:
+    Random* random_;
+    double size_;
+    double step_;
+    Vec2 at_{};
+    Vec2 speed_{};
+};
+
+}  // namespace
+
+TEST_CASE("certified tracking gives the global closest point on every tick", "[contact][law]") {
+    const auto seed = GENERATE(range(0U, 60U));
+    CAPTURE(seed);
+    Random random(seed);
+    const double size = random.decade(-4.0, 2.0);
+    const Outline chain = random_chain(random, size);
+    const CertifiedTracker tracker(chain);
+    TrackState state;
+    TrackCounts counts;
+    Wanderer hand(random, size, size * random.decade(-4.0, -1.5));
+    double worst = 0.0;
+    for (int i = 0; i < 3000; ++i) {
+        const Vec2 h = hand.next();
+        const ClosestPoint local = tracker.track(state, h, counts);
+        const ClosestPoint global = tracker.feet().closest(h);
+        worst = std::max(worst, std::fabs(local.distance - global.distance) / size);
+        worst = std::max(worst, std::fabs(glm::length(local.point - h) - local.distance) / size);
+    }
+    CHECK(worst <= 4e-15);
+    CHECK(counts.certified + counts.searched == 3000);
+}
+
+TEST_CASE("while the hand stays near a smooth outline hardly any tick searches", "[contact]") {
+    const double kappa = GENERATE(-20.0, 0.0, 20.0);
+    CAPTURE(kappa);
+    const auto outline = stimuli::make_outline({.curvature = kappa});
+    const CertifiedTracker tracker(*outline);
+    TrackState state;
+    TrackCounts counts;
+    for (int i = 0; i < 4000; ++i) {  // a stroke of 40 mm along the first curve, 2 mm above it
+        const Frame frame = frame_at(outline->spans()[0], 0.1 + 0.7 * i / 4000.0);
+        const Vec2 h = frame.point + 0.002 * frame.normal;
+        const ClosestPoint cp = tracker.track(state, h, counts);
+        REQUIRE(cp.distance == Approx(0.002).epsilon(1e-12));
+        REQUIRE_FALSE(cp.inside);
+    }
+    CHECK(counts.searched < 80);
+}
+
+TEST_CASE("a cusp inside a curve is a vertex that turns by pi, and nothing near it is missed",
+          "[geometry][contact]") {
+    // C'(1/2) = 3/4 (P3 + P2 - P1 - P0) = 0: the control legs cross.
+    const std::vector<Vec2> points{Vec2{0.0, 0.0}, Vec2{0.08, 0.08}, Vec2{0.0, 0.08},
+                                   Vec2{0.08, 0.0}};
+    const NurbsCurve<2> curve(3, {0, 0, 0, 0, 1, 1, 1, 1}, points);
+    const Outline chain(std::vector<NurbsCurve<2>>{curve}, false);
+    REQUIRE(chain.spans().size() == 2);
+    REQUIRE(chain.joints().size() == 1);
+    CHECK(chain.joints()[0].turn == Approx(kPi).epsilon(1e-6));
+    CHECK(chain.joints()[0].kind == JointKind::convex);
+    CHECK(chain.name(1).lo == Approx(0.5).epsilon(1e-9));
+    const Vec2 tip = chain.joints()[0].point;
+    CHECK(tip.y == Approx(0.06).epsilon(1e-9));
+    const ClosestPoint above = OutlineFeet(chain).closest(tip + Vec2{0.001, 0.002});
+    CHECK(above.place.on_joint);
+    CHECK_FALSE(above.inside);
+}
+
+TEST_CASE("spans of one smooth curve join smoothly, and names lead back to its parameter",
+          "[geometry]") {
+    const std::vector<Vec2> points{Vec2{-0.05, 0.0}, Vec2{-0.03, 0.03}, Vec2{0.0, 0.035},
+                                   Vec2{0.03, 0.03}, Vec2{0.05, 0.0}};
+    const NurbsCurve<2> curve(3, {0, 0, 0, 0, 2.5, 4, 4, 4, 4}, points);
+    const Outline chain(std::vector<NurbsCurve<2>>{curve}, false);
+    REQUIRE(chain.spans().size() == 2);
+    CHECK(chain.joints()[0].kind == JointKind::smooth);
+    CHECK(chain.name(0).parameter(1.0) == 2.5);
+    CHECK(chain.name(1).parameter(0.5) == 3.25);
+    CHECK(glm::length(chain.spans()[1].at(0.5).point - curve.at(3.25).point) < 1e-16);
+}
+
+TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[rendering][law]") {
+    const auto seed = GENERATE(range(0U, 20U));
+    CAPTURE(seed);
+    Random random(seed);
+    const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
+    const Friction friction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+    const Scene lazy(outline, {.friction = friction});
+    const Scene eager(outline, {.friction = friction, .always_look = true});
+    ContactState a;
+    ContactState b;
+    Wanderer hand(random, 0.08, 0.001);
+    std::uint64_t apart = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Vec2 h = hand.next();
+        const Contact left = lazy.tick(a, h);
+        const Contact right = eager.tick(b, h);
+        const bool touch = left.mode != Mode::free;
+        const bool same =
+            touch == (right.mode != Mode::free) && glm::length(left.force - right.force) < 1e-10;
+        apart += same ? 0U : 1U;
+    }
+    CHECK(apart == 0);
+    CHECK(a.counts.skipped > 500);
+    CHECK(b.counts.skipped == 0);
+}
+
+TEST_CASE("a damper takes energy from a moving hand and never pulls or leaves the cone",
+          "[rendering][law]") {
+    const auto seed = GENERATE(range(0U, 30U));
+    CAPTURE(seed);
+    Random random(seed);
+    const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
+    const Friction friction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+    const Scene scene(outline, {.damping = 0.4, .friction = friction});
+    ContactState state;
+    Wanderer hand(random, 0.05, 0.0005);
+    for (int i = 0; i < 4000; ++i) {
+        const Contact c = scene.tick(state, hand.next());
+        REQUIRE(c.normal_force >= 0.0);
+        const bool corner =
+            c.place.on_joint && outline->joints()[c.place.index].kind == JointKind::concave;
+        if (!corner) {
+            REQUIRE(std::fabs(c.tangential_force) <= c.mu * c.normal_force * (1.0 + 1e-12));
+        }
+    }
+    // Pressing straight into a flat face at 0.1 m/s: K d + B v.
+    const Outline floor({make_line({-1.0, 0.0}, {1.0, 0.0})}, false);
+    const Scene flat(std::make_shared<const Outline>(floor), {.damping = 0.4});
+    ContactState pressed;
+    static_cast<void>(flat.tick(pressed, {0.0, 0.0}));
+    for (int i = 1; i < 20; ++i) {
+        const Contact c = flat.tick(pressed, {0.0, -1e-4 * i});
+        CHECK(c.normal_force == Approx(0.1 * i + 0.4 * 0.1).epsilon(1e-9));
+    }
+}
