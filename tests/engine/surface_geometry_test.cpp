@@ -1,0 +1,180 @@
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/geometry/nurbs_surface.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/surfaces.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+double gap(const Vec3& a, const Long3& b) {
+    const Long3 d = minus(b, a);
+    return static_cast<double>(std::sqrt(inner(d, d)));
+}
+
+/// A point of the domain, on a knot now and then.
+double parameter(Random& random, const std::vector<double>& knots) {
+    if (random.below(4) == 0) {
+        return knots[static_cast<std::size_t>(random.below(static_cast<int>(knots.size())))];
+    }
+    return random.in(knots.front(), knots.back());
+}
+
+double length(const Long3& a) {
+    return static_cast<double>(std::sqrt(inner(a, a)));
+}
+
+}  // namespace
+
+TEST_CASE("a surface of any degree, spacing and weights is what its definition says",
+          "[geometry][surface][law]") {
+    const auto seed = GENERATE(range(0U, 120U));
+    CAPTURE(seed);
+    Random random(seed);
+    const double size = random.decade(-6.0, 3.0);
+    const SurfaceData data = random_surface(random, size, seed % 3U == 0U ? 0.0 : 3.0);
+    const NurbsSurface surface = make_surface(data);
+    const SurfaceOracle oracle(data);
+    for (int k = 0; k < 20; ++k) {
+        const double u = parameter(random, data.knots_u);
+        const double v = parameter(random, data.knots_v);
+        CHECK(1e15 * gap(surface.at(u, v).point, oracle.jet(u, v).s) / size < 8.0);
+    }
+}
+
+TEST_CASE("derivatives of a surface are those of its definition", "[geometry][surface][law]") {
+    const auto seed = GENERATE(range(0U, 120U));
+    CAPTURE(seed);
+    Random random(1000U + seed);
+    const SurfaceData data = random_surface(random, 0.1, seed % 3U == 0U ? 0.0 : 0.5);
+    const NurbsSurface surface = make_surface(data);
+    const SurfaceOracle oracle(data);
+    for (int k = 0; k < 10; ++k) {
+        const double u = random.in(data.knots_u.front(), data.knots_u.back());
+        const double v = random.in(data.knots_v.front(), data.knots_v.back());
+        const SurfaceJet got = surface.at(u, v);
+        const LongJet exact = oracle.jet(u, v);
+        const double first = length(exact.su) + length(exact.sv) + 0.1;
+        const double second = length(exact.suu) + length(exact.suv) + length(exact.svv) + first;
+        CHECK(gap(got.du, exact.su) < 1e-13 * first);
+        CHECK(gap(got.dv, exact.sv) < 1e-13 * first);
+        CHECK(gap(got.duu, exact.suu) < 1e-12 * second);
+        CHECK(gap(got.duv, exact.suv) < 1e-12 * second);
+        CHECK(gap(got.dvv, exact.svv) < 1e-12 * second);
+    }
+}
+
+TEST_CASE("a ball, a ring and a tube have their radius, normal and curvature everywhere",
+          "[geometry][surface]") {
+    const double r = 0.037;
+    const NurbsSurface ball = make_surface(sphere(r));
+    const NurbsSurface ring = make_surface(torus(0.06, 0.02));
+    const NurbsSurface tube = make_surface(cylinder(r, 0.1));
+    for (int i = 0; i <= 40; ++i) {
+        for (int j = 0; j <= 40; ++j) {
+            const double u = 0.1 * i;
+            const double v = 0.05 * j;
+            const SurfaceJet b = ball.at(u, v);
+            const Vec3 up = ball.normal(u, v);
+            CHECK(glm::length(b.point) == Approx(r).epsilon(2e-15));
+            CHECK(glm::length(up - b.point / r) < 2e-13);  // poles and seams too
+            if (j != 0 && j != 40) {
+                const Curvatures k = principal_curvatures(b, up);
+                CHECK(k.low == Approx(1.0 / r).epsilon(1e-11));
+                CHECK(k.high == Approx(1.0 / r).epsilon(1e-11));
+            }
+            const SurfaceJet t = ring.at(u, 2.0 * v);
+            const double axis = std::hypot(t.point.x, t.point.y);
+            CHECK(std::hypot(axis - 0.06, t.point.z) == Approx(0.02).epsilon(4e-15));
+            const Curvatures k = principal_curvatures(t, ring.normal(u, 2.0 * v));
+            CHECK(k.high == Approx(1.0 / 0.02).epsilon(1e-11));
+            CHECK(k.low == Approx((axis - 0.06) / 0.02 / axis).epsilon(1e-11).margin(1e-10));
+            const SurfaceJet c = tube.at(u, 0.5 * v);
+            CHECK(std::hypot(c.point.x, c.point.y) == Approx(r).epsilon(2e-15));
+            const Curvatures kc = principal_curvatures(c, tube.normal(u, 0.5 * v));
+            CHECK(kc.high == Approx(1.0 / r).epsilon(1e-12));
+            CHECK(std::fabs(kc.low) < 1e-11);
+            CHECK(normal_curvature(c, tube.normal(u, 0.5 * v), 1.0, 0.0) ==
+                  Approx(1.0 / r).epsilon(1e-12));
+        }
+    }
+    CHECK(ball.closed_u());
+    CHECK_FALSE(ball.closed_v());  // its v edges are poles
+    CHECK(ring.closed_u());
+    CHECK(ring.closed_v());
+    CHECK(tube.closed_u());
+    CHECK_FALSE(tube.closed_v());
+}
+
+TEST_CASE("where the first derivatives vanish the normal is its limit from inside",
+          "[geometry][surface]") {
+    // A quarter of a cone-like dome: the edge v = 0 is one point, and control points repeat.
+    SurfaceData d = plane(0.05);
+    d.points[0][0] = d.points[1][0] = Vec3{0.0, -0.05, 0.0};
+    const NurbsSurface fan = make_surface(d);
+    CHECK(glm::length(fan.normal(0.3, 0.0) - Vec3{0, 0, 1}) < 1e-14);
+
+    Random random(4);
+    SurfaceData twice = bicubic_8x8(random, 0.0);
+    for (auto& row : twice.points) {
+        row[1] = row[2] = row[0];  // dS/dv and d2S/dv2 vanish at v = 0
+    }
+    const NurbsSurface stiff = make_surface(twice);
+    const Vec3 limit = stiff.normal(2.5, 0.0);
+    CHECK(glm::length(limit) == Approx(1.0).epsilon(1e-14));
+    CHECK(glm::length(limit - stiff.normal(2.5, 1e-3)) < 2e-2);
+}
+
+TEST_CASE("an object a kilometre away keeps the digits of its coordinates", "[geometry][surface]") {
+    Random random(8);
+    SurfaceData data = bicubic_8x8(random, 0.7);
+    for (auto& row : data.points) {
+        for (Vec3& p : row) {
+            p += Vec3{1000.0, -1000.0, 1000.0};
+        }
+    }
+    const NurbsSurface surface = make_surface(data);
+    const SurfaceOracle oracle(data);
+    for (int k = 0; k < 50; ++k) {
+        const double u = random.in(0.0, 5.0);
+        const double v = random.in(0.0, 5.0);
+        CHECK(gap(surface.at(u, v).point, oracle.jet(u, v).s) < 4e-13);  // two last bits of 1 km
+    }
+}
+
+TEST_CASE("what is no surface is refused with the place, the value and the remedy",
+          "[geometry][surface]") {
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto refuse = [](const SurfaceData& d) {
+        return make_surface(d);
+    };
+    SurfaceData d = plane(1.0);
+    d.knots_u = {0, 0, 1};
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("knots_u has 3 values"));
+    d = plane(1.0);
+    d.knots_v = {0, 0, 2, 1};
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("knots_v[3] = 1 is below"));
+    d = plane(1.0);
+    d.points[1].pop_back();
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("points[1] has 1 points, points[0] 2") &&
+                                     ContainsSubstring("same length"));
+    d = plane(1.0);
+    d.weights = {{1, 1}};
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("1 rows of weights for 2"));
+    d.weights = {{1, 1}, {1}};
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("weights[1] has 1 values for 2"));
+    d.weights = {{1, 1}, {1, -3}};
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("weight 3 is -3"));
+    d = plane(1.0);
+    d.points[0][1].y = nan;
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("control point 1 has the coordinate"));
+    d = plane(1.0);
+    d.degree_u = 10;
+    CHECK_THROWS_WITH(refuse(d), ContainsSubstring("degree is 10"));
+    CHECK_THROWS_WITH(BezierPatch(1, 1, {}, true), ContainsSubstring("needs 4 control points"));
+}

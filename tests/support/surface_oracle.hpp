@@ -1,0 +1,304 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "engine/geometry/nurbs_surface.hpp"
+#include "tests/support/random.hpp"
+
+namespace palpate::tests {
+
+/// A NURBS surface as its definition reads.
+struct SurfaceData {
+    int degree_u = 1;
+    int degree_v = 1;
+    std::vector<double> knots_u{};
+    std::vector<double> knots_v{};
+    std::vector<std::vector<engine::Vec3>> points{};
+    std::vector<std::vector<double>> weights{};
+};
+
+inline engine::NurbsSurface make_surface(const SurfaceData& d) {
+    return {d.degree_u, d.degree_v, d.knots_u, d.knots_v, d.points, d.weights};
+}
+
+using Long3 = std::array<long double, 3>;
+
+inline Long3 operator+(const Long3& a, const Long3& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+inline Long3 operator*(long double s, const Long3& a) {
+    return {s * a[0], s * a[1], s * a[2]};
+}
+inline long double inner(const Long3& a, const Long3& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+inline Long3 minus(const Long3& a, const engine::Vec3& h) {
+    return {a[0] - h.x, a[1] - h.y, a[2] - h.z};
+}
+
+/// All N_i,p(u) of one degree on the piece [t_k, t_k+1] by Cox and de Boor (The NURBS Book, eq. 2.5),
+/// as polynomials of that piece: u may be its closed end.
+inline std::vector<long double> basis_row(
+    const std::vector<double>& t, std::size_t piece, int p, std::size_t count, long double u) {
+    std::vector<long double> n(t.size() - 1, 0.0L);
+    n[piece] = 1.0L;
+    for (int d = 1; d <= p; ++d) {
+        const auto q = static_cast<std::size_t>(d);
+        for (std::size_t i = 0; i + q + 1 < t.size(); ++i) {
+            const long double left = static_cast<long double>(t[i + q]) - t[i];
+            const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
+            const long double a = left > 0.0L ? (u - t[i]) / left * n[i] : 0.0L;
+            const long double b = right > 0.0L ? (t[i + q + 1] - u) / right * n[i + 1] : 0.0L;
+            n[i] = a + b;
+        }
+    }
+    n.resize(count);
+    return n;
+}
+
+/// Derivatives 0, 1, 2 of the basis: eq. 2.7 of the same book, applied to lower degrees.
+inline std::array<std::vector<long double>, 3> basis_jet(
+    const std::vector<double>& t, std::size_t piece, int p, std::size_t count, long double u) {
+    const auto lower = [&t](const std::vector<long double>& n, int d, std::size_t size) {
+        std::vector<long double> slope(size, 0.0L);  // from degree d - 1 to the slope of degree d
+        const auto q = static_cast<std::size_t>(d);
+        for (std::size_t i = 0; i < size; ++i) {
+            const long double left = static_cast<long double>(t[i + q]) - t[i];
+            const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
+            slope[i] = (left > 0.0L ? d / left * n[i] : 0.0L) -
+                       (right > 0.0L ? d / right * n[i + 1] : 0.0L);
+        }
+        return slope;
+    };
+    std::array<std::vector<long double>, 3> jet;
+    jet[0] = basis_row(t, piece, p, count, u);
+    jet[1] = lower(basis_row(t, piece, p - 1, count + 1, u), p, count);
+    jet[2].assign(count, 0.0L);
+    if (p >= 2) {
+        jet[2] = lower(lower(basis_row(t, piece, p - 2, count + 2, u), p - 1, count + 1), p, count);
+    }
+    return jet;
+}
+
+/// S, Su, Sv, Suu, Suv, Svv in long double from the definition and the quotient rule.
+struct LongJet {
+    Long3 s{}, su{}, sv{}, suu{}, suv{}, svv{};
+};
+
+class SurfaceOracle {
+public:
+    explicit SurfaceOracle(SurfaceData data) : d_(std::move(data)) {
+        pieces_u_ = pieces(d_.knots_u);
+        pieces_v_ = pieces(d_.knots_v);
+    }
+
+    [[nodiscard]] LongJet jet(std::size_t pu, std::size_t pv, long double u, long double v) const {
+        const auto a = basis_jet(d_.knots_u, pu, d_.degree_u, d_.points.size(), u);
+        const auto b = basis_jet(d_.knots_v, pv, d_.degree_v, d_.points[0].size(), v);
+        const auto sum = [&](std::size_t k, std::size_t l) {
+            std::array<long double, 4> h{};
+            for (std::size_t i = 0; i < a[k].size(); ++i) {
+                for (std::size_t j = 0; j < b[l].size(); ++j) {
+                    const long double w =
+                        a[k][i] * b[l][j] * (d_.weights.empty() ? 1.0 : d_.weights[i][j]);
+                    for (int c = 0; c < 3; ++c) {
+                        h[static_cast<std::size_t>(c)] += w * d_.points[i][j][c];
+                    }
+                    h[3] += w;
+                }
+            }
+            return h;
+        };
+        const auto xyz = [](const std::array<long double, 4>& h) {
+            return Long3{h[0], h[1], h[2]};
+        };
+        const auto h = sum(0, 0), hu = sum(1, 0), hv = sum(0, 1);
+        const auto huu = sum(2, 0), huv = sum(1, 1), hvv = sum(0, 2);
+        const long double w = 1.0L / h[3];
+        LongJet r;
+        r.s = w * xyz(h);
+        r.su = w * (xyz(hu) + -hu[3] * r.s);
+        r.sv = w * (xyz(hv) + -hv[3] * r.s);
+        r.suu = w * (xyz(huu) + -2.0L * hu[3] * r.su + -huu[3] * r.s);
+        r.suv = w * (xyz(huv) + -hu[3] * r.sv + -hv[3] * r.su + -huv[3] * r.s);
+        r.svv = w * (xyz(hvv) + -2.0L * hv[3] * r.sv + -hvv[3] * r.s);
+        return r;
+    }
+
+    [[nodiscard]] LongJet jet(long double u, long double v) const {
+        return jet(piece_of(d_.knots_u, pieces_u_, u), piece_of(d_.knots_v, pieces_v_, v), u, v);
+    }
+
+    /// Distance of h from the surface: a dense grid on every patch, then damped Newton within the
+    /// patch from its best local grid minima. Samples, not a proof, but of another kind.
+    [[nodiscard]] long double distance(const engine::Vec3& h, std::size_t n = 24) {
+        if (grid_.empty() || n_ != n) {
+            sample(n);
+        }
+        long double best = 1e300L;
+        std::size_t patch = 0;
+        for (const std::size_t pu : pieces_u_) {
+            for (const std::size_t pv : pieces_v_) {
+                best = std::min(best, patch_distance(h, pu, pv, grid_[patch], best));
+                ++patch;
+            }
+        }
+        return std::sqrt(best);
+    }
+
+    [[nodiscard]] const SurfaceData& data() const { return d_; }
+
+private:
+    static std::vector<std::size_t> pieces(const std::vector<double>& t) {
+        std::vector<std::size_t> found;
+        for (std::size_t i = 0; i + 1 < t.size(); ++i) {
+            if (t[i] < t[i + 1]) {
+                found.push_back(i);
+            }
+        }
+        return found;
+    }
+    static std::size_t piece_of(const std::vector<double>& t,
+                                const std::vector<std::size_t>& list,
+                                long double u) {
+        std::size_t found = list.front();
+        for (const std::size_t i : list) {
+            found = t[i] <= u ? i : found;
+        }
+        return found;
+    }
+
+    void sample(std::size_t n) {
+        n_ = n;
+        grid_.clear();
+        for (const std::size_t pu : pieces_u_) {
+            for (const std::size_t pv : pieces_v_) {
+                std::vector<Long3> points;
+                for (std::size_t i = 0; i <= n; ++i) {
+                    for (std::size_t j = 0; j <= n; ++j) {
+                        points.push_back(
+                            jet(pu, pv, at(d_.knots_u, pu, i), at(d_.knots_v, pv, j)).s);
+                    }
+                }
+                grid_.push_back(std::move(points));
+            }
+        }
+    }
+    [[nodiscard]] long double at(const std::vector<double>& t,
+                                 std::size_t piece,
+                                 std::size_t i) const {
+        const long double lo = t[piece];
+        return lo +
+               (t[piece + 1] - lo) * static_cast<long double>(i) / static_cast<long double>(n_);
+    }
+
+    [[nodiscard]] long double patch_distance(const engine::Vec3& h,
+                                             std::size_t pu,
+                                             std::size_t pv,
+                                             const std::vector<Long3>& grid,
+                                             long double best) const {
+        const std::size_t side = n_ + 1;
+        std::vector<long double> d2(side * side);
+        long double step2 = 0.0L;
+        for (std::size_t k = 0; k < d2.size(); ++k) {
+            const Long3 gap = minus(grid[k], h);
+            d2[k] = inner(gap, gap);
+            if (k >= side) {
+                const Long3 edge = grid[k] + -1.0L * grid[k - side];
+                step2 = std::max(step2, inner(edge, edge));
+            }
+            if (k % side != 0) {
+                const Long3 edge = grid[k] + -1.0L * grid[k - 1];
+                step2 = std::max(step2, inner(edge, edge));
+            }
+        }
+        const long double reach = std::sqrt(best) + 3.0L * std::sqrt(step2);
+        std::vector<std::pair<long double, std::size_t>> starts;
+        for (std::size_t i = 0; i < side; ++i) {
+            for (std::size_t j = 0; j < side; ++j) {
+                const std::size_t k = i * side + j;
+                bool lowest = best > 1e299L || std::sqrt(d2[k]) < reach;
+                for (int a = -1; a <= 1 && lowest; ++a) {
+                    for (int b = -1; b <= 1; ++b) {
+                        const auto ii = static_cast<long>(i) + a;
+                        const auto jj = static_cast<long>(j) + b;
+                        const auto s = static_cast<long>(side);
+                        if (ii >= 0 && jj >= 0 && ii < s && jj < s &&
+                            d2[static_cast<std::size_t>(ii * s + jj)] < d2[k]) {
+                            lowest = false;
+                        }
+                    }
+                }
+                if (lowest) {
+                    starts.emplace_back(d2[k], k);
+                }
+            }
+        }
+        std::sort(starts.begin(), starts.end());
+        starts.resize(std::min<std::size_t>(starts.size(), 12));
+        for (const auto& [value, k] : starts) {
+            best = std::min(best, descend(h, pu, pv, at(d_.knots_u, pu, k / side),
+                                          at(d_.knots_v, pv, k % side)));
+        }
+        return best;
+    }
+
+    /// Levenberg's method with bounds: lowers |S - h|^2 until no step does.
+    [[nodiscard]] long double descend(
+        const engine::Vec3& h, std::size_t pu, std::size_t pv, long double u, long double v) const {
+        const long double lo_u = d_.knots_u[pu], hi_u = d_.knots_u[pu + 1];
+        const long double lo_v = d_.knots_v[pv], hi_v = d_.knots_v[pv + 1];
+        LongJet j = jet(pu, pv, u, v);
+        Long3 r = minus(j.s, h);
+        long double value = inner(r, r);
+        long double damp = 0.0L;
+        for (int step = 0; step < 200; ++step) {
+            const long double gu = inner(r, j.su), gv = inner(r, j.sv);
+            const bool fix_u = (u <= lo_u && gu > 0.0L) || (u >= hi_u && gu < 0.0L);
+            const bool fix_v = (v <= lo_v && gv > 0.0L) || (v >= hi_v && gv < 0.0L);
+            long double a = inner(j.su, j.su) + inner(r, j.suu);
+            long double c = inner(j.sv, j.sv) + inner(r, j.svv);
+            const long double b = fix_u || fix_v ? 0.0L : inner(j.su, j.sv) + inner(r, j.suv);
+            const long double scale_u = inner(j.su, j.su) + 1e-300L;
+            const long double scale_v = inner(j.sv, j.sv) + 1e-300L;
+            a += damp * scale_u;
+            c += damp * scale_v;
+            const long double det = a * c - b * b;
+            if (!(a > 0.0L && c > 0.0L && det > 0.0L) && damp < 1e30L) {
+                damp = std::max(2.0L * damp, 1e-3L);
+                continue;
+            }
+            const long double du = fix_u ? 0.0L : (b * gv - c * gu) / det;
+            const long double dv = fix_v ? 0.0L : (b * gu - a * gv) / det;
+            const long double nu = std::clamp(u + du, lo_u, hi_u);
+            const long double nv = std::clamp(v + dv, lo_v, hi_v);
+            const LongJet jn = jet(pu, pv, nu, nv);
+            const Long3 rn = minus(jn.s, h);
+            const long double next = inner(rn, rn);
+            if (next < value) {
+                u = nu;
+                v = nv;
+                j = jn;
+                r = rn;
+                value = next;
+                damp = damp < 1e-12L ? 0.0L : damp / 8.0L;
+            } else if (damp > 1e20L || (nu == u && nv == v)) {
+                break;
+            } else {
+                damp = std::max(8.0L * damp, 1e-12L);
+            }
+        }
+        return value;
+    }
+
+    SurfaceData d_;
+    std::vector<std::size_t> pieces_u_;
+    std::vector<std::size_t> pieces_v_;
+    std::size_t n_ = 0;
+    std::vector<std::vector<Long3>> grid_;
+};
+
+}  // namespace palpate::tests
