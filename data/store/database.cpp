@@ -4,6 +4,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include <fcntl.h>
@@ -69,11 +70,14 @@ std::string immutable_uri(const std::string& file) {
 }
 
 /// A database that nobody writes, where nobody can: SQLite could not lay its index of the log beside
-/// it, and with no log and no index there, it needs none. A live or a killed rig leaves both.
-bool lies_still(const std::string& file) {
-    const auto folder = std::filesystem::absolute(file).parent_path();
-    return ::access(folder.c_str(), W_OK) != 0 && ::access((file + "-wal").c_str(), F_OK) != 0 &&
-           ::access((file + "-shm").c_str(), F_OK) != 0;
+/// it, and with no log and no index there, it needs none. A live or a killed rig leaves both, beside the
+/// file itself, wherever a link to it is.
+bool lies_still(const std::string& name) {
+    std::error_code unknown;
+    const std::filesystem::path file = std::filesystem::canonical(name, unknown);
+    return !unknown && ::access(file.parent_path().c_str(), W_OK) != 0 &&
+           ::access((file.string() + "-wal").c_str(), F_OK) != 0 &&
+           ::access((file.string() + "-shm").c_str(), F_OK) != 0;
 }
 
 [[noreturn]] void not_ours(const std::string& file) {
@@ -150,12 +154,18 @@ void Database::connect(const std::string& name, int flags) {
 }
 
 void Database::open(Access access) {
+    if (file_.empty()) {
+        throw StoreError("the name of the database is empty; give a file name");
+    }
     if (access == Access::write) {
         make_private_file(plain_name(file_));
     }
     connect(plain_name(file_),
             access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
-    if (first_page(handle_) == FirstPage::theirs) {
+    // SQLite takes a file of one byte for an empty one, and would write over it.
+    struct stat status {};
+    const bool one_byte = stat(plain_name(file_).c_str(), &status) == 0 && status.st_size == 1;
+    if (one_byte || first_page(handle_) == FirstPage::theirs) {
         not_ours(file_);
     }
     if (access == Access::read && lies_still(plain_name(file_))) {

@@ -83,6 +83,13 @@ void describe_columns(Database& database) {
     }
 }
 
+void write_provenance(Database& database, std::int64_t session, const SessionSpec& spec) {
+    Statement row = database.prepare("INSERT INTO session_provenance VALUES (?1, ?2, ?3)");
+    for (const auto& [key, value] : spec.provenance) {
+        row.bind(1, session).bind(2, key).bind(3, value).run();
+    }
+}
+
 std::int64_t create(Database& database, const SessionSpec& spec) {
     const std::int64_t study = study_row(database, spec);
     const std::int64_t participant = participant_row(database, spec.key.participant);
@@ -106,6 +113,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);
+    write_provenance(database, session, spec);
     describe_columns(database);
     return session;
 }
@@ -126,13 +134,6 @@ void note_event(Database& database,
         .bind(3, text)
         .bind(4, utc_now())
         .run();
-}
-
-void write_provenance(Database& database, std::int64_t session, const SessionSpec& spec) {
-    Statement row = database.prepare("INSERT INTO session_provenance VALUES (?1, ?2, ?3)");
-    for (const auto& [key, value] : spec.provenance) {
-        row.bind(1, session).bind(2, key).bind(3, value).run();
-    }
 }
 
 /// What a session goes on with belongs to the trials from here on: the first trials keep theirs.
@@ -274,18 +275,17 @@ std::optional<SessionState> find_session(Database& database,
 
 OpenedSession open_session(Database& database, const SessionSpec& spec) {
     Transaction all(database);
-    OpenedSession opened;
-    if (const auto there = existing_session(database, spec)) {
-        const SessionLock alone(database, there->id);  // a trial that runs now is not interrupted
+    const auto there = existing_session(database, spec);
+    const std::int64_t id = there ? there->id : create(database, spec);
+    // Before anything changes: a trial that runs now is not interrupted.
+    OpenedSession opened{.lock = SessionLock(database, id), .id = id, .resumed = there.has_value()};
+    if (there) {
         require_same(database, *there, spec);
         note_changes(database, *there, spec);
-        opened = {.id = there->id, .resumed = true, .finished = there->finished};
-        opened.interrupted = mark_interrupted(database, opened.id);
-    } else {
-        opened.id = create(database, spec);
-        write_provenance(database, opened.id, spec);
+        opened.finished = there->finished;
+        opened.interrupted = mark_interrupted(database, id);
     }
-    opened.next = next_position(database, opened.id);
+    opened.next = next_position(database, id);
     all.commit();
     return opened;
 }
@@ -316,6 +316,9 @@ SessionLock::SessionLock(const Database& database, std::int64_t session) {
                          : fmt::format("{}: the session could not be locked: {}", database.file(),
                                        std::strerror(error)));
 }
+
+SessionLock::SessionLock(SessionLock&& other) noexcept
+    : socket_(std::exchange(other.socket_, -1)) {}
 
 SessionLock::~SessionLock() {
     if (socket_ >= 0) {

@@ -28,7 +28,23 @@ struct SessionSpec {
     std::vector<std::pair<std::string, std::string>> provenance;
 };
 
+/// Keeps a second program off a session. Released when this object, or the whole process, ends.
+class SessionLock {
+public:
+    /// @throws StoreError if another program runs the session
+    SessionLock(const Database& database, std::int64_t session);
+    SessionLock(SessionLock&& other) noexcept;
+    SessionLock& operator=(SessionLock&&) = delete;
+    SessionLock(const SessionLock&) = delete;
+    SessionLock& operator=(const SessionLock&) = delete;
+    ~SessionLock();
+
+private:
+    int socket_ = -1;
+};
+
 struct OpenedSession {
+    SessionLock lock;  ///< held from before anyone else could have opened it
     std::int64_t id = 0;
     bool resumed = false;
     bool finished = false;
@@ -52,22 +68,10 @@ struct SessionState {
 
 /// Makes the session with its complete plan in one transaction, or opens the one that is there.
 /// Attempts left running by a killed program are marked interrupted; what they recorded stays. A device
-/// or provenance other than before is an event: what was noted at the beginning stays too.
+/// or provenance other than before is an event: what was noted at the beginning stays too. Nobody else
+/// opens or runs the session until the returned lock is released: `next` stays true as long.
 /// @throws StoreError if the session was made from another protocol, plan, seed or kind, or if a program
 ///         holds its SessionLock, this one too: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
-
-/// Keeps a second program off a session. Released when this object, or the whole process, ends.
-class SessionLock {
-public:
-    /// @throws StoreError if another program runs the session
-    SessionLock(const Database& database, std::int64_t session);
-    SessionLock(const SessionLock&) = delete;
-    SessionLock& operator=(const SessionLock&) = delete;
-    ~SessionLock();
-
-private:
-    int socket_ = -1;
-};
 
 }  // namespace palpate::data

@@ -1,4 +1,6 @@
 #include <cmath>
+#include <iterator>
+#include <sstream>
 
 #include "data/analysis/summary.hpp"
 #include "data/analysis/wilson.hpp"
@@ -12,6 +14,33 @@ using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using tests::TemporaryFolder;
+
+namespace {
+
+/// The lines of the first confusion matrix, word by word: the head, then a line for each object.
+std::vector<std::vector<std::string>> matrix_of(const std::string& summary) {
+    std::istringstream lines(summary.substr(summary.find("  felt")));
+    std::vector<std::vector<std::string>> matrix;
+    std::string line;
+    while (std::getline(lines, line) && !line.empty()) {
+        std::istringstream words(line);
+        matrix.emplace_back(std::istream_iterator<std::string>(words),
+                            std::istream_iterator<std::string>());
+    }
+    return matrix;
+}
+
+int sum_of(const std::vector<std::vector<std::string>>& matrix) {
+    int sum = 0;
+    for (std::size_t row = 1; row < matrix.size(); ++row) {
+        for (std::size_t column = 1; column < matrix[row].size(); ++column) {
+            sum += matrix[row][column] == "." ? 0 : std::stoi(matrix[row][column]);
+        }
+    }
+    return sum;
+}
+
+}  // namespace
 
 // R. G. Newcombe, "Two-sided confidence intervals for the single proportion", Statistics in Medicine 17
 // (1998), table I, method 3 (score).
@@ -67,6 +96,36 @@ TEST_CASE("the summary counts main trials of each kind apart, and says what is s
                          "friction off    1 of   3 correct = 0.33   95 % interval 0.06 to 0.79"));
     CHECK(text.find("real data") < text.find("simulated data"));
     CHECK_THAT(text, ContainsSubstring("straight         .         .         2"));
+}
+
+TEST_CASE(
+    "the matrix has every object of the plan, and no choice drops out of it, from the first trial "
+    "on",
+    "[analysis][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{10}));
+    CAPTURE(seed);
+    tests::Random random(seed);
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec = tests::session_spec(tests::small_protocol(2));
+    const auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    int answers = 0;
+    for (const auto& planned : spec.plan.trials) {
+        const auto object = static_cast<std::size_t>(random.below(3));
+        recorder.end_trial(recorder.begin_trial(planned, {}),
+                           tests::answered(object, object == planned.condition.object));
+        ++answers;
+        const auto matrix = matrix_of(data::summary_text(database));
+        CAPTURE(answers);
+        REQUIRE(matrix.size() == 4);
+        CHECK(matrix[0] == std::vector<std::string>{"felt", "concave", "straight", "convex"});
+        for (std::size_t row = 1; row < matrix.size(); ++row) {
+            CHECK(matrix[row].size() == 4);
+            CHECK(matrix[row][0] == matrix[0][row]);
+        }
+        CHECK(sum_of(matrix) == answers);
+    }
 }
 
 TEST_CASE("the two queries of the summary run as printed, also for a name with a quote in it",

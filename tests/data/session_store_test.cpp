@@ -20,6 +20,23 @@ std::int64_t count(Database& database, const std::string& sql) {
     return row.integer(0);
 }
 
+/// Two trials are answered, the third is aborted and begun again, and then the program dies.
+std::int64_t answer_two_and_die(Database& database, const data::SessionSpec& spec) {
+    const auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto id = recorder.begin_trial(spec.plan.trials[i], {});
+        recorder.append(id, tests::random_ticks(i, 300));
+        recorder.end_trial(id, tests::answered(0, false, 300));
+    }
+    protocols::TrialResult aborted;
+    aborted.outcome = protocols::Outcome::aborted;
+    recorder.end_trial(recorder.begin_trial(spec.plan.trials[2], {}), aborted);
+    const auto cut = recorder.begin_trial(spec.plan.trials[2], {});
+    recorder.append(cut, tests::random_ticks(9, 600));
+    return opened.id;
+}
+
 }  // namespace
 
 TEST_CASE("the whole plan is stored before the first trial, as it was made", "[store][law]") {
@@ -55,31 +72,20 @@ TEST_CASE("a session goes on at the first position without an answer, other atte
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     const auto spec = session_spec(small_protocol());
-    const auto opened = data::open_session(database, spec);
+    const std::int64_t session = answer_two_and_die(database, spec);
     {
-        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-        for (std::size_t i = 0; i < 2; ++i) {
-            const auto id = recorder.begin_trial(spec.plan.trials[i], {});
-            recorder.append(id, tests::random_ticks(i, 300));
-            recorder.end_trial(id, tests::answered(0, false, 300));
-        }
-        protocols::TrialResult aborted;
-        aborted.outcome = protocols::Outcome::aborted;
-        recorder.end_trial(recorder.begin_trial(spec.plan.trials[2], {}), aborted);
-        const auto cut = recorder.begin_trial(spec.plan.trials[2], {});
-        recorder.append(cut, tests::random_ticks(9, 600));  // and then the program dies
+        const auto again = data::open_session(database, spec);
+        CHECK(again.id == session);
+        CHECK(again.resumed);
+        CHECK(again.next == 2);
+        CHECK(again.interrupted == 1);
     }
-    const auto again = data::open_session(database, spec);
-    CHECK(again.id == opened.id);
-    CHECK(again.resumed);
-    CHECK(again.next == 2);
-    CHECK(again.interrupted == 1);
     CHECK(count(database, "trial WHERE outcome = 'interrupted'") == 1);
     CHECK(count(database, "trial WHERE outcome = 'aborted'") == 1);
     CHECK(count(database,
                 "trace_chunk JOIN trial ON trial.id = trial WHERE outcome = 'interrupted'") == 2);
     CHECK(count(database, "event WHERE kind = 'interrupted'") == 1);
-    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    data::SqliteRecorder recorder(database, spec.protocol, session);
     const auto id = recorder.begin_trial(spec.plan.trials[2], {});
     recorder.end_trial(id, tests::answered(0, false));
     CHECK(count(database, "trial WHERE position = 2 AND attempt = 3") == 1);

@@ -1,6 +1,10 @@
 #include <csignal>
 #include <thread>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "data/store/content_hash.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/catch.hpp"
@@ -66,6 +70,66 @@ std::string answers(const std::string& file) {
         text += '\n';
     }
     return text;
+}
+
+/// A number out of the database, -1 as long as it is not there.
+std::int64_t number(const std::string& file, const char* sql) {
+    try {
+        data::Database database(file, data::Access::read);
+        auto row = database.prepare(sql);
+        row.step();
+        return row.integer(0);
+    } catch (const data::StoreError&) {
+        return -1;
+    }
+}
+
+template <class Condition>
+bool comes_true(const Condition& condition) {
+    for (int i = 0; i < 5000; ++i) {
+        if (condition()) {
+            return true;
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(4));
+    }
+    return false;
+}
+
+/// A pipe with a name and no room left: whoever writes to it waits.
+class FullPipe {
+public:
+    explicit FullPipe(std::string name) : name_(std::move(name)) {
+        REQUIRE(mkfifo(name_.c_str(), 0600) == 0);
+        fd_ = open(name_.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+        REQUIRE(fd_ >= 0);
+        const std::string bytes(4096, '.');
+        while (write(fd_, bytes.data(), bytes.size()) > 0) {
+        }
+    }
+    FullPipe(const FullPipe&) = delete;
+    FullPipe& operator=(const FullPipe&) = delete;
+    ~FullPipe() { close(fd_); }
+
+    [[nodiscard]] const std::string& name() const { return name_; }
+    void empty() const {
+        std::string bytes(4096, '.');
+        while (read(fd_, bytes.data(), bytes.size()) > 0) {
+        }
+    }
+
+private:
+    std::string name_;
+    int fd_ = -1;
+};
+
+/// A session at full speed with its standard output in the file `out`.
+std::unique_ptr<Process> run_into(const std::string& out, const std::string& file) {
+    std::vector<std::string> command{"sh", "-c", "out=$1; shift; exec \"$@\" >\"$out\"",
+                                     "sh", out,  tests::palpate_program()};
+    const auto rest = words(file);
+    command.insert(command.end(), rest.begin(), rest.end());
+    return std::make_unique<Process>(command,
+                                     std::vector<std::string>{"DISPLAY", "WAYLAND_DISPLAY"});
 }
 
 }  // namespace
@@ -135,4 +199,29 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
     const Finished second = palpate_command(words(file));
     CHECK(second.code == 1);
     CHECK_THAT(second.error, ContainsSubstring("another palpate"));
+    CHECK(process->wait().code == 0);  // and the first does not notice
+    CHECK(number(file, "SELECT count(*) FROM trial") == 10);
+    CHECK(number(file, "SELECT count(*) FROM trial WHERE outcome <> 'complete'") == 0);
+    CHECK(number(file, "SELECT count(*) FROM event WHERE kind = 'interrupted'") == 0);
+}
+
+// The first has opened the session and is held up where it says so: its output is a pipe nobody empties.
+TEST_CASE("a program that is held up before its first trial keeps its session", "[crash][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    FullPipe pipe(folder.file("pipe"));
+    const auto first = run_into(pipe.name(), file);
+    REQUIRE(comes_true([&] { return number(file, "SELECT count(*) FROM session") == 1; }));
+    const Finished second = palpate_command(words(file));
+    CHECK(second.code == 1);
+    CHECK_THAT(second.error, ContainsSubstring("another palpate"));
+    CHECK(number(file, "SELECT count(*) FROM trial") == 0);
+
+    CHECK(comes_true([&] {
+        pipe.empty();
+        return !first->running();
+    }));
+    CHECK(first->wait().code == 0);
+    CHECK(number(file, "SELECT count(*) FROM response") == 10);
+    CHECK(number(file, "SELECT count(DISTINCT position) FROM trial") == 10);
 }

@@ -179,7 +179,6 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
-    const data::SessionLock lock(database, opened.id);
     data::SqliteRecorder recorder(database, protocol, opened.id);
     const auto writer =
         observers.screen ? std::make_unique<data::AsyncRecorder>(recorder) : nullptr;

@@ -1,0 +1,85 @@
+#include <functional>
+
+#include "data/store/async_recorder.hpp"
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// A disk that fails once, and would take everything after it.
+class DiskWithHiccup : public protocols::Recorder {
+public:
+    explicit DiskWithHiccup(int failing) : failing_(failing) {}
+    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/,
+                                   const protocols::SceneConstants& /*s*/) override {
+        return ++calls_;
+    }
+    void append(protocols::TrialId /*t*/, std::span<const engine::TickRecord> ticks) override {
+        ++calls_;
+        if (++appends_ == failing_) {
+            throw data::StoreError("the disk did not take it");
+        }
+        last_ = ticks.back().tick;
+    }
+    void end_trial(protocols::TrialId /*t*/, const protocols::TrialResult& /*r*/) override {
+        ++calls_;
+    }
+    void event(std::string_view /*k*/, std::string_view /*t*/) override { ++calls_; }
+    void finish_session() override { ++calls_; }
+
+    [[nodiscard]] int calls() const { return calls_; }
+    [[nodiscard]] std::int64_t last_tick() const { return last_; }
+
+private:
+    int failing_;
+    int appends_ = 0;
+    int calls_ = 0;
+    std::int64_t last_ = -1;
+};
+
+/// Hands over tick by tick. @returns whether one was refused
+bool append_all(protocols::Recorder& recorder, std::int64_t ticks) {
+    try {
+        for (std::int64_t i = 0; i < ticks; ++i) {
+            recorder.append(1, tests::random_ticks(1, 1, i));
+        }
+    } catch (const data::StoreError&) {
+        return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+TEST_CASE("after one lost append nothing is stored any more, and every call says so",
+          "[store][law]") {
+    const int failing = GENERATE(1, 2, 7, 20);
+    CAPTURE(failing);
+    constexpr std::int64_t kTicks = 20;
+    DiskWithHiccup disk(failing);
+    {
+        data::AsyncRecorder recorder(disk);
+        const auto id = recorder.begin_trial({}, {});
+        const bool refused = append_all(recorder, kTicks);
+        CAPTURE(refused);
+        const std::function<void()> calls[] = {
+            [&] { recorder.end_trial(id, tests::answered(0, true)); },
+            [&] { recorder.append(id, tests::random_ticks(1, 10, kTicks)); },
+            [&] { recorder.event("break", "before the trial at position 1"); },
+            [&] { static_cast<void>(recorder.begin_trial({}, {})); },
+            [&] {
+                recorder.finish_session();
+            }};
+        for (int round = 0; round < 3; ++round) {
+            for (const auto& call : calls) {
+                CHECK_THROWS_WITH(call(), ContainsSubstring("did not take it"));
+            }
+        }
+    }
+    CHECK(disk.calls() == 1 + failing);  // begin_trial and the appends up to the lost one
+    CHECK(disk.last_tick() == failing - 2);
+}

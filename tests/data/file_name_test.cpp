@@ -1,0 +1,132 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include <sqlite3.h>
+#include <unistd.h>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Relative names are of files in here.
+class WorkingFolder {
+public:
+    explicit WorkingFolder(const std::filesystem::path& folder) {
+        std::filesystem::current_path(folder);
+    }
+    WorkingFolder(const WorkingFolder&) = delete;
+    WorkingFolder& operator=(const WorkingFolder&) = delete;
+    ~WorkingFolder() { std::filesystem::current_path(before_); }
+
+private:
+    std::filesystem::path before_ = std::filesystem::current_path();
+};
+
+std::string bytes_of(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+void run(sqlite3* handle, const char* sql) {
+    REQUIRE(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
+}
+
+/// Somebody's database with a log that is not yet in the file, as a program leaves it that was killed.
+/// @param checkpointed  whether tables are in the file already, or all of it is in the log
+void make_foreign(const std::string& file, bool checkpointed) {
+    sqlite3* handle = nullptr;
+    REQUIRE(sqlite3_open(file.c_str(), &handle) == SQLITE_OK);
+    sqlite3_db_config(handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    run(handle, "PRAGMA journal_mode = WAL; CREATE TABLE theirs (x)");
+    if (checkpointed) {
+        run(handle, "PRAGMA wal_checkpoint(TRUNCATE)");
+    }
+    run(handle, "INSERT INTO theirs VALUES (1), (2), (3)");
+    sqlite3_close(handle);
+}
+
+std::int64_t rows_of(const std::string& file) {
+    sqlite3* handle = nullptr;
+    REQUIRE(sqlite3_open(file.c_str(), &handle) == SQLITE_OK);
+    sqlite3_stmt* row = nullptr;
+    REQUIRE(sqlite3_prepare_v2(handle, "SELECT count(*) FROM theirs", -1, &row, nullptr) ==
+            SQLITE_OK);
+    REQUIRE(sqlite3_step(row) == SQLITE_ROW);
+    const std::int64_t rows = sqlite3_column_int64(row, 0);
+    sqlite3_finalize(row);
+    sqlite3_close(handle);
+    return rows;
+}
+
+}  // namespace
+
+TEST_CASE("somebody's database with a log beside it is refused, and both stay byte for byte",
+          "[store][law]") {
+    const bool checkpointed = GENERATE(true, false);
+    const Access access = GENERATE(Access::write, Access::read);
+    CAPTURE(checkpointed, access == Access::write);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("theirs.sqlite");
+    make_foreign(file, checkpointed);
+    const std::string data = bytes_of(file);
+    const std::string log = bytes_of(file + "-wal");
+    REQUIRE_FALSE(log.empty());
+
+    CHECK_THROWS_WITH(Database(file, access), ContainsSubstring("theirs.sqlite") &&
+                                                  ContainsSubstring("not a palpate database"));
+
+    CHECK(bytes_of(file) == data);
+    CHECK(bytes_of(file + "-wal") == log);
+    CHECK(rows_of(file) == 3);
+}
+
+TEST_CASE("a file of somebody's is refused and stays, however small it is", "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("note");
+    for (const std::size_t size : {1U, 2U, 15U, 16U, 99U, 100U, 101U, 512U, 4096U}) {
+        CAPTURE(size);
+        const std::string text(size, 'x');
+        std::ofstream(file, std::ios::trunc) << text;
+        CHECK_THROWS_WITH(Database(file, Access::write),
+                          ContainsSubstring("not a palpate database"));
+        CHECK(bytes_of(file) == text);
+    }
+    CHECK(folder.names() == std::vector<std::string>{"note"});
+}
+
+TEST_CASE("a database has the name it was given, whatever that name means to SQLite",
+          "[store][law]") {
+    const std::string name =
+        GENERATE(as<std::string>(), ":memory:", "file:a.sqlite", "file:b?mode=memory",
+                 "file::memory:?cache=shared", "-c", "a b.sqlite", "%41.sqlite", "a?immutable=1");
+    CAPTURE(name);
+    const TemporaryFolder folder;
+    const WorkingFolder here(folder.path());
+    {
+        Database database(name, Access::write);
+        database.execute("INSERT INTO participant (code) VALUES ('P1')");
+    }
+    CHECK(folder.names() == std::vector<std::string>{name});
+    Database again(name, Access::read);
+    auto row = again.prepare("SELECT code FROM participant");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "P1");
+}
+
+TEST_CASE("a database without a name is refused with a sentence, and leaves nothing",
+          "[store][law]") {
+    const Access access = GENERATE(Access::write, Access::read);
+    const TemporaryFolder folder;
+    const WorkingFolder here(folder.path());
+    CHECK_THROWS_WITH(Database("", access), ContainsSubstring("give a file name"));
+    CHECK(folder.names().empty());
+}

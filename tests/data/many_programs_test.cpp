@@ -1,0 +1,125 @@
+#include <cstdio>
+#include <exception>
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using data::Access;
+using data::Database;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Runs `work` in `programs` child processes, which all begin at once.
+/// @returns how many ended well
+template <class Work>
+int at_once(int programs, const Work& work) {
+    int gate[2];
+    REQUIRE(pipe(gate) == 0);
+    std::vector<pid_t> children;
+    for (int i = 0; i < programs; ++i) {
+        const pid_t child = fork();
+        if (child == 0) {
+            close(gate[1]);
+            char opened = 0;
+            static_cast<void>(!read(gate[0], &opened, 1));  // until the parent closes its end
+            try {
+                work(i);
+            } catch (const std::exception& e) {
+                std::fprintf(stderr, "%s\n", e.what());
+                _exit(1);
+            }
+            _exit(0);
+        }
+        children.push_back(child);
+    }
+    close(gate[0]);
+    close(gate[1]);
+    int well = 0;
+    for (const pid_t child : children) {
+        int status = 0;
+        waitpid(child, &status, 0);
+        well += WIFEXITED(status) && WEXITSTATUS(status) == 0 ? 1 : 0;
+    }
+    return well;
+}
+
+std::int64_t number(Database& database, const char* sql) {
+    auto row = database.prepare(sql);
+    row.step();
+    return row.integer(0);
+}
+
+/// The session, as soon as nobody else runs it.
+data::OpenedSession open_when_free(Database& database, const data::SessionSpec& spec) {
+    constexpr int kTries = 20000;
+    for (int i = 0; i < kTries; ++i) {
+        try {
+            return data::open_session(database, spec);
+        } catch (const data::StoreError& e) {
+            if (std::string(e.what()).find("another palpate") == std::string::npos) {
+                throw;
+            }
+            usleep(500);
+        }
+    }
+    throw data::StoreError("the session was never free");
+}
+
+/// Takes turns with others: one trial a turn, until all are answered.
+void run_by_turns(const std::string& file, const data::SessionSpec& spec) {
+    Database database(file, Access::write);
+    for (;;) {
+        const auto opened = open_when_free(database, spec);
+        if (opened.next == spec.plan.trials.size()) {
+            return;
+        }
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        const auto id = recorder.begin_trial(spec.plan.trials[opened.next], {});
+        recorder.append(id, tests::random_ticks(opened.next, 300));
+        usleep(3000);  // the others try to come in
+        recorder.end_trial(id, tests::answered(0, true, 300));
+    }
+}
+
+}  // namespace
+
+TEST_CASE("programs that make one database at the same time all get it", "[store][law]") {
+    constexpr int kPrograms = 4;
+    constexpr int kRounds = 12;
+    for (int round = 0; round < kRounds; ++round) {
+        CAPTURE(round);
+        const TemporaryFolder folder;
+        const std::string file = folder.file("a.sqlite");
+        REQUIRE(at_once(kPrograms, [&](int i) {
+                    Database database(file, Access::write);
+                    const auto spec = tests::session_spec(
+                        tests::small_protocol(), std::string("P").append(std::to_string(i)));
+                    static_cast<void>(data::open_session(database, spec));
+                }) == kPrograms);
+        Database database(file, Access::read);
+        CHECK(number(database, "SELECT count(*) FROM session") == kPrograms);
+        CHECK(number(database, "SELECT count(*) FROM study") == 1);
+    }
+}
+
+TEST_CASE("programs that want one session take turns: each trial is run and answered once",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const auto spec = tests::session_spec(tests::small_protocol(2));
+    constexpr int kPrograms = 4;
+    REQUIRE(at_once(kPrograms, [&](int /*i*/) { run_by_turns(file, spec); }) == kPrograms);
+    Database database(file, Access::read);
+    CHECK(number(database, "SELECT count(*) FROM session") == 1);
+    CHECK(number(database, "SELECT count(*) FROM trial") ==
+          static_cast<std::int64_t>(spec.plan.trials.size()));
+    CHECK(number(database, "SELECT count(*) FROM trial WHERE outcome <> 'complete'") == 0);
+}

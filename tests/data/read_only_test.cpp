@@ -1,0 +1,199 @@
+#include <filesystem>
+#include <string>
+
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "data/analysis/summary.hpp"
+#include "data/store/content_hash.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// What the database says of itself.
+std::string contents(Database& database) {
+    return data::summary_text(database) + data::content_hash(database);
+}
+
+std::string contents(const std::string& file) {
+    Database database(file, Access::read);
+    return contents(database);
+}
+
+/// A session with one answered trial in `file`. The rig has ended: no log is beside it.
+std::string record(const std::string& file) {
+    Database database(file, Access::write);
+    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    recorder.append(id, tests::random_ticks(1, 300));
+    recorder.end_trial(id, tests::answered(0, true, 300));
+    return contents(database);
+}
+
+/// Takes the right to write away from the folder and all in it, for as long as this lives.
+class Locked {
+public:
+    explicit Locked(const TemporaryFolder& folder) : folder_(folder.path()) {
+        for (const std::string& name : folder.names()) {
+            chmod(folder.file(name).c_str(), 0444);
+        }
+        chmod(folder_.c_str(), 0555);
+    }
+    Locked(const Locked&) = delete;
+    Locked& operator=(const Locked&) = delete;
+    ~Locked() { chmod(folder_.c_str(), 0755); }
+
+private:
+    std::filesystem::path folder_;
+};
+
+/// What `work` returns in another process, which then ends as if it were killed.
+template <class Work>
+std::string in_child(const Work& work) {
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        close(ends[0]);
+        std::string text;
+        try {
+            text = work();
+        } catch (const std::exception& e) {
+            text = std::string("thrown: ") + e.what();
+        }
+        static_cast<void>(!write(ends[1], text.data(), text.size()));
+        _exit(0);
+    }
+    close(ends[1]);
+    std::string text;
+    char byte = 0;
+    while (read(ends[0], &byte, 1) == 1) {
+        text += byte;
+    }
+    close(ends[0]);
+    waitpid(child, nullptr, 0);
+    return text;
+}
+
+/// The same, by somebody whom permissions bind: root becomes nobody first.
+template <class Work>
+std::string without_rights(const Work& work) {
+    constexpr uid_t kNobody = 65534;
+    return in_child([&]() -> std::string {
+        if (geteuid() == 0 && setresuid(kNobody, kNobody, kNobody) != 0) {
+            return "permissions bind nobody here";
+        }
+        return work();
+    });
+}
+
+std::string hash_of(const std::string& file) {
+    Database database(file, Access::read);
+    return data::content_hash(database);
+}
+
+/// Records into `file` and is killed in the middle of a trial. Most is in the log only.
+/// @returns the content hash at the end
+std::string record_and_die(const std::string& file) {
+    return in_child([&] {
+        auto& rig = *new Database(file, Access::write);  // nothing is closed
+        const auto spec = tests::session_spec(tests::small_protocol());
+        const auto opened = data::open_session(rig, spec);
+        data::SqliteRecorder recorder(rig, spec.protocol, opened.id);
+        recorder.append(recorder.begin_trial(spec.plan.trials[0], {}), tests::random_ticks(1, 512));
+        return data::content_hash(rig);
+    });
+}
+
+bool permissions_bind(const TemporaryFolder& folder) {
+    const std::string can = without_rights(
+        [&] { return std::string(access(folder.path().c_str(), W_OK) == 0 ? "yes" : "no"); });
+    const bool reached =
+        without_rights([&] {
+            return std::string(access(folder.path().c_str(), X_OK) == 0 ? "yes" : "no");
+        }) == "yes";
+    if (can != "no" || !reached) {
+        WARN("permissions do not bind this user, or its temporary folder is closed: not checked");
+        return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+TEST_CASE("a database in a folder that cannot be written is read as anywhere else",
+          "[store][law]") {
+    const bool looked_at = GENERATE(false, true);  // a reader leaves an empty log and its index
+    CAPTURE(looked_at);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a b%41.sqlite");  // a name that a URI has to spell out
+    const std::string recorded = record(file);
+    if (looked_at) {
+        CHECK(contents(file) == recorded);
+    }
+    const auto names = folder.names();
+    const Locked locked(folder);
+    if (!permissions_bind(folder)) {
+        return;
+    }
+    CHECK(without_rights([&] { return contents(file); }) == recorded);
+    CHECK(folder.names() == names);
+}
+
+// SQLite keeps the log beside the file, not beside the link.
+TEST_CASE("what a killed rig has only in its log is seen in a locked folder, and through a link",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const std::string hash = record_and_die(file);
+    REQUIRE(std::filesystem::file_size(file + "-wal") > 0);
+    const TemporaryFolder links;
+    std::filesystem::create_symlink(file, links.file("b.sqlite"));
+    chmod(links.path().c_str(), 0555);
+    const Locked locked(folder);
+    if (!permissions_bind(folder) || !permissions_bind(links)) {
+        return;
+    }
+    CHECK(without_rights([&] { return hash_of(file); }) == hash);
+    CHECK(without_rights([&] { return hash_of(links.file("b.sqlite")); }) == hash);
+}
+
+TEST_CASE("a link to a database in a locked folder is read, too", "[store][law]") {
+    const TemporaryFolder folder;
+    static_cast<void>(record(folder.file("a.sqlite")));
+    const TemporaryFolder links;
+    std::filesystem::create_symlink(folder.file("a.sqlite"), links.file("b.sqlite"));
+    chmod(links.path().c_str(), 0777);
+    const Locked locked(folder);
+    if (!permissions_bind(folder)) {
+        return;
+    }
+    CHECK_THAT(without_rights([&] { return contents(links.file("b.sqlite")); }),
+               ContainsSubstring("Study small"));
+}
+
+TEST_CASE("a rig whose folder cannot be written is told so", "[store][law]") {
+    const TemporaryFolder folder;
+    static_cast<void>(record(folder.file("a.sqlite")));
+    const Locked locked(folder);
+    if (!permissions_bind(folder)) {
+        return;
+    }
+    CHECK_THAT(without_rights([&] {
+                   Database database(folder.file("a.sqlite"), Access::write);
+                   return std::string("opened");
+               }),
+               ContainsSubstring("a.sqlite") && ContainsSubstring("read-only"));
+}
