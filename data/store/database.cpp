@@ -162,7 +162,10 @@ void Database::open(Access access) {
     }
     connect(plain_name(file_),
             access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
-    if (first_page(handle_) == FirstPage::theirs) {
+    // SQLite takes a file of one byte for an empty one, and would write over it.
+    struct stat status {};
+    const bool one_byte = stat(plain_name(file_).c_str(), &status) == 0 && status.st_size == 1;
+    if (one_byte || first_page(handle_) == FirstPage::theirs) {
         not_ours(file_);
     }
     if (access == Access::read && lies_still(plain_name(file_))) {

@@ -89,6 +89,20 @@ TEST_CASE("somebody's database with a log beside it is refused, and both stay by
     CHECK(rows_of(file) == 3);
 }
 
+TEST_CASE("a file of somebody's is refused and stays, however small it is", "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("note");
+    for (const std::size_t size : {1U, 2U, 15U, 16U, 99U, 100U, 101U, 512U, 4096U}) {
+        CAPTURE(size);
+        const std::string text(size, 'x');
+        std::ofstream(file, std::ios::trunc) << text;
+        CHECK_THROWS_WITH(Database(file, Access::write),
+                          ContainsSubstring("not a palpate database"));
+        CHECK(bytes_of(file) == text);
+    }
+    CHECK(folder.names() == std::vector<std::string>{"note"});
+}
+
 TEST_CASE("a database has the name it was given, whatever that name means to SQLite",
           "[store][law]") {
     const std::string name =
