@@ -23,8 +23,12 @@ double taylor_step(const RationalBezier<2>& curve) {
         const Vec2 after = curve.at(static_cast<double>(i + 1) / kPlaces).second;
         third = std::max(third, kPlaces * glm::length(after - before));
     }
-    const double size = glm::length(curve.box().size());
-    return std::min(kLongestTaylor, std::cbrt(6.0 * kTaylorError * size / (third + 1e-300)));
+    const double allowed = 6.0 * kTaylorError * glm::length(curve.box().size());
+    double step = kLongestTaylor;
+    while (third * step * step * step > allowed) {
+        step *= 0.5;
+    }
+    return step;
 }
 
 /// Steps of a follow: two are usual; more means that a search is due.

@@ -9,6 +9,7 @@
 
 #include "protocols/format/keys.hpp"
 #include "protocols/format/protocol_file.hpp"
+#include "protocols/format/read_text.hpp"
 #include "protocols/format/reader.hpp"
 #include "protocols/format/rules.hpp"
 
@@ -164,24 +165,7 @@ Protocol parse_protocol(std::string_view text, std::string_view file_name) {
 }
 
 Protocol load_protocol(const std::filesystem::path& file) {
-    const auto unreadable = [&](const std::string& why) {
-        return ProtocolError(
-            fmt::format("{}:1:1: cannot be read: {}; check the path", file.string(), why));
-    };
-    std::error_code error;
-    if (std::filesystem::is_directory(file, error)) {
-        throw unreadable("it is a folder");
-    }
-    errno = 0;
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) {
-        throw unreadable(std::generic_category().message(errno));
-    }
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    if (stream.bad()) {
-        throw unreadable(std::generic_category().message(errno));
-    }
-    return parse_protocol(text, file.string());
+    return parse_protocol(read_text(file), file.string());
 }
 
 }  // namespace palpate::protocols

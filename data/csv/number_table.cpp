@@ -1,0 +1,177 @@
+#include "data/csv/number_table.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+std::string_view trimmed(std::string_view text) {
+    constexpr std::string_view kBlank = " \t\r";
+    const std::size_t first = text.find_first_not_of(kBlank);
+    if (first == std::string_view::npos) {
+        return {};
+    }
+    return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
+}
+
+std::vector<std::string_view> fields_of(std::string_view line) {
+    std::vector<std::string_view> fields;
+    while (true) {
+        const std::size_t comma = line.find(',');
+        fields.push_back(trimmed(line.substr(0, comma)));
+        if (comma == std::string_view::npos) {
+            return fields;
+        }
+        line.remove_prefix(comma + 1);
+    }
+}
+
+std::string_view unquoted(std::string_view name) {
+    return name.size() >= 2 && name.front() == '"' && name.back() == '"'
+             ? name.substr(1, name.size() - 2)
+             : name;
+}
+
+class Parser {
+public:
+    Parser(std::string_view text, std::string_view file_name) : rest_(text), file_(file_name) {
+        constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+        if (rest_.starts_with(kByteOrderMark)) {
+            rest_.remove_prefix(kByteOrderMark.size());
+        }
+    }
+
+    NumberTable read(std::span<const std::string_view> wanted,
+                     std::span<const std::string_view> optional) {
+        if (!next_line()) {
+            fail(1, fmt::format("the file is empty: give a head with the columns {}",
+                                fmt::join(wanted, ",")));
+        }
+        for (const std::string_view name : fields_of(line_)) {
+            head_.push_back(unquoted(name));
+        }
+        NumberTable table;
+        for (const std::string_view name : wanted) {
+            add_column(table, name);
+        }
+        const bool all = std::all_of(optional.begin(), optional.end(), [this](auto name) {
+            return std::find(head_.begin(), head_.end(), name) != head_.end();
+        });
+        if (all) {
+            for (const std::string_view name : optional) {
+                add_column(table, name);
+            }
+        }
+        while (next_line()) {
+            read_row(table);
+        }
+        return table;
+    }
+
+private:
+    [[noreturn]] void fail(std::size_t line, const std::string& what) const {
+        throw CsvError(fmt::format("{}:{}: {}", file_, line, what));
+    }
+
+    /// The next line that is not blank.
+    bool next_line() {
+        while (!rest_.empty()) {
+            const std::size_t end = std::min(rest_.find('\n'), rest_.size());
+            line_ = rest_.substr(0, end);
+            rest_.remove_prefix(std::min(end + 1, rest_.size()));
+            ++number_;
+            if (!trimmed(line_).empty()) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    void add_column(NumberTable& table, std::string_view name) {
+        const auto found = std::find(head_.begin(), head_.end(), name);
+        if (found == head_.end()) {
+            fail(number_, fmt::format("there is no column {}: the head is \"{}\"; add the column",
+                                      name, fmt::join(head_, ",")));
+        }
+        table.columns.emplace_back(name);
+        places_.push_back(static_cast<std::size_t>(found - head_.begin()));
+    }
+
+    void read_row(NumberTable& table) {
+        const std::vector<std::string_view> fields = fields_of(line_);
+        if (fields.size() != head_.size()) {
+            fail(number_,
+                 fmt::format("the row has {} fields, the head {}: give one for each column",
+                             fields.size(), head_.size()));
+        }
+        for (std::size_t i = 0; i < places_.size(); ++i) {
+            table.values.push_back(number(fields[places_[i]], table.columns[i]));
+        }
+        table.lines.push_back(number_);
+    }
+
+    [[nodiscard]] double number(std::string_view field, std::string_view column) const {
+        std::string_view digits = field;
+        if (digits.starts_with('+')) {
+            digits.remove_prefix(1);
+        }
+        double value = 0.0;
+        const auto [end, error] =
+            std::from_chars(digits.data(), digits.data() + digits.size(), value);
+        if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
+            fail(number_, fmt::format("{} is \"{}\", not a finite number: give one, with a point "
+                                      "for decimals",
+                                      column, field.substr(0, 40)));
+        }
+        return value;
+    }
+
+    std::string_view rest_;
+    std::string_view file_;
+    std::string_view line_;
+    std::size_t number_ = 0;
+    std::vector<std::string_view> head_;
+    std::vector<std::size_t> places_;  ///< of the table's columns among the fields
+};
+
+}  // namespace
+
+NumberTable parse_numbers(std::string_view text,
+                          std::string_view file_name,
+                          std::span<const std::string_view> wanted,
+                          std::span<const std::string_view> optional) {
+    return Parser(text, file_name).read(wanted, optional);
+}
+
+NumberTable read_numbers(const std::filesystem::path& file,
+                         std::span<const std::string_view> wanted,
+                         std::span<const std::string_view> optional) {
+    const auto unreadable = [&file](const std::string& why) {
+        return CsvError(
+            fmt::format("{}:1: cannot be read: {}; check the path", file.string(), why));
+    };
+    std::error_code error;
+    if (std::filesystem::is_directory(file, error)) {
+        throw unreadable("it is a folder");
+    }
+    errno = 0;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream) {
+        throw unreadable(std::generic_category().message(errno));
+    }
+    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    if (stream.bad()) {
+        throw unreadable(std::generic_category().message(errno));
+    }
+    return parse_numbers(text, file.string(), wanted, optional);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,71 @@
+#include "data/csv/whole_file.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace palpate::data {
+namespace {
+
+[[noreturn]] void fail(const std::string& file, int error) {
+    throw std::runtime_error(
+        fmt::format("{}: cannot be written: {}; check the folder, its rights "
+                    "and the space on the disk",
+                    file, std::generic_category().message(error)));
+}
+
+/// All of it, or errno.
+int write_all(int fd, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t n = ::write(fd, text.data(), text.size());
+        if (n < 0 && errno != EINTR) {
+            return errno;
+        }
+        text.remove_prefix(n > 0 ? static_cast<std::size_t>(n) : 0);
+    }
+    return 0;
+}
+
+}  // namespace
+
+void write_whole(const std::filesystem::path& file, std::string_view text) {
+    if (file.empty()) {
+        std::fflush(stdout);
+        if (const int error = write_all(STDOUT_FILENO, text)) {
+            fail("standard output", error);
+        }
+        return;
+    }
+    struct stat there {};
+    const bool special = ::stat(file.c_str(), &there) == 0 && !S_ISREG(there.st_mode);
+    const std::string target = file.string();
+    const std::string name = special ? target : fmt::format("{}.{}.part", target, ::getpid());
+    constexpr mode_t kMode = 0666;
+    const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
+    if (fd < 0) {
+        fail(target, errno);
+    }
+    int error = write_all(fd, text);
+    if (error == 0 && !special && ::fsync(fd) != 0) {
+        error = errno;
+    }
+    ::close(fd);
+    if (error == 0 && !special && std::rename(name.c_str(), target.c_str()) != 0) {
+        error = errno;
+    }
+    if (error != 0) {
+        if (!special) {
+            ::unlink(name.c_str());
+        }
+        fail(target, error);
+    }
+}
+
+}  // namespace palpate::data
