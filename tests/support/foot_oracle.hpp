@@ -219,13 +219,15 @@ private:
         }
     }
 
-    /// Newton's iteration on (C - h) . C' = 0 as long as it goes down.
+    /// Newton's iteration on (C - h) . C' = 0, as long as it does not go up. The distance is flat at
+    /// its minimum and cannot tell when u is right: steps go on until they are below the last bit.
     void polish(Search& search, std::size_t s, long double t) const {
-        for (int i = 0; i < 40; ++i) {
+        const long double last_bit = 4.0L * std::numeric_limits<long double>::epsilon();
+        for (int i = 0; i < 60; ++i) {
             const auto jet = evaluate(s, t);
             const Point gap{jet[0][0] - search.query[0], jet[0][1] - search.query[1]};
             const long double distance = std::hypot(gap[0], gap[1]);
-            if (i > 0 && !(distance < search.best)) {
+            if (!(distance <= search.best + last_bit * (size_ + search.best))) {
                 return;
             }
             search.best = std::min(search.best, distance);
@@ -237,7 +239,11 @@ private:
             if (!(by > 0.0L)) {
                 return;
             }
-            t = std::clamp(t - g / by, 0.0L, 1.0L);
+            const long double next = std::clamp(t - g / by, 0.0L, 1.0L);
+            if (std::fabs(next - t) <= last_bit * t) {
+                return;
+            }
+            t = next;
         }
     }
 
