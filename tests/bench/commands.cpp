@@ -1,0 +1,35 @@
+#include "tests/bench/commands.hpp"
+
+#include <algorithm>
+
+namespace palpate::bench {
+
+bool Words::flag(const std::string& name) {
+    const auto found = std::find(words_.begin(), words_.end(), name);
+    if (found == words_.end()) {
+        return false;
+    }
+    words_.erase(found);
+    return true;
+}
+
+std::string Words::value(const std::string& name, const std::string& otherwise) {
+    const auto found = std::find(words_.begin(), words_.end(), name);
+    if (found == words_.end()) {
+        return otherwise;
+    }
+    if (found + 1 == words_.end() || (found + 1)->rfind("--", 0) == 0) {
+        throw WrongWord(name + " needs a value after it");
+    }
+    const std::string value = *(found + 1);
+    words_.erase(found, found + 2);
+    return value;
+}
+
+void Words::finish(const std::string& usage) const {
+    if (!words_.empty()) {
+        throw WrongWord("\"" + words_.front() + "\" means nothing here: " + usage);
+    }
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace palpate::bench {
+
+/// A word of the command line that means nothing: a sentence for its author, exit code 2.
+class WrongWord : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]
+int contact_command(const std::vector<std::string>& words);
+/// scaling [--csv FILE]
+int scaling_command(const std::vector<std::string>& words);
+
+/// The words after a command. Every word must be taken, or `finish` refuses.
+class Words {
+public:
+    explicit Words(std::vector<std::string> words) : words_(std::move(words)) {}
+
+    /// Takes `name` if it is there.
+    [[nodiscard]] bool flag(const std::string& name);
+    /// Takes `name VALUE`; `otherwise` if it is not there.
+    [[nodiscard]] std::string value(const std::string& name, const std::string& otherwise = {});
+    /// @throws WrongWord for a word that nobody took
+    void finish(const std::string& usage) const;
+
+private:
+    std::vector<std::string> words_;
+};
+
+}  // namespace palpate::bench

@@ -1,0 +1,148 @@
+#include <fstream>
+#include <iostream>
+
+#include <unistd.h>
+
+#include "tests/bench/commands.hpp"
+#include "tests/bench/errors.hpp"
+#include "tests/bench/hand.hpp"
+#include "tests/bench/own_methods.hpp"
+#include "tests/bench/peers/peers.hpp"
+#include "tests/bench/report.hpp"
+#include "tests/bench/surfaces.hpp"
+
+namespace palpate::bench {
+namespace {
+
+constexpr const char* kContactUsage =
+    "contact takes --peers, --seconds S, --csv FILE and --svg FILE";
+
+struct Path {
+    std::string name;
+    double nearest = 0.0;
+    double farthest = 0.0;
+};
+
+/// An output file, open before the long run: a name that cannot be written is a wrong word.
+std::ofstream open(const std::string& file) {
+    std::ofstream out;
+    if (!file.empty()) {
+        out.open(file);
+        if (!out) {
+            throw WrongWord("cannot write " + file);
+        }
+    }
+    return out;
+}
+
+double seconds_of(const std::string& text) {
+    std::size_t used = 0;
+    double seconds = 0.0;
+    try {
+        seconds = std::stod(text, &used);
+    } catch (const std::exception&) {
+        used = 0;
+    }
+    if (used != text.size() || !(seconds >= 0.1 && seconds <= 600.0)) {
+        throw WrongWord("--seconds is " + text + ": give 0.1 to 600");
+    }
+    return seconds;
+}
+
+template <int D>
+void measure(std::vector<Row>& rows,
+             const std::string& object,
+             const std::string& path_name,
+             const Methods<D>& methods,
+             const std::vector<Vec<D>>& path,
+             const std::vector<Truth<D>>& truth,
+             const Clock& clock) {
+    const std::span<const Vec<D>> hips(path);
+    const bool watched = isatty(STDERR_FILENO) != 0;
+    for (const auto& method : methods) {
+        if (watched) {
+            std::cerr << "\r\033[K" << object << ", " << path_name << ": " << method->name()
+                      << std::flush;
+        }
+        Row row{
+            .object = object, .path = path_name, .method = method->name(), .kind = method->kind()};
+        row.time = time_of<D>(*method, hips, {}, clock);
+        if (row.kind != Kind::floor) {
+            row.error = errors_of<D>(*method, hips, std::span<const Truth<D>>(truth));
+        }
+        rows.push_back(row);
+    }
+    if (watched) {
+        std::cerr << "\r\033[K" << std::flush;
+    }
+}
+
+template <int D>
+void append(Methods<D>& all, Methods<D> more) {
+    for (auto& method : more) {
+        all.push_back(std::move(method));
+    }
+}
+
+}  // namespace
+
+int contact_command(const std::vector<std::string>& arguments) {
+    Words words(arguments);
+    const bool with_peers = words.flag("--peers");
+    const double seconds = seconds_of(words.value("--seconds", "20"));
+    const std::string csv_name = words.value("--csv");
+    const std::string svg_name = words.value("--svg");
+    words.finish(kContactUsage);
+    if (with_peers && !have_peers()) {
+        throw WrongWord(
+            "this build has no peers: run ./palpate bench contact --peers, or configure with "
+            "-DPALPATE_BENCH_PEERS=ON");
+    }
+    std::ofstream csv = open(csv_name);
+    std::ofstream svg = open(svg_name);
+
+    const Clock clock;
+    std::cout << machine() << "; reading the clock twice takes " << clock.cost()
+              << " ns, which is subtracted\n";
+    std::vector<Row> rows;
+    for (const Object& object : contact_objects()) {
+        std::vector<Path> paths{{"-3..+3 mm", -3e-3, 3e-3}};
+        if (object.name == "D") {
+            paths.push_back({"0..+3 mm", 0.0, 3e-3});
+        }
+        for (const Path& path : paths) {
+            const std::vector<Vec2> hips = hand_along(
+                object, {.seconds = seconds, .nearest = path.nearest, .farthest = path.farthest});
+            Methods<2> methods = own_methods(object);
+            if (with_peers) {
+                append(methods, peer_methods(object));
+            }
+            const std::size_t before = rows.size();
+            measure<2>(rows, object.name, path.name, methods, hips, truths(object, hips), clock);
+            print_table(std::cout,
+                        {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
+        }
+    }
+    for (const Surface& surface : contact_surfaces()) {
+        Methods<3> methods = own_surface_methods(surface);
+        if (with_peers) {
+            append(methods, peer_surface_methods(surface));
+        }
+        if (methods.empty()) {
+            continue;
+        }
+        const std::vector<Vec3> hips = hand_over(surface, 0.2 * seconds);
+        const std::size_t before = rows.size();
+        measure<3>(rows, surface.name, "-3..+3 mm", methods, hips, truths(surface, hips), clock);
+        print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
+    }
+    if (csv.is_open()) {
+        write_csv(csv, rows);
+    }
+    if (svg.is_open()) {
+        write_svg(svg, rows);
+    }
+    return 0;
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,46 @@
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "tests/bench/commands.hpp"
+
+namespace {
+
+constexpr const char* kUsage =
+    "palpate bench COMMAND\n"
+    "  contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]\n"
+    "            closest points: time and error of every method on objects A to D\n"
+    "  scaling [--csv FILE]\n"
+    "            time of a tick on outlines of 2 to 100,000 curves\n";
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    using namespace palpate::bench;
+    std::vector<std::string> words(arguments + 1, arguments + count);
+    try {
+        if (words.empty()) {
+            throw WrongWord("say which: contact or scaling");
+        }
+        const std::string command = words.front();
+        words.erase(words.begin());
+        if (command == "--help" || command == "-h") {
+            std::cout << kUsage;
+            return 0;
+        }
+        if (command == "contact") {
+            return contact_command(words);
+        }
+        if (command == "scaling") {
+            return scaling_command(words);
+        }
+        throw WrongWord("there is no benchmark \"" + command + "\": there are contact and scaling");
+    } catch (const WrongWord& wrong) {
+        std::cerr << "palpate bench: " << wrong.what() << "\n" << kUsage;
+        return 2;
+    } catch (const std::exception& error) {
+        std::cerr << "palpate bench: " << error.what() << "\n";
+        return 1;
+    }
+}

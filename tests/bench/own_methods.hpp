@@ -1,0 +1,14 @@
+#pragma once
+
+#include "tests/bench/method.hpp"
+#include "tests/bench/objects.hpp"
+
+namespace palpate::bench {
+
+/// The floor, our own methods and the polyline, for one object. New solvers of the engine go here.
+[[nodiscard]] Methods<2> own_methods(const Object& object);
+
+/// Those that take any number of curves.
+[[nodiscard]] Methods<2> scaling_methods(const Object& ring);
+
+}  // namespace palpate::bench

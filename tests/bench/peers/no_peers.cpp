@@ -1,0 +1,15 @@
+#include "tests/bench/peers/peers.hpp"
+
+namespace palpate::bench {
+
+bool have_peers() noexcept {
+    return false;
+}
+Methods<2> peer_methods(const Object& /*object*/) {
+    return {};
+}
+Methods<3> peer_surface_methods(const Surface& /*surface*/) {
+    return {};
+}
+
+}  // namespace palpate::bench

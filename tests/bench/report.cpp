@@ -1,0 +1,113 @@
+#include "tests/bench/report.hpp"
+
+#include <array>
+#include <cstdarg>
+#include <cstdio>
+#include <fstream>
+#include <ostream>
+#include <thread>
+
+namespace palpate::bench {
+namespace {
+
+[[gnu::format(printf, 1, 2)]] std::string print(const char* format, ...) {
+    std::array<char, 256> text{};
+    std::va_list arguments;
+    va_start(arguments, format);
+    std::vsnprintf(text.data(), text.size(), format, arguments);
+    va_end(arguments);
+    return text.data();
+}
+
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        out += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return out + "\"";
+}
+
+/// Three digits, without an exponent where people read none.
+std::string nanoseconds(double ns) {
+    return print(ns < 99.95 ? "%.1f" : "%.0f", ns);
+}
+
+std::string metres(const Row& row, double value) {
+    return row.kind == Kind::floor ? "-" : print("%.1e", value);
+}
+
+}  // namespace
+
+std::string machine() {
+    std::string model = "unknown processor";
+    std::ifstream info("/proc/cpuinfo");
+    for (std::string line; std::getline(info, line);) {
+        if (line.rfind("model name", 0) == 0 && line.find(": ") != std::string::npos) {
+            model = line.substr(line.find(": ") + 2);
+            break;
+        }
+    }
+    return model + ", " + std::to_string(std::thread::hardware_concurrency()) +
+           " threads, " PALPATE_COMPILER;
+}
+
+const char* name_of(Kind kind) {
+    switch (kind) {
+        case Kind::floor:
+            return "floor";
+        case Kind::global:
+            return "global";
+        case Kind::tracker:
+            return "tracker";
+        case Kind::mesh:
+            return "mesh";
+        default:
+            return "peer";
+    }
+}
+
+void print_table(std::ostream& out, const std::vector<Row>& rows) {
+    std::string heading;
+    for (const Row& row : rows) {
+        const std::string now = row.object + ", " + row.path;
+        if (now != heading) {
+            heading = now;
+            out << '\n'
+                << heading << '\n'
+                << print("%-36s %8s %8s %8s %8s %9s %9s %9s %9s %9s %9s %8s\n", "method", "ns",
+                         "p50", "p99", "p99.9", "cold p50", "cold p99", "e_d p50", "e_d p99",
+                         "e_d max", "foot p99", "miss %");
+        }
+        out << print(
+            "%-36s %8s %8s %8s %8s %9s %9s %9s %9s %9s %9s %8s\n", row.method.c_str(),
+            nanoseconds(row.time.warm).c_str(), nanoseconds(row.time.p50).c_str(),
+            nanoseconds(row.time.p99).c_str(), nanoseconds(row.time.p999).c_str(),
+            nanoseconds(row.time.cold_p50).c_str(), nanoseconds(row.time.cold_p99).c_str(),
+            metres(row, row.error.distance_p50).c_str(),
+            metres(row, row.error.distance_p99).c_str(),
+            metres(row, row.error.distance_max).c_str(), metres(row, row.error.foot_p99).c_str(),
+            row.kind == Kind::floor ? "-" : print("%.2f", 100.0 * row.error.misses).c_str());
+    }
+}
+
+void write_csv(std::ostream& out, const std::vector<Row>& rows) {
+    out << "machine,object,path,method,kind,warm_ns,tick_p50_ns,tick_p99_ns,tick_p999_ns,cold_p50_"
+           "ns,"
+           "cold_p99_ns,distance_error_p50_m,distance_error_p99_m,distance_error_max_m,"
+           "foot_error_p99_m,miss_share\n";
+    for (const Row& row : rows) {
+        out << quoted(machine()) << ',' << quoted(row.object) << ',' << quoted(row.path) << ','
+            << quoted(row.method) << ',' << name_of(row.kind)
+            << print(",%.2f,%.1f,%.1f,%.1f,%.1f,%.1f", row.time.warm, row.time.p50, row.time.p99,
+                     row.time.p999, row.time.cold_p50, row.time.cold_p99);
+        if (row.kind == Kind::floor) {
+            out << ",,,,,\n";
+        } else {
+            out << print(",%.6g,%.6g,%.6g,%.6g,%.6g\n", row.error.distance_p50,
+                         row.error.distance_p99, row.error.distance_max, row.error.foot_p99,
+                         row.error.misses);
+        }
+    }
+}
+
+}  // namespace palpate::bench

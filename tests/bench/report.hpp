@@ -1,0 +1,34 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "tests/bench/errors.hpp"
+#include "tests/bench/method.hpp"
+#include "tests/bench/timing.hpp"
+
+namespace palpate::bench {
+
+/// One method on one path.
+struct Row {
+    std::string object;  ///< "A"
+    std::string path;    ///< "-3..+3 mm"
+    std::string method;
+    Kind kind = Kind::floor;
+    Timing time{};
+    Errors error{};  ///< none for Kind::floor
+};
+
+/// Processor, number of its cores, compiler: a time means nothing without.
+[[nodiscard]] std::string machine();
+[[nodiscard]] const char* name_of(Kind kind);
+
+/// Columns that people read: one table an object and path.
+void print_table(std::ostream& out, const std::vector<Row>& rows);
+/// One line a row, SI units and ns in the names of the columns.
+void write_csv(std::ostream& out, const std::vector<Row>& rows);
+/// Run time against error, log-log, one panel an object and path; no other file is needed to look at it.
+void write_svg(std::ostream& out, const std::vector<Row>& rows);
+
+}  // namespace palpate::bench
