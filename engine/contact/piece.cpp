@@ -20,7 +20,7 @@ constexpr double kFlat = 0.03;
 constexpr int kMaxCuts = 6;
 
 /// Coefficients below this share of their terms' size are rounding noise.
-constexpr double kNoise = 32.0 * kEpsilon;
+constexpr double kNoise = 16.0 * kEpsilon;
 
 /// Rounding of a bound, relative to the lengths in it.
 constexpr double kBoundMargin = 16.0 * kEpsilon;
@@ -34,6 +34,8 @@ struct Part {
     Bernstein weight;
     Bernstein a;  ///< f = a - h . b
     std::vector<Vec<D>> b;
+    Bernstein size_a;  ///< the same with every term positive: what rounding is relative to
+    Bernstein size_b;
 };
 
 template <int D>
@@ -43,6 +45,22 @@ Bernstein component(const std::vector<Vec<D>>& values, int k) {
         one.push_back(v[k]);
     }
     return one;
+}
+
+Bernstein magnitudes(Bernstein f) {
+    for (double& c : f) {
+        c = std::fabs(c);
+    }
+    return f;
+}
+
+/// Of the terms of a derivative's coefficients, for f >= 0.
+Bernstein derivative_size(const Bernstein& f) {
+    Bernstein size(f.size() - 1);
+    for (std::size_t i = 0; i < size.size(); ++i) {
+        size[i] = static_cast<double>(f.size() - 1) * (f[i + 1] + f[i]);
+    }
+    return size;
 }
 
 /// a and b of f over the whole span: with W of degree p, W^2 C' = P' W - P W' =: N, and
@@ -55,11 +73,20 @@ Part<D> whole(const RationalBezier<D>& curve) {
         s.weight.push_back(curve.weight(i));
         s.weighted.push_back(curve.weight(i) * curve.local_point(i));
     }
+    const auto add = [](Bernstein& to, const Bernstein& more) {
+        to = to.empty() ? more : sum(std::move(to), more);
+    };
     for (int k = 0; k < D; ++k) {
         const Bernstein p = component(s.weighted, k);
         const Bernstein n = curve.polynomial() ? derivative(p) : wronskian(p, s.weight);
-        const Bernstein pn = product(p, n);
-        s.a = s.a.empty() ? pn : sum(s.a, pn);
+        add(s.a, product(p, n));
+        const Bernstein most_p = magnitudes(p);
+        const Bernstein most_n = curve.polynomial()
+                                   ? derivative_size(most_p)
+                                   : sum(product(derivative_size(most_p), s.weight),
+                                         product(most_p, derivative_size(s.weight)));
+        add(s.size_a, product(most_p, most_n));
+        add(s.size_b, product(s.weight, most_n));
         const Bernstein wn = product(s.weight, n);
         s.b.resize(wn.size(), Vec<D>{});
         for (std::size_t i = 0; i < wn.size(); ++i) {
@@ -79,18 +106,9 @@ Part<D> cut(Part<D>& s) {
     right.weight = cut_in_half(s.weight);
     right.a = cut_in_half(s.a);
     right.b = cut_in_half(s.b);
+    right.size_a = cut_in_half(s.size_a);
+    right.size_b = cut_in_half(s.size_b);
     return right;
-}
-
-template <int D>
-double largest(const std::vector<Vec<D>>& values) {
-    double most = 0.0;
-    for (const Vec<D>& v : values) {
-        for (int k = 0; k < D; ++k) {
-            most = std::max(most, std::fabs(v[k]));
-        }
-    }
-    return most;
 }
 
 /// Chord, capsule and box of a stretch.
@@ -141,8 +159,6 @@ Pieces<D>::Pieces(const std::vector<RationalBezier<D>>& spans) {
 template <int D>
 void Pieces<D>::add_span(const RationalBezier<D>& curve, std::uint32_t index) {
     const Part<D> all = whole(curve);
-    const double noise = kNoise * largest_magnitude(all.a);
-    const double noise_h = kNoise * largest(all.b);
     struct Waiting {
         Part<D> part;
         int cuts;
@@ -158,7 +174,10 @@ void Pieces<D>::add_span(const RationalBezier<D>& curve, std::uint32_t index) {
             stack.push_back({std::move(at.part), at.cuts + 1});
             continue;
         }
-        const auto& [lo, hi, weighted, weight, a, b] = at.part;
+        const Bernstein& a = at.part.a;
+        const std::vector<Vec<D>>& b = at.part.b;
+        const double noise = kNoise * largest_magnitude(at.part.size_a);
+        const double noise_h = kNoise * largest_magnitude(at.part.size_b);
         piece.span = index;
         piece.count = static_cast<std::uint32_t>(a.size());
         piece.noise = noise;
@@ -168,6 +187,11 @@ void Pieces<D>::add_span(const RationalBezier<D>& curve, std::uint32_t index) {
         for (int k = 0; k < D; ++k) {
             const Bernstein one = component(b, k);
             store_.insert(store_.end(), one.begin(), one.end());
+        }
+        for (const Bernstein* size : {&at.part.size_a, &at.part.size_b}) {
+            for (const double c : *size) {
+                store_.push_back(kNoise * c);
+            }
         }
         std::vector<Vec<D>> normals;
         for (std::size_t i = 0; i + 1 < a.size(); ++i) {
@@ -211,11 +235,21 @@ void Pieces<D>::coefficients(const Piece<D>& piece, const Vec<D>& h, double* f) 
 }
 
 template <int D>
+void Pieces<D>::noise_levels(const Piece<D>& piece, const Vec<D>& h, double* noise) const noexcept {
+    const std::size_t n = piece.count;
+    const double* of_a = store_.data() + piece.first + static_cast<std::size_t>(D + 1) * n;
+    const double away = glm::length(h - piece.origin);
+    for (std::size_t i = 0; i < n; ++i) {
+        noise[i] = of_a[i] + away * of_a[n + i];
+    }
+}
+
+template <int D>
 double Pieces<D>::rise_slack(const Piece<D>& piece, const Vec<D>& h) const noexcept {
     const Vec<D> local = h - piece.origin;
     const std::size_t n = piece.count - 1;
     const double* offset =
-        store_.data() + piece.first + static_cast<std::size_t>(D + 1) * piece.count;
+        store_.data() + piece.first + static_cast<std::size_t>(D + 3) * piece.count;
     double slack = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < n; ++i) {
         double value = offset[i];

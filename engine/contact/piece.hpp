@@ -54,6 +54,9 @@ public:
     /// Bernstein coefficients of f over the piece for HIP h.
     void coefficients(const Piece<D>& piece, const Vec<D>& h, double* f) const noexcept;
 
+    /// Rounding level of each of them.
+    void noise_levels(const Piece<D>& piece, const Vec<D>& h, double* noise) const noexcept;
+
     /// How far h may move, m, before f might stop rising over the piece; <= 0: it may not rise at all.
     [[nodiscard]] double rise_slack(const Piece<D>& piece, const Vec<D>& h) const noexcept;
 
@@ -62,7 +65,8 @@ private:
 
     std::vector<Piece<D>> pieces_;
     std::vector<std::size_t> first_;
-    /// Of each piece: a (count), b (D x count), offsets (count - 1), normals (D x (count - 1)).
+    /// Of each piece: a (count), b (D x count), rounding of a, of b (count each), offsets (count - 1),
+    /// normals (D x (count - 1)).
     std::vector<double> store_;
 };
 

@@ -18,8 +18,14 @@ constexpr std::size_t kMaxDepth = 48;
 /// Splitting stops here: 2^-45 of u is 2e-15 m on an 80 mm curve, below every rounding error.
 constexpr int kMaxSplits = 45;
 
-/// Newton's steps in a bracket; bisection alone would need 53.
-constexpr int kMaxSteps = 64;
+/// Newton's steps in a bracket; bisection alone would need 53, or more beside a root at 0.
+constexpr int kMaxSteps = 128;
+
+/// Golden sections of a flat stretch: down to 1e-8 of it, where a parabola has no digits left.
+constexpr int kFlatSteps = 40;
+
+/// Newton's iteration starts this share of a bracket or more away from its ends.
+constexpr double kFromEnds = 0x1p-6;
 
 /// What Descartes' rule says of a list of coefficients.
 struct Signs {
@@ -44,13 +50,34 @@ Signs signs_of(const double* f, std::size_t count) noexcept {
     return s;
 }
 
-/// A stretch of a piece on the stack of splits.
+/// A stretch of a piece on the stack of splits: coefficients and their rounding levels. Both are halved
+/// alike, because beside a control point of little weight f may be 1e-15 of what it is elsewhere.
 struct Part {
     std::array<double, kMaxCoefficients> f;
+    std::array<double, kMaxCoefficients> noise;
     double lo;
     double width;
     int splits;
 };
+
+bool is_noise(const Part& part, std::size_t count) noexcept {
+    for (std::size_t k = 0; k < count; ++k) {
+        if (std::fabs(part.f[k]) > part.noise[k]) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// De Casteljau at the middle: `left` gets the left half, `f` becomes the right half.
+void halve(double* f, double* left, std::size_t count) noexcept {
+    for (std::size_t level = 0; level < count; ++level) {
+        left[level] = f[0];
+        for (std::size_t k = 0; k + 1 < count - level; ++k) {
+            f[k] = 0.5 * (f[k] + f[k + 1]);
+        }
+    }
+}
 
 }  // namespace
 
@@ -153,7 +180,8 @@ void PieceTree<D>::offer(const Vec<D>& h,
     }
 }
 
-/// Newton's iteration on g(u) = (C - h) . C', kept inside the bracket g(lo) < 0 < g(hi).
+/// Newton's iteration on the distance' derivative, g = (C - h) . C', between g(lo) < 0 < g(hi). In the
+/// second half of a span it runs in v = 1 - u, which has all its digits next to the end.
 template <int D>
 void PieceTree<D>::offer_root(const Vec<D>& h,
                               std::size_t span,
@@ -162,31 +190,48 @@ void PieceTree<D>::offer_root(const Vec<D>& h,
                               double guess,
                               Foot<D>& best) const noexcept {
     const RationalBezier<D>& curve = spans_[span];
-    double u = guess > lo && guess < hi ? guess : 0.5 * (lo + hi);
-    Jet<D> jet = curve.at(u);
+    const bool from_end = lo >= 0.5;
+    if (from_end) {
+        guess = 1.0 - guess;
+        const double low = 1.0 - hi;
+        hi = 1.0 - lo;
+        lo = low;
+    }
+    const auto jet_at = [&curve, from_end](double s) {
+        if (!from_end) {
+            return curve.at(s);
+        }
+        Jet<D> jet = curve.at_from_end(s);
+        jet.first = -jet.first;
+        return jet;
+    };
+    // Not from an end: where the curve stands still there, the sign of g is rounding.
+    const double margin = (hi - lo) * kFromEnds;
+    double s = guess > lo + margin && guess < hi - margin ? guess : 0.5 * (lo + hi);
+    Jet<D> jet = jet_at(s);
     for (int i = 0; i < kMaxSteps; ++i) {
         const Vec<D> gap = jet.point - h;
         const double g = glm::dot(gap, jet.first);
         const double slope = glm::dot(jet.first, jet.first) + glm::dot(gap, jet.second);
-        (g < 0.0 ? lo : hi) = u;
-        double next = slope > 0.0 ? u - g / slope : 0.5 * (lo + hi);
+        (g < 0.0 ? lo : hi) = s;
+        double next = slope > 0.0 ? s - g / slope : 0.5 * (lo + hi);
         if (!(next > lo && next < hi)) {
-            if (g == 0.0 || std::fabs(next - u) <= kEpsilon * std::fabs(u)) {
+            if (g == 0.0 || std::fabs(next - s) <= kEpsilon * s) {
                 break;
             }
             next = 0.5 * (lo + hi);
         }
-        const double step = std::fabs(next - u);
-        u = next;
-        jet = curve.at(u);
-        if (step <= 0.5 * kEpsilon * std::fabs(u)) {
+        const double step = std::fabs(next - s);
+        s = next;
+        jet = jet_at(s);
+        if (step <= 0.5 * kEpsilon * s) {
             break;
         }
     }
     const Vec<D> gap = jet.point - h;
     const double distance2 = glm::dot(gap, gap);
     if (distance2 < best.distance2) {
-        best = {span, u, jet.point, distance2};
+        best = {span, from_end ? 1.0 - s : s, jet.point, distance2};
     }
 }
 
@@ -195,54 +240,96 @@ template <int D>
 void PieceTree<D>::offer_piece(const Vec<D>& h,
                                const Piece<D>& piece,
                                Foot<D>& best) const noexcept {
-    std::array<Part, kMaxSplits + 2> stack;  // each split leaves one sibling behind
-    std::size_t top = 1;
-    stack[0].lo = piece.lo;
-    stack[0].width = piece.hi - piece.lo;
-    stack[0].splits = 0;
-    pieces_.coefficients(piece, h, stack[0].f.data());
+    std::array<double, kMaxCoefficients> f;
+    pieces_.coefficients(piece, h, f.data());
     const std::size_t n = piece.count;
     const double noise = piece.noise + piece.noise_h * glm::length(h - piece.origin);
     // f > 0 at an end: the distance grows away from it, so that the end may be nearest.
-    if (!(stack[0].f[0] < -noise)) {
+    if (!(f[0] < -noise)) {
         offer(h, piece.span, piece.lo, best);
     }
-    if (!(stack[0].f[n - 1] > noise)) {
+    if (!(f[n - 1] > noise)) {
         offer(h, piece.span, piece.hi, best);
     }
+    const Signs signs = signs_of(f.data(), n);
+    if (signs.changes == 0 && signs.largest > noise) {
+        return;
+    }
+    if (signs.changes == 1 && std::fabs(f[0]) > noise && std::fabs(f[n - 1]) > noise) {
+        if (signs.first < 0.0) {  // from - to +: the one root is a minimum
+            const double share = f[0] / (f[0] - f[n - 1]);
+            offer_root(h, piece.span, piece.lo, piece.hi, piece.lo + share * (piece.hi - piece.lo),
+                       best);
+        }
+        return;
+    }
+    offer_splits(h, piece, f.data(), best);
+}
+
+/// Where f is rounding, the distance itself still has digits: golden section on it (Kiefer 1953). All
+/// that can be lost here is what f cannot tell, an error of the distance squared near its last bit.
+template <int D>
+void PieceTree<D>::offer_flat(
+    const Vec<D>& h, std::size_t span, double lo, double hi, Foot<D>& best) const noexcept {
+    constexpr double kGolden = 0.6180339887498949;
+    const auto distance2 = [&](double u) {
+        const Vec<D> gap = spans_[span].at(u).point - h;
+        return glm::dot(gap, gap);
+    };
+    offer(h, span, lo, best);
+    offer(h, span, hi, best);
+    double a = hi - kGolden * (hi - lo);
+    double b = lo + kGolden * (hi - lo);
+    double at_a = distance2(a);
+    double at_b = distance2(b);
+    for (int i = 0; i < kFlatSteps; ++i) {
+        const bool left = at_a <= at_b;
+        (left ? hi : lo) = left ? b : a;
+        (left ? b : a) = left ? a : b;
+        (left ? at_b : at_a) = left ? at_a : at_b;
+        double& fresh = left ? a : b;
+        fresh = left ? hi - kGolden * (hi - lo) : lo + kGolden * (hi - lo);
+        (left ? at_a : at_b) = distance2(fresh);
+    }
+    offer(h, span, at_a <= at_b ? a : b, best);
+}
+
+/// The same for a piece with more than one root, or with roots close to its ends.
+template <int D>
+void PieceTree<D>::offer_splits(const Vec<D>& h,
+                                const Piece<D>& piece,
+                                const double* f,
+                                Foot<D>& best) const noexcept {
+    std::array<Part, kMaxSplits + 2> stack;  // each split leaves one sibling behind
+    const std::size_t n = piece.count;
+    std::copy_n(f, n, stack[0].f.begin());
+    pieces_.noise_levels(piece, h, stack[0].noise.data());
+    stack[0].lo = piece.lo;
+    stack[0].width = piece.hi - piece.lo;
+    stack[0].splits = 0;
+    std::size_t top = 1;
     while (top > 0) {
         Part& part = stack[top - 1];
         const Signs signs = signs_of(part.f.data(), n);
-        if (signs.changes == 0 && signs.largest > noise) {
+        if (is_noise(part, n) || part.splits >= kMaxSplits) {
+            offer_flat(h, piece.span, part.lo, part.lo + part.width, best);
             --top;
             continue;
         }
-        if (signs.largest <= noise || part.splits >= kMaxSplits) {
-            // Flat within rounding: any place will do.
-            offer(h, piece.span, part.lo + 0.5 * part.width, best);
-            --top;
-            continue;
-        }
-        if (signs.changes == 1) {
-            if (signs.first < 0.0) {  // from - to +: the one root is a minimum
-                const double share = part.f[0] / (part.f[0] - part.f[n - 1]);
-                offer_root(h, piece.span, part.lo, part.lo + part.width,
-                           part.lo + share * part.width, best);
+        if (signs.changes <= 1) {
+            if (signs.changes == 1 && signs.first < 0.0) {
+                offer_root(h, piece.span, part.lo, part.lo + part.width, part.lo + 0.5 * part.width,
+                           best);
             }
             --top;
             continue;
         }
-        // De Casteljau at the middle: left half on top of the stack, right half stays below it.
         Part& left = stack[top];
         left.lo = part.lo;
         left.width = part.width = 0.5 * part.width;
         left.splits = part.splits = part.splits + 1;
-        for (std::size_t level = 0; level < n; ++level) {
-            left.f[level] = part.f[0];
-            for (std::size_t k = 0; k + 1 < n - level; ++k) {
-                part.f[k] = 0.5 * (part.f[k] + part.f[k + 1]);
-            }
-        }
+        halve(part.f.data(), left.f.data(), n);
+        halve(part.noise.data(), left.noise.data(), n);
         part.lo += part.width;
         ++top;
         if (left.f[n - 1] == 0.0) {

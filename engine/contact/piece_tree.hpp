@@ -56,6 +56,12 @@ private:
     template <class Visit>
     void descend(const Vec<D>& h, const double& best2, Visit&& visit) const noexcept;
     void offer_piece(const Vec<D>& h, const Piece<D>& piece, Foot<D>& best) const noexcept;
+    void offer_splits(const Vec<D>& h,
+                      const Piece<D>& piece,
+                      const double* f,
+                      Foot<D>& best) const noexcept;
+    void offer_flat(
+        const Vec<D>& h, std::size_t span, double lo, double hi, Foot<D>& best) const noexcept;
     void offer(const Vec<D>& h, std::size_t span, double u, Foot<D>& best) const noexcept;
     void offer_root(const Vec<D>& h,
                     std::size_t span,

@@ -111,7 +111,7 @@ Outline::Outline(std::vector<RationalBezier<2>> segments, bool closed) : closed_
 
 void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
     const std::size_t first = spans_.size();
-    for (const auto& [span, lo, hi] : curve.spans()) {
+    for (const auto& [span, name] : balanced_spans(curve, index)) {
         if (!(glm::length(span.box().size()) > 0.0)) {
             continue;  // control points that all coincide: the curve only waits here
         }
@@ -119,9 +119,15 @@ void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
         cuts.push_back(1.0);
         double from = 0.0;
         for (const double to : cuts) {
-            spans_.push_back(cuts.size() == 1 ? span : stretch_of(span, from, to));
-            const double width = hi - lo;
-            names_.push_back({index, lo + from * width, to == 1.0 ? hi : lo + to * width});
+            if (cuts.size() == 1) {
+                spans_.push_back(span);
+                names_.push_back(name);
+            } else {
+                const BalancedSpan<2> part = balanced(stretch_of(span, from, to));
+                spans_.push_back(part.curve);
+                names_.push_back(
+                    {index, name.parameter(from), name.parameter(to), part.name.ratio});
+            }
             from = to;
         }
     }

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/geometry/nurbs_curve.hpp"
+#include "engine/geometry/balanced_span.hpp"
 
 namespace palpate::engine {
 
@@ -39,16 +39,6 @@ struct Joint {
     Vec2 tangent_out{};      ///< unit tangent at the start of `after`
     JointKind kind = JointKind::smooth;
     double turn = 0.0;  ///< angle between the tangents, rad in [0, pi]
-};
-
-/// Where a span of an outline comes from: parameters [lo, hi] of the experimenter's segment.
-struct SpanName {
-    std::size_t segment = 0;
-    double lo = 0.0;
-    double hi = 1.0;
-
-    /// The segment's own parameter at u in [0, 1] of the span.
-    [[nodiscard]] double parameter(double u) const noexcept { return lo + u * (hi - lo); }
 };
 
 /// Curves joined end to end, the object on the right of travel. Closed: the last joins the first,

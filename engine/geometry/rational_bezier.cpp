@@ -65,7 +65,7 @@ RationalBezier<D>::RationalBezier(std::span<const Vec<D>> points, std::span<cons
 
 template <int D>
 template <int N>
-Jet<D> RationalBezier<D>::cut(double u) const noexcept {
+Jet<D> RationalBezier<D>::cut(double u, double v) const noexcept {
     constexpr auto kCount = static_cast<std::size_t>(N) + 1;
     std::array<Vec<D>, kCount> p;
     std::array<double, kCount> w;
@@ -73,7 +73,6 @@ Jet<D> RationalBezier<D>::cut(double u) const noexcept {
         p[i] = weighted_[i];
         w[i] = weights_[i];
     }
-    const double v = 1.0 - u;
     for (std::size_t level = N; level > 2; --level) {
         for (std::size_t i = 0; i < level; ++i) {
             p[i] = v * p[i] + u * p[i + 1];
@@ -106,26 +105,26 @@ Jet<D> RationalBezier<D>::cut(double u) const noexcept {
 }
 
 template <int D>
-Jet<D> RationalBezier<D>::by_corner_cutting(double u) const noexcept {
+Jet<D> RationalBezier<D>::by_corner_cutting(double u, double v) const noexcept {
     switch (degree_) {
         case 1:
-            return cut<1>(u);
+            return cut<1>(u, v);
         case 2:
-            return cut<2>(u);
+            return cut<2>(u, v);
         case 3:
-            return cut<3>(u);
+            return cut<3>(u, v);
         case 4:
-            return cut<4>(u);
+            return cut<4>(u, v);
         case 5:
-            return cut<5>(u);
+            return cut<5>(u, v);
         case 6:
-            return cut<6>(u);
+            return cut<6>(u, v);
         case 7:
-            return cut<7>(u);
+            return cut<7>(u, v);
         case 8:
-            return cut<8>(u);
+            return cut<8>(u, v);
         default:
-            return cut<9>(u);
+            return cut<9>(u, v);
     }
 }
 

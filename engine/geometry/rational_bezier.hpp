@@ -59,7 +59,12 @@ public:
 
     /// C, C' and C'' at u; u is not clamped.
     [[nodiscard]] Jet<D> at(double u) const noexcept {
-        return horner_ ? by_horner(u) : by_corner_cutting(u);
+        return horner_ ? by_horner(u) : by_corner_cutting(u, 1.0 - u);
+    }
+    /// The same at u = 1 - v, for v near 0: beside a heavy last control point one bit of u may be 1e-10
+    /// of the size, while v has all its digits.
+    [[nodiscard]] Jet<D> at_from_end(double v) const noexcept {
+        return horner_ ? by_horner(1.0 - v) : by_corner_cutting(1.0 - v, v);
     }
 
 private:
@@ -71,9 +76,9 @@ private:
         jet.second = 2.0 * c[2] + (6.0 * u) * c[3];
         return jet;
     }
-    [[nodiscard]] Jet<D> by_corner_cutting(double u) const noexcept;
+    [[nodiscard]] Jet<D> by_corner_cutting(double u, double v) const noexcept;
     template <int N>
-    [[nodiscard]] Jet<D> cut(double u) const noexcept;
+    [[nodiscard]] Jet<D> cut(double u, double v) const noexcept;
 
     Vec<D> origin_{};
     std::array<Vec<D>, 4> power_{};  ///< coefficients of 1, u, u^2, u^3 when horner_
