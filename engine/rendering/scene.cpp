@@ -65,6 +65,12 @@ Scene::Step Scene::step_for(const SceneSpec& spec) const noexcept {
     return spec.slew.none() ? chosen.operator()<true, false>() : chosen.operator()<true, true>();
 }
 
+void Scene::set_period(double period) {
+    spec_.period = period;
+    static_cast<void>(checked(spec_));
+    decay_ = stribeck_decay(spec_.friction, period);
+}
+
 /// Out of contact: how far HIP may go before the next look.
 Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept {
     state.touching = false;

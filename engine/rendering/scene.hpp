@@ -82,6 +82,8 @@ public:
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
     [[nodiscard]] const SceneSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] const StribeckDecay& decay() const noexcept { return decay_; }
+    /// The same scene at another tick period, for paths whose ticks are uneven. @param period  s, > 0
+    void set_period(double period);
     /// The same scene with decay constants recorded earlier, for a replay to the bit.
     void restore_decay(const StribeckDecay& recorded) noexcept { decay_ = recorded; }
 

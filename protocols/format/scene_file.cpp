@@ -90,6 +90,9 @@ engine::NurbsCurve<D> nurbs(const Positions<D>& points,
 
 void read_segment(TableView table, SceneFile& scene) {
     const std::size_t kind = table.choice("kind", kKinds, std::nullopt);
+    if (table.broken()) {
+        return;  // what else it needs depends on its kind
+    }
     if (kind == 0) {
         const int degree = static_cast<int>(table.required_integer("degree", {.lowest = 1.0}));
         const std::vector<double> knots = table.numbers("knots");

@@ -74,6 +74,7 @@ public:
             add(at_, name_ + ": " + e.what());
         }
     }
+    [[nodiscard]] bool broken() const noexcept { return broken_; }  ///< a problem was found so far
     /// Every key that was not asked for is a problem.
     void refuse_unknown();
 

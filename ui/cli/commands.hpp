@@ -9,6 +9,8 @@ namespace palpate::ui {
 [[nodiscard]] int demo_command(const DemoOptions& options);
 [[nodiscard]] int summary_command(const SummaryOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
+[[nodiscard]] int render_command(const SceneOptions& options);
+[[nodiscard]] int closest_command(const SceneOptions& options);
 
 /// The words or files given are wrong: exit code 2, nothing was created.
 inline constexpr int kExitUsage = 2;

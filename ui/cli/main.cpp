@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocols/format/protocol_file.hpp"
+#include "data/csv/number_table.hpp"
 #include "ui/cli/commands.hpp"
 
 namespace {
@@ -18,6 +19,8 @@ int dispatch(const Options& options) {
         int operator()(const DemoOptions& demo) const { return demo_command(demo); }
         int operator()(const SummaryOptions& summary) const { return summary_command(summary); }
         int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
+        int operator()(const RenderOptions& render) const { return render_command(render); }
+        int operator()(const ClosestOptions& closest) const { return closest_command(closest); }
     };
     return std::visit(Visitor{}, options);
 }
@@ -28,6 +31,9 @@ int main(int argc, char** argv) {
     try {
         return dispatch(parse_command_line(argc, argv));
     } catch (const palpate::protocols::ProtocolError& e) {
+        fmt::print(stderr, "{}\n", e.what());
+        return kExitUsage;
+    } catch (const palpate::data::CsvError& e) {
         fmt::print(stderr, "{}\n", e.what());
         return kExitUsage;
     } catch (const std::invalid_argument& e) {

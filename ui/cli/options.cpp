@@ -53,6 +53,19 @@ void add_demo(CLI::App& app, DemoOptions& demo) {
     add_screen(*command, demo.screen);
 }
 
+/// A command that reads a scene and a table of points.
+void add_scene_command(CLI::App& app,
+                       const std::string& name,
+                       const std::string& what,
+                       const std::string& points,
+                       SceneOptions& options) {
+    CLI::App* command = app.add_subcommand(name, what);
+    command->add_option("SCENE", options.scene, "A scene file (TOML)")->required();
+    command->add_option(points, options.points, "A CSV file with a head")->required();
+    command->add_option("-o,--output", options.output,
+                        "Where to write; standard output without it");
+}
+
 }  // namespace
 
 Options parse_command_line(int argc, const char* const* argv) {
@@ -68,8 +81,14 @@ Options parse_command_line(int argc, const char* const* argv) {
     DemoOptions demo;
     SummaryOptions summary;
     ScreenshotOptions shots;
+    RenderOptions render;
+    ClosestOptions closest;
     add_demo(app, demo);
     add_run(app, run);
+    add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
+                      "TRAJECTORY", render);
+    add_scene_command(app, "closest", "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS",
+                      closest);
     CLI::App* summarise =
         app.add_subcommand("summary", "Confusion matrix and shares correct of a database");
     summarise->add_option("FILE", summary.database, "A palpate database")->required();
@@ -100,6 +119,12 @@ Options parse_command_line(int argc, const char* const* argv) {
     }
     if (app.got_subcommand("summary")) {
         return summary;
+    }
+    if (app.got_subcommand("render")) {
+        return render;
+    }
+    if (app.got_subcommand("closest")) {
+        return closest;
     }
     return shots;
 }

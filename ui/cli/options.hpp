@@ -43,12 +43,27 @@ struct ScreenshotOptions {
     std::string font;
 };
 
+/// The offline tools: a scene and a table of points.
+struct SceneOptions {
+    std::string scene;
+    std::string points;
+    std::string output;  ///< empty: standard output
+};
+struct RenderOptions : SceneOptions {};
+struct ClosestOptions : SceneOptions {};
+
 /// The program is to end now with this exit code (help was shown, or the words were wrong).
 struct Exit {
     int code = 0;
 };
 
-using Options = std::variant<Exit, RunOptions, DemoOptions, SummaryOptions, ScreenshotOptions>;
+using Options = std::variant<Exit,
+                             RunOptions,
+                             DemoOptions,
+                             SummaryOptions,
+                             ScreenshotOptions,
+                             RenderOptions,
+                             ClosestOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
 [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);

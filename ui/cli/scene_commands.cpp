@@ -1,0 +1,47 @@
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/format/protocol_file.hpp"
+#include "data/csv/number_table.hpp"
+#include "data/csv/whole_file.hpp"
+#include "ui/cli/commands.hpp"
+#include "ui/cli/scene_tools.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "z_m"};
+
+/// The columns that points of so many dimensions need, with or without time before them.
+data::NumberTable read_points(const std::string& file, int dimension, bool with_time) {
+    const std::span<const std::string_view> all(kColumns);
+    const std::size_t first = with_time ? 0 : 1;
+    const auto last = static_cast<std::size_t>(dimension) + 1;
+    return data::read_numbers(file, all.subspan(first, last - first));
+}
+
+}  // namespace
+
+int render_command(const SceneOptions& options) {
+    const protocols::SceneFile scene = protocols::load_scene(options.scene);
+    const data::NumberTable path = read_points(options.points, scene.dimension(), true);
+    std::string text;
+    try {
+        text = render_csv(scene, path, options.points);
+    } catch (const std::invalid_argument& e) {  // the curves do not make an object
+        throw protocols::ProtocolError(fmt::format("{}:1:1: {}", options.scene, e.what()));
+    }
+    data::write_whole(options.output, text);
+    return 0;
+}
+
+int closest_command(const SceneOptions& options) {
+    const protocols::SceneFile scene = protocols::load_scene(options.scene);
+    const data::NumberTable points = read_points(options.points, scene.dimension(), false);
+    data::write_whole(options.output, closest_csv(scene, points));
+    return 0;
+}
+
+}  // namespace palpate::ui

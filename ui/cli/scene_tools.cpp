@@ -1,0 +1,265 @@
+#include "ui/cli/scene_tools.hpp"
+
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+#include <fmt/compile.h>
+#include <fmt/format.h>
+
+#include "engine/rendering/scene.hpp"
+#include "engine/thesis/thesis_scene.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using engine::Vec;
+using engine::Vec2;
+using engine::Vec3;
+using protocols::Law;
+using protocols::SceneFile;
+
+/// Tick periods that differ by less than this share are the same: t_s in decimals is rounded.
+constexpr double kSamePeriod = 1e-6;
+
+/// Tick period of a path of a single row, s.
+constexpr double kUsualPeriod = 0.001;
+
+/// Periods of all ticks, s: the first one is taken to be as long as the second.
+std::vector<double> periods_of(const data::NumberTable& path, const std::string& file) {
+    std::vector<double> periods(path.rows(), kUsualPeriod);
+    if (path.rows() < 2) {
+        return periods;
+    }
+    const std::size_t last = path.rows() - 1;
+    const double mean = (path.at(last, 0) - path.at(0, 0)) / static_cast<double>(last);
+    for (std::size_t i = 1; i <= last; ++i) {
+        const double period = path.at(i, 0) - path.at(i - 1, 0);
+        if (!(period > 0.0)) {
+            throw data::CsvError(
+                fmt::format("{}:{}: t_s is {} after {}: time has to grow from row to row", file,
+                            path.lines[i], path.at(i, 0), path.at(i - 1, 0)));
+        }
+        periods[i] = std::fabs(period - mean) <= kSamePeriod * mean ? mean : period;
+    }
+    periods[0] = periods[1];
+    return periods;
+}
+
+const char* mode_text(engine::Mode mode) {
+    switch (mode) {
+        case engine::Mode::free:
+            return "FREE";
+        case engine::Mode::stuck:
+            return "STUCK";
+        case engine::Mode::slip:
+            return "SLIP";
+        case engine::Mode::transition:
+            return "TRANSITION";
+    }
+    return "";
+}
+
+/// One line of CSV after another.
+class Lines {
+public:
+    explicit Lines(std::string_view head) : text_(head) { text_ += '\n'; }
+
+    void begin() { first_ = true; }
+    void end() { text_ += '\n'; }
+    void add(std::string_view word) {
+        comma();
+        text_ += word;
+    }
+    void add(double value) {
+        comma();
+        fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value == 0.0 ? 0.0 : value);
+    }
+    void add(std::size_t value) {
+        comma();
+        fmt::format_to(std::back_inserter(text_), FMT_COMPILE("{}"), value);
+    }
+    template <int D>
+    void add_point(const Vec<D>& p) {
+        for (int k = 0; k < D; ++k) {
+            add(p[k]);
+        }
+    }
+    [[nodiscard]] std::string take() { return std::move(text_); }
+
+private:
+    void comma() {
+        if (!first_) {
+            text_ += ',';
+        }
+        first_ = false;
+    }
+
+    std::string text_;
+    bool first_ = true;
+};
+
+constexpr std::string_view kPlaneHead =
+    "t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n";
+constexpr std::string_view kSpaceHead =
+    "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n";
+
+struct Spot {
+    std::size_t segment = 0;
+    double u = 0.0;
+};
+
+Spot spot_of(const engine::Outline& outline, const engine::Place& place) {
+    const std::size_t span = place.on_joint ? outline.joints()[place.index].before : place.index;
+    const double t = place.on_joint ? 1.0 : place.parameter;
+    const engine::SpanName& name = outline.name(span);
+    return {name.segment, name.parameter(t)};
+}
+
+/// What both kinds of scene answer.
+struct PlaneTick {
+    engine::Mode mode = engine::Mode::free;
+    Spot spot{};
+    Vec2 cp{};
+    Vec2 go{};
+    double fn = 0.0;
+    double ft = 0.0;
+    Vec2 force{};
+};
+
+void add_row(Lines& lines, double t, const PlaneTick& tick) {
+    lines.begin();
+    lines.add(t);
+    lines.add(mode_text(tick.mode));
+    lines.add(tick.spot.segment);
+    lines.add(tick.spot.u);
+    lines.add_point<2>(tick.cp);
+    lines.add_point<2>(tick.go);
+    lines.add(tick.fn);
+    lines.add(tick.ft);
+    lines.add_point<2>(tick.force);
+    lines.end();
+}
+
+std::string render_plane(const SceneFile& file,
+                         const data::NumberTable& path,
+                         const std::vector<double>& periods) {
+    const auto outline = std::make_shared<const engine::Outline>(protocols::outline_of(file));
+    engine::Scene scene(outline,
+                        protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0]));
+    engine::ContactState state;
+    Lines lines(kPlaneHead);
+    for (std::size_t i = 0; i < path.rows(); ++i) {
+        if (periods[i] != scene.spec().period) {
+            scene.set_period(periods[i]);
+        }
+        const engine::Contact c = scene.tick(state, {path.at(i, 1), path.at(i, 2)});
+        add_row(lines, path.at(i, 0),
+                {c.mode, spot_of(*outline, c.cp.place), c.cp.point, c.go, c.normal_force,
+                 c.tangential_force, c.force});
+    }
+    return lines.take();
+}
+
+engine::ThesisSpec thesis_spec(const SceneFile& file, double period) {
+    const Law law = file.friction.law;
+    engine::ThesisSpec spec{.stiffness = file.renderer.stiffness,
+                            .period = period,
+                            .tracker = file.renderer.tracker,
+                            .law = law == Law::thesis_literal ? engine::ThesisLaw::literal
+                                 : law == Law::thesis_latched ? engine::ThesisLaw::latched
+                                                              : engine::ThesisLaw::frictionless,
+                            .mu_s = file.friction.set.mu_s,
+                            .mu_d = file.friction.set.mu_d,
+                            .dead_band = file.friction.dead_band};
+    if (file.renderer.certified) {  // the nearest that the thesis' renderer knows
+        spec.tracker = {.kind = engine::TrackerKind::newton, .iterations = 2};
+    }
+    return spec;
+}
+
+std::string render_thesis(const SceneFile& file,
+                          const data::NumberTable& path,
+                          const std::string& name,
+                          const std::vector<double>& periods) {
+    const double period = periods.empty() ? kUsualPeriod : periods[0];
+    for (std::size_t i = 0; i < periods.size(); ++i) {
+        if (periods[i] != period) {
+            throw data::CsvError(
+                fmt::format("{}:{}: a tick of {} s among ticks of {} s: the thesis' renderer needs "
+                            "even ticks",
+                            name, path.lines[i], periods[i], period));
+        }
+    }
+    const bool closed = protocols::outline_of(file).closed();
+    const engine::ThesisScene scene(file.curves, closed, thesis_spec(file, period));
+    engine::ThesisState state;
+    Lines lines(kPlaneHead);
+    for (std::size_t i = 0; i < path.rows(); ++i) {
+        const engine::ThesisTick t = scene.tick(state, {path.at(i, 1), path.at(i, 2)});
+        add_row(lines, path.at(i, 0),
+                {t.mode, {t.cp_segment, t.cp_u}, t.cp, t.go, t.fn, t.ft, t.force});
+    }
+    return lines.take();
+}
+
+/// Whether the thesis' renderer is asked for: by its law, or by its tracker where the tracker decides the
+/// force. With friction our law needs no tracker in contact; the column cp alone would differ.
+bool by_thesis(const SceneFile& file) {
+    const Law law = file.friction.law;
+    return law == Law::thesis_literal || law == Law::thesis_latched ||
+           (!file.renderer.certified && law == Law::frictionless);
+}
+
+template <int D>
+std::string closest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves,
+                              const data::NumberTable& points) {
+    std::vector<engine::RationalBezier<D>> spans;
+    std::vector<engine::SpanName> names;
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+        for (auto& [curve, name] : engine::balanced_spans<D>(curves[i], i)) {
+            spans.push_back(curve);
+            names.push_back(name);
+        }
+    }
+    const engine::PieceTree<D> tree(std::move(spans));
+    Lines lines(D == 2 ? "segment,u,cp_x_m,cp_y_m,distance_m"
+                       : "segment,u,cp_x_m,cp_y_m,cp_z_m,distance_m");
+    for (std::size_t i = 0; i < points.rows(); ++i) {
+        Vec<D> h{};
+        for (int k = 0; k < D; ++k) {
+            h[k] = points.at(i, static_cast<std::size_t>(k));
+        }
+        const engine::Foot<D> foot = tree.closest(h);
+        lines.begin();
+        lines.add(names[foot.span].segment);
+        lines.add(names[foot.span].parameter(foot.u));
+        lines.template add_point<D>(foot.point);
+        lines.add(std::sqrt(foot.distance2));
+        lines.end();
+    }
+    return lines.take();
+}
+
+}  // namespace
+
+std::string render_csv(const SceneFile& scene,
+                       const data::NumberTable& path,
+                       const std::string& file_name) {
+    const std::vector<double> periods = periods_of(path, file_name);
+    if (scene.curves.empty()) {
+        throw std::invalid_argument(
+            "curves in space cannot be felt, only asked for the closest point: give plane curves "
+            "or "
+            "a [surface]");
+    }
+    return by_thesis(scene) ? render_thesis(scene, path, file_name, periods)
+                            : render_plane(scene, path, periods);
+}
+
+std::string closest_csv(const SceneFile& scene, const data::NumberTable& points) {
+    return scene.curves.empty() ? closest_on_curves<3>(scene.space_curves, points)
+                                : closest_on_curves<2>(scene.curves, points);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+
+#include "protocols/format/scene_file.hpp"
+#include "data/csv/number_table.hpp"
+
+/// What the offline tools compute, as CSV texts. Column names carry the units; numbers are written in the
+/// fewest digits that read back as the same double.
+namespace palpate::ui {
+
+/// Feels a trajectory (columns t_s, x_m, y_m and z_m in space): one row a tick with mode, closest point,
+/// god-object and the force on the user. The tick period is that of t_s.
+///
+/// t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n (in space v and z columns too);
+/// segment and u are those of the closest point, on a vertex the end of the segment before it.
+/// @throws data::CsvError for a time that does not grow: file:line and a remedy
+[[nodiscard]] std::string render_csv(const protocols::SceneFile& scene,
+                                     const data::NumberTable& path,
+                                     const std::string& file_name);
+
+/// The global closest point of each row: segment,u,cp_x_m,cp_y_m,distance_m (in space v and cp_z_m too).
+[[nodiscard]] std::string closest_csv(const protocols::SceneFile& scene,
+                                      const data::NumberTable& points);
+
+}  // namespace palpate::ui
