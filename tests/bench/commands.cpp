@@ -32,4 +32,22 @@ void Words::finish(const std::string& usage) const {
     }
 }
 
+std::ofstream open_output(const std::string& name) {
+    std::ofstream out;
+    if (!name.empty()) {
+        out.open(name);
+        if (!out) {
+            throw WrongWord("cannot write " + name);
+        }
+    }
+    return out;
+}
+
+void close_output(std::ofstream& out, const std::string& name) {
+    out.close();
+    if (!out) {
+        throw std::runtime_error("could not write all of " + name);
+    }
+}
+
 }  // namespace palpate::bench

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -32,5 +33,11 @@ public:
 private:
     std::vector<std::string> words_;
 };
+
+/// A file for results, opened before the long run that makes them; none for an empty name.
+/// @throws WrongWord if it cannot be written
+[[nodiscard]] std::ofstream open_output(const std::string& name);
+/// @throws std::runtime_error if not all of it was written
+void close_output(std::ofstream& out, const std::string& name);
 
 }  // namespace palpate::bench
