@@ -80,11 +80,7 @@ int contact_command(const std::vector<std::string>& arguments) {
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
     words.finish(kContactUsage);
-    if (with_peers && !have_peers()) {
-        throw WrongWord(
-            "this build has no peers: run ./palpate bench contact --peers, or configure with "
-            "-DPALPATE_BENCH_PEERS=ON");
-    }
+    need_peers_if(with_peers);
     std::ofstream csv = open_output(csv_name);
     std::ofstream svg = open_output(svg_name);
 

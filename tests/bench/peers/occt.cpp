@@ -62,6 +62,7 @@ struct Multiple {
 struct Curve {
     Handle(Geom2d_BSplineCurve) curve;
     Geom2dAdaptor_Curve adaptor;
+    std::vector<gp_Pnt2d> corners{};  ///< ends and kinks: OCCT finds normals only
 
     explicit Curve(const tests::NurbsData<2>& data) {
         const int count = static_cast<int>(data.points.size());
@@ -76,6 +77,11 @@ struct Curve {
         curve = new Geom2d_BSplineCurve(poles, weights, knots.values(), knots.multiplicities(),
                                         data.degree);
         adaptor.Load(curve);
+        for (std::size_t i = 0; i < knots.knots.size(); ++i) {
+            if (knots.times[i] >= data.degree) {
+                corners.push_back(curve->Value(knots.knots[i]));
+            }
+        }
     }
     [[nodiscard]] double lo() const { return curve->FirstParameter(); }
     [[nodiscard]] double hi() const { return curve->LastParameter(); }
@@ -83,7 +89,6 @@ struct Curve {
 
 using Curves = std::vector<std::shared_ptr<const Curve>>;
 
-/// OCCT finds normals only: the ends are ours to compare.
 struct Nearest {
     gp_Pnt2d hip;
     gp_Pnt2d foot{};
@@ -96,9 +101,10 @@ struct Nearest {
         }
     }
     void offer(const gp_Pnt2d& point) { offer(point, point.SquareDistance(hip)); }
-    void offer_ends(const Curve& curve) {
-        offer(curve.curve->StartPoint());
-        offer(curve.curve->EndPoint());
+    void offer_corners(const Curve& curve) {
+        for (const gp_Pnt2d& corner : curve.corners) {
+            offer(corner);
+        }
     }
     [[nodiscard]] Answer<2> answer() const { return {{foot.X(), foot.Y()}, foot.Distance(hip)}; }
 };
@@ -114,7 +120,7 @@ struct Project {
             if (found.NbPoints() > 0) {
                 nearest.offer(found.NearestPoint());
             }
-            nearest.offer_ends(*curve);
+            nearest.offer_corners(*curve);
         }
         return nearest.answer();
     }
@@ -141,7 +147,7 @@ struct Extrema {
                     nearest.offer(solvers[i]->Point(k).Value(), solvers[i]->SquareDistance(k));
                 }
             }
-            nearest.offer_ends(*curves[i]);
+            nearest.offer_corners(*curves[i]);
         }
         return nearest.answer();
     }
@@ -183,7 +189,7 @@ struct Locate {
             } else {
                 nearest.offer(curves[i]->curve->Value(u[i]));
             }
-            nearest.offer_ends(*curves[i]);
+            nearest.offer_corners(*curves[i]);
         }
         return nearest.answer();
     }

@@ -7,14 +7,15 @@
 
 #include <sisl.h>
 
+#include "engine/geometry/box.hpp"
 #include "tests/bench/peers/peers.hpp"
 
 namespace palpate::bench {
 namespace {
 
-/// Resolutions in the units of the model, m. s1953 and s1774 go on to the last bits in any case.
-constexpr double kResolution = 1e-9;
-constexpr double kComputing = 1e-15;  // not used by the library since long
+/// Geometric resolution, of the size of a model: of 1e-6 to 1e-12 the one with the fewest wrong answers.
+constexpr double kResolution = 1e-12;
+constexpr double kComputing = 1e-15;  // the library reads it no longer
 
 constexpr int kPolynomial = 1;
 constexpr int kRational = 2;
@@ -22,6 +23,13 @@ constexpr int kCopied = 1;
 
 using CurvePointer = std::shared_ptr<SISLCurve>;
 using SurfacePointer = std::shared_ptr<SISLSurf>;
+
+template <int D>
+double resolution_of(const std::vector<Vec<D>>& points) {
+    const engine::Box<D> box = engine::box_of<D>(points);
+    const double size = glm::length(box.size());
+    return kResolution * (size > 0.0 ? size : 1.0);
+}
 
 CurvePointer sisl_curve(const tests::NurbsData<2>& data) {
     bool polynomial = true;
@@ -74,6 +82,7 @@ struct Nearest {
 
 struct OneClosest {
     std::vector<CurvePointer> curves;
+    double resolution = kResolution;
 
     void reset(const Vec2& /*first*/) {}
     Answer<2> answer(const Vec2& hip) const {
@@ -83,7 +92,7 @@ struct OneClosest {
             double u = 0.0;
             double distance = 0.0;
             int status = 0;
-            s1957(curve.get(), point.data(), 2, kComputing, kResolution, &u, &distance, &status);
+            s1957(curve.get(), point.data(), 2, kComputing, resolution, &u, &distance, &status);
             if (status >= 0 && distance < nearest.best.distance) {
                 nearest.offer(curve.get(), u);
             }
@@ -94,6 +103,7 @@ struct OneClosest {
 
 struct AllClosest {
     std::vector<CurvePointer> curves;
+    double resolution = kResolution;
 
     void reset(const Vec2& /*first*/) {}
     Answer<2> answer(const Vec2& hip) const {
@@ -105,7 +115,7 @@ struct AllClosest {
             int status = 0;
             double* u = nullptr;
             SISLIntcurve** arc = nullptr;
-            s1953(curve.get(), point.data(), 2, kComputing, kResolution, &count, &u, &arcs, &arc,
+            s1953(curve.get(), point.data(), 2, kComputing, resolution, &count, &u, &arcs, &arc,
                   &status);
             for (int i = 0; status >= 0 && i < count; ++i) {
                 nearest.offer(curve.get(), u[i]);
@@ -125,6 +135,7 @@ struct AllClosest {
 /// Newton's iteration from the parameter of the tick before, on each curve.
 struct WarmLocal {
     std::vector<CurvePointer> curves;
+    double resolution = kResolution;
     std::vector<double> u{};
 
     void reset(const Vec2& first) {
@@ -149,7 +160,7 @@ struct WarmLocal {
             std::array<double, 2> point{hip.x, hip.y};
             double next = u[i];
             int status = 0;
-            s1774(curve, point.data(), 2, kResolution, curve->et[curve->ik - 1],
+            s1774(curve, point.data(), 2, resolution, curve->et[curve->ik - 1],
                   curve->et[curve->in], u[i], &next, &status);
             u[i] = status >= 0 ? next : u[i];
             nearest.offer(curve, u[i]);
@@ -199,6 +210,7 @@ Answer<3> surface_answer(SISLSurf* surface, std::array<double, 2> uv, const Vec3
 
 struct OneClosestOnSurface {
     SurfacePointer surface;
+    double resolution = kResolution;
 
     void reset(const Vec3& /*first*/) {}
     Answer<3> answer(const Vec3& hip) const {
@@ -206,7 +218,7 @@ struct OneClosestOnSurface {
         std::array<double, 2> uv{};
         double distance = 0.0;
         int status = 0;
-        s1958(surface.get(), point.data(), 3, kComputing, kResolution, uv.data(), &distance,
+        s1958(surface.get(), point.data(), 3, kComputing, resolution, uv.data(), &distance,
               &status);
         return surface_answer(surface.get(), uv, hip);
     }
@@ -214,6 +226,7 @@ struct OneClosestOnSurface {
 
 struct AllClosestOnSurface {
     SurfacePointer surface;
+    double resolution = kResolution;
 
     void reset(const Vec3& /*first*/) {}
     Answer<3> answer(const Vec3& hip) const {
@@ -223,7 +236,7 @@ struct AllClosestOnSurface {
         int status = 0;
         double* uv = nullptr;
         SISLIntcurve** arc = nullptr;
-        s1954(surface.get(), point.data(), 3, kComputing, kResolution, &count, &uv, &arcs, &arc,
+        s1954(surface.get(), point.data(), 3, kComputing, resolution, &count, &uv, &arcs, &arc,
               &status);
         Answer<3> best{{}, std::numeric_limits<double>::infinity()};
         for (int i = 0; status >= 0 && i < count; ++i) {
@@ -245,13 +258,14 @@ struct AllClosestOnSurface {
 
 struct WarmLocalOnSurface {
     SurfacePointer surface;
+    double resolution = kResolution;
     std::array<double, 2> uv{};
 
     void reset(const Vec3& first) {
         double distance = 0.0;
         int status = 0;
         std::array<double, 3> point{first.x, first.y, first.z};
-        s1958(surface.get(), point.data(), 3, kComputing, kResolution, uv.data(), &distance,
+        s1958(surface.get(), point.data(), 3, kComputing, resolution, uv.data(), &distance,
               &status);
     }
     Answer<3> answer(const Vec3& hip) {
@@ -260,7 +274,7 @@ struct WarmLocalOnSurface {
         std::array<double, 2> high{surface->et1[surface->in1], surface->et2[surface->in2]};
         std::array<double, 2> next = uv;
         int status = 0;
-        s1775(surface.get(), point.data(), 3, kResolution, low.data(), high.data(), uv.data(),
+        s1775(surface.get(), point.data(), 3, resolution, low.data(), high.data(), uv.data(),
               next.data(), &status);
         uv = status >= 0 ? next : uv;
         return surface_answer(surface.get(), uv, hip);
@@ -271,25 +285,32 @@ struct WarmLocalOnSurface {
 
 Methods<2> sisl_methods(const Object& object) {
     std::vector<CurvePointer> curves;
+    std::vector<Vec2> points;
     for (const auto& data : object.curves) {
         curves.push_back(sisl_curve(data));
+        points.insert(points.end(), data.points.begin(), data.points.end());
     }
+    const double resolution = resolution_of<2>(points);
     Methods<2> methods;
-    methods.push_back(make_method<2>("SISL s1957 (one closest)", Kind::peer, OneClosest{curves}));
-    methods.push_back(make_method<2>("SISL s1774 (warm, local)", Kind::peer, WarmLocal{curves}));
-    methods.push_back(make_method<2>("SISL s1953 (all closest)", Kind::peer, AllClosest{curves}));
+    methods.push_back(
+        make_method<2>("SISL s1957 (one closest)", Kind::peer, OneClosest{curves, resolution}));
+    methods.push_back(
+        make_method<2>("SISL s1774 (warm, local)", Kind::peer, WarmLocal{curves, resolution}));
+    methods.push_back(
+        make_method<2>("SISL s1953 (all closest)", Kind::peer, AllClosest{curves, resolution}));
     return methods;
 }
 
 Methods<3> sisl_surface_methods(const Surface& data) {
     const SurfacePointer surface = sisl_surface(data);
+    const double resolution = resolution_of<3>(data.points);
     Methods<3> methods;
-    methods.push_back(
-        make_method<3>("SISL s1958 (one closest)", Kind::peer, OneClosestOnSurface{surface}));
-    methods.push_back(
-        make_method<3>("SISL s1775 (warm, local)", Kind::peer, WarmLocalOnSurface{surface}));
-    methods.push_back(
-        make_method<3>("SISL s1954 (all closest)", Kind::peer, AllClosestOnSurface{surface}));
+    methods.push_back(make_method<3>("SISL s1958 (one closest)", Kind::peer,
+                                     OneClosestOnSurface{surface, resolution}));
+    methods.push_back(make_method<3>("SISL s1775 (warm, local)", Kind::peer,
+                                     WarmLocalOnSurface{surface, resolution}));
+    methods.push_back(make_method<3>("SISL s1954 (all closest)", Kind::peer,
+                                     AllClosestOnSurface{surface, resolution}));
     return methods;
 }
 
