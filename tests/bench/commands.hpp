@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -12,6 +13,8 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+/// nasty [--peers] [--csv FILE]
+int nasty_command(const std::vector<std::string>& words);
 /// contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]
 int contact_command(const std::vector<std::string>& words);
 /// scaling [--csv FILE]
@@ -32,5 +35,13 @@ public:
 private:
     std::vector<std::string> words_;
 };
+
+/// @throws WrongWord if the peers are wanted and this build has none
+void need_peers_if(bool wanted);
+/// A file for results, opened before the long run that makes them; none for an empty name.
+/// @throws WrongWord if it cannot be written
+[[nodiscard]] std::ofstream open_output(const std::string& name);
+/// @throws std::runtime_error if not all of it was written
+void close_output(std::ofstream& out, const std::string& name);
 
 }  // namespace palpate::bench

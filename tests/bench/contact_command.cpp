@@ -1,4 +1,3 @@
-#include <fstream>
 #include <iostream>
 
 #include <unistd.h>
@@ -22,18 +21,6 @@ struct Path {
     double nearest = 0.0;
     double farthest = 0.0;
 };
-
-/// An output file, open before the long run: a name that cannot be written is a wrong word.
-std::ofstream open(const std::string& file) {
-    std::ofstream out;
-    if (!file.empty()) {
-        out.open(file);
-        if (!out) {
-            throw WrongWord("cannot write " + file);
-        }
-    }
-    return out;
-}
 
 double seconds_of(const std::string& text) {
     std::size_t used = 0;
@@ -93,13 +80,9 @@ int contact_command(const std::vector<std::string>& arguments) {
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
     words.finish(kContactUsage);
-    if (with_peers && !have_peers()) {
-        throw WrongWord(
-            "this build has no peers: run ./palpate bench contact --peers, or configure with "
-            "-DPALPATE_BENCH_PEERS=ON");
-    }
-    std::ofstream csv = open(csv_name);
-    std::ofstream svg = open(svg_name);
+    need_peers_if(with_peers);
+    std::ofstream csv = open_output(csv_name);
+    std::ofstream svg = open_output(svg_name);
 
     const Clock clock;
     std::cout << machine() << "; reading the clock twice takes " << clock.cost()
@@ -138,9 +121,11 @@ int contact_command(const std::vector<std::string>& arguments) {
     }
     if (csv.is_open()) {
         write_csv(csv, rows);
+        close_output(csv, csv_name);
     }
     if (svg.is_open()) {
         write_svg(svg, rows);
+        close_output(svg, svg_name);
     }
     return 0;
 }

@@ -11,6 +11,8 @@ constexpr const char* kUsage =
     "palpate bench COMMAND\n"
     "  contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]\n"
     "            closest points: time and error of every method on objects A to D\n"
+    "  nasty [--peers] [--csv FILE]\n"
+    "            wrong answers to 2223 queries that break closest-point solvers\n"
     "  scaling [--csv FILE]\n"
     "            time of a tick on outlines of 2 to 100,000 curves\n";
 
@@ -21,7 +23,7 @@ int main(int count, char** arguments) {
     std::vector<std::string> words(arguments + 1, arguments + count);
     try {
         if (words.empty()) {
-            throw WrongWord("say which: contact or scaling");
+            throw WrongWord("say which: contact, nasty or scaling");
         }
         const std::string command = words.front();
         words.erase(words.begin());
@@ -32,10 +34,14 @@ int main(int count, char** arguments) {
         if (command == "contact") {
             return contact_command(words);
         }
+        if (command == "nasty") {
+            return nasty_command(words);
+        }
         if (command == "scaling") {
             return scaling_command(words);
         }
-        throw WrongWord("there is no benchmark \"" + command + "\": there are contact and scaling");
+        throw WrongWord("there is no benchmark \"" + command +
+                        "\": there are contact, nasty and scaling");
     } catch (const WrongWord& wrong) {
         std::cerr << "palpate bench: " << wrong.what() << "\n" << kUsage;
         return 2;

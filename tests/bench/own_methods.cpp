@@ -60,6 +60,26 @@ struct Global {
     }
 };
 
+/// Nearest foot of all spans, ends included.
+struct AllSpans {
+    std::vector<engine::SpanFeet> feet{};
+
+    explicit AllSpans(const Object& object) {
+        for (const RationalBezier<2>& span : spans_of(object)) {
+            feet.emplace_back(span);
+        }
+    }
+    void reset(const Vec2& /*first*/) {}
+    Answer<2> answer(const Vec2& hip) {
+        engine::SpanFeet::Foot best = feet.front().closest(hip);
+        for (std::size_t i = 1; i < feet.size(); ++i) {
+            const engine::SpanFeet::Foot foot = feet[i].closest(hip);
+            best = foot.distance2 < best.distance2 ? foot : best;
+        }
+        return {best.point, std::sqrt(best.distance2)};
+    }
+};
+
 }  // namespace
 
 Methods<2> own_methods(const Object& object) {
@@ -76,6 +96,13 @@ Methods<2> own_methods(const Object& object) {
     for (auto& tracker : tracker_methods(object)) {
         methods.push_back(std::move(tracker));
     }
+    return methods;
+}
+
+Methods<2> any_curve_methods(const Object& object) {
+    Methods<2> methods;
+    // Seam: certified tracking, asked cold.
+    methods.push_back(make_method<2>("global, cold", Kind::global, AllSpans(object)));
     return methods;
 }
 

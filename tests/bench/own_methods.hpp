@@ -8,6 +8,9 @@ namespace palpate::bench {
 /// The floor, our own methods and the polyline, for one object. New solvers of the engine go here.
 [[nodiscard]] Methods<2> own_methods(const Object& object);
 
+/// Those that take any curve at all, one that no outline is made of too.
+[[nodiscard]] Methods<2> any_curve_methods(const Object& object);
+
 /// Those that take any number of curves.
 [[nodiscard]] Methods<2> scaling_methods(const Object& ring);
 

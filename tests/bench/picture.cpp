@@ -16,7 +16,7 @@ constexpr double kLeft = 90.0;
 constexpr double kRight = 30.0;
 constexpr double kTop = 56.0;
 constexpr double kBottom = 52.0;
-constexpr double kLetter = 6.1;  ///< mean advance of a letter at 11 px
+constexpr double kLetter = 6.7;  ///< widest mean advance of a letter at 11 px
 constexpr double kLine = 13.0;
 constexpr double kNoError = 1e-20;  ///< shown for an error of 0
 
@@ -168,12 +168,19 @@ void draw_panel(std::ostream& out, const std::vector<Row>& rows, double top) {
         << escaped(rows.front().object + ", " + rows.front().path) << "</text>\n";
     double legend = kLeft;
     for (const Style& style : kStyles) {
+        if (std::none_of(rows.begin(), rows.end(),
+                         [&style](const Row& row) { return row.kind == style.kind; })) {
+            continue;
+        }
+        const std::string meaning = style.meaning;
         draw_mark(out, style, legend + 5.0, top + 40.0);
         out << "<text class=\"tick\" x=\"" << legend + 16.0 << "\" y=\"" << top + 44.0 << "\">"
-            << style.meaning << "</text>\n";
-        legend += 150.0;
+            << meaning << "</text>\n";
+        legend += 40.0 + kLetter * static_cast<double>(meaning.size());
     }
     plane.draw(out);
+    std::ostringstream labels;
+    labels.precision(5);
     std::vector<Rectangle> taken;
     for (const Row& row : rows) {
         taken.push_back({plane.x(row.time.warm) - 6.0, plane.y(error_of(row)) - 6.0, 12.0, 12.0});
@@ -184,12 +191,15 @@ void draw_panel(std::ostream& out, const std::vector<Row>& rows, double top) {
         const double width = kLetter * static_cast<double>(row.method.size());
         const Rectangle box = free_place(x, y, width, plane.frame(), taken);
         taken.push_back(box);
-        const double near = box.x > x ? box.x - 1.0 : box.x + width + 1.0;
-        out << "<line class=\"lead\" x1=\"" << x << "\" y1=\"" << y << "\" x2=\"" << near
-            << "\" y2=\"" << box.y + 0.5 * kLine << "\"/>"
-            << "<text class=\"label\" x=\"" << box.x << "\" y=\"" << box.y + 10.0 << "\">"
-            << escaped(row.method) << "</text>\n";
+        const bool right = box.x > x;
+        out << "<line class=\"lead\" x1=\"" << x << "\" y1=\"" << y << "\" x2=\""
+            << (right ? box.x - 1.0 : box.x + width + 1.0) << "\" y2=\"" << box.y + 0.5 * kLine
+            << "\"/>\n";
+        labels << "<text class=\"label\" text-anchor=\"" << (right ? "start" : "end") << "\" x=\""
+               << (right ? box.x : box.x + width) << "\" y=\"" << box.y + 10.0 << "\">"
+               << escaped(row.method) << "</text>\n";
     }
+    out << labels.str();
     for (const Row& row : rows) {
         draw_mark(out, style_of(row.kind), plane.x(row.time.warm), plane.y(error_of(row)));
         out << '\n';
@@ -218,6 +228,7 @@ void write_svg(std::ostream& out, const std::vector<Row>& rows) {
          << "\" font-family=\"DejaVu Sans, sans-serif\">\n"
          << "<style>.grid{stroke:#e4e4e4}.lead{stroke:#b8b8b8;stroke-width:.7}"
             ".tick,.label{font-size:11px;fill:#333}.axis{font-size:12px;fill:#333}"
+            ".label{paint-order:stroke;stroke:#fff;stroke-width:3px}"
             ".title{font-size:15px;fill:#111}</style>\n"
          << "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
     double top = 0.0;

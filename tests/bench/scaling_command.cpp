@@ -2,7 +2,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 
 #include "tests/bench/commands.hpp"
@@ -49,12 +48,8 @@ int scaling_command(const std::vector<std::string>& arguments) {
     Words words(arguments);
     const std::string csv_name = words.value("--csv");
     words.finish("scaling takes --csv FILE");
-    std::ofstream csv;
-    if (!csv_name.empty()) {
-        csv.open(csv_name);
-        if (!csv) {
-            throw WrongWord("cannot write " + csv_name);
-        }
+    std::ofstream csv = open_output(csv_name);
+    if (csv.is_open()) {
         csv << "machine,curves,method,build_s,ticks,warm_ns,tick_p50_ns,tick_p99_ns,tick_p999_ns,"
                "distance_error_max_m,miss_share\n";
     }
@@ -95,6 +90,9 @@ int scaling_command(const std::vector<std::string>& arguments) {
                 csv << line.data();
             }
         }
+    }
+    if (csv.is_open()) {
+        close_output(csv, csv_name);
     }
     return 0;
 }

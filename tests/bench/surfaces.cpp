@@ -125,8 +125,8 @@ Truth<3> refine(const Surface& surface, const Vec3& hip, long double u, long dou
         const auto s = jet_of<long double>(surface, u, v);
         const Point<long double> gap = minus(s[0], h);
         const long double distance = std::sqrt(dot(gap, gap));
-        if (distance < best.distance) {
-            best = {distance,
+        if (distance <= best.distance * (1.0L + 1e-18L)) {  // flat at its minimum: go on
+            best = {std::min(distance, best.distance),
                     {static_cast<double>(s[0][0]), static_cast<double>(s[0][1]),
                      static_cast<double>(s[0][2])}};
         }

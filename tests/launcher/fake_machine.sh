@@ -5,7 +5,8 @@
 
 everything='cmake g++ ninja-build pkg-config libglm-dev libfmt-dev libtomlplusplus-dev libsodium-dev
 libsqlite3-dev zlib1g-dev libcli11-dev libsdl2-dev libsdl2-ttf-dev libsdl2-image-dev
-fonts-dejavu-core sqlite3 catch2 xvfb libx11-dev libxtst-dev python3'
+fonts-dejavu-core sqlite3 catch2 xvfb libx11-dev libxtst-dev python3
+libsisl-dev libocct-modeling-algorithms-dev libocct-modeling-data-dev libcgal-dev'
 
 # fake NAME: an executable of the machine; its text is standard input.
 fake() {
@@ -81,11 +82,13 @@ if [ "$1" = --build ]; then
         echo 'engine.cpp:3: error: this is broken'
         exit 2
     fi
-    if [ -x "$2/palpate" ]; then
+    made=palpate
+    case $* in *'--target palpate_bench') made=palpate_bench ;; esac
+    if [ -x "$2/$made" ]; then
         echo 'ninja: no work to do.'
     else
-        echo '[1/1] Linking CXX executable palpate'
-        cp "$machine/program" "$2/palpate"
+        echo "[1/1] Linking CXX executable $made"
+        cp "$machine/program" "$2/$made"
     fi
     exit 0
 fi
@@ -93,9 +96,11 @@ fi
 tests=OFF
 case $* in *PALPATE_TESTS=ON*) tests=ON ;; esac
 case $* in *--fresh*) rm -f build/palpate ;; esac
+tree=build
+case $* in *' -B build/peers'*) tree=build/peers ;; esac
 printf '%s\n' "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" 'CMAKE_GENERATOR:INTERNAL=Ninja' \
-    'CMAKE_BUILD_TYPE:STRING=Release' "PALPATE_TESTS:BOOL=$tests" >build/CMakeCache.txt
-touch build/build.ninja
+    'CMAKE_BUILD_TYPE:STRING=Release' "PALPATE_TESTS:BOOL=$tests" >$tree/CMakeCache.txt
+touch $tree/build.ninja
 FAKE
     fake ctest <<'FAKE'
 echo "ctest $*" >>"$machine/calls"
@@ -104,7 +109,7 @@ FAKE
     # The program of the fake tree: prints what it was given, one argument a line, and leaves with 42.
     fake program <<'FAKE'
 for argument in "$@"; do printf '<%s>\n' "$argument"; done
-printf '%s\n' "locale ${LC_ALL-unset}" "here $PWD" "process $$" >"$machine/program-saw"
+printf '%s\n' "locale ${LC_ALL-unset}" "here $PWD" "process $$" "name $0" >"$machine/program-saw"
 flock -n "$machine/my tree/build/palpate-lock" sh -c 'echo lock free' >>"$machine/program-saw"
 [ "${1-}" != read-input ] || cat
 exit 42

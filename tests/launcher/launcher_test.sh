@@ -53,6 +53,47 @@ launch test
 holds 'once asked for, the tests stay on' lacks "$calls" preset
 
 new_machine 0
+launch bench contact --csv 'a b.csv'
+holds 'bench builds the benchmark alone' has "$calls" '--target palpate_bench'
+holds 'in the tree of the program' has "$calls" 'cmake -DPALPATE_TESTS=OFF --preset release
+'
+holds 'asks for no test package and no peer' lacks "$calls" apt-get
+holds 'and runs it' grep -qx "name $tree/build/palpate_bench" "$machine/program-saw"
+holds 'with its arguments' [ "$out" = '<contact>
+<--csv>
+<a b.csv>' ]
+holds 'the exit code is the benchmark'\''s' [ "$code" = 42 ]
+: >"$machine/calls"
+launch demo
+holds 'the program then needs no other configuration' lacks "$calls" preset
+
+new_machine 0
+lacking libsisl-dev libcgal-dev catch2
+launch bench scaling
+holds 'the benchmark by itself needs no peer' lacks "$err" 'not installed'
+launch bench contact --peers
+holds 'peers are installed when they are asked for' has "$calls" "$install libsisl-dev libcgal-dev"
+holds 'peers have a tree of their own' has "$calls" \
+    'cmake -DPALPATE_TESTS=OFF -DPALPATE_BENCH_PEERS=ON -B build/peers --preset release'
+holds 'and a program of their own' grep -qx "name $tree/build/peers/palpate_bench" "$machine/program-saw"
+holds 'which is told' has "$out" '<--peers>'
+: >"$machine/calls"
+launch bench contact --peers
+holds 'once configured, it stays so' lacks "$calls" preset
+launch demo
+holds 'the tree of the program knows nothing of peers' lacks "$calls" PEERS
+launch bench no-such-thing
+holds 'what the benchmark does not know, it says itself' has "$out" '<no-such-thing>'
+launch demo --peers
+holds 'a program'\''s word --peers is the program'\''s' grep -qx "name $tree/build/palpate" "$machine/program-saw"
+
+new_machine 1000
+lacking libsisl-dev
+launch --no-install bench contact --peers
+holds '--no-install bench --peers: leaves with 3' [ "$code" = 3 ]
+holds 'and names the peer' has "$err" 'not installed: libsisl-dev'
+
+new_machine 0
 launch '' 'two words' "a 'single' and a \"double\"" '*' '$HOME' '--no-install' '\n'
 expected="<>
 <two words>

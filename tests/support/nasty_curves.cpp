@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
+#include <sstream>
 
 #include "tests/support/foot_oracle.hpp"
 
@@ -134,12 +134,6 @@ constexpr std::array<Query, kNastyQueries> kQueries{
      {"on the curve close to an end", close_to_an_end},
      {"tie", tie}}};
 
-std::string number(double value) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%.17g", value);
-    return text.data();
-}
-
 }  // namespace
 
 NastyCase nasty_case(std::uint64_t seed) {
@@ -178,17 +172,18 @@ double size_of(const NurbsData<2>& curve) {
 }
 
 std::string text_of(const NastyCase& nasty) {
-    std::string text = nasty.name + "\n  seed " + std::to_string(nasty.seed) + ", degree " +
-                       std::to_string(nasty.curve.degree) + ", query " + number(nasty.query.x) +
-                       " " + number(nasty.query.y) + "\n  knots";
+    std::ostringstream text;
+    text.precision(17);
+    text << nasty.name << "\n  seed " << nasty.seed << ", degree " << nasty.curve.degree
+         << ", query " << nasty.query.x << ' ' << nasty.query.y << "\n  knots";
     for (const double knot : nasty.curve.knots) {
-        text += " " + number(knot);
+        text << ' ' << knot;
     }
     for (std::size_t i = 0; i < nasty.curve.points.size(); ++i) {
-        text += "\n  point " + number(nasty.curve.points[i].x) + " " +
-                number(nasty.curve.points[i].y) + " weight " + number(nasty.curve.weights[i]);
+        text << "\n  point " << nasty.curve.points[i].x << ' ' << nasty.curve.points[i].y
+             << " weight " << nasty.curve.weights[i];
     }
-    return text;
+    return text.str();
 }
 
 }  // namespace palpate::tests

@@ -8,6 +8,12 @@ bool have_peers() noexcept {
 Methods<2> peer_methods(const Object& /*object*/) {
     return {};
 }
+Methods<2> sisl_methods(const Object& /*object*/) {
+    return {};
+}
+Methods<2> occt_methods(const Object& /*object*/) {
+    return {};
+}
 Methods<3> peer_surface_methods(const Surface& /*surface*/) {
     return {};
 }
