@@ -116,10 +116,7 @@ TEST_CASE(
     const Jet<2> jet = curve.at(u);
     const Vec2 hip = jet.point + random.in(-0.003, 0.003) * perp(glm::normalize(jet.first));
     const double formula = critical_gain(curve, u, hip, kTick);
-    if (formula == 0.0 || formula * kTick * glm::dot(jet.first, jet.first) > 8.0) {
-        SUCCEED("HIP lies at or beyond the centre of curvature: no minimum to settle on");
-        return;
-    }
+    REQUIRE(formula > 0.0);
 
     double stable = 0.5 * formula;
     double unstable = 2.0 * formula;
