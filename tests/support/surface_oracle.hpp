@@ -266,13 +266,23 @@ private:
             const long double scale_v = inner(j.sv, j.sv) + 1e-300L;
             a += damp * scale_u;
             c += damp * scale_v;
+            a = fix_u ? 1.0L : a;  // held: its curvature is nobody's business
+            c = fix_v ? 1.0L : c;
             const long double det = a * c - b * b;
             if (!(a > 0.0L && c > 0.0L && det > 0.0L) && damp < 1e30L) {
                 damp = std::max(2.0L * damp, 1e-3L);
                 continue;
             }
-            const long double du = fix_u ? 0.0L : (b * gv - c * gu) / det;
-            const long double dv = fix_v ? 0.0L : (b * gu - a * gv) / det;
+            long double du = fix_u ? 0.0L : (b * gv - c * gu) / det;
+            long double dv = fix_v ? 0.0L : (b * gu - a * gv) / det;
+            if (u + du < lo_u || u + du > hi_u) {  // on the bound the other one settles anew
+                du = std::clamp(u + du, lo_u, hi_u) - u;
+                dv = fix_v ? 0.0L : -(gv + b * du) / c;
+            }
+            if (v + dv < lo_v || v + dv > hi_v) {
+                dv = std::clamp(v + dv, lo_v, hi_v) - v;
+                du = fix_u ? 0.0L : -(gu + b * dv) / a;
+            }
             const long double nu = std::clamp(u + du, lo_u, hi_u);
             const long double nv = std::clamp(v + dv, lo_v, hi_v);
             const LongJet jn = jet(pu, pv, nu, nv);
