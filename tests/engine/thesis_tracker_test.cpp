@@ -231,6 +231,41 @@ TEST_CASE("theorem 2.1.1 needs sub-steps: its gain holds the error in continuous
     CHECK(worst(1) > 0.05);       // factor 50: from one end of the edge to the other
 }
 
+TEST_CASE("on a convex curve the theorem's gain keeps the projection error below epsilon",
+          "[thesis]") {
+    constexpr double kEpsilon = 0.001;
+    constexpr double kSpeed = 0.3;
+    constexpr double kReach = 0.01;  // |HIP - test point| here, checked below
+    const NurbsCurve<2> curve = two_cubics()[0];
+    double slowest2 = 1.0;
+    for (int i = 0; i <= 1000; ++i) {
+        const Vec2 first = curve.at(i / 1000.0).first;
+        slowest2 = std::min(slowest2, glm::dot(first, first));
+    }
+    const double gain = theorem_gain(kReach, kSpeed, kEpsilon) / slowest2;
+    const CurveTracker tracker(curve, {.gain = gain, .sub_steps = 40});
+    TrackerState state = tracker.start(curve.at(0.5).point);
+    Vec2 last = curve.at(0.5).point;
+    double worst = 0.0;
+    double reach = 0.0;
+    double speed = 0.0;
+    for (int k = 1; k <= 5000; ++k) {
+        const double t = k * kTick;
+        const Jet<2> jet = curve.at(0.5 + 0.45 * std::sin(8.0 * t));
+        const double offset = 0.004 * std::sin(5.0 * t);
+        const Vec2 hip = jet.point + offset * perp(glm::normalize(jet.first));
+        const TrackedFoot foot = tracker.step(state, hip, kTick);
+        worst = std::max(worst, std::fabs(foot.psi));
+        reach = std::max(reach, glm::length(foot.point - hip));
+        speed = std::max(speed, glm::length(hip - last) / kTick);
+        last = hip;
+    }
+    CAPTURE(worst, reach, speed);
+    REQUIRE(speed < kSpeed);
+    REQUIRE(reach < kReach);
+    CHECK(worst < kEpsilon);
+}
+
 TEST_CASE("feedback errors fall with the loop gain until it leaves its limit", "[thesis]") {
     const auto curves = two_cubics();
     const auto error = [&](double kappa) {
