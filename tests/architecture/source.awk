@@ -14,7 +14,7 @@ BEGIN {
     sees["rendering"] = "math geometry contact friction"
     sees["device"] = "math geometry rendering"
     sees["safety"] = "math geometry rendering"
-    sees["thesis"] = "math geometry contact friction rendering"
+    sees["thesis"] = "math geometry rendering"
     sees["deformation"] = "math geometry"
     sees["realtime"] = "*"
 

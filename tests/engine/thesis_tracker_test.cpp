@@ -204,33 +204,6 @@ TEST_CASE("on a straight edge the lag of feedback is v over loop gain, and feed-
     CHECK(carried.depth == Approx(-0.002));
 }
 
-TEST_CASE("theorem 2.1.1 needs sub-steps: its gain holds the error in continuous time only",
-          "[thesis]") {
-    constexpr double kReach = 0.05;
-    constexpr double kSpeed = 0.5;
-    constexpr double kEpsilon = 0.001;
-    constexpr double kLength = 0.1;
-    const double lambda = theorem_gain(kReach, kSpeed, kEpsilon);
-    CHECK(lambda == Approx(5e4));
-    const NurbsCurve<2> edge = line({0.0, 0.0}, {kLength, 0.0});
-    // Euler's factor in the form in which the thesis writes it, with |f'| = 0.1: 5, above 2.
-    CHECK(lambda * kLength * kTick == Approx(5.0));
-    const auto worst = [&](int sub_steps) {
-        const CurveTracker tracker(edge,
-                                   {.gain = lambda / (kLength * kLength), .sub_steps = sub_steps});
-        TrackerState state = tracker.start_at(0.5);
-        double most = 0.0;
-        for (int k = 0; k < 200; ++k) {
-            const double x = 0.05 + 0.045 * std::sin(kSpeed / 0.045 * k * kTick);
-            most = std::max(most, std::fabs(tracker.step(state, {x, 0.005}, kTick).psi));
-        }
-        return most;
-    };
-    CHECK(worst(100) < kEpsilon);
-    CHECK(worst(26) < kEpsilon);  // factor 1.9
-    CHECK(worst(1) > 0.05);       // factor 50: from one end of the edge to the other
-}
-
 TEST_CASE("feedback errors fall with the loop gain until it leaves its limit", "[thesis]") {
     const auto curves = two_cubics();
     const auto error = [&](double kappa) {
