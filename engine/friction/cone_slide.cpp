@@ -15,8 +15,8 @@ constexpr int kMaxSteps = 64;
 /// A step below this is finished by the curve's Taylor series, whose tangent is then right to 1e-16.
 constexpr double kTaylor = 0x1p-27;
 
-/// Doublings of the last nudge over the root: 2^20 last bits of u are 1e-10 of the span.
-constexpr int kMaxNudges = 20;
+/// The last nudge over the root grows by 4 at a time: 2^19 last bits of u are 1e-10 of the span.
+constexpr int kMaxNudges = 10;
 
 /// Excess in the direction of the slide, and how fast it falls with u; both times |C'|.
 struct Fall {
@@ -26,7 +26,7 @@ struct Fall {
 };
 
 template <bool HasFriction>
-Fall fall_at(const Jet<2>& jet, const Vec2& h, double mu, double dir) noexcept {
+[[gnu::always_inline]] inline Fall fall_at(const Jet<2>& jet, const Vec2& h, double mu, double dir) noexcept {
     const Vec2 r = h - jet.point;
     const double load = -cross(jet.first, r);
     Fall fall{.excess = dir * glm::dot(r, jet.first) - cone_radius<HasFriction>(mu, load),
@@ -53,7 +53,7 @@ template <bool HasFriction>
 bool finish(Slide& slide, const Vec2& h, double mu, double dir, double step) noexcept {
     const double u = slide.u;
     const Jet<2> jet = slide.jet;
-    double nudge = 0.0;
+    double nudge = 2.0 * kEpsilon;
     for (int i = 0; i < kMaxNudges; ++i) {
         const double next = std::clamp(u + dir * (step + nudge), 0.0, 1.0);
         slide.u = next;
@@ -61,7 +61,7 @@ bool finish(Slide& slide, const Vec2& h, double mu, double dir, double step) noe
         if (fall_at<HasFriction>(slide.jet, h, mu, dir).excess <= 0.0) {
             return true;
         }
-        nudge = std::max(2.0 * nudge, kEpsilon);
+        nudge *= 4.0;
     }
     slide.u = u;
     slide.jet = jet;
@@ -85,17 +85,15 @@ Slide slide_to_cone(const RationalBezier<2>& curve,
     Fall at = fall_at<HasFriction>(jet, h, mu, dir);
     for (int i = 0; i < kMaxSteps; ++i) {
         double step = at.excess / at.slope;
-        const double speed = std::sqrt(at.speed2);
         const double left = budget - slide.length;
-        const bool limited = step * speed > left;
-        if (limited) {
-            step = left / speed;
-        }
+        const bool limited = step > 0.0 && step * step * at.speed2 > left * left;
         if (i > 0 && std::fabs(step) <= kTaylor && !limited &&
             finish<HasFriction>(slide, h, mu, dir, step)) {
-            slide.length += step * speed;
             slide.end = SlideEnd::in_cone;
             return slide;
+        }
+        if (limited) {
+            step = left / std::sqrt(at.speed2);
         }
         double next = slide.u + dir * step;
         if (bracketed && !((next - outside) * (next - inside) < 0.0)) {
@@ -103,17 +101,13 @@ Slide slide_to_cone(const RationalBezier<2>& curve,
         }
         const bool over_end = next >= 1.0 || next <= 0.0;
         next = std::clamp(next, 0.0, 1.0);
-        slide.length += dir * (next - slide.u) * speed;
+        slide.length += dir * (next - slide.u) * std::sqrt(at.speed2);
         slide.u = next;
         slide.jet = curve.at(next);
         at = fall_at<HasFriction>(slide.jet, h, mu, dir);
         if (at.excess <= 0.0) {
             inside = next;
             bracketed = true;
-            if (at.excess == 0.0) {
-                slide.end = SlideEnd::in_cone;
-                return slide;
-            }
             continue;
         }
         outside = next;
