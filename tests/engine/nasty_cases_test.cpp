@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,13 @@ namespace {
 
 /// Every family of curves with every family of queries, so many times.
 constexpr std::uint64_t kCases = 9 * kNastyRound;
+
+/// The worst of 100,000 seeds, one a pair of families, for the first SpanFeet (of 2624705): 0.25 of the size
+/// down to 1e-12. All but 1444 and 1691 among the seeds below kCases have a double u that is right to 1e-15.
+constexpr std::array<std::uint64_t, 36> kWorst{
+    14226, 30527, 69021, 37139, 86862, 57526, 19146, 86444, 60016, 95812, 80288, 35582,
+    83803, 89485, 38964, 41547, 54012, 8500,  19318, 96420, 81144, 26885, 55822, 49850,
+    3827,  66907, 8366,  87369, 17012, 94332, 85754, 98370, 75020, 97378, 58611, 33922};
 
 /// The code under test: distance from `h` to the whole curve, m.
 double closest(const NurbsData<2>& data, const Vec2& h) {
@@ -76,16 +85,20 @@ TEST_CASE("the oracle proves its distance, and no sample of the curve beats it",
     }
 }
 
-// May fail for now: SpanFeet, which looks for roots by Bernstein coefficients in u, misses 11 of them.
-// Steep weights are the worst (0.04 of the size at a centre of curvature); next to the end u = 1 of such a
-// curve one last bit of u is 1e-10 of the size.
+// May fail for now: SpanFeet misses 11 of the first 2223 and all of kWorst. With steep weights its
+// coefficients span 18 decades, and all that is below 32 ulp of the largest counts as noise: minima get
+// lost. Once it is cured, two stay: 1444 and 1691, where one last bit of u in [0, 1] is 6e-12 and 1e-14 of
+// the size; there the foot must be evaluated from 1 - u, or in a piece of the span.
 TEST_CASE("no nasty query is answered wrongly", "[contact][law][!mayfail]") {
     constexpr double kUlp = std::numeric_limits<double>::epsilon();
     int above_16_ulp = 0;
     int above_1e_12 = 0;
     double worst = 0.0;
     std::string failures;
-    for (std::uint64_t seed = 0; seed < kCases; ++seed) {
+    std::vector<std::uint64_t> seeds(kCases);
+    std::iota(seeds.begin(), seeds.end(), 0U);
+    seeds.insert(seeds.end(), kWorst.begin(), kWorst.end());
+    for (const std::uint64_t seed : seeds) {
         const NastyCase nasty = nasty_case(seed);
         const FootOracle oracle(nasty.curve);
         const long double exact = oracle.closest(nasty.query).distance;
@@ -99,8 +112,8 @@ TEST_CASE("no nasty query is answered wrongly", "[contact][law][!mayfail]") {
             failures += "error " + std::to_string(error / 1e-12) + "e-12, " + text_of(nasty) + "\n";
         }
     }
-    WARN(kCases << " nasty queries: worst error " << worst << " of the size or distance, "
-                << above_1e_12 << " above 1e-12, " << above_16_ulp << " above 16 ulp");
+    WARN(seeds.size() << " nasty queries: worst error " << worst << " of the size or distance, "
+                      << above_1e_12 << " above 1e-12, " << above_16_ulp << " above 16 ulp");
     INFO(failures);
     CHECK(above_1e_12 == 0);
 }
