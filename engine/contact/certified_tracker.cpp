@@ -141,20 +141,6 @@ ClosestPoint CertifiedTracker::track(TrackState& s,
     return search(s, h);
 }
 
-bool CertifiedTracker::vouches(const TrackState& s,
-                               const Vec2& h,
-                               std::size_t span,
-                               double u,
-                               double distance) const noexcept {
-    if (!s.valid || span != s.span) {
-        return false;
-    }
-    const double lo = span == s.first_span ? s.first_u : 0.0;
-    const double hi = span == s.last_span ? s.last_u : 1.0;
-    const double moved = glm::length(h - s.from);
-    return u > lo && u < hi && moved < s.slack && distance + moved < s.others && one_minimum(s, h);
-}
-
 ClosestPoint CertifiedTracker::search(TrackState& s, const Vec2& h) const noexcept {
     const Foot<2> foot = feet_.tree().closest(h);
     s.span = foot.span;

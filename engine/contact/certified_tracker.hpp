@@ -25,6 +25,12 @@ struct TrackState {
     double last_u = 1.0;
     std::array<std::size_t, 2> vertices{};  ///< true vertices within the window
     std::uint32_t vertex_count = 0;
+
+    /// u of `of_span` lies in the part of the window that is on the foot's own span.
+    [[nodiscard]] bool holds(std::size_t of_span, double at) const noexcept {
+        return of_span == span && at >= (of_span == first_span ? first_u : 0.0) &&
+               at <= (of_span == last_span ? last_u : 1.0);
+    }
 };
 
 /// How often each way of answering was taken.
@@ -53,14 +59,6 @@ public:
     [[nodiscard]] ClosestPoint track(TrackState& state,
                                      const Vec2& h,
                                      TrackCounts& counts) const noexcept;
-
-    /// Whether the window of `state` proves that the local foot (span, u), `distance` away from h, is
-    /// the global one.
-    [[nodiscard]] bool vouches(const TrackState& state,
-                               const Vec2& h,
-                               std::size_t span,
-                               double u,
-                               double distance) const noexcept;
 
 private:
     struct Followed {
