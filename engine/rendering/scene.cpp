@@ -104,7 +104,7 @@ bool Scene::follow_foot(ContactState& state,
     const Place from = state.go.place;
     const std::uint64_t searched = state.counts.track.searched;
     const ClosestPoint cp = look(state, hip);
-    const TrackState& track = state.track;
+    const TrackWindow& track = state.track.best;
     if (state.counts.track.searched != searched || from.on_joint || cp.place.on_joint ||
         from.index != cp.place.index || !track.holds(from.index, from.parameter) ||
         !(cp.place.parameter > 0.0 && cp.place.parameter < 1.0) ||  // an open end holds the GO
