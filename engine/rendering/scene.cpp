@@ -86,7 +86,10 @@ Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept 
     state.clear_from = state.last_hip;
     const double clear = cp.inside || spec_.look == Look::always ? 0.0 : cp.distance * kClearShare;
     state.clear2 = clear * clear;
-    return {.cp = cp, .place = cp.place, .go = cp.point};
+    state.away = {.cp = cp, .place = cp.place, .go = cp.point, .skipped = true};
+    Contact contact = state.away;
+    contact.skipped = false;
+    return contact;
 }
 
 ClosestPoint Scene::look(ContactState& state, const Vec2& hip) const noexcept {
