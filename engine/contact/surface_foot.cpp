@@ -149,10 +149,17 @@ private:
         return step != 0.0 && std::fabs(step) > std::fabs(room) ? room / step : 1.0;
     }
 
-    /// Newton's steps that do not halve any more, three times: the bottom, to rounding.
+    /// Newton's steps that do not halve any more, twice: the bottom, to rounding.
     bool stalled(bool settling, double length) noexcept {
         stalls_ = settling && length > 0.5 * last_ ? stalls_ + 1 : 0;
-        return stalls_ >= 3;
+        return stalls_ >= 2;
+    }
+
+    /// After steps a and b the next one is b^3 / a^2 long, if they converge quadratically as they
+    /// should: no need to see it when it is below rounding.
+    [[nodiscard]] bool bottom_after(double length) const noexcept {
+        return last_ < 1e-2 * surface_.size() && length < 1e-2 * last_ &&
+               length * length * length < 1e-18 * surface_.size() * last_ * last_;
     }
 
     bool advance(const Step& d) noexcept {
@@ -176,9 +183,11 @@ private:
             if (next.distance2 < foot_.distance2 ||
                 (settling && i == 0 && next.distance2 <= foot_.distance2 + rounding)) {
                 foot_ = next;
-                last_ = settling && t == 1.0 ? length : std::numeric_limits<double>::infinity();
                 hops_ = 0;
-                return true;
+                const bool whole = d.newton && t == 1.0;
+                const bool done = whole && settling && bottom_after(length);
+                last_ = whole ? length : std::numeric_limits<double>::infinity();
+                return !done;
             }
             t *= 0.5;
         }

@@ -50,6 +50,11 @@ bool usable(const Vec3& hip) noexcept {
     return true;
 }
 
+/// Different places, by more than the last bits of a foot.
+bool apart(const SurfacePlace& a, const SurfacePlace& b) noexcept {
+    return a.i != b.i || a.j != b.j || std::fabs(a.u - b.u) + std::fabs(a.v - b.v) > 1e-12;
+}
+
 }  // namespace
 
 SurfaceScene::SurfaceScene(std::shared_ptr<const NurbsSurface> surface,
@@ -103,14 +108,17 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     const Friction& friction = spec_.contact.friction;
     const double mu = HasFriction ? coefficient(friction, state.theta) : 0.0;
     const Vec3 h = hip - surface().origin();
-    const SurfaceSlide slide = slide_on_surface<HasFriction>(surface(), state.place, h, mu);
+    // Without friction the GO is the local foot: mostly the closest point, already found.
+    const bool known = !HasFriction && feet_.same_bowl(state.track, state.place);
+    const SurfacePlace from = known ? state.seen.place : state.place;
+    const SurfaceSlide slide = slide_on_surface<HasFriction>(surface(), from, h, mu);
+    const bool slipped = slide.slid > 0.0 || (known && apart(state.place, from));
     state.place = slide.place;
     if (!(slide.load > 0.0)) {
         return free(state, hip);
     }
     SurfaceContact contact = render(slide, h, mu);
     contact.cp = state.seen;
-    const bool slipped = slide.slid > 0.0;
     contact.mode = !slipped ? Mode::stuck
                  : HasFriction && state.theta > kRelaxed && friction.mu_s > friction.mu_d
                      ? Mode::transition
