@@ -152,4 +152,13 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
     return contact;
 }
 
+void SurfaceScene::set_period(double period) {
+    if (!(period > 0.0) || !std::isfinite(period)) {
+        throw std::invalid_argument("tick period is " + number_text(period) +
+                                    ": give seconds above 0");
+    }
+    spec_.contact.period = period;
+    decay_ = stribeck_decay(spec_.contact.friction, period);
+}
+
 }  // namespace palpate::engine

@@ -75,6 +75,8 @@ public:
     [[nodiscard]] const SurfaceFeet& feet() const noexcept { return feet_; }
     [[nodiscard]] const SurfaceSceneSpec& spec() const noexcept { return spec_; }
     [[nodiscard]] const StribeckDecay& decay() const noexcept { return decay_; }
+    /// The same scene at another tick period, for paths whose ticks are uneven. @param period  s, > 0
+    void set_period(double period);
     /// The same scene with decay constants recorded earlier, for a replay to the bit.
     void restore_decay(const StribeckDecay& recorded) noexcept { decay_ = recorded; }
 
