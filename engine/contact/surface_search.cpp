@@ -11,7 +11,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A window reaches at most so many leaves from the foot's leaf to each side.
-constexpr std::uint32_t kMaxReach = 3;
+constexpr std::uint32_t kMaxReach = 2;
 
 /// Strips that would leave HIP less slack than this are not added, m: four ticks of a fast hand.
 constexpr double kWantedSlack = 8e-4;
