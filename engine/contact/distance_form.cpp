@@ -182,11 +182,13 @@ private:
         }
         if (piece.g.convex(noise_)) {
             const SurfaceFoot foot = descend_within(surface_, h_, place, part);
-            if (!offer(foot.place, foot.distance2)) {
-                lower(foot.distance2);  // g is a bowl: its one bottom is the lowest distance
-                --top_;
+            if (offer(foot.place, foot.distance2)) {
+                return;
             }
-            return;
+            if (is_bottom(foot, part)) {
+                --top_;
+                return;
+            }
         }
         if (piece.depth >= kMaxDepth) {
             lower(beta_);  // below rounding, and its lowest corner was looked at
@@ -194,6 +196,26 @@ private:
             return;
         }
         halve(piece);
+    }
+
+    /// In a bowl: is the foot the lowest point of the part, to rounding? A bowl lies above its tangent
+    /// plane, whose slope is that of the distance where W does not vary or g is 0.
+    bool is_bottom(const SurfaceFoot& foot, const PatchPart& part) noexcept {
+        const FootSlope slope(foot.jet, foot.jet.point - h_);
+        const SurfacePlace& p = foot.place;
+        const double room_u = slope.u > 0.0 ? p.u - part.lo_u : part.hi_u - p.u;
+        const double room_v = slope.v > 0.0 ? p.v - part.lo_v : part.hi_v - p.v;
+        const double drop = 2.0 * (std::fabs(slope.u) * room_u + std::fabs(slope.v) * room_v);
+        const double distance = std::sqrt(foot.distance2);
+        if (drop > 8.0 * kEpsilon * distance * (surface_.size() + distance)) {
+            return false;
+        }
+        const bool even = surface_.polynomial();
+        if (!even && foot.distance2 > beta_ * (1.0 + 1e-9)) {
+            return false;
+        }
+        lower(even ? foot.distance2 : beta_);
+        return true;
     }
 
     /// The upper half stays, the lower half goes on top of it.

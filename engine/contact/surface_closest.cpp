@@ -97,6 +97,9 @@ SurfaceClosest SurfaceFeet::closest(const Vec3& hip) const noexcept {
 
 SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip) const noexcept {
     const Vec3 h = hip - surface_->origin();
+    if (!(glm::dot(h, h) < 1e300)) {  // also NaN: nothing to look for, and nothing to remember
+        return {.distance = std::numeric_limits<double>::infinity(), .proven = false};
+    }
     if (!track.certified || !track.started) {
         return search(track, h);
     }

@@ -7,7 +7,8 @@
 namespace palpate::engine {
 namespace {
 
-constexpr int kMaxSteps = 100;
+/// Narrow bent valleys (weights of 1e3) are followed in many short steps; 3 are usual.
+constexpr int kMaxSteps = 400;
 constexpr int kMaxHalvings = 40;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
@@ -84,9 +85,31 @@ private:
         }
         if (g.bowl()) {
             const double det = g.uu * g.vv - g.uv * g.uv;
-            return {(g.uv * g.v - g.vv * g.u) / det, (g.uv * g.u - g.uu * g.v) / det, true};
+            return within(g,
+                          {(g.uv * g.v - g.vv * g.u) / det, (g.uv * g.u - g.uu * g.v) / det, true});
         }
         return out_of_saddle(g);
+    }
+
+    /// Where a bowl's lowest point lies over a bound: the lowest point on that bound. Cutting the step
+    /// short instead would creep along a narrow valley.
+    Step within(const FootSlope& g, Step d) const noexcept {
+        const SurfacePlace& p = foot_.place;
+        const bool at_bound = p.u <= part_.lo_u || p.u >= part_.hi_u || p.v <= part_.lo_v ||
+                              p.v >= part_.hi_v;  // then step() decides what is held
+        const double u = std::clamp(p.u + d.u, part_.lo_u, part_.hi_u) - p.u;
+        const double v = std::clamp(p.v + d.v, part_.lo_v, part_.hi_v) - p.v;
+        if (at_bound || (std::fabs(u) >= std::fabs(d.u) && std::fabs(v) >= std::fabs(d.v))) {
+            return d;
+        }
+        if (std::fabs(u) < std::fabs(d.u)) {
+            const double best = -(g.v + g.uv * u) / g.vv;
+            d = {u, std::clamp(p.v + best, part_.lo_v, part_.hi_v) - p.v, true};
+        } else {
+            const double best = -(g.u + g.uv * v) / g.uu;
+            d = {std::clamp(p.u + best, part_.lo_u, part_.hi_u) - p.u, v, true};
+        }
+        return d;
     }
 
     /// Newton's step with the sign of both eigenvalues made positive, which always leads downhill. In

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <stdexcept>
@@ -240,5 +241,9 @@ TEST_CASE("closest points allocate nothing, and a null surface is refused", "[co
     }
     CHECK(allocations() == before);
     CHECK(sum > 0.0);
+    SurfaceTrack kept = track;
+    const SurfaceClosest nowhere = feet.track(kept, Vec3{std::numeric_limits<double>::quiet_NaN()});
+    CHECK_FALSE(nowhere.proven);
+    CHECK(feet.track(kept, Vec3{0.01}).distance == feet.closest(Vec3{0.01}).distance);
     CHECK_THROWS_WITH(SurfaceFeet(nullptr), ContainsSubstring("give a surface"));
 }
