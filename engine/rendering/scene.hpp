@@ -10,6 +10,13 @@
 
 namespace palpate::engine {
 
+/// When the closest point is looked for beyond what the force needs.
+enum class Look : std::uint8_t {
+    needed,    ///< never: in contact with friction it is the last one found
+    touching,  ///< on every tick in contact: what a trial records
+    always,    ///< out of reach too: for drawing and offline tools
+};
+
 /// What is to be felt, as chosen by an experimenter. SI.
 struct SceneSpec {
     double stiffness = 1000.0;  ///< K, N/m, > 0: the spring of the virtual coupling
@@ -17,7 +24,7 @@ struct SceneSpec {
     double period = 0.001;  ///< T, s, > 0
     Friction friction{};
     Slew slew{};
-    bool always_look = false;  ///< find the closest point on every tick, out of reach too
+    Look look = Look::touching;
 };
 
 /// How often the tick did less than everything, since the state was made.
@@ -45,10 +52,11 @@ struct ContactState {
 /// One tick's answer. Frame: the object's; the force is the one on the user.
 struct Contact {
     Mode mode = Mode::free;
-    ClosestPoint cp{};  ///< global closest point of HIP; on a skipped tick the last one found
-    Place place{};      ///< of the GO
-    Vec2 go{};          ///< m; out of contact the closest point
-    Vec2 force{};       ///< K (GO - HIP) + B d(GO - HIP)/dt, N
+    ClosestPoint
+        cp{};  ///< global closest point of HIP; where it was not looked for, the last one found
+    Place place{};                  ///< of the GO
+    Vec2 go{};                      ///< m; out of contact the closest point
+    Vec2 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
     double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
@@ -102,6 +110,11 @@ private:
     }
     template <bool HasFriction, bool HasSlew, bool HasDamper>
     Contact step(ContactState& state, const Vec2& hip) const noexcept;
+    [[nodiscard]] bool follow_foot(ContactState& state,
+                                   const Vec2& hip,
+                                   double budget,
+                                   Contact& contact) const noexcept;
+    [[nodiscard]] ClosestPoint look(ContactState& state, const Vec2& hip) const noexcept;
     template <bool HasFriction>
     [[nodiscard]] Contact render(const Walk& walk, const Vec2& hip, double mu) const noexcept;
     template <bool HasFriction>

@@ -203,7 +203,7 @@ engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {
             .period = period,
             .friction = scene.friction.set,
             .slew = scene.friction.slew,
-            .always_look = true};
+            .look = engine::Look::always};
 }
 
 }  // namespace palpate::protocols
