@@ -1,0 +1,109 @@
+#include <chrono>
+#include <fstream>
+#include <map>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "tests/stress/stress_run.hpp"
+
+/// Hours of random hands in minutes: every tick of random contacts held to the laws.
+namespace {
+
+using namespace palpate::stress;
+
+constexpr const char* kUsage =
+    "palpate_stress [--seconds N] [--seed S] [--scenes N] [--out DIR]\n"
+    "  random scenes from seed S on, until N seconds are over or so many scenes were felt.\n"
+    "  A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads.\n";
+
+struct Options {
+    double seconds = 60.0;
+    std::uint64_t seed = 1;
+    std::uint64_t scenes = UINT64_MAX;
+    std::string out = ".";
+};
+
+Options options_of(const std::vector<std::string>& words) {
+    Options options;
+    for (std::size_t i = 0; i < words.size(); i += 2) {
+        if (i + 1 == words.size()) {
+            throw std::invalid_argument(words[i] + " needs a value");
+        }
+        const std::string& value = words[i + 1];
+        if (words[i] == "--seconds") {
+            options.seconds = std::stod(value);
+        } else if (words[i] == "--seed") {
+            options.seed = std::stoull(value);
+        } else if (words[i] == "--scenes") {
+            options.scenes = std::stoull(value);
+        } else if (words[i] == "--out") {
+            options.out = value;
+        } else {
+            throw std::invalid_argument("there is no option " + words[i]);
+        }
+    }
+    return options;
+}
+
+/// At most so many reproducers of one law are written.
+constexpr int kKept = 5;
+
+void report(const Case& c, const Breach& breach, const std::string& folder) {
+    const Case small = shrunk(c, breach);
+    Tally none;
+    const auto found = feel(small, none, false);
+    const Breach& last = found ? *found : breach;
+    const std::string name = fmt::format("{}/stress_{}", folder, c.scene.seed);
+    std::ofstream(name + ".toml") << scene_text(small.scene);
+    std::ofstream(name + ".csv") << path_text(small);
+    fmt::print(
+        "BROKEN: {}: {} above {}, seed {} tick {}; in {}.toml and .csv tick {} of {}, {} above "
+        "{}\n",
+        breach.law, breach.value, breach.limit, c.scene.seed, breach.tick, name, last.tick,
+        small.path.size(), last.value, last.limit);
+}
+
+}  // namespace
+
+int main(int count, char** arguments) {
+    Options options;
+    try {
+        options = options_of({arguments + 1, arguments + count});
+    } catch (const std::exception& wrong) {
+        fmt::print(stderr, "palpate_stress: {}\n{}", wrong.what(), kUsage);
+        return 2;
+    }
+    const auto start = std::chrono::steady_clock::now();
+    const auto seconds = [&start] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    Tally tally;
+    std::map<std::string, int> broken;
+    for (std::uint64_t seed = options.seed;
+         tally.scenes < options.scenes && seconds() < options.seconds; ++seed) {
+        ++tally.scenes;
+        const auto c = random_case(seed);
+        if (!c) {
+            ++tally.refused_scenes;
+            continue;
+        }
+        if (const auto breach = feel(*c, tally, true)) {
+            if (++broken[breach->law] <= kKept) {
+                report(*c, *breach, options.out);
+                std::fflush(stdout);
+            }
+        }
+    }
+    fmt::print(
+        "{} scenes from seed {} ({} refused), {} ticks, {} in contact, {} on vertices, {} "
+        "certified; slowest tick {:.3f} ms (seed {}); {:.0f} s\n",
+        tally.scenes, options.seed, tally.refused_scenes, tally.ticks, tally.in_contact,
+        tally.on_vertex, tally.certified, 1e3 * tally.slowest_s, tally.slowest_seed, seconds());
+    for (const auto& [law, times] : broken) {
+        fmt::print("  broken in {} scenes: {}\n", times, law);
+    }
+    return broken.empty() ? 0 : 1;
+}

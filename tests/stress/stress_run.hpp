@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tests/stress/stress_scene.hpp"
+#include "tests/stress/tick_laws.hpp"
+
+/// One random hand in one random scene, and how a failure becomes small enough to look at.
+namespace palpate::stress {
+
+struct Tally {
+    std::uint64_t scenes = 0;
+    std::uint64_t refused_scenes =
+        0;  ///< no outline: a joint that runs back along itself, a mere point
+    std::uint64_t ticks = 0;
+    std::uint64_t in_contact = 0;
+    std::uint64_t on_vertex = 0;
+    std::uint64_t certified = 0;
+    double slowest_s = 0.0;  ///< a tick, the best of several tries
+    std::uint64_t slowest_seed = 0;
+};
+
+struct Case {
+    StressScene scene;
+    std::shared_ptr<const engine::Outline> outline;
+    std::vector<engine::Vec2> path;
+};
+
+/// Scene and hand of a seed; nothing if Outline refuses the chain.
+[[nodiscard]] std::optional<Case> random_case(std::uint64_t seed);
+
+/// The renderer of a case.
+[[nodiscard]] engine::Scene renderer_of(const Case& c);
+
+/// Feels the path and holds every tick to the laws; then feels its second half again, bit for bit.
+/// @param watch  ticks that seem slow are timed again
+[[nodiscard]] std::optional<Breach> feel(const Case& c, Tally& tally, bool watch);
+
+/// The same breach in a path as short as it can be made by leaving ticks out.
+[[nodiscard]] Case shrunk(Case c, const Breach& breach);
+
+/// The path as `palpate render` reads it; ticks that are not finite are left out.
+[[nodiscard]] std::string path_text(const Case& c);
+
+}  // namespace palpate::stress

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocols/format/scene_file.hpp"
+#include "tests/support/nurbs_oracle.hpp"
+
+/// Random things to feel: whatever a scene file may say about plane curves, often at its worst.
+namespace palpate::stress {
+
+struct StressScene {
+    std::uint64_t seed = 0;
+    std::vector<tests::NurbsData<2>> segments;  ///< joined end to end; the last may meet the first
+    protocols::SceneRenderer renderer{};
+    protocols::SceneFriction friction{};
+    double period = 0.001;  ///< s
+    bool always_look = false;
+};
+
+/// One seed is one scene: NURBS chains of degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, with
+/// kinks, cusps, spikes and vertices of any angle; any law, stiffness, damper and slew.
+[[nodiscard]] StressScene random_scene(std::uint64_t seed);
+
+/// As `palpate render` reads it, every number with all its digits.
+[[nodiscard]] std::string scene_text(const StressScene& scene);
+
+/// Turns a closed scene about so that it runs clockwise, as Outline asks.
+void reverse(StressScene& scene);
+
+[[nodiscard]] protocols::SceneFile scene_file_of(const StressScene& scene);
+
+}  // namespace palpate::stress

@@ -1,0 +1,260 @@
+#include "tests/stress/tick_laws.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::stress {
+namespace {
+
+using engine::Contact;
+using engine::JointKind;
+using engine::Mode;
+using engine::Place;
+using engine::Vec2;
+
+constexpr double kSameLength = 1e-12;
+
+/// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
+constexpr double kFar = 1e9;
+
+bool finite(const Vec2& v) noexcept {
+    return std::isfinite(v.x) && std::isfinite(v.y);
+}
+
+double largest(const Vec2& v) noexcept {
+    return std::max(std::fabs(v.x), std::fabs(v.y));
+}
+
+bool free(const Contact& contact) noexcept {
+    return contact.mode == Mode::free;
+}
+
+double extent_of(const engine::Outline& outline) noexcept {
+    double extent = 0.0;
+    for (const auto& span : outline.spans()) {
+        extent = std::max({extent, largest(span.box().low), largest(span.box().high)});
+    }
+    return extent;
+}
+
+}  // namespace
+
+TickLaws::TickLaws(const engine::Scene& scene)
+    : scene_(&scene), feet_(scene.outline()), extent_(extent_of(scene.outline())) {}
+
+void TickLaws::check(const char* law, double value, double limit) {
+    if (!breach_ && !(value <= limit)) {
+        breach_ = Breach{.law = law, .tick = ticks_, .value = value, .limit = limit};
+    }
+}
+
+std::optional<Breach> TickLaws::look(const Vec2& h,
+                                     const engine::ContactState& before,
+                                     const Contact& contact) {
+    breach_.reset();
+    Tick now{.h = h, .contact = contact};
+    check("finite in, finite out",
+          finite(contact.force) && finite(contact.go) && finite(contact.cp.point) &&
+              std::isfinite(contact.normal_force) && std::isfinite(contact.tangential_force));
+    if (!finite(h)) {
+        check_refused(contact);
+        after_refusal_ = true;
+        started_ = ledger_ = false;
+        ++ticks_;
+        return breach_;
+    }
+    check("a finite HIP is not refused", !contact.refused);
+    check("no force while free",
+          !free(contact) || (contact.force == Vec2{} && contact.normal_force == 0.0 &&
+                             contact.tangential_force == 0.0));
+    check("the surface only pushes", -contact.normal_force, 0.0);
+    const double reach = std::max(largest(h), started_ ? largest(last_.h) : 0.0);
+    if (reach > kFar) {
+        started_ = true;
+        ledger_ = after_refusal_ = false;
+        last_ = now;
+        last_.contact.mode = Mode::free;
+        ++ticks_;
+        return breach_;
+    }
+    same_ = kSameLength * std::max(extent_, reach);
+    const bool exact = !contact.slewed && !at_open_end(contact.place);
+    now.springy = scene_->spec().damping == 0.0 && !free(contact) && exact;
+    check_closest(now);
+    check_free(now);
+    if (!free(contact)) {
+        check_force(now);
+        check_walk(now, before);
+    }
+    check_step(now);
+    check_energy(now);
+    if (after_refusal_) {
+        check_recovery(now);
+    }
+    started_ = true;
+    after_refusal_ = false;
+    last_ = now;
+    ++ticks_;
+    return breach_;
+}
+
+void TickLaws::check_refused(const Contact& contact) {
+    check("a HIP that is not finite is refused without force",
+          contact.refused && free(contact) && contact.force == Vec2{});
+}
+
+void TickLaws::check_free(const Tick& now) {
+    const Contact& c = now.contact;
+    check("mu is between mu_d and mu_s, and 0 while free",
+          free(c) ? c.mu == 0.0
+                  : c.mu >= scene_->spec().friction.mu_d * (1.0 - 1e-15) &&
+                        c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
+    if (free(c) && !c.skipped && (!started_ || free(last_.contact))) {
+        check("a hand inside is touched", !c.cp.inside);
+    }
+}
+
+/// The certified closest point is the global one.
+void TickLaws::check_closest(const Tick& now) {
+    const engine::ClosestPoint global = feet_.closest(now.h);
+    if (now.contact.skipped) {
+        check("what is skipped is out of reach", global.distance == 0.0 ? 1.0 : 0.0, 0.0);
+        return;
+    }
+    const engine::ClosestPoint& cp = now.contact.cp;
+    check("the closest point is the global one", std::fabs(cp.distance - global.distance), same_);
+    check("the closest point is as far as it says",
+          std::fabs(glm::length(cp.point - now.h) - cp.distance), same_);
+}
+
+void TickLaws::check_force(const Tick& now) {
+    const Contact& c = now.contact;
+    const double k = scene_->spec().stiffness;
+    const double newton = (k + scene_->spec().damping / scene_->spec().period) * same_;
+    if (now.springy) {
+        check("the force is K (GO - HIP)", glm::length(c.force - k * (c.go - now.h)), 0.0);
+    }
+    const bool corner = in_corner(c);
+    if (!corner || scene_->spec().damping == 0.0) {
+        check("fn and ft are the components of the force",
+              std::fabs(glm::length(c.force) - std::sqrt(c.normal_force * c.normal_force +
+                                                         c.tangential_force * c.tangential_force)),
+              newton + 1e-12 * glm::length(c.force));
+    }
+    if (!corner) {
+        check("friction stays in its cone", std::fabs(c.tangential_force),
+              c.mu * c.normal_force * (1.0 + 1e-9) + newton);
+    }
+}
+
+void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
+    const Contact& c = now.contact;
+    const auto& outline = scene_->outline();
+    check("without slew the walk finds its end", !c.slewed || !scene_->spec().slew.none());
+    const Vec2 there = c.place.on_joint
+                         ? outline.joints()[c.place.index].point
+                         : outline.spans()[c.place.index].at(c.place.parameter).point;
+    check("the god-object is on the outline", glm::length(there - c.go), same_);
+    const bool touched = before.touching && started_;
+    const double stretch = glm::length(c.go - now.h);
+    if (!touched) {
+        check("a contact begins no further than the closest point", stretch,
+              feet_.closest(now.h).distance + same_);
+        return;
+    }
+    const Contact& l = last_.contact;
+    check("the walk never stretches the spring", stretch, glm::length(l.go - now.h) + same_);
+    if (c.mode == Mode::stuck) {
+        check("a stuck god-object does not move", glm::length(c.go - l.go), same_);
+    }
+    const bool same_span = !c.place.on_joint && !l.place.on_joint &&
+                           c.place.index == l.place.index && c.place.parameter > 0.0 &&
+                           c.place.parameter < 1.0 && outline.spans().size() > 1;
+    if (now.springy && same_span && c.mode != Mode::stuck) {
+        check("a slip ends on the edge of the cone", c.mu * c.normal_force,
+              std::fabs(c.tangential_force) + 1e3 * scene_->spec().stiffness * same_);
+    }
+}
+
+/// |dF| <= K (|dh| + |dg|), and on a line |dg| <= |dh| (1 + mu) + (mu_s - mu_d) depth T / tau_slip.
+void TickLaws::check_step(const Tick& now) {
+    if (!started_ || !now.springy || !last_.springy) {
+        return;
+    }
+    const auto& spec = scene_->spec();
+    const Contact& c = now.contact;
+    const Contact& l = last_.contact;
+    const double dh = glm::length(now.h - last_.h);
+    const double dg = glm::length(c.go - l.go);
+    check("the force steps no further than HIP and GO", glm::length(c.force - l.force),
+          spec.stiffness * (dh + dg) * (1.0 + 1e-12) + spec.stiffness * same_);
+    const bool line = !c.place.on_joint && !l.place.on_joint && c.place.index == l.place.index &&
+                      scene_->outline().spans()[c.place.index].degree() == 1;
+    if (line) {
+        const double share = spec.friction.tau_slip > 0.0
+                               ? std::min(spec.period / spec.friction.tau_slip, 1.0)
+                               : 1.0;
+        const double relaxed = (spec.friction.mu_s - spec.friction.mu_d) * share;
+        const double depth = c.normal_force / spec.stiffness;
+        check("on a line GO moves as far as HIP and mu let it", dg,
+              dh * (1.0 + l.mu) + relaxed * depth + 4.0 * same_);
+    }
+}
+
+/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2, summed over an episode.
+void TickLaws::check_energy(const Tick& now) {
+    const double k = scene_->spec().stiffness;
+    const double energy = 0.5 * k * glm::dot(now.contact.go - now.h, now.contact.go - now.h);
+    const bool goes_on = ledger_ && started_ && (now.springy || free(now.contact));
+    if (goes_on) {
+        const Vec2 dh = now.h - last_.h;
+        const double work = glm::dot(last_.contact.force, dh);
+        const double leak = 0.5 * k * glm::dot(dh, dh);
+        work_ += work;
+        leak_ += leak;
+        scale_ += std::fabs(work) + leak + (free(now.contact) ? 0.0 : energy);
+        const double kept = free(now.contact) ? 0.0 : energy;
+        const double size = std::max(extent_, largest(now.h));
+        check("a contact gives no more work than K/2 sum |dh|^2", work_,
+              start_ - kept + leak_ + 1e-12 * scale_ + k * same_ * size);
+    }
+    if (free(now.contact) || !now.springy) {
+        ledger_ = false;
+    } else if (!ledger_) {
+        ledger_ = true;
+        work_ = leak_ = 0.0;
+        start_ = scale_ = energy;
+    }
+}
+
+/// After a refused tick the contact is that of a hand that comes out of nowhere.
+void TickLaws::check_recovery(const Tick& now) {
+    if (!scene_->spec().slew.none()) {
+        return;  // the budget knows how far HIP came
+    }
+    engine::ContactState fresh;
+    const Contact again = scene_->tick(fresh, now.h);
+    const Contact& c = now.contact;
+    if (glm::length(again.cp.point - c.cp.point) > same_) {
+        return;  // two closest points: either will do
+    }
+    check("after a refused tick the contact is a new one", free(again) == free(c));
+    check(
+        "after a refused tick the force is that of a new contact",
+        glm::length(again.force - c.force),
+        (scene_->spec().stiffness + scene_->spec().damping / scene_->spec().period) * 4.0 * same_);
+}
+
+bool TickLaws::at_open_end(const Place& place) const noexcept {
+    if (place.on_joint || (place.parameter > 0.0 && place.parameter < 1.0)) {
+        return false;
+    }
+    return !scene_->outline().joint_beyond(place.index, place.parameter > 0.5);
+}
+
+bool TickLaws::in_corner(const Contact& contact) const noexcept {
+    return contact.place.on_joint &&
+           scene_->outline().joints()[contact.place.index].kind == JointKind::concave;
+}
+
+}  // namespace palpate::stress

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "engine/rendering/scene.hpp"
+
+/// What must hold on every tick of every contact, whatever is felt and whoever feels it.
+namespace palpate::stress {
+
+/// A law that did not hold.
+struct Breach {
+    std::string law;
+    std::size_t tick = 0;
+    double value = 0.0;  ///< what was found
+    double limit = 0.0;  ///< what the law allows
+};
+
+/// Watches one hand in one scene. Lengths count as equal within kSameLength of the largest length in
+/// play (size of the outline, HIP's distance from the world's origin), forces within K times that.
+class TickLaws {
+public:
+    explicit TickLaws(const engine::Scene& scene);
+
+    /// The first law that the tick broke. @param before  the state that the tick began with
+    [[nodiscard]] std::optional<Breach> look(const engine::Vec2& h,
+                                             const engine::ContactState& before,
+                                             const engine::Contact& contact);
+
+private:
+    struct Tick {
+        engine::Vec2 h{};
+        engine::Contact contact{};
+        bool springy = false;  ///< the force was K (GO - HIP)
+    };
+
+    void check(const char* law, double value, double limit);
+    void check(const char* law, bool holds) { check(law, holds ? 0.0 : 1.0, 0.0); }
+    void check_refused(const engine::Contact& contact);
+    void check_free(const Tick& now);
+    void check_closest(const Tick& now);
+    void check_force(const Tick& now);
+    void check_walk(const Tick& now, const engine::ContactState& before);
+    void check_step(const Tick& now);
+    void check_energy(const Tick& now);
+    void check_recovery(const Tick& now);
+    [[nodiscard]] bool at_open_end(const engine::Place& place) const noexcept;
+    [[nodiscard]] bool in_corner(const engine::Contact& contact) const noexcept;
+
+    const engine::Scene* scene_;
+    engine::OutlineFeet feet_;
+    double extent_ = 0.0;  ///< largest coordinate or size of the outline, m
+    double same_ = 0.0;    ///< lengths nearer than this are the same in this tick, m
+    std::size_t ticks_ = 0;
+    bool started_ = false;
+    bool after_refusal_ = false;
+    Tick last_{};
+    bool ledger_ = false;  ///< an episode of springy ticks is being added up
+    double start_ = 0.0;   ///< energy it began with, J
+    double work_ = 0.0;    ///< on the user, J
+    double leak_ = 0.0;    ///< K/2 sum |dh|^2, J
+    double scale_ = 0.0;   ///< sum of magnitudes, for rounding, J
+    std::optional<Breach> breach_;
+};
+
+}  // namespace palpate::stress
