@@ -53,10 +53,10 @@ struct SurfaceTrack {
 /// shows for all others that they are farther: by their boxes, or by Bernstein coefficients
 /// (DistanceForm). What is closer starts it anew from there.
 ///
-/// `distance` is the global minimum to rounding: 1e-15 of the object's size plus the distance, for
-/// weights within 0.1 to 10. (The proof's rounding grows with the square of the weights' ratio; for
-/// 1e-3 to 1e3 errors of 2e-11 of the size were seen.) With ties any of the feet. A search needs
-/// 150 kB of stack. A HIP that is not finite has the distance infinity and is not proven.
+/// `distance` is the global minimum to rounding, 1e-15 of the object's size plus the distance, also for
+/// weights of 1e-3 to 1e3. With ties any of the feet. The proof fails, and says so, where a patch is
+/// degenerate to a line under different weights, and in bent valleys that weights of 1e-3 to 1e3 make.
+/// A HIP that is not finite has the distance infinity and is not proven. A search needs 300 kB of stack.
 class SurfaceFeet {
 public:
     /// @throws std::invalid_argument for a null surface

@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "engine/friction/surface_ground.hpp"
 
 namespace palpate::engine {
 namespace {
-
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// Steps before the GO gives up for this tick; 2 or 3 are usual. A pole takes some more.
 constexpr int kMaxSteps = 64;

@@ -244,6 +244,7 @@ TEST_CASE("closest points allocate nothing, and a null surface is refused", "[co
     SurfaceTrack kept = track;
     const SurfaceClosest nowhere = feet.track(kept, Vec3{std::numeric_limits<double>::quiet_NaN()});
     CHECK_FALSE(nowhere.proven);
-    CHECK(feet.track(kept, Vec3{0.01}).distance == feet.closest(Vec3{0.01}).distance);
+    const Vec3 next{0.01};
+    CHECK(std::fabs(feet.track(kept, next).distance - feet.closest(next).distance) < 1e-16);
     CHECK_THROWS_WITH(SurfaceFeet(nullptr), ContainsSubstring("give a surface"));
 }
