@@ -42,7 +42,8 @@ double SurfaceGround::tolerance(const SurfaceSpot& s) noexcept {
 }
 
 bool SurfaceGround::settled(const SurfaceSpot& s) noexcept {
-    return s.excess <= 0.0 || (s.cone == 0.0 && s.length <= tolerance(s));
+    const double rounding = tolerance(s);
+    return s.excess <= 0.0 || (s.cone <= rounding && s.length <= 2.0 * rounding);
 }
 
 Vec2 SurfaceGround::parameters(const SurfaceJet& j, const Vec3& t) noexcept {

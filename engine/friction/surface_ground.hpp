@@ -33,7 +33,7 @@ public:
 
     /// Width of the shell inside the cone in which a slide ends, m: the rounding of a place.
     [[nodiscard]] static double tolerance(const SurfaceSpot& s) noexcept;
-    /// Within its cone; where there is none (no load, no friction) at the local foot.
+    /// Within its cone; where that is narrower than rounding (no load, no friction) at the local foot.
     [[nodiscard]] static bool settled(const SurfaceSpot& s) noexcept;
     /// Parameters of the way `t` in the tangent plane: the 2 x 2 metric.
     [[nodiscard]] static Vec2 parameters(const SurfaceJet& jet, const Vec3& t) noexcept;
