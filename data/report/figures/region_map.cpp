@@ -1,0 +1,150 @@
+#include "data/report/figures/region_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include <glm/geometric.hpp>
+
+namespace palpate::data {
+namespace {
+
+using engine::Vec2;
+
+/// A place on the edge from `a` to `b` where the region changes from `at_a`.
+Vec2 change(const RegionMap& map, Vec2 a, Vec2 b, int at_a) {
+    constexpr double kNear = 1e-12;  // m
+    while (glm::length(b - a) > kNear) {
+        const Vec2 middle = 0.5 * (a + b);
+        if (middle == a || middle == b) {
+            break;
+        }
+        (map.at(middle) == at_a ? a : b) = middle;
+    }
+    return 0.5 * (a + b);
+}
+
+struct Crossing {
+    Vec2 at{};
+    int region = 0;
+    int other = 0;
+};
+
+/// The true vertex of the outline that lies in the cell from `low`, if one does.
+std::optional<Vec2> vertex_in(const RegionMap& map, const Vec2& low, double step) {
+    for (const engine::Joint& joint : map.outline().joints()) {
+        const Vec2 p = joint.point - low;
+        if (joint.kind != engine::JointKind::smooth && p.x >= 0.0 && p.y >= 0.0 && p.x <= step &&
+            p.y <= step) {
+            return joint.point;
+        }
+    }
+    return std::nullopt;
+}
+
+void add_cell(const RegionMap& map,
+              const Lattice& lattice,
+              const std::array<Vec2, 4>& corner,
+              const std::array<int, 4>& region,
+              std::vector<Border>& out) {
+    std::vector<Crossing> found;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const std::size_t next = (k + 1) % 4;
+        if (region[k] != region[next] && map.external(region[k]) == map.external(region[next])) {
+            found.push_back({change(map, corner[k], corner[next], region[k]),
+                             std::min(region[k], region[next]), std::max(region[k], region[next])});
+        }
+    }
+    const auto vertex = vertex_in(map, corner[0], lattice.step);
+    if (vertex) {
+        for (const Crossing& c : found) {
+            out.push_back({*vertex, c.at, c.region, c.other});
+        }
+    } else if (found.size() == 2) {
+        out.push_back({found[0].at, found[1].at, found[0].region, found[0].other});
+    } else if (found.size() > 2) {  // regions meet: to the middle of the crossings
+        Vec2 middle{};
+        for (const Crossing& c : found) {
+            middle += c.at / static_cast<double>(found.size());
+        }
+        for (const Crossing& c : found) {
+            out.push_back({middle, c.at, c.region, c.other});
+        }
+    }
+}
+
+}  // namespace
+
+RegionMap::RegionMap(const std::vector<engine::NurbsCurve<2>>& curves)
+    : curves_(static_cast<int>(curves.size())), outline_(curves, true), feet_(outline_) {}
+
+int RegionMap::at(const Vec2& h) const {
+    const engine::ClosestPoint cp = feet_.closest(h);
+    const engine::Joint* joint = cp.place.on_joint ? &outline_.joints()[cp.place.index] : nullptr;
+    const std::size_t span = joint != nullptr ? joint->before : cp.place.index;
+    const int segment = static_cast<int>(outline_.name(span).segment);
+    if (cp.inside) {
+        return 2 * curves_ + segment;
+    }
+    const bool vertex = joint != nullptr && joint->kind != engine::JointKind::smooth;
+    return 2 * segment + (vertex ? 1 : 0);
+}
+
+std::string RegionMap::name(int region) const {
+    return external(region) ? std::string(1, static_cast<char>('a' + region))
+                            : std::string(1, static_cast<char>('1' + region - 2 * curves_));
+}
+
+std::vector<int> regions_of(const RegionMap& map, const Lattice& lattice) {
+    std::vector<int> regions;
+    for (int row = 0; row < lattice.rows; ++row) {
+        for (int column = 0; column < lattice.columns; ++column) {
+            regions.push_back(map.at(lattice.node(column, row)));
+        }
+    }
+    return regions;
+}
+
+std::vector<Border> borders(const RegionMap& map, const Lattice& lattice) {
+    const std::vector<int> regions = regions_of(map, lattice);
+    const auto at = [&](int column, int row) {
+        return regions[static_cast<std::size_t>(row * lattice.columns + column)];
+    };
+    std::vector<Border> out;
+    for (int row = 0; row + 1 < lattice.rows; ++row) {
+        for (int column = 0; column + 1 < lattice.columns; ++column) {
+            add_cell(map, lattice,
+                     {lattice.node(column, row), lattice.node(column + 1, row),
+                      lattice.node(column + 1, row + 1), lattice.node(column, row + 1)},
+                     {at(column, row), at(column + 1, row), at(column + 1, row + 1),
+                      at(column, row + 1)},
+                     out);
+        }
+    }
+    return out;
+}
+
+std::vector<std::array<int, 2>> neighbours(const RegionMap& map, const Lattice& lattice) {
+    const std::vector<int> regions = regions_of(map, lattice);
+    std::set<std::array<int, 2>> pairs;
+    const auto add = [&](int a, int b) {
+        if (a != b) {
+            pairs.insert({std::min(a, b), std::max(a, b)});
+        }
+    };
+    for (int row = 0; row < lattice.rows; ++row) {
+        for (int column = 0; column < lattice.columns; ++column) {
+            const auto i = static_cast<std::size_t>(row * lattice.columns + column);
+            if (column + 1 < lattice.columns) {
+                add(regions[i], regions[i + 1]);
+            }
+            if (row + 1 < lattice.rows) {
+                add(regions[i], regions[i + static_cast<std::size_t>(lattice.columns)]);
+            }
+        }
+    }
+    return {pairs.begin(), pairs.end()};
+}
+
+}  // namespace palpate::data
