@@ -1,4 +1,5 @@
 // Figures 3.2.2 to 3.2.4: forces, coefficient and parameters over the pre-determined path.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -111,7 +112,7 @@ std::vector<CsvColumn> time_column(const Runs& runs) {
     return {column("time_s", runs.gos, [](const FrictionTick& t) { return t.t; })};
 }
 
-/// The span of times in which Algorithm 1 read literally leaves DYNAMIC because the load rose: none.
+/// Does Algorithm 1 as written go from slipping to stuck while HIP presses deeper?
 bool literal_sticks_while_pressed(const Runs& runs) {
     const FrictionRun literal = felt_by_thesis(friction_path(), false);
     const auto from = runs.markers[2];
@@ -124,30 +125,44 @@ bool literal_sticks_while_pressed(const Runs& runs) {
     return false;
 }
 
+/// Largest |F_T| / F_N where there is a load to speak of.
+double largest_ratio(const FrictionRun& run) {
+    constexpr double kLoaded = 0.5;  // N
+    double most = 0.0;
+    for (const FrictionTick& tick : run) {
+        if (tick.normal_force > kLoaded) {
+            most = std::max(most, size_of_friction(tick) / tick.normal_force);
+        }
+    }
+    return most;
+}
+
 std::string forces_caption(const Runs& runs) {
     const std::size_t from = runs.markers[10].value_or(1);
     const auto fired = runs.latched_markers[3];
     return fmt::format(
-        "K = 1000 N/m, mu_s = 0.7, mu_d = 0.5, ticks of 1 ms. Numbers are found in our run: 1 HIP "
-        "begins to move along, 2 GO breaks away, 3 HIP presses deeper, 4 GO sticks, 5 it is "
-        "pressed no "
-        "deeper, 6 GO breaks away, 7 mu is relaxed, 8 HIP leaves, 9 to 10 no contact, 11 level "
+        "K = 1000 N/m, μ_s = 0.7, μ_d = 0.5, ticks of 1 ms. Numbers are found in our run: 1 HIP "
+        "begins "
+        "to move along, 2 GO breaks away, 3 HIP presses deeper, 4 GO sticks, 5 it is pressed no "
+        "deeper, 6 GO breaks away, 7 μ is relaxed, 8 HIP leaves, 9 to 10 no contact, 11 level "
         "towards "
-        "the second curve, 12 GO breaks away, 13 mu is relaxed. Three things differ from what the "
+        "the second curve, 12 GO breaks away, 13 μ is relaxed. Three things differ from what the "
         "thesis tells. Between 3 and 5 nothing drags the contact along, so friction keeps its "
         "value "
         "({:.3f} N at 3, {:.3f} N at 5) while the load rises; the thesis' law multiplies the load "
-        "and lets friction climb. Sticking follows pressing at once (4 lies on 3); Algorithm 1 as "
+        "and "
+        "lets friction climb. Sticking follows pressing at once (4 lies on 3); Algorithm 1 as "
         "written "
         "{} between 3 and 5, since it asks for 40 % more load within a tick; read as load since "
-        "slipping began, it sticks at {:.2f} N. Over the vertex no law is free of change: from 11 "
-        "on, "
-        "the largest step of the force in a tick is {:.2f} N for ours, whose god-object turns "
-        "through "
-        "the vertex at a limited rate, and {:.2f} N for the thesis'.",
+        "slipping began, it sticks at {:.2f} N, then keeps an offset that takes friction to {:.1f} "
+        "times the load. Over the vertex no law is free of change: from 11 on, the largest step of "
+        "the "
+        "force in a tick is {:.2f} N for ours, whose god-object turns through the vertex at a "
+        "limited "
+        "rate, and {:.2f} N for the thesis'.",
         at_marker(runs, 3, &size_of_friction), at_marker(runs, 5, &size_of_friction),
         literal_sticks_while_pressed(runs) ? "sticks" : "never sticks",
-        fired ? runs.latched[*fired].normal_force : 0.0,
+        fired ? runs.latched[*fired].normal_force : 0.0, largest_ratio(runs.latched),
         largest_jump(runs.gos, from, runs.gos.size() - 1),
         largest_jump(runs.latched, from, runs.latched.size() - 1));
 }
@@ -187,11 +202,11 @@ Panel places_panel(std::string title, const FrictionRun& run) {
 
 MadeFigure make_friction_forces() {
     const Runs runs = both();
-    Panel friction = time_panel("a  Friction force", "|F_T|", "N", 270.0);
+    Panel friction = time_panel("(a) Friction force", "|F_T|", "N", 270.0);
     friction.series = {over_time("ours (god-object spring)", runs.gos, &size_of_friction),
                        compared(over_time("thesis, latched", runs.latched, &size_of_friction))};
     friction.markers = numbered(runs, &size_of_friction);
-    Panel total = time_panel("b  Total force", "|F|", "N", 270.0);
+    Panel total = time_panel("(b) Total force", "|F|", "N", 270.0);
     total.series = {over_time("ours (god-object spring)", runs.gos, &size_of_force),
                     compared(over_time("thesis, latched", runs.latched, &size_of_force))};
     total.markers = numbered(runs, &size_of_force);
@@ -211,7 +226,7 @@ MadeFigure make_stribeck() {
     const auto mu = [](const FrictionTick& t) {
         return t.mode == Mode::free ? std::numeric_limits<double>::quiet_NaN() : t.mu;
     };
-    Panel panel = time_panel("", "coefficient of friction mu", "", 280.0);
+    Panel panel = time_panel("", "coefficient of friction μ", "", 280.0);
     panel.y.low = 0.47;
     panel.y.high = 0.74;
     panel.series = {over_time("ours (god-object spring)", runs.gos, mu),
@@ -224,12 +239,13 @@ MadeFigure make_stribeck() {
                   .caption = "",
                   .width = 980.0};
     figure.caption = fmt::format(
-        "While GO moves, our mu falls from mu_s to mu_d with a time constant of {:g} ms; while it "
-        "rests, mu heals with {:g} ms, which a short rest does not complete. The thesis takes mu "
-        "from "
-        "how far GO lags behind the closest point: at 8, sliding on at 20 mm/s, its mu still "
-        "stands at "
-        "{:.3f}, and would stand higher the faster the hand goes. Gaps: no contact.",
+        "While GO moves, our μ falls from μ_s to μ_d with a time constant of {:g} ms; while it "
+        "rests, μ "
+        "heals with {:g} ms. The thesis takes μ from how far GO lags behind the closest point: at "
+        "8, "
+        "sliding on at 20 mm/s, its μ still stands at {:.3f}, and would stand higher the faster "
+        "the "
+        "hand goes, the opposite of the Stribeck effect. Gaps: no contact.",
         1e3 * kFrictionSlip, 1e3 * kFrictionHeal, end.mu);
     std::vector<CsvColumn> table = time_column(runs);
     table.push_back(column("gos_mu", runs.gos, mu));
@@ -239,9 +255,9 @@ MadeFigure make_stribeck() {
 
 MadeFigure make_places() {
     const Runs runs = both();
-    Panel ours = places_panel("a  Ours (god-object spring)", runs.gos);
+    Panel ours = places_panel("(a) Ours (god-object spring)", runs.gos);
     ours.markers = numbered(runs, [](const FrictionTick& t) { return t.go_u; });
-    const Panel theirs = places_panel("b  Thesis, latched", runs.latched);
+    const Panel theirs = places_panel("(b) Thesis, latched", runs.latched);
     Figure figure{.id = "fig_3_2_4",
                   .title = "Figure 3.2.4: parameters of god-object and closest point",
                   .panels = {ours, theirs},
@@ -250,16 +266,15 @@ MadeFigure make_places() {
     figure.caption =
         "u from 0 to 1 on each curve. GO stands while stuck, and the closest point goes ahead. "
         "Under our "
-        "law GO follows it at the distance that friction keeps, mu times the load over the "
-        "stiffness, and never falls back on it while HIP slides; under the thesis' law the two "
-        "come "
-        "together. From 11 on the closest point passes to the second curve (u from 1 to 0) while "
-        "GO is "
-        "still stuck on the first: crossing into another Voronoi region does not free it. After 12 "
-        "our "
-        "GO walks to the end of its own curve and round the vertex; the thesis puts it on the "
-        "second "
-        "curve at once.";
+        "law GO then follows at the distance that friction keeps, μ times the load over the "
+        "stiffness, "
+        "as long as HIP slides; under the thesis' law the two come together. From 11 on the "
+        "closest "
+        "point passes to the second curve (u drops to near 0) while GO is still stuck on the "
+        "first: "
+        "crossing into another Voronoi region does not free it. After 12 our GO walks to the end "
+        "of its "
+        "own curve and round the vertex; the thesis puts it on the second curve at once.";
     std::vector<CsvColumn> table = time_column(runs);
     for (const auto& [law, run] :
          {std::pair{"gos", &runs.gos}, {"thesis_latched", &runs.latched}}) {

@@ -77,7 +77,7 @@ Panel snapshot(const std::vector<engine::NurbsCurve<2>>& curves,
                const FrictionRun& run,
                const Moment& moment) {
     const FrictionTick& now = run[moment.tick];
-    Panel panel = plane_mm(moment.letter + "  " + moment.what, 200.0);
+    Panel panel = plane_mm("(" + moment.letter + ") " + moment.what, 200.0);
     Series trace =
         path_mm("path of HIP so far",
                 places({run.begin(), run.begin() + static_cast<std::ptrdiff_t>(moment.tick + 1)},
@@ -86,14 +86,17 @@ Panel snapshot(const std::vector<engine::NurbsCurve<2>>& curves,
     trace.width = 1.0;
     const std::array<Vec2, 1> hip{now.hip};
     const std::array<Vec2, 1> go{now.go};
+    const std::array<Vec2, 1> cp{now.cp};
     Series hip_dot = dots_mm("HIP", hip);
     hip_dot.ink = Ink::vermillion;
     Series go_dot = dots_mm("GO", go);
     go_dot.ink = Ink::blue;
+    Series cp_dot = dots_mm("CP", cp);
+    cp_dot.ink = Ink::orange;
     Series object = outline_mm(curves);
     object.name = "";
     trace.name = "";
-    panel.series = {object, trace, hip_dot, go_dot};
+    panel.series = {object, trace, cp_dot, hip_dot, go_dot};
     if (glm::length(now.force) > 0.0) {
         panel.arrows.push_back({kMillimetres * now.hip.x, kMillimetres * now.hip.y,
                                 kPerNewton * now.force.x, kPerNewton * now.force.y, "force",

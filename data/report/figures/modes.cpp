@@ -44,8 +44,8 @@ Transition drawn(const Edge& edge, std::size_t first_node, const Changes& change
     const bool loop = from == to;
     return {.from = first_node + from,
             .to = first_node + to,
-            .condition =
-                loop ? std::string(edge.condition) : fmt::format("{}\n{} ×", edge.condition, times),
+            .condition = loop || times == 0 ? std::string(edge.condition)
+                                            : fmt::format("{}\n{} ×", edge.condition, times),
             .bend = edge.bend,
             .shift_x = edge.shift_x,
             .shift_y = edge.shift_y,
@@ -56,35 +56,36 @@ Transition drawn(const Edge& edge, std::size_t first_node, const Changes& change
 
 /// Four nodes in the order of engine::Mode, the middle of the group at x.
 void add_nodes(Diagram& diagram, double x, Ink ink) {
-    diagram.nodes.push_back({"FREE", "F = 0", x - 165.0, 90.0, Ink::grey});
-    diagram.nodes.push_back({"STUCK", "GO stands", x + 110.0, 90.0, ink});
-    diagram.nodes.push_back({"SLIP", "mu = mu_d", x - 165.0, 400.0, ink});
-    diagram.nodes.push_back({"TRANSITION", "mu falls", x + 110.0, 400.0, ink});
+    diagram.nodes.push_back({"FREE", "F = 0", x - 200.0, 130.0, Ink::grey});
+    diagram.nodes.push_back({"STUCK", "GO stands", x + 130.0, 130.0, ink});
+    diagram.nodes.push_back({"SLIP", "μ = μ_d", x - 200.0, 430.0, ink});
+    diagram.nodes.push_back({"TRANSITION", "μ falls", x + 130.0, 430.0, ink});
 }
 
 constexpr std::array<Edge, 9> kOurs{{
-    {Mode::free, Mode::stuck, "HIP is inside", 16.0, 0.0, -6.0},
-    {Mode::stuck, Mode::free, "F_N <= 0", 16.0, 0.0, 6.0},
-    {Mode::stuck, Mode::stuck, "mu heals to mu_s", 0.0, 0.0, -12.0},
-    {Mode::stuck, Mode::transition, "|F_T| > mu F_N", 22.0, 22.0, 0.0},
-    {Mode::transition, Mode::stuck, "|F_T| <= mu F_N", 22.0, -34.0, 0.0},
-    {Mode::transition, Mode::slip, "mu - mu_d below 1/1000\nof mu_s - mu_d", 0.0, 0.0, 24.0},
-    {Mode::slip, Mode::stuck, "|F_T| <= mu F_N", 0.0, -10.0, -4.0},
-    {Mode::slip, Mode::free, "F_N <= 0", 0.0, 0.0, 0.0},
-    {Mode::transition, Mode::transition, "GO slides until\n|F_T| = mu F_N", 0.0, 0.0, 24.0, 0.0,
+    {Mode::free, Mode::stuck, "HIP is inside", 16.0, 0.0, -12.0},
+    {Mode::stuck, Mode::free, "F_N ≤ 0", 16.0, 0.0, 18.0},
+    {Mode::stuck, Mode::stuck, "μ heals to μ_s", 0.0, 0.0, -14.0},
+    {Mode::stuck, Mode::transition, "|F_T| > μ F_N", 26.0, 50.0, 0.0},
+    {Mode::transition, Mode::stuck, "|F_T| ≤ μ F_N", 26.0, -52.0, 66.0},
+    {Mode::transition, Mode::slip, "(μ - μ_d) / (μ_s - μ_d)\nbelow 1/1000", 0.0, 0.0, 30.0},
+    {Mode::slip, Mode::stuck, "|F_T| ≤ μ F_N", 0.0, -46.0, -50.0},
+    {Mode::slip, Mode::free, "F_N ≤ 0", 0.0, -36.0, 0.0},
+    {Mode::transition, Mode::transition, "GO slides until\n|F_T| = μ F_N", 0.0, 0.0, 24.0, 0.0,
      1.0},
 }};
 
 constexpr std::array<Edge, 9> kThesis{{
-    {Mode::free, Mode::stuck, "collision", 16.0, 0.0, -6.0},
-    {Mode::stuck, Mode::free, "no collision", 16.0, 0.0, 6.0},
-    {Mode::stuck, Mode::stuck, "HIP stops or turns: GO := CP", 0.0, 0.0, -12.0},
-    {Mode::stuck, Mode::transition, "F_T >= mu_s F_N", 22.0, 24.0, 0.0},
-    {Mode::transition, Mode::stuck, "mu_d F_N > mu_s F_N\nwhen slipping began", 22.0, -34.0, 0.0},
-    {Mode::transition, Mode::slip, "|Psi| < epsilon\n(GO meets CP)", 0.0, 0.0, 24.0},
-    {Mode::slip, Mode::stuck, "HIP stops or turns,\nor load as for TRANSITION", 0.0, -10.0, -4.0},
-    {Mode::slip, Mode::free, "no collision", 0.0, 0.0, 0.0},
-    {Mode::transition, Mode::transition, "mu from Psi", 0.0, 0.0, 16.0, 0.0, 1.0},
+    {Mode::free, Mode::stuck, "collision", 16.0, 0.0, -12.0},
+    {Mode::stuck, Mode::free, "no collision", 16.0, 0.0, 18.0},
+    {Mode::stuck, Mode::stuck, "HIP stops or turns: GO := CP", 0.0, 0.0, -14.0},
+    {Mode::stuck, Mode::transition, "F_T ≥ μ_s F_N", 26.0, 52.0, 0.0},
+    {Mode::transition, Mode::stuck, "the same\nas from SLIP", 26.0, -48.0, 66.0},
+    {Mode::transition, Mode::slip, "|Ψ| < ε\n(GO meets CP)", 0.0, 0.0, 30.0},
+    {Mode::slip, Mode::stuck,
+     "HIP stops or turns, or\nμ_d F_N > μ_s times F_N\nwhen slipping began", 0.0, -72.0, -62.0},
+    {Mode::slip, Mode::free, "no\ncollision", 0.0, -36.0, 0.0},
+    {Mode::transition, Mode::transition, "μ from Ψ", 0.0, 0.0, 16.0, 0.0, 1.0},
 }};
 
 }  // namespace
@@ -96,13 +97,13 @@ MadeFigure make_modes() {
     Diagram diagram{.title = "Figure 3.1.2: modes of friction, ours and the thesis'",
                     .nodes = {},
                     .transitions = {},
-                    .headings = {{290.0, 16.0, "Ours: read off the god-object"},
-                                 {830.0, 16.0, "Thesis: switched by conditions (latched reading)"}},
+                    .headings = {{300.0, 16.0, "Ours: read off the god-object"},
+                                 {890.0, 16.0, "Thesis: switched by conditions (latched reading)"}},
                     .caption = "",
-                    .width = 1080.0,
-                    .height = 510.0};
-    add_nodes(diagram, 290.0, Ink::blue);
-    add_nodes(diagram, 830.0, Ink::vermillion);
+                    .width = 1180.0,
+                    .height = 540.0};
+    add_nodes(diagram, 300.0, Ink::blue);
+    add_nodes(diagram, 890.0, Ink::vermillion);
     for (const Edge& edge : kOurs) {
         diagram.transitions.push_back(drawn(edge, 0, ours));
     }

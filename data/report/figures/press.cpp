@@ -52,11 +52,11 @@ Press press(double stiffness) {
 }  // namespace
 
 MadeFigure make_press() {
-    Panel over_time{.title = "a  Force over time",
+    Panel over_time{.title = "(a) Force over time",
                     .x = {.label = "time", .unit = "s"},
                     .y = {.label = "force", .unit = "N"},
                     .height = 260.0};
-    Panel over_depth{.title = "b  Force against depth",
+    Panel over_depth{.title = "(b) Force against depth",
                      .x = {.label = "penetration depth", .unit = "mm"},
                      .y = {.label = "force", .unit = "N"},
                      .height = 260.0};

@@ -12,17 +12,29 @@ namespace {
 
 using engine::Vec2;
 
-/// A place on the edge from `a` to `b` where the region changes from `at_a`.
-Vec2 change(const RegionMap& map, Vec2 a, Vec2 b, int at_a) {
+/// Where the region changes on the way from `a` to `b`, and the regions on both sides of that place.
+struct Change {
+    Vec2 at{};
+    int before = 0;
+    int after = 0;
+};
+
+/// @pre the regions of a and b differ
+Change change(const RegionMap& map, Vec2 a, Vec2 b) {
     constexpr double kNear = 1e-12;  // m
+    Change found{.at = {}, .before = map.at(a), .after = map.at(b)};
     while (glm::length(b - a) > kNear) {
         const Vec2 middle = 0.5 * (a + b);
-        if (middle == a || middle == b) {
-            break;
+        const int region = map.at(middle);
+        if (region == found.before) {
+            a = middle;
+        } else {
+            b = middle;
+            found.after = region;
         }
-        (map.at(middle) == at_a ? a : b) = middle;
     }
-    return 0.5 * (a + b);
+    found.at = 0.5 * (a + b);
+    return found;
 }
 
 struct Crossing {
@@ -52,7 +64,7 @@ void add_cell(const RegionMap& map,
     for (std::size_t k = 0; k < 4; ++k) {
         const std::size_t next = (k + 1) % 4;
         if (region[k] != region[next] && map.external(region[k]) == map.external(region[next])) {
-            found.push_back({change(map, corner[k], corner[next], region[k]),
+            found.push_back({change(map, corner[k], corner[next]).at,
                              std::min(region[k], region[next]), std::max(region[k], region[next])});
         }
     }
@@ -127,21 +139,23 @@ std::vector<Border> borders(const RegionMap& map, const Lattice& lattice) {
 
 std::vector<std::array<int, 2>> neighbours(const RegionMap& map, const Lattice& lattice) {
     const std::vector<int> regions = regions_of(map, lattice);
+    const auto at = [&](int column, int row) {
+        return regions[static_cast<std::size_t>(row * lattice.columns + column)];
+    };
     std::set<std::array<int, 2>> pairs;
-    const auto add = [&](int a, int b) {
-        if (a != b) {
-            pairs.insert({std::min(a, b), std::max(a, b)});
+    const auto add = [&](int column, int row, int next_column, int next_row) {
+        if (next_column < lattice.columns && next_row < lattice.rows &&
+            at(column, row) != at(next_column, next_row)) {
+            const Change found =
+                change(map, lattice.node(column, row), lattice.node(next_column, next_row));
+            pairs.insert(
+                {std::min(found.before, found.after), std::max(found.before, found.after)});
         }
     };
     for (int row = 0; row < lattice.rows; ++row) {
         for (int column = 0; column < lattice.columns; ++column) {
-            const auto i = static_cast<std::size_t>(row * lattice.columns + column);
-            if (column + 1 < lattice.columns) {
-                add(regions[i], regions[i + 1]);
-            }
-            if (row + 1 < lattice.rows) {
-                add(regions[i], regions[i + static_cast<std::size_t>(lattice.columns)]);
-            }
+            add(column, row, column + 1, row);
+            add(column, row, column, row + 1);
         }
     }
     return {pairs.begin(), pairs.end()};

@@ -18,10 +18,10 @@ namespace {
 using engine::Vec2;
 
 constexpr Lattice kLattice{.low = {-0.08007, -0.07011}, .step = 0.001, .columns = 161, .rows = 141};
-constexpr double kFan = 0.009;   // m, length of a drawn normal
-constexpr double kTick = 0.001;  // s
-constexpr double kRound = 6.0;   // s, once round the object
-constexpr int kWaves = 4;        // times in and out on the way
+constexpr double kFan = 0.009;    // m, length of a drawn normal
+constexpr double kTick = 0.001;   // s
+constexpr double kRound = 4.0;    // s, once round the object
+constexpr double kInner = 0.012;  // m, radius of the second round
 
 Series border_series(const RegionMap& map, const std::vector<Border>& pieces, bool external) {
     std::vector<Vec2> points;
@@ -68,7 +68,7 @@ std::vector<Label> names(const RegionMap& map) {
         for (int column = 0; column < kLattice.columns; ++column) {
             const int region = regions[static_cast<std::size_t>(row * kLattice.columns + column)];
             const Vec2 p = kLattice.node(column, row);
-            if (map.external(region) && map.feet().closest(p).distance > 0.03) {
+            if (map.external(region) && map.feet().closest(p).distance > 0.026) {
                 continue;  // names stay near the object
             }
             sum[static_cast<std::size_t>(region)] += p;
@@ -84,23 +84,30 @@ std::vector<Label> names(const RegionMap& map) {
     return labels;
 }
 
-/// Once round the object, in and out of it.
+/// Twice round the object: first out at each vertex and in at each curve, then inside.
 struct Tour {
     std::vector<double> t;
     std::vector<Vec2> hip;
     std::vector<int> region;
 };
 
+/// Distance from the middle at `angle`, m, in the first round: the vertices lie 120 degrees apart.
+double first_round(double angle) {
+    constexpr double kTop = 0.52 * std::numbers::pi;  // where the vertex on top is seen
+    return 0.038 + 0.022 * std::cos(3.0 * (angle - kTop));
+}
+
 Tour tour(const RegionMap& map) {
+    constexpr double kTurnIn = 0.08;  // of a round, from the first to the second
     Tour out;
-    const int ticks = static_cast<int>(kRound / kTick);
+    const int ticks = static_cast<int>(2.0 * kRound / kTick);
     for (int i = 0; i <= ticks; ++i) {
-        const double share = static_cast<double>(i) / ticks;
-        const double angle = 2.0 * std::numbers::pi * (0.55 - share);  // clockwise
-        const double away = 0.034 + 0.021 * std::cos(2.0 * std::numbers::pi * kWaves * share);
+        const double rounds = 2.0 * static_cast<double>(i) / ticks;
+        const double angle = 2.0 * std::numbers::pi * (0.43 - rounds);  // clockwise
+        const double share = std::clamp((rounds - 1.0) / kTurnIn + 0.5, 0.0, 1.0);
+        const double away = (1.0 - share) * first_round(angle) + share * kInner;
         out.t.push_back(i * kTick);
-        out.hip.push_back(Vec2{0.001, -0.001} +
-                          away * Vec2{1.15 * std::cos(angle), std::sin(angle)});
+        out.hip.push_back(away * Vec2{std::cos(angle), std::sin(angle)});
         out.region.push_back(map.at(out.hip.back()));
     }
     return out;
@@ -117,7 +124,7 @@ std::vector<std::size_t> switches(const Tour& tour) {
 }
 
 Panel tour_panel(const RegionMap& map, const Tour& tour) {
-    Panel panel = plane_mm("", 380.0);
+    Panel panel = plane_mm("(a) Path", 400.0);
     const std::vector<Border> pieces = borders(map, kLattice);
     panel.series = {outline_mm(curves_of(three_curves())), border_series(map, pieces, true),
                     border_series(map, pieces, false), path_mm("HIP", tour.hip)};
@@ -141,10 +148,10 @@ double row_of(const RegionMap& map, int region) {
 }
 
 Panel flow_panel(const RegionMap& map, const Tour& tour) {
-    Panel panel{.title = "Active region",
+    Panel panel{.title = "(b) Active region",
                 .x = {.label = "time", .unit = "s"},
                 .y = {.label = "region", .low = 0.4, .high = map.count() + 0.9},
-                .height = 230.0};
+                .height = 400.0};
     Series steps{.name = "", .x = {}, .y = {}, .ink = Ink::green, .width = 2.2};
     for (std::size_t i = 0; i < tour.t.size(); ++i) {
         if (i > 0 && tour.region[i] != tour.region[i - 1]) {
@@ -181,10 +188,12 @@ MadeFigure make_regions() {
     const RegionMap map(curves_of(object));
     const std::vector<Border> pieces = borders(map, kLattice);
     Panel panel = plane_mm("", 560.0);
-    panel.series = control_points_mm(object);
     for (Series& s :
          std::vector<Series>{outline_mm(curves_of(object)), border_series(map, pieces, true),
                              border_series(map, pieces, false)}) {
+        panel.series.push_back(std::move(s));
+    }
+    for (Series& s : control_points_mm(object)) {
         panel.series.push_back(std::move(s));
     }
     panel.arrows = fans(map.outline());
@@ -230,9 +239,11 @@ MadeFigure make_region_flow() {
     Figure figure{.id = "fig_2_1_5",
                   .title = "Figure 2.1.5: the active Voronoi region along a path",
                   .panels = {tour_panel(map, path), flow_panel(map, path)},
-                  .share_x = false};
+                  .columns = 2,
+                  .share_x = false,
+                  .width = 1080.0};
     figure.caption =
-        "HIP goes once round the object of figure 2.1.4, in and out of it. Numbers are the "
+        "HIP goes twice round the object of figure 2.1.4, the second time inside. Numbers are the "
         "switches of "
         "the active region, as the engine's closest point finds them: " +
         words_of(map, path) + ".";
@@ -252,18 +263,18 @@ MadeFigure make_region_graph() {
                     .nodes = {},
                     .transitions = {},
                     .height = 470.0,
-                    .node_width = 96.0,
+                    .node_width = 92.0,
                     .node_height = 42.0};
     for (int region = 0; region < map.count(); ++region) {
         const bool outside = map.external(region);
         const double turn = outside ? region : 2.0 * (region - map.count() * 2 / 3);
         const double angle = std::numbers::pi * (1.0 - turn / 3.0) - std::numbers::pi / 6.0;
-        const double away = outside ? 195.0 : 85.0;
+        const double away = outside ? 195.0 : 82.0;
         diagram.nodes.push_back({map.name(region),
                                  !outside          ? "inside, curve"
                                  : region % 2 == 0 ? "outside, curve"
                                                    : "outside, vertex",
-                                 380.0 + 1.35 * away * std::cos(angle),
+                                 380.0 + 1.55 * away * std::cos(angle),
                                  235.0 - away * std::sin(angle),
                                  outside ? Ink::blue : Ink::vermillion});
     }
@@ -277,7 +288,8 @@ MadeFigure make_region_graph() {
         });
         diagram.transitions.push_back({.from = static_cast<std::size_t>(a),
                                        .to = static_cast<std::size_t>(b),
-                                       .condition = taken > 0 ? fmt::format("{}", taken) : "",
+                                       .condition = taken > 0 ? fmt::format("{} ×", taken) : "",
+                                       .shift_y = -11.0,
                                        .ink = taken > 0 ? Ink::green : Ink::grey,
                                        .width = taken > 0 ? 2.2 : 1.2,
                                        .two_way = true});
@@ -287,7 +299,8 @@ MadeFigure make_region_graph() {
     }
     diagram.caption =
         "The regions of figure 2.1.4 as states: two are joined if the engine found them at "
-        "neighbouring places of the lattice. Green with a number: so often the path of the figure "
+        "places 1e-12 m apart, on the borders "
+        "between places of the lattice. Green with a number: so often the path of the figure "
         "before switched there. A closed smooth path can only go along these lines.";
     return {svg(diagram), {{"", table}}};
 }

@@ -98,8 +98,23 @@ Series over_time(std::string name, const std::vector<TickRecord>& ticks, Value&&
     return series;
 }
 
-double friction(const TickRecord& tick) {
-    return std::fabs(tick.tangential_force);
+/// Friction over time, > 0 where it acts as at the break-away, between the bounds of its cone.
+Panel force_panel(const std::vector<TickRecord>& ticks, double sign) {
+    Panel panel{.title = "(a) Friction force",
+                .x = {.label = "time", .unit = "s"},
+                .y = {.label = "F_T", .unit = "N"},
+                .height = 240.0};
+    panel.series = {
+        over_time("friction", ticks,
+                  [sign](const TickRecord& t) { return sign * t.tangential_force; }),
+        over_time("± μ F_N", ticks, [](const TickRecord& t) { return t.mu * t.normal_force; }),
+        over_time("± μ F_N", ticks, [](const TickRecord& t) { return -t.mu * t.normal_force; })};
+    for (const std::size_t i : {1U, 2U}) {
+        panel.series[i].ink = Ink::vermillion;
+        panel.series[i].stroke = Stroke::dashed;
+        panel.series[i].width = 1.2;
+    }
+    return panel;
 }
 
 }  // namespace
@@ -113,21 +128,15 @@ MadeFigure make_stick_slip() {
     const double t_relaxed = time_of(all[at.relaxed]);
     const std::vector<Shade> shades{{t_touch, t_release, "stuck", Ink::sky},
                                     {t_release, t_relaxed, "transition", Ink::orange}};
-    Panel force{.title = "a  Friction force",
-                .x = {.label = "time", .unit = "s"},
-                .y = {.label = "|F_T|", .unit = "N", .low = 0.0},
-                .height = 220.0};
-    force.series = {over_time("friction", ticks, &friction),
-                    over_time("mu times normal force", ticks,
-                              [](const TickRecord& t) { return t.mu * t.normal_force; })};
-    force.series[1].stroke = Stroke::dashed;
+    const double sign = all[at.release].tangential_force < 0.0 ? -1.0 : 1.0;
+    Panel force = force_panel(ticks, sign);
     force.shades = shades;
-    force.markers = {{t_touch, friction(all[at.touch]), "contact"},
-                     {t_release, friction(all[at.release]), "slips"},
-                     {t_relaxed, friction(all[at.relaxed]), "relaxed"}};
-    Panel mu{.title = "b  Coefficient of friction",
+    force.markers = {{t_touch, sign * all[at.touch].tangential_force, "contact"},
+                     {t_release, sign * all[at.release].tangential_force, "slips"},
+                     {t_relaxed, sign * all[at.relaxed].tangential_force, "relaxed"}};
+    Panel mu{.title = "(b) Coefficient of friction",
              .x = {.label = "time", .unit = "s"},
-             .y = {.label = "mu", .unit = "", .low = 0.47, .high = 0.73},
+             .y = {.label = "μ", .unit = "", .low = 0.47, .high = 0.73},
              .height = 150.0};
     mu.series = {over_time(
         "", ticks, [](const TickRecord& t) { return t.mode == Mode::free ? std::nan("") : t.mu; })};
@@ -141,9 +150,9 @@ MadeFigure make_stick_slip() {
         "Ticks recorded from the 1 kHz servo loop with the simulated pantograph (encoder counts, "
         "motor "
         "limits) and hand on the convex object of the study, K = 1000 N/m. Contact at {:.3f} s, "
-        "break-away at {:.3f} s, mu relaxed at {:.3f} s: the transition takes {:.0f} ms. tau_slip "
+        "break-away at {:.3f} s, μ relaxed at {:.3f} s: the transition takes {:.0f} ms. tau_slip "
         "was "
-        "set to {:.4g} ms, for which mu falls to a thousandth of its way in {:.0f} ms, the length "
+        "set to {:.4g} ms, for which μ falls to a thousandth of its way in {:.0f} ms, the length "
         "of "
         "the transition that the thesis shows.",
         t_touch, t_release, t_relaxed, 1e3 * (t_relaxed - t_release), 1e3 * kTauSlip,

@@ -19,13 +19,13 @@ using engine::TrackerSpec;
 using engine::Vec2;
 
 constexpr double kTick = 0.001;       // s
-constexpr Vec2 kFrom{-0.055, 0.030};  // m, HIP's line
+constexpr Vec2 kFrom{-0.050, 0.038};  // m, HIP's line
 constexpr Vec2 kTo{0.050, 0.062};     // m
-constexpr double kSpeed = 0.1;        // m/s
-constexpr double kLoopGain = 10.0;    // K max|f'|^2 T, over kSubSteps Euler steps
-constexpr int kSubSteps = 10;
-constexpr double kSettled = 0.1;    // s: what a tracker does before is its start
-constexpr std::size_t kEvery = 25;  // ticks from one drawn connection to the next
+constexpr double kSpeed = 0.3;        // m/s
+constexpr double kLoopGain = 40.0;    // K max|f'|^2 T, over kSubSteps Euler steps
+constexpr int kSubSteps = 40;
+constexpr double kSettled = 0.05;  // s: what a tracker does before is its start
+constexpr std::size_t kEvery = 4;  // ticks from one drawn connection to the next
 
 struct Track {
     std::string name{};
@@ -114,22 +114,26 @@ Panel connections(const Passage& passage,
     for (std::size_t i = 0; i < passage.hip.size(); i += kEvery) {
         lines.insert(lines.end(), {passage.hip[i], track.points[i], gap()});
     }
-    Series drawn = path_mm("HIP to tracked point, every 25 ms", lines);
+    Series drawn = path_mm("HIP to tracked point, every 4 ms", lines);
     drawn.ink = ink;
     drawn.width = 1.0;
     Series hip = path_mm("HIP", passage.hip);
     hip.ink = Ink::grey;
     panel.series = {outline_mm({curve}), hip, drawn};
+    panel.x.low = -24.0;
+    panel.x.high = 24.0;
+    panel.y.low = 27.0;
+    panel.y.high = 58.0;
     return panel;
 }
 
 /// What every tracker shows over time; the error is drawn from 1e-18 m up.
 std::vector<Panel> over_time(const Passage& passage) {
-    Panel place{.title = "c  Tracked point along the curve",
+    Panel place{.title = "(c) Tracked point along the curve",
                 .x = {.label = "time", .unit = "s"},
                 .y = {.label = "u", .low = 0.0, .high = 1.0},
                 .height = 240.0};
-    Panel error{.title = "d  Distance to the closest point",
+    Panel error{.title = "(d) Distance to the closest point",
                 .x = {.label = "time", .unit = "s"},
                 .y = {.label = "error", .unit = "m", .log = true, .low = 3e-18, .high = 3e-2},
                 .height = 240.0};
@@ -182,8 +186,8 @@ MadeFigure make_trackers() {
                   .columns = 2,
                   .width = 980.0};
     figure.panels = {
-        connections(passage, passage.tracks[0], curve, "a  Feedback-stabilised", Ink::purple),
-        connections(passage, passage.tracks[3], curve, "b  Tangent plane, renewed at 100 Hz",
+        connections(passage, passage.tracks[0], curve, "(a) Feedback-stabilised", Ink::purple),
+        connections(passage, passage.tracks[3], curve, "(b) Tangent plane, renewed at 100 Hz",
                     Ink::blue)};
     for (Panel& panel : over_time(passage)) {
         figure.panels.push_back(std::move(panel));
