@@ -212,9 +212,10 @@ void Pieces<D>::add_span(const RationalBezier<D>& curve, std::uint32_t index) {
 }
 
 template <int D>
-std::size_t Pieces<D>::holding(std::size_t span, double u) const noexcept {
+std::size_t Pieces<D>::holding(std::size_t span, double u, const PieceRange& other) const noexcept {
     std::size_t i = first_[span];
-    while (i + 1 < first_[span + 1] && u > pieces_[i].hi) {
+    while (i + 1 < first_[span + 1] &&
+           (u > pieces_[i].hi || (u == pieces_[i].hi && other.holds(i, pieces_.size())))) {
         ++i;
     }
     return i;

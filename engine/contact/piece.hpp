@@ -37,6 +37,16 @@ struct Piece {
     [[nodiscard]] double bound(const Vec<D>& h) const noexcept;
 };
 
+/// `count` pieces from `first` on, wrapping around at the end of all.
+struct PieceRange {
+    std::size_t first = 0;
+    std::size_t count = 0;
+
+    [[nodiscard]] bool holds(std::size_t piece, std::size_t total) const noexcept {
+        return (piece >= first ? piece - first : piece + total - first) < count;
+    }
+};
+
 /// Stretches of all spans in order, and their numbers.
 template <int D>
 class Pieces {
@@ -48,8 +58,10 @@ public:
     [[nodiscard]] const Piece<D>& operator[](std::size_t i) const noexcept { return pieces_[i]; }
     /// Index of the first piece of span i; first_of(number of spans) is size().
     [[nodiscard]] std::size_t first_of(std::size_t span) const noexcept { return first_[span]; }
-    /// Index of the piece of `span` that holds u.
-    [[nodiscard]] std::size_t holding(std::size_t span, double u) const noexcept;
+    /// Index of the piece of `span` that holds u; where two pieces meet, the one not in `other`.
+    [[nodiscard]] std::size_t holding(std::size_t span,
+                                      double u,
+                                      const PieceRange& other) const noexcept;
 
     /// Bernstein coefficients of f over the piece for HIP h.
     void coefficients(const Piece<D>& piece, const Vec<D>& h, double* f) const noexcept;

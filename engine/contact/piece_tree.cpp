@@ -150,15 +150,29 @@ Foot<D> PieceTree<D>::closest(const Vec<D>& h, const Foot<D>& known) const noexc
 }
 
 template <int D>
+Foot<D> PieceTree<D>::closest_without(const Vec<D>& h, const PieceRange& left_out) const noexcept {
+    Foot<D> best;
+    descend(h, best.distance2, [&](std::uint32_t i) {
+        if (left_out.holds(i, pieces_.size())) {
+            return;
+        }
+        const double bound = pieces_[i].bound(h);
+        if (bound <= 0.0 || bound * bound < best.distance2) {
+            offer_piece(h, pieces_[i], best);
+        }
+    });
+    return best;
+}
+
+template <int D>
 double PieceTree<D>::bound_without(const Vec<D>& h,
-                                   std::size_t first,
-                                   std::size_t count) const noexcept {
+                                   const PieceRange& left_out,
+                                   const PieceRange& and_this) const noexcept {
     double best = std::numeric_limits<double>::infinity();
     double best2 = best;
     const std::size_t n = pieces_.size();
     descend(h, best2, [&](std::uint32_t i) {
-        const std::size_t place = i >= first ? i - first : i + n - first;
-        if (place < count) {
+        if (left_out.holds(i, n) || and_this.holds(i, n)) {
             return;
         }
         best = std::min(best, std::max(pieces_[i].bound(h), 0.0));

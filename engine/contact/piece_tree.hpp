@@ -38,11 +38,15 @@ public:
     /// @param known  a foot known already: the search looks only for nearer ones
     [[nodiscard]] Foot<D> closest(const Vec<D>& h, const Foot<D>& known = {}) const noexcept;
 
-    /// Lower bound, m, of the distance from h to everything but the `count` pieces from `first` on
-    /// (wrapping around at the end). Infinite when nothing else is there.
+    /// The closest point of everything but `left_out`. Distance infinite when nothing else is there.
+    [[nodiscard]] Foot<D> closest_without(const Vec<D>& h,
+                                          const PieceRange& left_out) const noexcept;
+
+    /// Lower bound, m, of the distance from h to everything but two ranges of pieces. Infinite when
+    /// nothing else is there.
     [[nodiscard]] double bound_without(const Vec<D>& h,
-                                       std::size_t first,
-                                       std::size_t count) const noexcept;
+                                       const PieceRange& left_out,
+                                       const PieceRange& and_this = {}) const noexcept;
 
 private:
     struct Node {

@@ -149,15 +149,28 @@ private:
         return step != 0.0 && std::fabs(step) > std::fabs(room) ? room / step : 1.0;
     }
 
+    /// Newton's steps that do not halve any more, twice: the bottom, to rounding.
+    bool stalled(bool settling, double length) noexcept {
+        stalls_ = settling && length > 0.5 * last_ ? stalls_ + 1 : 0;
+        return stalls_ >= 2;
+    }
+
+    /// After steps a and b the next one is b^3 / a^2 long, if they converge quadratically as they
+    /// should: no need to see it when it is below rounding.
+    [[nodiscard]] bool bottom_after(double length) const noexcept {
+        return last_ < 1e-2 * surface_.size() && length < 1e-2 * last_ &&
+               length * length * length < 1e-18 * surface_.size() * last_ * last_;
+    }
+
     bool advance(const Step& d) noexcept {
         const double full = std::min(share(foot_.place.u, d.u, part_.lo_u, part_.hi_u),
                                      share(foot_.place.v, d.v, part_.lo_v, part_.hi_v));
         const double length = glm::length(d.u * foot_.jet.du + d.v * foot_.jet.dv);
         const bool settling = d.newton && length <= 1e-6 * surface_.size();
-        if (!(std::fabs(d.u) + std::fabs(d.v) > 0.25 * kEpsilon) ||
-            (settling && length > 0.25 * last_)) {
+        if (!(std::fabs(d.u) + std::fabs(d.v) > 0.25 * kEpsilon) || stalled(settling, length)) {
             return false;  // below the last bit, or no longer shrinking: rounding
         }
+        const double rounding = 8.0 * kEpsilon * surface_.size() * std::sqrt(foot_.distance2);
         double t = full;
         for (int i = 0; i < kMaxHalvings; ++i) {
             SurfaceFoot next = foot_;
@@ -167,11 +180,14 @@ private:
                 return false;
             }
             look(next);
-            if (next.distance2 < foot_.distance2 || (settling && i == 0)) {
+            if (next.distance2 < foot_.distance2 ||
+                (settling && i == 0 && next.distance2 <= foot_.distance2 + rounding)) {
                 foot_ = next;
-                last_ = settling && t == 1.0 ? length : std::numeric_limits<double>::infinity();
                 hops_ = 0;
-                return true;
+                const bool whole = d.newton && t == 1.0;
+                const bool done = whole && settling && bottom_after(length);
+                last_ = whole ? length : std::numeric_limits<double>::infinity();
+                return !done;
             }
             t *= 0.5;
         }
@@ -192,6 +208,7 @@ private:
     bool cross_;
     SurfaceFoot foot_{};
     int hops_ = 0;
+    int stalls_ = 0;
     double last_ = std::numeric_limits<double>::infinity();
 };
 

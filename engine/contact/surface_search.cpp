@@ -216,7 +216,7 @@ SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h) const noe
     track.distance = std::sqrt(foot.distance2);
     track.other = std::sqrt(rest.lower2) * (1.0 - 1e-14);
     track.certified = track.window.high_u > track.window.low_u && !rest.closer && rest.proven;
-    SurfaceClosest result = answer(track, h, foot.jet.point);
+    SurfaceClosest result = answer(track, h, {foot.place, foot.jet.point});
     result.proven = rest.proven && !rest.closer;
     return result;
 }

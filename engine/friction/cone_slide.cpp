@@ -26,7 +26,10 @@ struct Fall {
 };
 
 template <bool HasFriction>
-[[gnu::always_inline]] inline Fall fall_at(const Jet<2>& jet, const Vec2& h, double mu, double dir) noexcept {
+[[gnu::always_inline]] inline Fall fall_at(const Jet<2>& jet,
+                                           const Vec2& h,
+                                           double mu,
+                                           double dir) noexcept {
     const Vec2 r = h - jet.point;
     const double load = -cross(jet.first, r);
     Fall fall{.excess = dir * glm::dot(r, jet.first) - cone_radius<HasFriction>(mu, load),
@@ -37,13 +40,6 @@ template <bool HasFriction>
     }
     fall.slope = std::max({fall.slope, 0.25 * fall.speed2, std::numeric_limits<double>::min()});
     return fall;
-}
-
-/// The jet a short step `du` further.
-Jet<2> beside(const Jet<2>& jet, double du) noexcept {
-    return {.point = jet.point + du * (jet.first + (0.5 * du) * jet.second),
-            .first = jet.first + du * jet.second,
-            .second = jet.second};
 }
 
 /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact stuck.

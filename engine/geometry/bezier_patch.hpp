@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "engine/geometry/quad.hpp"
 #include "engine/geometry/rational_bezier.hpp"
 #include "engine/geometry/surface_jet.hpp"
-#include "engine/math/quad.hpp"
 
 namespace palpate::engine {
 

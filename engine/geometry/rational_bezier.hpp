@@ -30,6 +30,14 @@ struct Jet {
     Vec<D> second{};
 };
 
+/// The jet a short step `du` further, by Taylor's series of second order.
+template <int D>
+[[nodiscard]] Jet<D> beside(const Jet<D>& jet, double du) noexcept {
+    return {.point = jet.point + du * (jet.first + (0.5 * du) * jet.second),
+            .first = jet.first + du * jet.second,
+            .second = jet.second};
+}
+
 /// One rational Bezier span in D = 2 or 3 dimensions, u in [0, 1].
 ///
 ///     C(u) = sum w_i B_i(u) P_i / sum w_i B_i(u)        Piegl & Tiller, The NURBS Book, eq. 4.1

@@ -15,6 +15,12 @@ constexpr double kRelaxed = 1e-3;
 /// Share of the clearance that may be used up before the next look; the rest is for rounding.
 constexpr double kClearShare = 1.0 - 1e-12;
 
+/// An arc between two feet of one monotone window is no longer than this times its chord.
+constexpr double kChordToArc = 1.6;
+
+/// A frictionless GO that moves less than this in u rests: rounding.
+constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
+
 void require(bool ok, const char* what, double value, const char* remedy) {
     if (!ok) {
         throw std::invalid_argument(std::string(what) + " is " + std::to_string(value) + ": " +
@@ -78,9 +84,50 @@ Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept 
     state.last_spring = Vec2{};
     state.last_cp = cp;
     state.clear_from = state.last_hip;
-    const double clear = cp.inside || spec_.always_look ? 0.0 : cp.distance * kClearShare;
+    const double clear = cp.inside || spec_.look == Look::always ? 0.0 : cp.distance * kClearShare;
     state.clear2 = clear * clear;
-    return {.cp = cp, .place = cp.place, .go = cp.point};
+    state.away = {.cp = cp, .place = cp.place, .go = cp.point, .skipped = true};
+    Contact contact = state.away;
+    contact.skipped = false;
+    return contact;
+}
+
+ClosestPoint Scene::look(ContactState& state, const Vec2& hip) const noexcept {
+    state.last_cp = tracker_.track(state.track, hip, state.counts.track);
+    return state.last_cp;
+}
+
+/// Without friction the GO is a foot of HIP. While the tracker's window proves that there is one foot only
+/// between the GO of the last tick and the closest point, both are the same and found once.
+/// False if that is not known: the GO then walks by itself. True with `mode` free: contact ended.
+bool Scene::follow_foot(ContactState& state,
+                        const Vec2& hip,
+                        double budget,
+                        Contact& contact) const noexcept {
+    const Place from = state.go.place;
+    const std::uint64_t searched = state.counts.track.searched;
+    const ClosestPoint cp = look(state, hip);
+    const TrackWindow& track = state.track.best;
+    if (state.counts.track.searched != searched || from.on_joint || cp.place.on_joint ||
+        from.index != cp.place.index || !track.holds(from.index, from.parameter) ||
+        !(cp.place.parameter > 0.0 && cp.place.parameter < 1.0) ||  // an open end holds the GO
+        !(kChordToArc * glm::length(cp.point - state.go.jet.point) < budget)) {
+        return false;
+    }
+    ++state.counts.shared;
+    if (!cp.inside) {
+        contact = free(state, cp);
+        return true;
+    }
+    const double moved = cp.place.parameter - from.parameter;
+    state.go = {.place = cp.place, .jet = beside(track.jet, cp.place.parameter - track.u)};
+    contact.mode = std::fabs(moved) <= kRest ? Mode::stuck : Mode::slip;
+    contact.cp = cp;
+    contact.place = cp.place;
+    contact.go = cp.point;
+    contact.force = spec_.stiffness * (cp.point - hip);
+    contact.normal_force = spec_.stiffness * cp.distance;
+    return true;
 }
 
 template <bool HasFriction, bool HasSlew, bool HasDamper>
@@ -93,42 +140,42 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
         return {.refused = true};
     }
     const double travelled = HasSlew && state.started ? glm::length(hip - state.last_hip) : 0.0;
+    const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
+                                  : std::numeric_limits<double>::infinity();
     state.started = true;
     state.last_hip = hip;
 
-    ClosestPoint cp;
     bool looked = false;
     if (!state.touching) {
         looked = true;
         state.theta = 1.0;
-        cp = tracker_.track(state.track, hip, state.counts.track);
+        const ClosestPoint cp = look(state, hip);
         if (!cp.inside) {
             return free(state, cp);
         }
         state.touching = true;
         state.go = god_object_at(*outline_, cp.place);
+    } else if constexpr (!HasFriction && !HasDamper) {
+        looked = true;
+        Contact contact;
+        if (follow_foot(state, hip, budget, contact)) {
+            return contact;
+        }
     }
 
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
-    const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
-                                  : std::numeric_limits<double>::infinity();
     const Walk walk = walk_god_object<HasFriction>(*outline_, state.go, hip, mu, budget,
                                                    HasSlew ? spec_.slew.radius : 0.0);
-    const Place& at = state.go.place;
-    const double depth = std::fabs(walk.nu);
-    if (!HasFriction && !walk.held_outside && !at.on_joint &&
-        tracker_.vouches(state.track, hip, at.index, at.parameter, depth)) {
-        ++state.counts.shared;  // the GO is the foot, and the foot is the global one
-        cp = {.place = at, .point = walk.point, .distance = depth, .inside = walk.nu > 0.0};
-    } else if (!looked) {
-        cp = tracker_.track(state.track, hip, state.counts.track);
+    const bool ends = walk.nu <= 0.0 && !walk.out_of_budget;
+    if (!looked && (ends || spec_.look != Look::needed)) {
+        static_cast<void>(look(state, hip));
     }
-    if (walk.nu <= 0.0 && !walk.out_of_budget) {
-        return free(state, cp);
+    if (ends) {
+        return free(state, state.last_cp);
     }
     Contact contact = render<HasFriction>(walk, hip, mu);
-    contact.cp = cp;
-    contact.place = at;
+    contact.cp = state.last_cp;
+    contact.place = state.go.place;
     const bool slipped = walk.slid > 0.0;
     contact.mode =
         !slipped ? Mode::stuck

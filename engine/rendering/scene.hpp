@@ -10,6 +10,13 @@
 
 namespace palpate::engine {
 
+/// When the closest point is looked for beyond what the force needs.
+enum class Look : std::uint8_t {
+    needed,    ///< never: in contact with friction it is the last one found
+    touching,  ///< on every tick in contact: what a trial records
+    always,    ///< out of reach too: for drawing and offline tools
+};
+
 /// What is to be felt, as chosen by an experimenter. SI.
 struct SceneSpec {
     double stiffness = 1000.0;  ///< K, N/m, > 0: the spring of the virtual coupling
@@ -17,7 +24,7 @@ struct SceneSpec {
     double period = 0.001;  ///< T, s, > 0
     Friction friction{};
     Slew slew{};
-    bool always_look = false;  ///< find the closest point on every tick, out of reach too
+    Look look = Look::touching;
 };
 
 /// How often the tick did less than everything, since the state was made.
@@ -25,6 +32,22 @@ struct TickCounts {
     std::uint64_t skipped = 0;  ///< out of reach: a comparison
     std::uint64_t shared = 0;   ///< closest point and GO were the same, found once
     TrackCounts track{};        ///< closest points by certificate, and by search
+};
+
+/// One tick's answer. Frame: the object's; the force is the one on the user.
+struct Contact {
+    Mode mode = Mode::free;
+    ClosestPoint
+        cp{};  ///< global closest point of HIP; where it was not looked for, the last one found
+    Place place{};                  ///< of the GO
+    Vec2 go{};                      ///< m; out of contact the closest point
+    Vec2 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
+    double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
+    double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
+    double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
+    bool slewed = false;            ///< the vertex slew held the GO back in this tick
+    bool refused = false;           ///< HIP was not finite: force zero, contact ended
+    bool skipped = false;           ///< out of reach: nothing was computed
 };
 
 /// What lives on from tick to tick. A plain value: copying it copies the contact.
@@ -38,23 +61,9 @@ struct ContactState {
     Vec2 clear_from{};    ///< HIP of the last look, m
     double clear2 = 0.0;  ///< squared distance it may move before it could touch, m^2
     ClosestPoint last_cp{};
+    Contact away{};  ///< the answer of every tick out of reach, made at the last look
     TrackState track{};
     TickCounts counts{};
-};
-
-/// One tick's answer. Frame: the object's; the force is the one on the user.
-struct Contact {
-    Mode mode = Mode::free;
-    ClosestPoint cp{};  ///< global closest point of HIP; on a skipped tick the last one found
-    Place place{};      ///< of the GO
-    Vec2 go{};          ///< m; out of contact the closest point
-    Vec2 force{};       ///< K (GO - HIP) + B d(GO - HIP)/dt, N
-    double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
-    double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
-    double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
-    bool slewed = false;            ///< the vertex slew held the GO back in this tick
-    bool refused = false;           ///< HIP was not finite: force zero, contact ended
-    bool skipped = false;           ///< out of reach: nothing was computed
 };
 
 /// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of reach
@@ -74,7 +83,9 @@ public:
     [[nodiscard]] Contact tick(ContactState& state, const Vec2& hip) const noexcept {
         const Vec2 moved = hip - state.clear_from;
         if (glm::dot(moved, moved) < state.clear2) {
-            return out_of_reach(state, hip);
+            state.last_hip = hip;
+            ++state.counts.skipped;
+            return state.away;
         }
         return (this->*step_)(state, hip);
     }
@@ -90,18 +101,13 @@ public:
 private:
     using Step = Contact (Scene::*)(ContactState&, const Vec2&) const noexcept;
 
-    static Contact out_of_reach(ContactState& state, const Vec2& hip) noexcept {
-        state.last_hip = hip;
-        ++state.counts.skipped;
-        Contact contact;
-        contact.cp = state.last_cp;
-        contact.place = state.last_cp.place;
-        contact.go = state.last_cp.point;
-        contact.skipped = true;
-        return contact;
-    }
     template <bool HasFriction, bool HasSlew, bool HasDamper>
     Contact step(ContactState& state, const Vec2& hip) const noexcept;
+    [[nodiscard]] bool follow_foot(ContactState& state,
+                                   const Vec2& hip,
+                                   double budget,
+                                   Contact& contact) const noexcept;
+    [[nodiscard]] ClosestPoint look(ContactState& state, const Vec2& hip) const noexcept;
     template <bool HasFriction>
     [[nodiscard]] Contact render(const Walk& walk, const Vec2& hip, double mu) const noexcept;
     template <bool HasFriction>

@@ -106,6 +106,13 @@ int contact_command(const std::vector<std::string>& arguments) {
                         {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
         }
     }
+    for (const Object& object : contact_objects()) {
+        const std::vector<Vec2> hips =
+            hand_along(object, {.seconds = seconds, .nearest = -3e-3, .farthest = -5e-4});
+        const std::size_t before = rows.size();
+        measure<2>(rows, object.name, "ticks, -3..-0.5 mm", tick_methods(object), hips, {}, clock);
+        print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
+    }
     for (const Surface& surface : contact_surfaces()) {
         Methods<3> methods = own_surface_methods(surface);
         if (with_peers) {

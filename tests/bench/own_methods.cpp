@@ -4,8 +4,9 @@
 #include <cmath>
 #include <memory>
 
-#include "engine/contact/closest_point.hpp"
+#include "engine/contact/certified_tracker.hpp"
 #include "engine/geometry/rational_bezier.hpp"
+#include "engine/rendering/scene.hpp"
 #include "tests/bench/polyline.hpp"
 #include "tests/bench/trackers.hpp"
 
@@ -60,25 +61,69 @@ struct Global {
     }
 };
 
+/// The same followed from tick to tick, with the certificate.
+struct Certified {
+    std::shared_ptr<const engine::Outline> outline;
+    std::shared_ptr<const engine::CertifiedTracker> tracker;
+    engine::TrackState state{};
+    engine::TrackCounts counts{};
+
+    Certified(const Object& object, bool closed)
+        : outline(std::make_shared<const engine::Outline>(outline_of(object, closed))),
+          tracker(std::make_shared<const engine::CertifiedTracker>(*outline)) {}
+    void reset(const Vec2& /*first*/) { state = {}; }
+    Answer<2> answer(const Vec2& hip) {
+        const engine::ClosestPoint found = tracker->track(state, hip, counts);
+        return {found.point, found.distance};
+    }
+};
+
+/// A whole tick of a scene: contact, friction, force. Answers the closest point that it found.
+struct Tick {
+    std::shared_ptr<const engine::Outline> outline;
+    std::shared_ptr<const engine::Scene> scene;
+    engine::ContactState state{};
+
+    Tick(const Object& object, const engine::SceneSpec& spec)
+        : outline(std::make_shared<const engine::Outline>(outline_of(object, false))),
+          scene(std::make_shared<const engine::Scene>(outline, spec)) {}
+    void reset(const Vec2& /*first*/) { state = {}; }
+    Answer<2> answer(const Vec2& hip) {
+        const engine::Contact contact = scene->tick(state, hip);
+        keep(contact.force);
+        return {contact.cp.point, contact.cp.distance};
+    }
+};
+
+/// The tick while HIP keeps out of reach: the same path, half a metre away.
+struct FarTick {
+    Tick tick;
+
+    void reset(const Vec2& first) { tick.reset(first); }
+    Answer<2> answer(const Vec2& hip) { return tick.answer(hip + Vec2{0.0, 0.5}); }
+};
+
 /// Nearest foot of all spans, ends included.
 struct AllSpans {
-    std::vector<engine::SpanFeet> feet{};
+    engine::PieceTree<2> tree;
 
-    explicit AllSpans(const Object& object) {
+    static engine::PieceTree<2> tree_of(const Object& object) {
+        std::vector<RationalBezier<2>> spans;
         for (const RationalBezier<2>& span : spans_of(object)) {
-            feet.emplace_back(span);
+            spans.push_back(engine::balanced<2>(span).curve);
         }
+        return engine::PieceTree<2>(std::move(spans));
     }
+    explicit AllSpans(const Object& object) : tree(tree_of(object)) {}
     void reset(const Vec2& /*first*/) {}
     Answer<2> answer(const Vec2& hip) {
-        engine::SpanFeet::Foot best = feet.front().closest(hip);
-        for (std::size_t i = 1; i < feet.size(); ++i) {
-            const engine::SpanFeet::Foot foot = feet[i].closest(hip);
-            best = foot.distance2 < best.distance2 ? foot : best;
-        }
+        const engine::Foot<2> best = tree.closest(hip);
         return {best.point, std::sqrt(best.distance2)};
     }
 };
+
+constexpr engine::Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+constexpr engine::Slew kSlew{.speed = 0.2, .radius = 0.003};
 
 }  // namespace
 
@@ -87,7 +132,7 @@ Methods<2> own_methods(const Object& object) {
     const RationalBezier<2> span = spans_of(object).front();
     methods.push_back(make_method<2>("one evaluation", Kind::floor, Evaluation{span}));
     methods.push_back(make_method<2>("one Newton update", Kind::floor, NewtonUpdate{span}));
-    // Seam: certified tracking, as Kind::global.
+    methods.push_back(make_method<2>("certified", Kind::global, Certified(object, false)));
     methods.push_back(make_method<2>("global, cold", Kind::global, Global(object, false)));
     methods.push_back(make_method<2>("polyline walk, n=1e3", Kind::mesh,
                                      PolylineWalk(polyline_of(object, 1000))));
@@ -99,16 +144,32 @@ Methods<2> own_methods(const Object& object) {
     return methods;
 }
 
+Methods<2> tick_methods(const Object& object) {
+    Methods<2> methods;
+    const RationalBezier<2> span = spans_of(object).front();
+    methods.push_back(make_method<2>("one Newton update", Kind::floor, NewtonUpdate{span}));
+    const auto add = [&](const char* name, const engine::SceneSpec& spec) {
+        methods.push_back(make_method<2>(name, Kind::floor, Tick(object, spec)));
+    };
+    add("tick, friction and slew", {.friction = kFriction, .slew = kSlew});
+    add("tick, friction", {.friction = kFriction});
+    add("tick, friction, force only", {.friction = kFriction, .look = engine::Look::needed});
+    add("tick, friction and damper", {.damping = 0.2, .friction = kFriction});
+    add("tick, frictionless", {});
+    methods.push_back(make_method<2>("tick, out of reach", Kind::floor,
+                                     FarTick{Tick(object, {.friction = kFriction})}));
+    return methods;
+}
+
 Methods<2> any_curve_methods(const Object& object) {
     Methods<2> methods;
-    // Seam: certified tracking, asked cold.
     methods.push_back(make_method<2>("global, cold", Kind::global, AllSpans(object)));
     return methods;
 }
 
 Methods<2> scaling_methods(const Object& ring) {
     Methods<2> methods;
-    // Seam: certified tracking.
+    methods.push_back(make_method<2>("certified", Kind::global, Certified(ring, true)));
     methods.push_back(make_method<2>("global, cold", Kind::global, Global(ring, true)));
     return methods;
 }

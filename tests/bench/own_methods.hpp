@@ -9,6 +9,8 @@ namespace palpate::bench {
 [[nodiscard]] Methods<2> own_methods(const Object& object);
 
 /// Those that take any curve at all, one that no outline is made of too.
+/// Whole ticks of a scene, for a path inside the object; beside them one Newton update.
+[[nodiscard]] Methods<2> tick_methods(const Object& object);
 [[nodiscard]] Methods<2> any_curve_methods(const Object& object);
 
 /// Those that take any number of curves.

@@ -139,7 +139,7 @@ TEST_CASE("out of reach a tick computes nothing, and no touch comes late", "[ren
     const auto outline = stimuli::make_outline({.curvature = random.in(-20.0, 20.0)});
     const Friction friction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
     const Scene lazy(outline, {.friction = friction});
-    const Scene eager(outline, {.friction = friction, .always_look = true});
+    const Scene eager(outline, {.friction = friction, .look = Look::always});
     ContactState a;
     ContactState b;
     Wanderer hand(random, 0.08, 0.001);

@@ -70,7 +70,7 @@ TEST_CASE("no sample of any rational span of degree 1 to 9 is closer than the cl
         }
         CHECK(found <= sampled + 1e-14);
         CHECK(found >= sampled - 1e-2);  // and it is a distance to the curve
-        CHECK(feet.bound_without(h, 0, 0) <= found);
+        CHECK(feet.bound_without(h, {}) <= found);
     }
 }
 

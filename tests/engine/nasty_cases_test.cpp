@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -17,6 +19,13 @@ namespace {
 
 /// Every family of curves with every family of queries, so many times.
 constexpr std::uint64_t kCases = 27 * kNastyRound;
+
+/// The worst of 100,000 seeds, one a pair of families, for a solver that took one rounding level
+/// for a whole span and knew only u, not 1 - u: it was wrong there by 0.25 of the size down to 1e-12.
+constexpr std::array<std::uint64_t, 36> kWorst{
+    14226, 30527, 69021, 37139, 86862, 57526, 19146, 86444, 60016, 95812, 80288, 35582,
+    83803, 89485, 38964, 41547, 54012, 8500,  19318, 96420, 81144, 26885, 55822, 49850,
+    3827,  66907, 8366,  87369, 17012, 94332, 85754, 98370, 75020, 97378, 58611, 33922};
 
 /// The code under test: distance from `h` to the whole curve, m.
 double closest(const NurbsData<2>& data, const Vec2& h) {
@@ -82,7 +91,10 @@ TEST_CASE("no nasty query is answered wrongly", "[contact][law]") {
     int above_1e_12 = 0;
     double worst = 0.0;
     std::string failures;
-    for (std::uint64_t seed = 0; seed < kCases; ++seed) {
+    std::vector<std::uint64_t> seeds(kCases);
+    std::iota(seeds.begin(), seeds.end(), 0U);
+    seeds.insert(seeds.end(), kWorst.begin(), kWorst.end());
+    for (const std::uint64_t seed : seeds) {
         const NastyCase nasty = nasty_case(seed);
         const FootOracle oracle(nasty.curve);
         const long double exact = oracle.closest(nasty.query).distance;
@@ -96,8 +108,8 @@ TEST_CASE("no nasty query is answered wrongly", "[contact][law]") {
             failures += "error " + std::to_string(error / 1e-12) + "e-12, " + text_of(nasty) + "\n";
         }
     }
-    WARN(kCases << " nasty queries: worst error " << worst << " of the size or distance, "
-                << above_1e_12 << " above 1e-12, " << above_16_ulp << " above 16 ulp");
+    WARN(seeds.size() << " nasty queries: worst error " << worst << " of the size or distance, "
+                      << above_1e_12 << " above 1e-12, " << above_16_ulp << " above 16 ulp");
     INFO(failures);
     CHECK(above_1e_12 == 0);
 }

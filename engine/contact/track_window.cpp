@@ -1,0 +1,207 @@
+#include "engine/contact/track_window.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace palpate::engine {
+namespace {
+
+/// A last step that Taylor's series of second order finishes may be this wrong, relative to the span.
+constexpr double kTaylorError = 1e-17;
+
+/// And no longer than this: Newton's own error after the step is of the order of its square.
+constexpr double kLongestTaylor = 0x1p-19;
+
+/// The longest such step, from C_uuu step^3 / 6 with C_uuu seen at a few places. Only the
+/// last digits hang on it, not the proof.
+double taylor_step(const RationalBezier<2>& curve) {
+    constexpr int kPlaces = 16;
+    double third = 0.0;
+    for (int i = 0; i < kPlaces; ++i) {
+        const Vec2 before = curve.at(static_cast<double>(i) / kPlaces).second;
+        const Vec2 after = curve.at(static_cast<double>(i + 1) / kPlaces).second;
+        third = std::max(third, kPlaces * glm::length(after - before));
+    }
+    const double allowed = 6.0 * kTaylorError * glm::length(curve.box().size());
+    double step = kLongestTaylor;
+    while (third * step * step * step > allowed) {
+        step *= 0.5;
+    }
+    return step;
+}
+
+/// Steps of a follow: two are usual; more means that a search is due.
+constexpr int kMaxSteps = 12;
+
+/// Pieces of a window on either side of the foot. More would make a search dearer than it saves.
+constexpr std::size_t kReach = 12;
+
+/// A window is not narrowed below this slack, m, if more can be had: 50 ticks at 0.1 m/s.
+constexpr double kWanted = 0.005;
+
+/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum.
+bool is_maximum(const Joint& joint, const Vec2& h) noexcept {
+    const Vec2 gap = joint.point - h;
+    return glm::dot(gap, joint.tangent_in) > 0.0 && glm::dot(gap, joint.tangent_out) < 0.0;
+}
+
+}  // namespace
+
+WindowTracker::WindowTracker(const OutlineFeet& feet) : feet_(&feet) {
+    for (const RationalBezier<2>& span : feet.outline().spans()) {
+        taylor_.push_back(taylor_step(span));
+    }
+}
+
+bool WindowTracker::one_minimum(const TrackWindow& window, const Vec2& h) const noexcept {
+    for (std::uint32_t i = 0; i < window.vertex_count; ++i) {
+        if (is_maximum(feet_->outline().joints()[window.vertices[i]], h)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
+    if (!one_minimum(s, h)) {
+        return {};
+    }
+    const Outline& outline = feet_->outline();
+    for (int i = 0; i < kMaxSteps; ++i) {
+        const Vec2 gap = s.jet.point - h;
+        const double g = glm::dot(gap, s.jet.first);
+        const double slope = glm::dot(s.jet.first, s.jet.first) + glm::dot(gap, s.jet.second);
+        if (!(slope > 0.0)) {
+            return {};
+        }
+        const double step = -g / slope;
+        const double next = s.u + step;
+        const double lo = s.span == s.first_span ? s.first_u : 0.0;
+        const double hi = s.span == s.last_span ? s.last_u : 1.0;
+        if (next >= lo && next <= hi) {
+            if (std::fabs(step) > taylor_[s.span]) {
+                s.u = next;
+                s.jet = outline.spans()[s.span].at(next);
+                continue;
+            }
+            Followed found{.settled = true};
+            found.foot.span = s.span;
+            found.foot.u = next;
+            found.foot.point = s.jet.point + step * (s.jet.first + (0.5 * step) * s.jet.second);
+            const Vec2 rest = found.foot.point - h;
+            found.foot.distance2 = glm::dot(rest, rest);
+            return found;
+        }
+        const bool forward = next > hi;
+        const double end = forward ? hi : lo;
+        if (s.u != end) {
+            s.u = end;
+            s.jet = outline.spans()[s.span].at(end);
+            continue;
+        }
+        // The distance still falls towards this end.
+        Followed found{.settled = true, .foot = {s.span, end, s.jet.point, glm::dot(gap, gap)}};
+        const bool window_ends = s.span == (forward ? s.last_span : s.first_span);
+        const auto joint = outline.joint_beyond(s.span, forward);
+        if (window_ends || !joint) {
+            return found;
+        }
+        const Joint& vertex = outline.joints()[*joint];
+        const Vec2 to_vertex = vertex.point - h;
+        const double beyond = glm::dot(to_vertex, forward ? vertex.tangent_out : vertex.tangent_in);
+        if (forward ? beyond >= 0.0 : beyond <= 0.0) {
+            found.on_joint = true;
+            found.joint = *joint;
+            found.foot.distance2 = glm::dot(to_vertex, to_vertex);
+            return found;
+        }
+        s.span = forward ? vertex.after : vertex.before;
+        s.u = forward ? 0.0 : 1.0;
+        s.jet = outline.spans()[s.span].at(s.u);
+    }
+    return {};
+}
+
+/// A window on its way to its full size.
+struct WindowTracker::Opening {
+    const OutlineFeet& feet;
+    TrackWindow& window;
+    const Vec2& h;
+    const PieceRange& taken;
+    std::size_t start;  ///< piece of the foot
+    double slack;
+    double wanted;
+    std::size_t first;
+    std::size_t last;
+    std::size_t count = 1;
+
+    /// Takes one more piece at the end (forward) or at the start, if it may belong to the window.
+    bool grow(bool forward) noexcept {
+        const Pieces<2>& pieces = feet.tree().pieces();
+        const std::size_t edge = forward ? last : first;
+        const Piece<2>& piece = pieces[edge];
+        std::size_t next = forward ? edge + 1 : edge - 1;
+        std::optional<std::size_t> vertex;
+        if (forward ? piece.hi == 1.0 : piece.lo == 0.0) {
+            const auto joint = feet.outline().joint_beyond(piece.span, forward);
+            if (!joint) {
+                return false;
+            }
+            next = (forward ? edge + 1 : edge + pieces.size() - 1) % pieces.size();
+            const std::uint32_t entered = pieces[next].span;
+            if (entered == pieces[start].span || entered == pieces[forward ? first : last].span) {
+                return false;  // around a closed outline: the window has two different ends
+            }
+            const Joint& corner = feet.outline().joints()[*joint];
+            if (corner.kind != JointKind::smooth) {
+                if (window.vertex_count == window.vertices.size() || is_maximum(corner, h)) {
+                    return false;
+                }
+                vertex = joint;
+            }
+        }
+        const double more = pieces.rise_slack(pieces[next], h);
+        if (!(more >= wanted) || taken.holds(next, pieces.size())) {
+            return false;
+        }
+        if (vertex) {
+            window.vertices[window.vertex_count++] = *vertex;
+        }
+        slack = std::min(slack, more);
+        (forward ? last : first) = next;
+        ++count;
+        return true;
+    }
+};
+
+double WindowTracker::open(TrackWindow& window,
+                           const Foot<2>& foot,
+                           const Vec2& h,
+                           const PieceRange& taken) const noexcept {
+    const Pieces<2>& pieces = feet_->tree().pieces();
+    const std::size_t at = pieces.holding(foot.span, foot.u, taken);
+    window.span = foot.span;
+    window.u = foot.u;
+    window.jet = feet_->outline().spans()[foot.span].at(foot.u);
+    window.vertex_count = 0;
+    const double slack = pieces.rise_slack(pieces[at], h);
+    Opening opening{*feet_, window, h, taken, at, slack, std::min(0.5 * slack, kWanted), at, at};
+    if (slack > 0.0) {
+        for (const bool forward : {true, false}) {
+            for (std::size_t i = 0; i < kReach && opening.count + 1 < pieces.size(); ++i) {
+                if (!opening.grow(forward)) {
+                    break;
+                }
+            }
+        }
+    }
+    window.pieces = {opening.first, opening.count};
+    window.first_span = pieces[opening.first].span;
+    window.first_u = pieces[opening.first].lo;
+    window.last_span = pieces[opening.last].span;
+    window.last_u = pieces[opening.last].hi;
+    return opening.slack;
+}
+
+}  // namespace palpate::engine
