@@ -7,7 +7,7 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::array<NamedFigure, 12> kFigures{{
+constexpr std::array<NamedFigure, 15> kFigures{{
     {"fig_2_1_2", "Six ways to track the closest point", &make_trackers},
     {"fig_2_1_4", "Voronoi regions of an object of three curves", &make_regions},
     {"fig_2_1_5", "Active Voronoi region along a path", &make_region_flow},
@@ -19,6 +19,9 @@ constexpr std::array<NamedFigure, 12> kFigures{{
     {"fig_3_2_2", "Friction and total force over the path", &make_friction_forces},
     {"fig_3_2_3", "Coefficient of friction over the path", &make_stribeck},
     {"fig_3_2_4", "Curve parameters of god-object and closest point", &make_places},
+    {"fig_3_2_5", "A NURBS surface before and after the collision", &make_surface_collision},
+    {"fig_3_2_6", "Trajectory along v of the surface", &make_surface_path},
+    {"fig_3_2_7", "Normal and friction force on the surface", &make_surface_forces},
     {"fig_3_3_1", "A stick-slip transition with the simulated device", &make_stick_slip},
 }};
 

@@ -9,6 +9,7 @@
 #include "engine/rendering/scene.hpp"
 #include "engine/thesis/thesis_scene.hpp"
 #include "data/report/figures/objects.hpp"
+#include "data/report/figures/tick_finder.hpp"
 
 namespace palpate::data {
 namespace {
@@ -87,27 +88,6 @@ Spot spot_of(const engine::Outline& outline, const engine::Place& place) {
     return {name.segment, name.parameter(place.on_joint ? 1.0 : place.parameter)};
 }
 
-/// Finds ticks of a run, each after the one before.
-class Finder {
-public:
-    explicit Finder(const FrictionRun& run) : run_(&run) {}
-
-    template <class Test>
-    std::optional<std::size_t> next(Test&& test) {
-        for (std::size_t i = at_ + 1; i + 1 < run_->size(); ++i) {
-            if (test((*run_)[i - 1], (*run_)[i], (*run_)[i + 1])) {
-                at_ = i;
-                return i;
-            }
-        }
-        return std::nullopt;
-    }
-
-private:
-    const FrictionRun* run_;
-    std::size_t at_ = 0;
-};
-
 }  // namespace
 
 std::vector<Vec2> friction_path() {
@@ -135,7 +115,7 @@ FrictionRun felt_by_gos(const std::vector<Vec2>& path) {
                                                      .tau_slip = kFrictionSlip,
                                                      .tau_heal = kFrictionHeal},
                                         .slew = {.speed = 0.2, .radius = 0.003},
-                                        .always_look = true});
+                                        .look = engine::Look::always});
     engine::ContactState state;
     FrictionRun run;
     for (const Vec2& hip : path) {
@@ -226,7 +206,7 @@ FrictionMarkers find_markers(const FrictionRun& run) {
             return (now.mode != Mode::free) == yes;
         };
     };
-    Finder find(run);
+    TickFinder<FrictionTick> find(run);
     FrictionMarkers at;
     find.next(touches(true));
     at[0] = find.next(moves);
