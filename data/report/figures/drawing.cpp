@@ -71,10 +71,10 @@ std::vector<CsvColumn> control_point_table(const Polygons& polygons) {
     return table;
 }
 
-Panel plane_mm(std::string title, double height) {
+Panel plane_mm(std::string title, double height, std::string across, std::string up) {
     return {.title = std::move(title),
-            .x = {.label = "x", .unit = "mm"},
-            .y = {.label = "y", .unit = "mm"},
+            .x = {.label = std::move(across), .unit = "mm"},
+            .y = {.label = std::move(up), .unit = "mm"},
             .equal_aspect = true,
             .height = height};
 }

@@ -29,8 +29,11 @@ inline constexpr double kMillimetres = 1000.0;
 /// Control points as a table: curve, x_m, y_m.
 [[nodiscard]] std::vector<CsvColumn> control_point_table(const Polygons& polygons);
 
-/// Panel of equal aspect with axes x and y in mm.
-[[nodiscard]] Panel plane_mm(std::string title, double height);
+/// Panel of equal aspect with both axes in mm.
+[[nodiscard]] Panel plane_mm(std::string title,
+                             double height,
+                             std::string across = "x",
+                             std::string up = "y");
 
 /// A column of one value of each item.
 template <class Items, class Value>

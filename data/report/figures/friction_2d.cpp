@@ -1,5 +1,4 @@
 // Figures 3.2.2 to 3.2.4: forces, coefficient and parameters over the pre-determined path.
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -125,16 +124,10 @@ bool literal_sticks_while_pressed(const Runs& runs) {
     return false;
 }
 
-/// Largest |F_T| / F_N where there is a load to speak of.
-double largest_ratio(const FrictionRun& run) {
-    constexpr double kLoaded = 0.5;  // N
-    double most = 0.0;
-    for (const FrictionTick& tick : run) {
-        if (tick.normal_force > kLoaded) {
-            most = std::max(most, size_of_friction(tick) / tick.normal_force);
-        }
-    }
-    return most;
+/// |F_T| / F_N of the thesis' law at instant 8: sliding on, after it has stuck and slipped again.
+double late_ratio(const Runs& runs) {
+    const FrictionTick& tick = runs.latched[runs.markers[7].value_or(0)];
+    return size_of_friction(tick) / tick.normal_force;
 }
 
 std::string forces_caption(const Runs& runs) {
@@ -142,27 +135,21 @@ std::string forces_caption(const Runs& runs) {
     const auto fired = runs.latched_markers[3];
     return fmt::format(
         "K = 1000 N/m, μ_s = 0.7, μ_d = 0.5, ticks of 1 ms. Numbers are found in our run: 1 HIP "
-        "begins "
-        "to move along, 2 GO breaks away, 3 HIP presses deeper, 4 GO sticks, 5 it is pressed no "
-        "deeper, 6 GO breaks away, 7 μ is relaxed, 8 HIP leaves, 9 to 10 no contact, 11 level "
-        "towards "
-        "the second curve, 12 GO breaks away, 13 μ is relaxed. Three things differ from what the "
-        "thesis tells. Between 3 and 5 nothing drags the contact along, so friction keeps its "
-        "value "
-        "({:.3f} N at 3, {:.3f} N at 5) while the load rises; the thesis' law multiplies the load "
-        "and "
-        "lets friction climb. Sticking follows pressing at once (4 lies on 3); Algorithm 1 as "
-        "written "
+        "begins to move along, 2 GO breaks away, 3 HIP presses deeper, 4 GO sticks, 5 it is "
+        "pressed no deeper, 6 GO breaks away, 7 μ is relaxed, 8 HIP leaves, 9 to 10 no contact, "
+        "11 level towards the second curve, 12 GO breaks away, 13 μ is relaxed. Three things "
+        "differ from what the thesis tells. Between 3 and 5 nothing drags the contact along, so "
+        "friction keeps its value ({:.3f} N at 3, {:.3f} N at 5; on a straight edge the two "
+        "would be the same) while the load rises; the thesis' law multiplies the load and lets "
+        "friction climb. Sticking follows pressing at once (4 lies on 3); Algorithm 1 as written "
         "{} between 3 and 5, since it asks for 40 % more load within a tick; read as load since "
-        "slipping began, it sticks at {:.2f} N, then keeps an offset that takes friction to {:.1f} "
-        "times the load. Over the vertex no law is free of change: from 11 on, the largest step of "
-        "the "
-        "force in a tick is {:.2f} N for ours, whose god-object turns through the vertex at a "
-        "limited "
-        "rate, and {:.2f} N for the thesis'.",
+        "slipping began, it sticks at {:.2f} N, then keeps an offset, so that at 8 friction is "
+        "{:.2f} times the load. Over the vertex no law is free of change: from 11 on, the "
+        "largest step of the force in a tick is {:.2f} N for ours, whose god-object turns "
+        "through the vertex at a limited rate, and {:.2f} N for the thesis'.",
         at_marker(runs, 3, &size_of_friction), at_marker(runs, 5, &size_of_friction),
         literal_sticks_while_pressed(runs) ? "sticks" : "never sticks",
-        fired ? runs.latched[*fired].normal_force : 0.0, largest_ratio(runs.latched),
+        fired ? runs.latched[*fired].normal_force : 0.0, late_ratio(runs),
         largest_jump(runs.gos, from, runs.gos.size() - 1),
         largest_jump(runs.latched, from, runs.latched.size() - 1));
 }
@@ -240,12 +227,9 @@ MadeFigure make_stribeck() {
                   .width = 980.0};
     figure.caption = fmt::format(
         "While GO moves, our μ falls from μ_s to μ_d with a time constant of {:g} ms; while it "
-        "rests, μ "
-        "heals with {:g} ms. The thesis takes μ from how far GO lags behind the closest point: at "
-        "8, "
-        "sliding on at 20 mm/s, its μ still stands at {:.3f}, and would stand higher the faster "
-        "the "
-        "hand goes, the opposite of the Stribeck effect. Gaps: no contact.",
+        "rests, μ heals with {:g} ms. The thesis takes μ from how far GO lags behind the closest "
+        "point: at 8, sliding on at 20 mm/s, its μ still stands at {:.3f}, and would stand "
+        "higher the faster the hand goes, the opposite of the Stribeck effect. Gaps: no contact.",
         1e3 * kFrictionSlip, 1e3 * kFrictionHeal, end.mu);
     std::vector<CsvColumn> table = time_column(runs);
     table.push_back(column("gos_mu", runs.gos, mu));
@@ -265,16 +249,12 @@ MadeFigure make_places() {
                   .width = 980.0};
     figure.caption =
         "u from 0 to 1 on each curve. GO stands while stuck, and the closest point goes ahead. "
-        "Under our "
-        "law GO then follows at the distance that friction keeps, μ times the load over the "
-        "stiffness, "
-        "as long as HIP slides; under the thesis' law the two come together. From 11 on the "
-        "closest "
-        "point passes to the second curve (u drops to near 0) while GO is still stuck on the "
-        "first: "
-        "crossing into another Voronoi region does not free it. After 12 our GO walks to the end "
-        "of its "
-        "own curve and round the vertex; the thesis puts it on the second curve at once.";
+        "Under our law GO then follows at the distance that friction keeps, μ times the load "
+        "over the stiffness, as long as HIP slides; under the thesis' law the two come together. "
+        "From 11 on the closest point passes to the second curve (u drops to near 0) while GO is "
+        "still stuck on the first: crossing into another Voronoi region does not free it. After "
+        "12 our GO walks to the end of its own curve and round the vertex; the thesis puts it on "
+        "the second curve at once.";
     std::vector<CsvColumn> table = time_column(runs);
     for (const auto& [law, run] :
          {std::pair{"gos", &runs.gos}, {"thesis_latched", &runs.latched}}) {

@@ -77,7 +77,7 @@ Panel snapshot(const std::vector<engine::NurbsCurve<2>>& curves,
                const FrictionRun& run,
                const Moment& moment) {
     const FrictionTick& now = run[moment.tick];
-    Panel panel = plane_mm("(" + moment.letter + ") " + moment.what, 200.0);
+    Panel panel = plane_mm(fmt::format("({}) {}", moment.letter, moment.what), 200.0);
     Series trace =
         path_mm("path of HIP so far",
                 places({run.begin(), run.begin() + static_cast<std::ptrdiff_t>(moment.tick + 1)},
@@ -148,11 +148,11 @@ MadeFigure make_friction_path() {
         .title = "Figure 3.2.1 (a): the object of two curves and the pre-determined path",
         .panels = {panel},
         .caption =
-            "Two convex cubics of four control points each meet at a vertex of 22 degrees. "
-            "HIP goes in along the normal (to 1), along at constant depth (to 3), deeper along "
-            "the normal (to 5), along (to 8) and out; then in near the vertex (10 to 11) and "
-            "level over it. Numbers are instants of our run (figure 3.2.2). The thick line is "
-            "where the god-object went while in contact.",
+            "Two convex cubics of four control points each meet at a vertex of 22 degrees. HIP "
+            "goes in along the normal (to 1), along at constant depth (to 3), deeper along the "
+            "normal (to 5), along (to 8) and out; then in near the vertex (10 to 11) and level "
+            "over it. Numbers are instants of our run (figure 3.2.2). The thick line is where "
+            "the god-object went while in contact.",
         .width = 980.0};
     std::vector<CsvColumn> table{
         column("time_s", run, [](const FrictionTick& t) { return t.t; }),
@@ -176,8 +176,8 @@ MadeFigure make_friction_moments() {
         .share_x = false,
         .caption =
             "GO is on the surface, HIP where the hand is; the force on the user goes from HIP "
-            "towards GO, 1.5 mm a newton. Grey: where HIP has been. In (k) HIP already lies in "
-            "the region of the second curve, and GO still stands on the first.",
+            "towards GO, 1.5 mm a newton. Grey: where HIP has been. In (k) the closest point "
+            "(CP) is on the second curve already, and GO still stands on the first.",
         .width = 1080.0};
     std::vector<CsvColumn> table{{"time_s", {}},    {"hip_x_m", {}}, {"hip_y_m", {}},
                                  {"go_x_m", {}},    {"go_y_m", {}},  {"force_x_n", {}},

@@ -63,7 +63,7 @@ void add_nodes(Diagram& diagram, double x, Ink ink) {
 }
 
 constexpr std::array<Edge, 9> kOurs{{
-    {Mode::free, Mode::stuck, "HIP is inside", 16.0, 0.0, -12.0},
+    {Mode::free, Mode::stuck, "HIP is inside", 16.0, 0.0, -21.0},
     {Mode::stuck, Mode::free, "F_N ≤ 0", 16.0, 0.0, 18.0},
     {Mode::stuck, Mode::stuck, "μ heals to μ_s", 0.0, 0.0, -14.0},
     {Mode::stuck, Mode::transition, "|F_T| > μ F_N", 26.0, 50.0, 0.0},
@@ -76,7 +76,7 @@ constexpr std::array<Edge, 9> kOurs{{
 }};
 
 constexpr std::array<Edge, 9> kThesis{{
-    {Mode::free, Mode::stuck, "collision", 16.0, 0.0, -12.0},
+    {Mode::free, Mode::stuck, "collision", 16.0, 0.0, -21.0},
     {Mode::stuck, Mode::free, "no collision", 16.0, 0.0, 18.0},
     {Mode::stuck, Mode::stuck, "HIP stops or turns: GO := CP", 0.0, 0.0, -14.0},
     {Mode::stuck, Mode::transition, "F_T ≥ μ_s F_N", 26.0, 52.0, 0.0},
@@ -111,11 +111,10 @@ MadeFigure make_modes() {
         diagram.transitions.push_back(drawn(edge, kModes, thesis));
     }
     diagram.caption =
-        "Numbers count how often the run of figure 3.2.2 went that way; grey: never. Ours has one "
-        "rule, the force is K (GO - HIP) and GO slides only as far as its friction cone demands; "
-        "the "
-        "modes are names for what it did, so no switch can put a step into the force. The thesis' "
-        "machine seats GO anew, or adds an offset, at its switches.";
+        "Numbers count how often the run of figure 3.2.2 went that way; grey: never. Ours has "
+        "one rule, the force is K (GO - HIP) and GO slides only as far as its friction cone "
+        "demands; the modes are names for what it did, so no switch can put a step into the "
+        "force. The thesis' machine seats GO anew, or adds an offset, at its switches.";
     std::vector<CsvColumn> table{
         {"from_mode", {}}, {"to_mode", {}}, {"gos_ticks", {}}, {"thesis_latched_ticks", {}}};
     for (std::size_t a = 0; a < kModes; ++a) {

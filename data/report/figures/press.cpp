@@ -82,11 +82,9 @@ MadeFigure make_press() {
                   .share_x = false,
                   .width = 900.0};
     figure.caption = fmt::format(
-        "HIP goes {:g} mm into the first curve of the object of figure 2.1.4 along its normal, at "
-        "{:g} "
-        "mm/s, and out again; no friction. Outside the force is zero, inside it is the stiffness "
-        "times "
-        "the depth, on the way in as on the way out.",
+        "HIP goes {:g} mm into the first curve of the object of figure 2.1.4 along its normal, "
+        "at {:g} mm/s, and out again; no friction. Outside the force is zero, inside it is the "
+        "stiffness times the depth, on the way in as on the way out.",
         kMillimetres * kDeepest, kMillimetres * kSpeed);
     return {svg(figure), {{"", table}}};
 }

@@ -43,12 +43,12 @@ struct Crossing {
     int other = 0;
 };
 
-/// The true vertex of the outline that lies in the cell from `low`, if one does.
-std::optional<Vec2> vertex_in(const RegionMap& map, const Vec2& low, double step) {
+/// The true vertex of the outline in or beside the cell whose lower corner is `low`, if there is one.
+std::optional<Vec2> vertex_near(const RegionMap& map, const Vec2& low, double step) {
     for (const engine::Joint& joint : map.outline().joints()) {
         const Vec2 p = joint.point - low;
-        if (joint.kind != engine::JointKind::smooth && p.x >= 0.0 && p.y >= 0.0 && p.x <= step &&
-            p.y <= step) {
+        if (joint.kind != engine::JointKind::smooth && p.x >= -step && p.y >= -step &&
+            p.x <= 2.0 * step && p.y <= 2.0 * step) {
             return joint.point;
         }
     }
@@ -68,13 +68,13 @@ void add_cell(const RegionMap& map,
                              std::min(region[k], region[next]), std::max(region[k], region[next])});
         }
     }
-    const auto vertex = vertex_in(map, corner[0], lattice.step);
-    if (vertex) {
+    if (found.size() == 2 && found[0].region == found[1].region &&
+        found[0].other == found[1].other) {
+        out.push_back({found[0].at, found[1].at, found[0].region, found[0].other});
+    } else if (const auto vertex = vertex_near(map, corner[0], lattice.step)) {
         for (const Crossing& c : found) {
             out.push_back({*vertex, c.at, c.region, c.other});
         }
-    } else if (found.size() == 2) {
-        out.push_back({found[0].at, found[1].at, found[0].region, found[0].other});
     } else if (found.size() > 2) {  // regions meet: to the middle of the crossings
         Vec2 middle{};
         for (const Crossing& c : found) {

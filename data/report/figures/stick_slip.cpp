@@ -148,13 +148,10 @@ MadeFigure make_stick_slip() {
                   .width = 860.0};
     figure.caption = fmt::format(
         "Ticks recorded from the 1 kHz servo loop with the simulated pantograph (encoder counts, "
-        "motor "
-        "limits) and hand on the convex object of the study, K = 1000 N/m. Contact at {:.3f} s, "
-        "break-away at {:.3f} s, μ relaxed at {:.3f} s: the transition takes {:.0f} ms. tau_slip "
-        "was "
-        "set to {:.4g} ms, for which μ falls to a thousandth of its way in {:.0f} ms, the length "
-        "of "
-        "the transition that the thesis shows.",
+        "motor limits) and hand on the convex object of the study, K = 1000 N/m. Contact at "
+        "{:.3f} s, break-away at {:.3f} s, μ relaxed at {:.3f} s: the transition takes {:.0f} "
+        "ms. tau_slip was set to {:.4g} ms, for which μ falls to a thousandth of its way in "
+        "{:.0f} ms, the length of the transition that the thesis shows.",
         t_touch, t_release, t_relaxed, 1e3 * (t_relaxed - t_release), 1e3 * kTauSlip,
         1e3 * kTransition);
     return {svg(figure),

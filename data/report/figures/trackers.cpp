@@ -194,13 +194,12 @@ MadeFigure make_trackers() {
     }
     figure.caption = fmt::format(
         "HIP follows a straight line at {:g} m/s past a cubic whose top has a radius of 5.6 mm; "
-        "ticks "
-        "of 1 ms. Feedback and feed-forward take {} Euler steps a tick at a loop gain of {:g}; the "
-        "linearised law has 500 1/s; Newton takes one step a tick. Largest error after the first "
-        "{:g} s: feedback {:.2g} mm, feed-forward {:.2g} mm, linearised {:.2g} mm, tangent plane "
-        "{:.2g} mm, Newton {:.2g} mm, certified {:.2g} mm. The connections of (a) stand on the "
-        "curve, "
-        "those of (b) end beside it where it turns fastest. Errors below 1e-17 m are drawn there.",
+        "ticks of 1 ms. Feedback and feed-forward take {} Euler steps a tick at a loop gain of "
+        "{:g}; the linearised law has 500 1/s; Newton takes one step a tick. Largest error after "
+        "the first {:g} s: feedback {:.2g} mm, feed-forward {:.2g} mm, linearised {:.2g} mm, "
+        "tangent plane {:.2g} mm, Newton {:.2g} mm, certified {:.2g} mm. The connections of (a) "
+        "stand on the curve, those of (b) end beside it where it turns fastest. Errors below "
+        "1e-17 m are drawn there.",
         kSpeed, kSubSteps, kLoopGain, kSettled, 1e3 * worst(passage, 0), 1e3 * worst(passage, 1),
         1e3 * worst(passage, 2), 1e3 * worst(passage, 3), 1e3 * worst(passage, 4),
         1e3 * worst(passage, 5));
