@@ -40,10 +40,17 @@ constexpr std::size_t kReach = 12;
 /// A window is not narrowed below this slack, m, if more can be had: 50 ticks at 0.1 m/s.
 constexpr double kWanted = 0.005;
 
-/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum.
+/// Whether h is at the end of a curve is known to this share of the lengths only: the joint's tangents
+/// are rounded, and so is the curve's own derivative there.
+constexpr double kVertexMargin = 1e-12;
+
+/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum, or
+/// within rounding of one. Straight below the end of one curve, the foot of the other would be missed.
 bool is_maximum(const Joint& joint, const Vec2& h) noexcept {
     const Vec2 gap = joint.point - h;
-    return glm::dot(gap, joint.tangent_in) > 0.0 && glm::dot(gap, joint.tangent_out) < 0.0;
+    const double margin =
+        kVertexMargin * (std::fabs(gap.x) + std::fabs(gap.y) + std::fabs(h.x) + std::fabs(h.y));
+    return glm::dot(gap, joint.tangent_in) > -margin && glm::dot(gap, joint.tangent_out) < margin;
 }
 
 }  // namespace

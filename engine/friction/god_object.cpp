@@ -1,5 +1,6 @@
 #include "engine/friction/god_object.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -137,10 +138,13 @@ private:
         const Slide slide =
             slide_to_cone<HasFriction>(outline_.spans()[index], h_, mu_, go_.place.parameter,
                                        go_.jet, direction_, budget_ - used_);
+        // The length is of first order: where the speed changes by powers of ten it may come out as
+        // nothing, or less. The chord is never too long.
+        const double length = std::max(slide.length, glm::length(slide.jet.point - go_.jet.point));
         go_.place.parameter = slide.u;
         go_.jet = slide.jet;
-        walk_.slid += slide.length;
-        used_ += slide.length;
+        walk_.slid += length;
+        used_ += length;
         if (slide.end == SlideEnd::at_end) {
             return over_end(index);
         }
@@ -215,7 +219,8 @@ private:
             return Next::go_on;
         }
         settle_corner(joint, before, after);
-        walk_.out_of_budget = (drives_on || drives_back);
+        walk_.out_of_budget = drives_on || drives_back;
+        walk_.held_outside = walk_.out_of_budget && walk_.nu <= 0.0;  // no curve carries a pull
         return Next::stop;
     }
 

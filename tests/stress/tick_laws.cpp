@@ -110,7 +110,7 @@ void TickLaws::check_free(const Tick& now) {
                   : c.mu >= scene_->spec().friction.mu_d * (1.0 - 1e-15) &&
                         c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
     if (free(c) && !c.skipped && (!started_ || free(last_.contact))) {
-        check("a hand inside is touched", !c.cp.inside);
+        check("a hand inside is touched", !c.cp.inside || c.cp.distance <= same_);
     }
 }
 
@@ -118,8 +118,12 @@ void TickLaws::check_free(const Tick& now) {
 void TickLaws::check_closest(const Tick& now) {
     const engine::ClosestPoint global = feet_.closest(now.h);
     if (now.contact.skipped) {
-        check("what is skipped is out of reach", global.distance == 0.0 ? 1.0 : 0.0, 0.0);
+        check("what is skipped is out of reach", global.distance > 0.0 || extent_ * 1e3 < same_);
         return;
+    }
+    const auto& spec = scene_->spec();
+    if (spec.look == engine::Look::needed && !free(now.contact)) {
+        return;  // the last one found
     }
     const engine::ClosestPoint& cp = now.contact.cp;
     check("the closest point is the global one", std::fabs(cp.distance - global.distance), same_);
@@ -246,7 +250,8 @@ void TickLaws::check_recovery(const Tick& now) {
 }
 
 bool TickLaws::at_open_end(const Place& place) const noexcept {
-    if (place.on_joint || (place.parameter > 0.0 && place.parameter < 1.0)) {
+    constexpr double kNear = 1e-6;  // where repeated control points make the curve stand still
+    if (place.on_joint || (place.parameter > kNear && place.parameter < 1.0 - kNear)) {
         return false;
     }
     return !scene_->outline().joint_beyond(place.index, place.parameter > 0.5);
