@@ -13,6 +13,9 @@ namespace {
 /// root this near to it.
 constexpr double kNearEnd = 1e-6;
 
+/// Up to this turn, rad, the side of the mean tangent tells inside from outside at a vertex.
+constexpr double kShallow = 1.0;
+
 /// A foot beside a vertex that is in truth the vertex: h lies in its region, and is no nearer to the foot
 /// than rounding can tell.
 bool on_vertex(const Joint& vertex, const Vec2& h, const Foot<2>& foot) noexcept {
@@ -41,9 +44,11 @@ ClosestPoint OutlineFeet::at_joint(std::size_t joint, const Vec2& h) const noexc
         const Vec2 normal = perp(vertex.tangent_in);
         const double phi = arc_tan2(glm::dot(gap, vertex.tangent_in), glm::dot(gap, normal));
         result.place.parameter = std::clamp(phi, 0.0, vertex.turn);
-    } else {
-        result.inside = distance > 0.0;
     }
+    // At a shallow vertex rounding may name the vertex for the other side of the outline, too.
+    const double side = cross(vertex.tangent_in + vertex.tangent_out, gap);
+    result.inside =
+        vertex.turn < kShallow ? side < 0.0 : vertex.kind == JointKind::concave && distance > 0.0;
     return result;
 }
 

@@ -40,10 +40,25 @@ constexpr std::size_t kReach = 12;
 /// A window is not narrowed below this slack, m, if more can be had: 50 ticks at 0.1 m/s.
 constexpr double kWanted = 0.005;
 
-/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum.
+/// Repeated control points make a curve stand still at an end, |C'| < 1e-6 |C''|, over no more of u.
+constexpr double kNearEnd = 1e-5;
+constexpr double kStill2 = 1e-12;
+
+bool stands_still(const Jet<2>& jet) noexcept {
+    return glm::dot(jet.first, jet.first) <= kStill2 * glm::dot(jet.second, jet.second);
+}
+
+/// Whether h is at the end of a curve is known to this share of the lengths only: the joint's tangents
+/// are rounded, and so is the curve's own derivative there.
+constexpr double kVertexMargin = 1e-12;
+
+/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum, or
+/// within rounding of one. Straight below the end of one curve, the foot of the other would be missed.
 bool is_maximum(const Joint& joint, const Vec2& h) noexcept {
     const Vec2 gap = joint.point - h;
-    return glm::dot(gap, joint.tangent_in) > 0.0 && glm::dot(gap, joint.tangent_out) < 0.0;
+    const double margin =
+        kVertexMargin * (std::fabs(gap.x) + std::fabs(gap.y) + std::fabs(h.x) + std::fabs(h.y));
+    return glm::dot(gap, joint.tangent_in) > -margin && glm::dot(gap, joint.tangent_out) < margin;
 }
 
 }  // namespace
@@ -84,6 +99,9 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
                 s.u = next;
                 s.jet = outline.spans()[s.span].at(next);
                 continue;
+            }
+            if ((next < kNearEnd || next > 1.0 - kNearEnd) && stands_still(s.jet)) {
+                return {};  // g vanishes with C', whether or not the distance is least here
             }
             Followed found{.settled = true};
             found.foot.span = s.span;

@@ -1,5 +1,6 @@
 #include "engine/friction/god_object.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -16,6 +17,9 @@ constexpr int kMaxFeatures = 64;
 /// A curve that moves less than this share of its own bending, |C'| < 1e-6 |C''|, stands still: an end
 /// with repeated control points or a cusp, where the tangent is that of the end.
 constexpr double kStill2 = 1e-12;
+
+/// An end of a span, in u: within this |C'| < 1e-6 |C''| where C' vanishes at the end itself.
+constexpr double kNearEnd = 1e-5;
 
 /// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the curve.
 constexpr double kSetOut = 0x1p-14;
@@ -79,16 +83,19 @@ private:
             return cone(joint.point, fan_tangent(joint, go.place.parameter));
         }
         const double speed2 = glm::dot(go.jet.first, go.jet.first);
-        if (stands_still(go.jet, speed2)) {
+        if (stands_still(go, speed2)) {
             return cone(go.jet.point,
                         end_tangent(outline.spans()[go.place.index], go.place.parameter > 0.5));
         }
         return cone(go.jet.point, go.jet.first * (1.0 / std::sqrt(speed2)));
     }
 
-    static bool stands_still(const Jet<2>& jet, double speed2) noexcept {
-        return speed2 <= kStill2 * glm::dot(jet.second, jet.second);
+    /// At an end, that is. Inside of a span a hairpin may be as slow, but its tangent is its own.
+    static bool stands_still(const GodObject& go, double speed2) noexcept {
+        return speed2 <= kStill2 * glm::dot(go.jet.second, go.jet.second) &&
+               (near_end(go.place.parameter) || speed2 == 0.0);
     }
+    static bool near_end(double u) noexcept { return u < kNearEnd || u > 1.0 - kNearEnd; }
 
     /// The walk ends here, with this stretch.
     Next settle_at(const ConeState& s) noexcept {
@@ -118,7 +125,7 @@ private:
 
     Next on_span() noexcept {
         const Drive drive = drive_at(go_.jet, h_);
-        if (stands_still(go_.jet, drive.speed2)) {
+        if (stands_still(go_, drive.speed2)) {
             return from_still_end();
         }
         const double rest = HasFriction ? 0.0 : kRest * drive.speed2;
@@ -137,10 +144,13 @@ private:
         const Slide slide =
             slide_to_cone<HasFriction>(outline_.spans()[index], h_, mu_, go_.place.parameter,
                                        go_.jet, direction_, budget_ - used_);
+        // The length is of first order: where the speed changes by powers of ten it may come out as
+        // nothing, or less. The chord is never too long.
+        const double length = std::max(slide.length, glm::length(slide.jet.point - go_.jet.point));
         go_.place.parameter = slide.u;
         go_.jet = slide.jet;
-        walk_.slid += slide.length;
-        used_ += slide.length;
+        walk_.slid += length;
+        used_ += length;
         if (slide.end == SlideEnd::at_end) {
             return over_end(index);
         }
@@ -155,7 +165,7 @@ private:
             return settle_at(s);
         }
         double& u = go_.place.parameter;
-        if (direction_ > 0.0 ? u > 0.5 : u <= 0.5) {
+        if (near_end(u) && (direction_ > 0.0 ? u > 0.5 : u <= 0.5)) {
             return over_end(go_.place.index);
         }
         u += direction_ * kSetOut;
@@ -215,7 +225,8 @@ private:
             return Next::go_on;
         }
         settle_corner(joint, before, after);
-        walk_.out_of_budget = (drives_on || drives_back);
+        walk_.out_of_budget = drives_on || drives_back;
+        walk_.held_outside = walk_.out_of_budget && walk_.nu <= 0.0;  // no curve carries a pull
         return Next::stop;
     }
 

@@ -15,18 +15,76 @@ constexpr int kMaxHalvings = 40;
 /// Cusps nearer than this to each other or to an end of the span are one, or the end itself.
 constexpr double kSameCusp = 1e-9;
 
-/// A hodograph below this share of its largest value is zero within rounding.
+/// Coefficients of a hodograph below this share of the terms that they are sums of are rounding.
 constexpr double kNoise = 64.0 * std::numeric_limits<double>::epsilon();
 
 /// Control points nearer than this share of the size are the same.
 constexpr double kSamePoint = 1e-12;
 
+/// One component of the hodograph and, of each coefficient, how much of it may be rounding. Both are
+/// halved alike: beside light control points the hodograph is 1e-12 of what it is elsewhere.
+struct Component {
+    Bernstein value;
+    Bernstein noise;
+
+    [[nodiscard]] bool avoids_zero() const noexcept {
+        bool above = true;
+        bool below = true;
+        for (std::size_t k = 0; k < value.size(); ++k) {
+            above = above && value[k] > noise[k];
+            below = below && value[k] < -noise[k];
+        }
+        return above || below;
+    }
+    [[nodiscard]] bool is_noise() const noexcept {
+        for (std::size_t k = 0; k < value.size(); ++k) {
+            if (std::fabs(value[k]) > noise[k]) {
+                return false;
+            }
+        }
+        return true;
+    }
+    [[nodiscard]] Component cut() { return {cut_in_half(value), cut_in_half(noise)}; }
+};
+
+/// P' W - P W' (P' for polynomials) over [lo, hi].
 struct Hodograph {
     double lo = 0.0;
     double hi = 1.0;
-    Bernstein x;
-    Bernstein y;
+    Component x;
+    Component y;
 };
+
+/// |f'| of coefficients that are magnitudes: sums where the derivative has differences.
+Bernstein magnitude_of_derivative(const Bernstein& f) {
+    Bernstein sums(f.size() - 1);
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        sums[i] = static_cast<double>(sums.size()) * (f[i + 1] + f[i]);
+    }
+    return sums;
+}
+
+Bernstein magnitudes(Bernstein f) {
+    for (double& v : f) {
+        v = std::fabs(v);
+    }
+    return f;
+}
+
+Component component(const Bernstein& p, const Bernstein& w, bool polynomial) {
+    const Bernstein size = magnitudes(p);
+    Component c;
+    if (polynomial) {
+        c = {derivative(p), magnitude_of_derivative(size)};
+    } else {
+        c = {wronskian(p, w), sum(product(magnitude_of_derivative(size), w),
+                                  product(size, magnitude_of_derivative(w)))};
+    }
+    for (double& v : c.noise) {
+        v *= kNoise;
+    }
+    return c;
+}
 
 Hodograph hodograph(const RationalBezier<2>& curve) {
     Bernstein px;
@@ -37,16 +95,10 @@ Hodograph hodograph(const RationalBezier<2>& curve) {
         px.push_back(curve.weight(i) * curve.local_point(i).x);
         py.push_back(curve.weight(i) * curve.local_point(i).y);
     }
-    if (curve.polynomial()) {
-        return {.x = derivative(px), .y = derivative(py)};
-    }
-    return {.x = wronskian(px, w), .y = wronskian(py, w)};
-}
-
-/// 0 is provably not among the values of f.
-bool avoids_zero(const Bernstein& f, double noise) {
-    const auto [low, high] = std::minmax_element(f.begin(), f.end());
-    return *low > noise || *high < -noise;
+    Hodograph h;
+    h.x = component(px, w, curve.polynomial());
+    h.y = component(py, w, curve.polynomial());
+    return h;
 }
 
 /// Homogeneous control points of [0, u] and [u, 1].
@@ -71,31 +123,41 @@ Halves cut_at(std::vector<Vec3> points, double u) {
 }  // namespace
 
 std::vector<double> cusps_of(const RationalBezier<2>& curve) {
-    std::vector<double> cusps;
+    struct Still {
+        double lo;
+        double hi;
+    };
+    std::vector<Still> stills;  // stretches in which the curve stands still, rising, none touching
     std::vector<Hodograph> stack{hodograph(curve)};
-    const double noise =
-        kNoise * std::max(largest_magnitude(stack[0].x), largest_magnitude(stack[0].y));
+    const double shortest = std::ldexp(1.0, -kMaxHalvings);
     while (!stack.empty()) {
         Hodograph at = std::move(stack.back());
         stack.pop_back();
-        if (avoids_zero(at.x, noise) || avoids_zero(at.y, noise)) {
+        if (at.x.avoids_zero() || at.y.avoids_zero()) {
             continue;
         }
-        if (at.hi - at.lo <= std::ldexp(1.0, -kMaxHalvings)) {
-            const double u = 0.5 * (at.lo + at.hi);
-            const double before = cusps.empty() ? 0.0 : cusps.back();
-            if (u - before > kSameCusp && 1.0 - u > kSameCusp) {
-                cusps.push_back(u);
+        // Where all is rounding, more halvings tell nothing more, and there may be 2^40 of them.
+        if (at.hi - at.lo <= shortest || (at.x.is_noise() && at.y.is_noise())) {
+            if (!stills.empty() && at.lo - stills.back().hi <= kSameCusp) {
+                stills.back().hi = at.hi;
+            } else {
+                stills.push_back({at.lo, at.hi});
             }
             continue;
         }
         Hodograph right;
         right.hi = at.hi;
         right.lo = at.hi = 0.5 * (at.lo + at.hi);
-        right.x = cut_in_half(at.x);
-        right.y = cut_in_half(at.y);
+        right.x = at.x.cut();
+        right.y = at.y.cut();
         stack.push_back(std::move(right));
         stack.push_back(std::move(at));
+    }
+    std::vector<double> cusps;
+    for (const Still& still : stills) {
+        if (still.lo > kSameCusp && 1.0 - still.hi > kSameCusp) {
+            cusps.push_back(0.5 * (still.lo + still.hi));
+        }
     }
     return cusps;
 }

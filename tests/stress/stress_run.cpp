@@ -86,7 +86,7 @@ std::optional<Case> random_case(std::uint64_t seed) {
 
 engine::Scene renderer_of(const Case& c) {
     engine::SceneSpec spec = protocols::spec_of(scene_file_of(c.scene), c.scene.period);
-    spec.look = c.scene.always_look ? engine::Look::always : engine::Look::touching;
+    spec.look = c.scene.look;
     return {c.outline, spec};
 }
 

@@ -206,7 +206,7 @@ StressScene random_scene(std::uint64_t seed) {
                                .radius = size * random.decade(-3.0, 0.0)};
     }
     scene.period = random.coin() ? 0.001 : random.decade(-4.0, -2.0);
-    scene.always_look = random.coin();
+    scene.look = static_cast<engine::Look>(random.below(3));
     return scene;
 }
 

@@ -16,7 +16,7 @@ struct StressScene {
     protocols::SceneRenderer renderer{};
     protocols::SceneFriction friction{};
     double period = 0.001;  ///< s
-    bool always_look = false;
+    engine::Look look = engine::Look::touching;
 };
 
 /// One seed is one scene: NURBS chains of degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, with

@@ -74,6 +74,7 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
         ledger_ = after_refusal_ = false;
         last_ = now;
         last_.contact.mode = Mode::free;
+        last_far_ = true;
         ++ticks_;
         return breach_;
     }
@@ -92,7 +93,7 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
         check_recovery(now);
     }
     started_ = true;
-    after_refusal_ = false;
+    after_refusal_ = last_far_ = false;
     last_ = now;
     ++ticks_;
     return breach_;
@@ -109,8 +110,8 @@ void TickLaws::check_free(const Tick& now) {
           free(c) ? c.mu == 0.0
                   : c.mu >= scene_->spec().friction.mu_d * (1.0 - 1e-15) &&
                         c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
-    if (free(c) && !c.skipped && (!started_ || free(last_.contact))) {
-        check("a hand inside is touched", !c.cp.inside);
+    if (free(c) && !c.skipped && (!started_ || (free(last_.contact) && !last_far_))) {
+        check("a hand inside is touched", !c.cp.inside || c.cp.distance <= same_);
     }
 }
 
@@ -118,8 +119,13 @@ void TickLaws::check_free(const Tick& now) {
 void TickLaws::check_closest(const Tick& now) {
     const engine::ClosestPoint global = feet_.closest(now.h);
     if (now.contact.skipped) {
-        check("what is skipped is out of reach", global.distance == 0.0 ? 1.0 : 0.0, 0.0);
+        check("what is skipped is out of reach",
+              global.distance > 0.0 || last_.contact.cp.distance <= same_);
         return;
+    }
+    const auto& spec = scene_->spec();
+    if (spec.look == engine::Look::needed && !free(now.contact)) {
+        return;  // the last one found
     }
     const engine::ClosestPoint& cp = now.contact.cp;
     check("the closest point is the global one", std::fabs(cp.distance - global.distance), same_);
@@ -235,8 +241,8 @@ void TickLaws::check_recovery(const Tick& now) {
     engine::ContactState fresh;
     const Contact again = scene_->tick(fresh, now.h);
     const Contact& c = now.contact;
-    if (glm::length(again.cp.point - c.cp.point) > same_) {
-        return;  // two closest points: either will do
+    if (glm::length(again.cp.point - c.cp.point) > same_ || c.cp.distance <= same_) {
+        return;  // two closest points, or on the surface: either will do
     }
     check("after a refused tick the contact is a new one", free(again) == free(c));
     check(
@@ -246,7 +252,8 @@ void TickLaws::check_recovery(const Tick& now) {
 }
 
 bool TickLaws::at_open_end(const Place& place) const noexcept {
-    if (place.on_joint || (place.parameter > 0.0 && place.parameter < 1.0)) {
+    constexpr double kNear = 1e-6;  // where repeated control points make the curve stand still
+    if (place.on_joint || (place.parameter > kNear && place.parameter < 1.0 - kNear)) {
         return false;
     }
     return !scene_->outline().joint_beyond(place.index, place.parameter > 0.5);

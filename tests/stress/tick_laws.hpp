@@ -54,6 +54,7 @@ private:
     std::size_t ticks_ = 0;
     bool started_ = false;
     bool after_refusal_ = false;
+    bool last_far_ = false;  ///< the last tick was too far away to be looked at
     Tick last_{};
     bool ledger_ = false;  ///< an episode of springy ticks is being added up
     double start_ = 0.0;   ///< energy it began with, J
