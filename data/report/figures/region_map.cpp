@@ -63,26 +63,45 @@ void add_cell(const RegionMap& map,
     std::vector<Crossing> found;
     for (std::size_t k = 0; k < 4; ++k) {
         const std::size_t next = (k + 1) % 4;
-        if (region[k] != region[next] && map.external(region[k]) == map.external(region[next])) {
-            found.push_back({change(map, corner[k], corner[next]).at,
-                             std::min(region[k], region[next]), std::max(region[k], region[next])});
+        if (region[k] == region[next] || map.external(region[k]) != map.external(region[next])) {
+            continue;
+        }
+        const auto add = [&](const Change& c) {
+            if (map.external(c.before) == map.external(c.after)) {
+                found.push_back({c.at, std::min(c.before, c.after), std::max(c.before, c.after)});
+            }
+        };
+        const Change first = change(map, corner[k], corner[next]);
+        add(first);
+        if (first.after != region[next]) {  // a narrow region lies between
+            add(change(map, corner[next], corner[k]));
         }
     }
-    if (found.size() == 2 && found[0].region == found[1].region &&
-        found[0].other == found[1].other) {
-        out.push_back({found[0].at, found[1].at, found[0].region, found[0].other});
-    } else if (const auto vertex = vertex_near(map, corner[0], lattice.step)) {
-        for (const Crossing& c : found) {
-            out.push_back({*vertex, c.at, c.region, c.other});
+    // Two crossings of one border are a piece of it; a lone one ends at a vertex or where regions meet.
+    std::vector<Crossing> lone;
+    while (!found.empty()) {
+        const Crossing one = found.back();
+        found.pop_back();
+        const auto partner = std::find_if(found.begin(), found.end(), [&](const Crossing& c) {
+            return c.region == one.region && c.other == one.other;
+        });
+        if (partner == found.end()) {
+            lone.push_back(one);
+        } else {
+            out.push_back({one.at, partner->at, one.region, one.other});
+            found.erase(partner);
         }
-    } else if (found.size() > 2) {  // regions meet: to the middle of the crossings
-        Vec2 middle{};
-        for (const Crossing& c : found) {
-            middle += c.at / static_cast<double>(found.size());
-        }
-        for (const Crossing& c : found) {
-            out.push_back({middle, c.at, c.region, c.other});
-        }
+    }
+    const auto vertex = vertex_near(map, corner[0], lattice.step);
+    if (lone.empty() || (lone.size() < 2 && !vertex)) {
+        return;
+    }
+    Vec2 middle{};
+    for (const Crossing& c : lone) {
+        middle += c.at / static_cast<double>(lone.size());
+    }
+    for (const Crossing& c : lone) {
+        out.push_back({vertex.value_or(middle), c.at, c.region, c.other});
     }
 }
 
