@@ -31,8 +31,9 @@ struct SurfaceSlide {
 /// in from both sides, so that the end lies on the cone, on its inner side, within
 /// 1e-14 mu nu + 1e-15 (|g| + |r|).
 ///
-/// At an open border, and in a concave crease, the GO stays; it slides along while the part of t along the border exceeds mu nu.
-/// A pole (an edge that is one point) is crossed. Without friction the GO goes to the local foot of HIP.
+/// At an open border, and in a concave crease, the GO stays; it slides along the edge while the part of
+/// t along it exceeds mu nu. A pole (an edge that is one point) is crossed. Without friction the GO goes
+/// to the local foot of HIP.
 /// @param h   HIP relative to surface.origin(), m
 /// @param mu  >= 0, not read without friction
 template <bool HasFriction>
