@@ -5,27 +5,10 @@
 
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/friction/god_object.hpp"
-#include "engine/friction/stribeck.hpp"
 #include "engine/rendering/mode.hpp"
+#include "engine/rendering/scene_spec.hpp"
 
 namespace palpate::engine {
-
-/// When the closest point is looked for beyond what the force needs.
-enum class Look : std::uint8_t {
-    needed,    ///< never: in contact with friction it is the last one found
-    touching,  ///< on every tick in contact: what a trial records
-    always,    ///< out of reach too: for drawing and offline tools
-};
-
-/// What is to be felt, as chosen by an experimenter. SI.
-struct SceneSpec {
-    double stiffness = 1000.0;  ///< K, N/m, > 0: the spring of the virtual coupling
-    double damping = 0.0;   ///< B, N s/m, >= 0: its damper; the device must then give b > K T/2 + B
-    double period = 0.001;  ///< T, s, > 0
-    Friction friction{};
-    Slew slew{};
-    Look look = Look::touching;
-};
 
 /// How often the tick did less than everything, since the state was made.
 struct TickCounts {

@@ -9,34 +9,16 @@
 namespace palpate::engine {
 namespace {
 
-/// mu counts as relaxed once theta is below this: 1e-3 of mu_s - mu_d is 0.2 mN at 1 N.
-constexpr double kRelaxed = 1e-3;
-
-void require(bool ok, const char* what, double value, const char* remedy) {
-    if (!ok) {
-        throw std::invalid_argument(std::string(what) + " is " + number_text(value) + ": " +
-                                    remedy);
-    }
-}
-
 const SurfaceSceneSpec& checked(const SurfaceSceneSpec& whole) {
-    const SceneSpec& spec = whole.contact;
-    const auto from_zero = [](double v) {
-        return std::isfinite(v) && v >= 0.0;
-    };
-    require(std::isfinite(spec.stiffness) && spec.stiffness > 0.0, "stiffness", spec.stiffness,
-            "give N/m above 0");
-    require(std::isfinite(spec.period) && spec.period > 0.0, "tick period", spec.period,
-            "give seconds above 0");
-    require(from_zero(spec.friction.mu_d), "mu_d", spec.friction.mu_d, "give 0 or more");
-    require(std::isfinite(spec.friction.mu_s) && spec.friction.mu_s >= spec.friction.mu_d, "mu_s",
-            spec.friction.mu_s, "give a finite value not below mu_d");
-    require(from_zero(spec.friction.tau_slip), "tau_slip", spec.friction.tau_slip,
-            "give seconds, 0 for a sharp drop");
-    require(from_zero(spec.friction.tau_heal), "tau_heal", spec.friction.tau_heal,
-            "give seconds, 0 for healing at once");
-    require(spec.slew.none(), "vertex slew", spec.slew.speed,
-            "give 0 with a surface: it has no vertices");
+    static_cast<void>(checked(whole.contact));
+    if (!whole.contact.slew.none()) {
+        throw std::invalid_argument("vertex slew is " + number_text(whole.contact.slew.speed) +
+                                    ": give 0 with a surface, it has no vertices");
+    }
+    if (whole.contact.damping > 0.0) {
+        throw std::invalid_argument("damping is " + number_text(whole.contact.damping) +
+                                    ": give 0 with a surface");
+    }
     return whole;
 }
 
@@ -71,8 +53,7 @@ SurfaceContact SurfaceScene::free(SurfaceState& state, const Vec3& hip) const no
     state.theta = 1.0;
     const SurfaceClosest& cp = state.seen;
     state.clear_at = hip;
-    // One part in 1e12 less than the distance: rounding never hides a contact.
-    const double clear = cp.distance * (1.0 - 1e-12);
+    const double clear = cp.distance * kClearShare;
     state.clear2 = spec_.skip_far && !cp.inside ? clear * clear : 0.0;
     return {.cp = cp, .go_u = cp.u, .go_v = cp.v, .go = cp.point};
 }
@@ -153,11 +134,8 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
 }
 
 void SurfaceScene::set_period(double period) {
-    if (!(period > 0.0) || !std::isfinite(period)) {
-        throw std::invalid_argument("tick period is " + number_text(period) +
-                                    ": give seconds above 0");
-    }
     spec_.contact.period = period;
+    static_cast<void>(checked(spec_));
     decay_ = stribeck_decay(spec_.contact.friction, period);
 }
 

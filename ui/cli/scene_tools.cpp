@@ -165,8 +165,9 @@ std::string render_surface(const SceneFile& file,
                            const data::NumberTable& path,
                            const std::vector<double>& periods) {
     const auto surface = std::make_shared<const engine::NurbsSurface>(file.surfaces.front());
-    engine::SurfaceScene scene(
-        surface, protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0]));
+    engine::SceneSpec spec = protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0]);
+    spec.slew = {};  // a surface has no vertices
+    engine::SurfaceScene scene(surface, spec);
     engine::SurfaceState state;
     Lines lines(kSpaceHead);
     for (std::size_t i = 0; i < path.rows(); ++i) {
