@@ -1,14 +1,14 @@
 #include "data/csv/number_table.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 
 #include <fmt/format.h>
+
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/format/read_text.hpp"
 
 namespace palpate::data {
 namespace {
@@ -154,22 +154,11 @@ NumberTable parse_numbers(std::string_view text,
 NumberTable read_numbers(const std::filesystem::path& file,
                          std::span<const std::string_view> wanted,
                          std::span<const std::string_view> optional) {
-    const auto unreadable = [&file](const std::string& why) {
-        return CsvError(
-            fmt::format("{}:1: cannot be read: {}; check the path", file.string(), why));
-    };
-    std::error_code error;
-    if (std::filesystem::is_directory(file, error)) {
-        throw unreadable("it is a folder");
-    }
-    errno = 0;
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) {
-        throw unreadable(std::generic_category().message(errno));
-    }
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    if (stream.bad()) {
-        throw unreadable(std::generic_category().message(errno));
+    std::string text;
+    try {
+        text = protocols::read_text(file);
+    } catch (const protocols::ProtocolError& e) {  // it names the file and why
+        throw CsvError(e.what());
     }
     return parse_numbers(text, file.string(), wanted, optional);
 }

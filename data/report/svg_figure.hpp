@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace palpate::data {
@@ -64,12 +65,22 @@ struct Arrow {
     Ink ink = Ink::black;
 };
 
+/// Words at a place inside the plot area, in the middle of (x, y).
+struct Label {
+    double x = 0.0;
+    double y = 0.0;
+    std::string text{};
+    Ink ink = Ink::black;
+};
+
 struct Axis {
     std::string label{};  ///< "time"
     std::string unit{};   ///< "s"; empty for a pure number
     bool log = false;
     std::optional<double> low{};  ///< none: from the data, with a little room
     std::optional<double> high{};
+    /// Ticks of a y axis that counts things: where, and the name there. Empty: numbers.
+    std::vector<std::pair<double, std::string>> names{};
 };
 
 /// One pair of axes.
@@ -81,6 +92,7 @@ struct Panel {
     std::vector<Marker> markers{};
     std::vector<Shade> shades{};
     std::vector<Arrow> arrows{};
+    std::vector<Label> labels{};
     bool equal_aspect =
         false;              ///< one metre is as long along x as along y; axes are widened to fit
     double height = 220.0;  ///< of the plot area, px, 40 to 4000

@@ -122,6 +122,18 @@ std::string PanelPlan::arrows(const Rect& plot) const {
     return out;
 }
 
+std::string PanelPlan::labels(const Rect& plot) const {
+    std::string out;
+    for (const Label& label : panel_->labels) {
+        if (x_.holds(label.x) && y_.holds(label.y)) {
+            const Point at = place(label.x, label.y, plot);
+            out += svg_text(at.x, at.y + 0.35 * kTitleSize, label.text, kTitleSize, Anchor::middle,
+                            fmt::format("fill=\"{}\" font-weight=\"bold\"", colour(label.ink, 6)));
+        }
+    }
+    return out;
+}
+
 /// Labels go where they cover least: of 32 places round the dot the one with the fewest points of lines,
 /// other labels and dots under it, the nearest first.
 std::string PanelPlan::markers(const Rect& plot) const {

@@ -120,6 +120,9 @@ void PanelPlan::find_ranges() {
         add(arrow.x, arrow.y);
         add(arrow.x + arrow.dx, arrow.y + arrow.dy);
     }
+    for (const Label& label : panel_->labels) {
+        add(label.x, label.y);
+    }
     empty_ = x.empty();
     data_x_ = range_of(panel_->x, x, "x");
     data_y_ = range_of(panel_->y, y, "y");
@@ -142,6 +145,14 @@ void PanelPlan::fit_ranges() {
     }
     x_ticks_ = nice_ticks(x_, static_cast<int>(width / 80.0));
     y_ticks_ = nice_ticks(y_, static_cast<int>(panel_->height / 45.0));
+    if (!panel_->y.names.empty()) {
+        y_ticks_ = {};
+        for (const auto& [at, name] : panel_->y.names) {
+            if (y_.low <= at && at <= y_.high) {
+                y_ticks_.ticks.push_back({at, name});
+            }
+        }
+    }
 }
 
 void PanelPlan::share_x(PanelPlan& other) {
@@ -251,7 +262,7 @@ std::string PanelPlan::draw(double cell_x, double top, std::string_view clip_id)
             out += points(series, ink, plot);
         }
     }
-    return out + arrows(plot) + "</g>\n" + markers(plot) + "</g>\n";
+    return out + arrows(plot) + "</g>\n" + labels(plot) + markers(plot) + "</g>\n";
 }
 
 }  // namespace palpate::data

@@ -72,6 +72,7 @@ private:
                                      std::string_view ink,
                                      const Rect& plot) const;
     [[nodiscard]] std::string arrows(const Rect& plot) const;
+    [[nodiscard]] std::string labels(const Rect& plot) const;
     [[nodiscard]] std::string markers(const Rect& plot) const;
 
     const Panel* panel_;

@@ -206,6 +206,17 @@ void Database::check_identity(Access access) {
             "{}: made by a newer palpate (schema {}, this program knows {}); update palpate", file_,
             id.version, kSchemaVersion));
     }
+    if (access == Access::write && id.version < kSchemaVersion) {
+        migrate();
+    }
+}
+
+void Database::migrate() {
+    Transaction all(*this);  // another program that does the same is waited for here
+    for (std::int64_t at = identity().version; at < kSchemaVersion; ++at) {
+        execute(std::string(migration_sql(at)).c_str());
+    }
+    all.commit();
 }
 
 void Database::create() {

@@ -50,6 +50,7 @@ private:
     void check_identity(Access access);
     [[nodiscard]] Identity identity();
     void create();
+    void migrate();  ///< from the schema of an older palpate to the present one
     void keep_log();
 
     std::string file_;

@@ -7,7 +7,7 @@ std::string_view schema_sql() noexcept {
 -- palpate, schema 1. SI units, in the column names. Times *_utc are wall clock and for people;
 -- every duration comes from the servo's monotonic clock.
 PRAGMA application_id = 1885432944;
-PRAGMA user_version = 1;
+PRAGMA user_version = 2;
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
@@ -98,6 +98,8 @@ CREATE TABLE trial (
     energy_j            REAL,                       -- work done on the user
     started_utc         TEXT NOT NULL,
     ended_utc           TEXT,
+    contact_episodes    INTEGER,                    -- times that HIP came into contact
+    worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
@@ -166,6 +168,15 @@ CREATE VIEW confusion AS
 SELECT study, kind, friction, object, choice, count(*) AS n
 FROM trial_result WHERE phase = 'main'
 GROUP BY study, kind, friction, object, choice;
+)sql";
+}
+
+std::string_view migration_sql([[maybe_unused]] std::int64_t from) noexcept {
+    return R"sql(
+-- 1 -> 2: the energy ledger of every trial. Trials recorded before stay NULL.
+ALTER TABLE trial ADD COLUMN contact_episodes INTEGER;
+ALTER TABLE trial ADD COLUMN worst_episode_j REAL;
+PRAGMA user_version = 2;
 )sql";
 }
 

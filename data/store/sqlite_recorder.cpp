@@ -108,7 +108,8 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
             "?10,"
             " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
             "?14,"
-            " ended_utc = ?15 WHERE id = ?1 AND outcome = 'running'")
+            " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17 WHERE id = ?1 AND "
+            "outcome = 'running'")
         .bind(1, trial)
         .bind(2, to_string(result.outcome))
         .bind(3, result.done_s)
@@ -124,6 +125,8 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
         .bind(13, sum.max_normal_force_n)
         .bind(14, sum.energy_j)
         .bind(15, utc_now())
+        .bind(16, sum.contact_episodes)
+        .bind(17, sum.worst_episode_j)
         .run();
     if (database_.changes() != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",

@@ -14,6 +14,14 @@ BernsteinNet::Lowest BernsteinNet::lowest() const noexcept {
             static_cast<double>(best % (m_ + 1)) / static_cast<double>(m_)};
 }
 
+double BernsteinNet::highest() const noexcept {
+    double most = g_[0];
+    for (std::size_t k = 1; k < count(); ++k) {
+        most = std::max(most, g_[k]);
+    }
+    return most;
+}
+
 bool BernsteinNet::convex(double noise) const noexcept {
     double uu = 1e300;
     double vv = 1e300;

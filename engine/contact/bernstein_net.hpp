@@ -41,6 +41,7 @@ public:
         double v = 0.0;
     };
     [[nodiscard]] Lowest lowest() const noexcept;
+    [[nodiscard]] double highest() const noexcept;
 
     /// Second derivatives form a bowl everywhere, by more than `noise`.
     [[nodiscard]] bool convex(double noise) const noexcept;

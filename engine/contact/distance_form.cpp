@@ -12,6 +12,9 @@ namespace {
 constexpr int kMaxDepth = 44;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
+/// Rounding of a coefficient, as a share of the sizes of its terms: sums of 5, and convex combinations.
+constexpr double kNoise = 8.0 * kEpsilon;
+
 double binomial(std::size_t n, std::size_t k) {
     double value = 1.0;
     for (std::size_t i = 1; i <= k; ++i) {
@@ -76,8 +79,6 @@ DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net
             }
         }
     }
-    largest_pp_ = largest(pp_);
-    largest_pw_ = std::max({largest(pw_[0]), largest(pw_[1]), largest(pw_[2])});
     largest_ww_ = largest(ww_);
 }
 
@@ -95,11 +96,19 @@ BernsteinNet DistanceForm::net(const Vec3& h, double beta) const noexcept {
     return g;
 }
 
-double DistanceForm::noise(const Vec3& h, double beta) const noexcept {
+BernsteinNet DistanceForm::terms(const Vec3& h, double beta) const noexcept {
     const Vec3 q = h - centre_;
-    const double across = std::fabs(q.x) + std::fabs(q.y) + std::fabs(q.z);
-    return 8.0 * kEpsilon *
-           (largest_pp_ + 2.0 * across * largest_pw_ + (glm::dot(q, q) + beta) * largest_ww_);
+    const double x = std::fabs(2.0 * q.x);
+    const double y = std::fabs(2.0 * q.y);
+    const double z = std::fabs(2.0 * q.z);
+    const double rest = glm::dot(q, q) + beta;
+    BernsteinNet sizes(n_, m_);
+    double* out = sizes.data();
+    for (std::size_t k = 0; k < pp_.size(); ++k) {
+        out[k] = std::fabs(pp_[k]) + x * std::fabs(pw_[0][k]) + y * std::fabs(pw_[1][k]) +
+                 z * std::fabs(pw_[2][k]) + rest * ww_[k];
+    }
+    return sizes;
 }
 
 namespace {
@@ -117,7 +126,7 @@ public:
           patch_(patch),
           h_(h),
           beta_(beta),
-          noise_(form.noise(h, beta)) {
+          even_(surface.polynomial()) {
         const double distance = std::sqrt(beta);
         const double rounding = 4.0 * kEpsilon * (surface.size() + distance);
         const double closer = std::max(distance - rounding, 0.0);
@@ -126,8 +135,14 @@ public:
 
     Verdict decide(const PatchPart& part, int& budget) noexcept {
         verdict_.lower2 = std::numeric_limits<double>::infinity();
-        push(part, 0) = form_.net(h_, beta_);
-        stack_[0].g.restrict_to(part.lo_u, part.hi_u, part.lo_v, part.hi_v);
+        Piece& whole = push(part, 0);
+        whole.g = form_.net(h_, beta_);
+        whole.g.restrict_to(part.lo_u, part.hi_u, part.lo_v, part.hi_v);
+        whole.terms = form_.terms(h_, beta_);
+        if (!even_) {  // where W is small, so is the rounding
+            whole.terms.restrict_to(part.lo_u, part.hi_u, part.lo_v, part.hi_v);
+        }
+        whole.noise = kNoise * whole.terms.highest();
         while (top_ > 0 && !verdict_.closer) {
             if (--budget < 0) {
                 verdict_.proven = false;
@@ -143,13 +158,15 @@ private:
     struct Piece {
         PatchPart part{};
         int depth = 0;
+        double noise = 0.0;  ///< size of the rounding errors in g
         BernsteinNet g{0, 0};
+        BernsteinNet terms{0, 0};
     };
 
-    BernsteinNet& push(const PatchPart& part, int depth) noexcept {
+    Piece& push(const PatchPart& part, int depth) noexcept {
         stack_[top_].part = part;
         stack_[top_].depth = depth;
-        return stack_[top_++].g;
+        return stack_[top_++];
     }
 
     void lower(double distance2) noexcept {
@@ -167,7 +184,7 @@ private:
 
     void look(Piece& piece) noexcept {
         const BernsteinNet::Lowest low = piece.g.lowest();
-        if (low.value >= -noise_) {
+        if (low.value >= -piece.noise) {
             lower(beta_ + std::max(low.value, 0.0) / form_.largest_ww());
             --top_;
             return;
@@ -180,13 +197,15 @@ private:
         if (offer(place, glm::dot(r, r))) {
             return;
         }
-        if (piece.g.convex(noise_)) {
+        if (piece.g.convex(piece.noise)) {
             const SurfaceFoot foot = descend_within(surface_, h_, place, part);
-            if (!offer(foot.place, foot.distance2)) {
-                lower(foot.distance2);  // g is a bowl: its one bottom is the lowest distance
-                --top_;
+            if (offer(foot.place, foot.distance2)) {
+                return;
             }
-            return;
+            if (is_bottom(foot, part)) {
+                --top_;
+                return;
+            }
         }
         if (piece.depth >= kMaxDepth) {
             lower(beta_);  // below rounding, and its lowest corner was looked at
@@ -196,21 +215,44 @@ private:
         halve(piece);
     }
 
+    /// In a bowl: is the foot the lowest point of the part, to rounding? A bowl lies above its tangent
+    /// plane, whose slope is that of the distance where W does not vary or g is 0.
+    bool is_bottom(const SurfaceFoot& foot, const PatchPart& part) noexcept {
+        const FootSlope slope(foot.jet, foot.jet.point - h_);
+        const SurfacePlace& p = foot.place;
+        const double room_u = slope.u > 0.0 ? p.u - part.lo_u : part.hi_u - p.u;
+        const double room_v = slope.v > 0.0 ? p.v - part.lo_v : part.hi_v - p.v;
+        const double drop = 2.0 * (std::fabs(slope.u) * room_u + std::fabs(slope.v) * room_v);
+        const double distance = std::sqrt(foot.distance2);
+        if (drop > 8.0 * kEpsilon * distance * (surface_.size() + distance)) {
+            return false;
+        }
+        if (!even_ && foot.distance2 > beta_ * (1.0 + 1e-9)) {
+            return false;
+        }
+        lower(even_ ? foot.distance2 : beta_);
+        return true;
+    }
+
     /// The upper half stays, the lower half goes on top of it.
     void halve(Piece& piece) noexcept {
         PatchPart part = piece.part;
         ++piece.depth;
-        BernsteinNet& before = push(part, piece.depth);
-        PatchPart& lower_part = stack_[top_ - 1].part;
-        if (piece.g.bends_more_in_u()) {
-            const double middle = part.lo_u + 0.5 * (part.hi_u - part.lo_u);
-            piece.g.cut_u(0.5, before);
-            lower_part.hi_u = piece.part.lo_u = middle;
-        } else {
-            const double middle = part.lo_v + 0.5 * (part.hi_v - part.lo_v);
-            piece.g.cut_v(0.5, before);
-            lower_part.hi_v = piece.part.lo_v = middle;
+        Piece& before = push(part, piece.depth);
+        before.noise = piece.noise;
+        const bool in_u = piece.g.bends_more_in_u();
+        const auto cut = [in_u](BernsteinNet& net, BernsteinNet& first) {
+            in_u ? net.cut_u(0.5, first) : net.cut_v(0.5, first);
+        };
+        cut(piece.g, before.g);
+        if (!even_) {
+            cut(piece.terms, before.terms);
+            before.noise = kNoise * before.terms.highest();
+            piece.noise = kNoise * piece.terms.highest();
         }
+        double& end = in_u ? before.part.hi_u : before.part.hi_v;
+        double& begin = in_u ? piece.part.lo_u : piece.part.lo_v;
+        begin = end = begin + 0.5 * (end - begin);
     }
 
     const NurbsSurface& surface_;
@@ -218,7 +260,7 @@ private:
     SurfacePlace patch_;
     Vec3 h_;
     double beta_;
-    double noise_;
+    bool even_;                     ///< W = 1
     double clearly_closer2_ = 0.0;  ///< beta, less the rounding of a point of the surface
     std::size_t top_ = 0;
     Verdict verdict_{};

@@ -35,8 +35,8 @@ public:
 
     /// g of the whole patch.
     [[nodiscard]] BernsteinNet net(const Vec3& h, double beta) const noexcept;
-    /// Size of the rounding errors in g, in units of g.
-    [[nodiscard]] double noise(const Vec3& h, double beta) const noexcept;
+    /// Sum of the sizes of the terms of each coefficient of g: what its rounding is relative to.
+    [[nodiscard]] BernsteinNet terms(const Vec3& h, double beta) const noexcept;
 
 private:
     std::size_t n_;
@@ -45,8 +45,6 @@ private:
     std::vector<double> pp_;
     std::array<std::vector<double>, 3> pw_;
     std::vector<double> ww_;
-    double largest_pp_ = 0.0;
-    double largest_pw_ = 0.0;
     double largest_ww_ = 0.0;
 };
 

@@ -47,22 +47,6 @@ Bernstein component(const std::vector<Vec<D>>& values, int k) {
     return one;
 }
 
-Bernstein magnitudes(Bernstein f) {
-    for (double& c : f) {
-        c = std::fabs(c);
-    }
-    return f;
-}
-
-/// Of the terms of a derivative's coefficients, for f >= 0.
-Bernstein derivative_size(const Bernstein& f) {
-    Bernstein size(f.size() - 1);
-    for (std::size_t i = 0; i < size.size(); ++i) {
-        size[i] = static_cast<double>(f.size() - 1) * (f[i + 1] + f[i]);
-    }
-    return size;
-}
-
 /// a and b of f over the whole span: with W of degree p, W^2 C' = P' W - P W' =: N, and
 /// f = (P - h W) . N. For a polynomial W = 1 and N = P'.
 template <int D>

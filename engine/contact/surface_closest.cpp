@@ -97,6 +97,9 @@ SurfaceClosest SurfaceFeet::closest(const Vec3& hip) const noexcept {
 
 SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip) const noexcept {
     const Vec3 h = hip - surface_->origin();
+    if (!(glm::dot(h, h) < 1e300)) {  // also NaN: nothing to look for, and nothing to remember
+        return {.distance = std::numeric_limits<double>::infinity(), .proven = false};
+    }
     if (!track.certified || !track.started) {
         return search(track, h);
     }
@@ -104,29 +107,29 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip) const no
     if (moved > track.slack) {
         return search(track, h);
     }
-    Vec3 point{};
-    if (!follow(track, h, point)) {
+    Moved foot_now;
+    if (!follow(track, h, foot_now)) {
         const SurfaceFoot foot = descend(*surface_, h, track.place);
         track.place = foot.place;
         track.jet = foot.jet;
-        point = foot.jet.point;
+        foot_now = {foot.place, foot.jet.point};
         if (!at_rest(track, h)) {
             return search(track, h);
         }
     }
-    const double distance = glm::length(point - h);
+    const double distance = glm::length(foot_now.point - h);
     const double rounding = 1e-15 * (surface_->size() + distance);
     if (distance > track.distance + moved + rounding || distance + moved > track.other ||
-        !in_window(track.window, track.place)) {
+        !in_window(track.window, foot_now.place)) {
         return search(track, h);
     }
     ++track.certified_calls;
-    return answer(track, h, point);
+    return answer(track, h, foot_now);
 }
 
 /// Newton's step from the last jet, then from new ones until a step is so small that the second order
 /// of Taylor's series is exact to rounding. False at an edge of the patch, or where there is no bowl.
-bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Vec3& moved) const noexcept {
+bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Moved& moved) const noexcept {
     for (int i = 0; i < 6; ++i) {
         const SurfaceJet& j = track.jet;
         const FootSlope g(j, j.point - h);
@@ -142,8 +145,11 @@ bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Vec3& moved) const 
             return false;
         }
         if (std::fabs(du) + std::fabs(dv) <= 1e-7) {
-            moved = j.point + (du * (j.du + (0.5 * du) * j.duu + dv * j.duv) +
-                               dv * (j.dv + (0.5 * dv) * j.dvv));
+            moved.place = track.place;
+            moved.place.u = u;
+            moved.place.v = v;
+            moved.point = j.point + (du * (j.du + (0.5 * du) * j.duu + dv * j.duv) +
+                                     dv * (j.dv + (0.5 * dv) * j.dvv));
             return true;
         }
         track.place.u = u;
@@ -155,30 +161,16 @@ bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Vec3& moved) const 
 
 SurfaceClosest SurfaceFeet::answer(const SurfaceTrack& track,
                                    const Vec3& h,
-                                   const Vec3& moved) const noexcept {
-    const SurfaceJet& j = track.jet;
-    const Vec3 r = moved - h;
+                                   const Moved& moved) const noexcept {
+    const Vec3 r = moved.point - h;
     SurfaceClosest result;
-    result.place = track.place;
-    const Vec3 shift = moved - j.point;
-    if (shift != Vec3{}) {  // back from the point to its parameters: first order of 1e-7
-        const double e = glm::dot(j.du, j.du);
-        const double f = glm::dot(j.du, j.dv);
-        const double k = glm::dot(j.dv, j.dv);
-        const double a = glm::dot(shift, j.du);
-        const double b = glm::dot(shift, j.dv);
-        const double det = e * k - f * f;
-        if (det > 0.0) {
-            result.place.u = std::clamp(track.place.u + (k * a - f * b) / det, 0.0, 1.0);
-            result.place.v = std::clamp(track.place.v + (e * b - f * a) / det, 0.0, 1.0);
-        }
-    }
+    result.place = moved.place;
     result.u = surface_->u_of(result.place);
     result.v = surface_->v_of(result.place);
-    result.point = moved + surface_->origin();
+    result.point = moved.point + surface_->origin();
     result.distance = glm::length(r);
     // Beyond an open border the pull has a part along the surface.
-    const Vec3 normal = surface_->normal_at(track.place, j);
+    const Vec3 normal = surface_->normal_at(track.place, track.jet);
     const double above = -glm::dot(r, normal);
     const Vec3 along = r + above * normal;
     const bool beyond = glm::length(along) > 1e-6 * result.distance + 1e-14 * surface_->size();

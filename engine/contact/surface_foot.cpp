@@ -7,7 +7,8 @@
 namespace palpate::engine {
 namespace {
 
-constexpr int kMaxSteps = 100;
+/// Narrow bent valleys (weights of 1e3) are followed in many short steps; 3 are usual.
+constexpr int kMaxSteps = 400;
 constexpr int kMaxHalvings = 40;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
@@ -84,9 +85,31 @@ private:
         }
         if (g.bowl()) {
             const double det = g.uu * g.vv - g.uv * g.uv;
-            return {(g.uv * g.v - g.vv * g.u) / det, (g.uv * g.u - g.uu * g.v) / det, true};
+            return within(g,
+                          {(g.uv * g.v - g.vv * g.u) / det, (g.uv * g.u - g.uu * g.v) / det, true});
         }
         return out_of_saddle(g);
+    }
+
+    /// Where a bowl's lowest point lies over a bound: the lowest point on that bound. Cutting the step
+    /// short instead would creep along a narrow valley.
+    Step within(const FootSlope& g, Step d) const noexcept {
+        const SurfacePlace& p = foot_.place;
+        const bool at_bound = p.u <= part_.lo_u || p.u >= part_.hi_u || p.v <= part_.lo_v ||
+                              p.v >= part_.hi_v;  // then step() decides what is held
+        const double u = std::clamp(p.u + d.u, part_.lo_u, part_.hi_u) - p.u;
+        const double v = std::clamp(p.v + d.v, part_.lo_v, part_.hi_v) - p.v;
+        if (at_bound || (std::fabs(u) >= std::fabs(d.u) && std::fabs(v) >= std::fabs(d.v))) {
+            return d;
+        }
+        if (std::fabs(u) < std::fabs(d.u)) {
+            const double best = -(g.v + g.uv * u) / g.vv;
+            d = {u, std::clamp(p.v + best, part_.lo_v, part_.hi_v) - p.v, true};
+        } else {
+            const double best = -(g.u + g.uv * v) / g.uu;
+            d = {std::clamp(p.u + best, part_.lo_u, part_.hi_u) - p.u, v, true};
+        }
+        return d;
     }
 
     /// Newton's step with the sign of both eigenvalues made positive, which always leads downhill. In
@@ -149,15 +172,28 @@ private:
         return step != 0.0 && std::fabs(step) > std::fabs(room) ? room / step : 1.0;
     }
 
+    /// Newton's steps that do not halve any more, twice: the bottom, to rounding.
+    bool stalled(bool settling, double length) noexcept {
+        stalls_ = settling && length > 0.5 * last_ ? stalls_ + 1 : 0;
+        return stalls_ >= 2;
+    }
+
+    /// After steps a and b the next one is b^3 / a^2 long, if they converge quadratically as they
+    /// should: no need to see it when it is below rounding.
+    [[nodiscard]] bool bottom_after(double length) const noexcept {
+        return last_ < 1e-2 * surface_.size() && length < 1e-2 * last_ &&
+               length * length * length < 1e-18 * surface_.size() * last_ * last_;
+    }
+
     bool advance(const Step& d) noexcept {
         const double full = std::min(share(foot_.place.u, d.u, part_.lo_u, part_.hi_u),
                                      share(foot_.place.v, d.v, part_.lo_v, part_.hi_v));
         const double length = glm::length(d.u * foot_.jet.du + d.v * foot_.jet.dv);
         const bool settling = d.newton && length <= 1e-6 * surface_.size();
-        if (!(std::fabs(d.u) + std::fabs(d.v) > 0.25 * kEpsilon) ||
-            (settling && length > 0.25 * last_)) {
+        if (!(std::fabs(d.u) + std::fabs(d.v) > 0.25 * kEpsilon) || stalled(settling, length)) {
             return false;  // below the last bit, or no longer shrinking: rounding
         }
+        const double rounding = 8.0 * kEpsilon * surface_.size() * std::sqrt(foot_.distance2);
         double t = full;
         for (int i = 0; i < kMaxHalvings; ++i) {
             SurfaceFoot next = foot_;
@@ -167,11 +203,14 @@ private:
                 return false;
             }
             look(next);
-            if (next.distance2 < foot_.distance2 || (settling && i == 0)) {
+            if (next.distance2 < foot_.distance2 ||
+                (settling && i == 0 && next.distance2 <= foot_.distance2 + rounding)) {
                 foot_ = next;
-                last_ = settling && t == 1.0 ? length : std::numeric_limits<double>::infinity();
                 hops_ = 0;
-                return true;
+                const bool whole = d.newton && t == 1.0;
+                const bool done = whole && settling && bottom_after(length);
+                last_ = whole ? length : std::numeric_limits<double>::infinity();
+                return !done;
             }
             t *= 0.5;
         }
@@ -192,6 +231,7 @@ private:
     bool cross_;
     SurfaceFoot foot_{};
     int hops_ = 0;
+    int stalls_ = 0;
     double last_ = std::numeric_limits<double>::infinity();
 };
 

@@ -11,13 +11,15 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A window reaches at most so many leaves from the foot's leaf to each side.
-constexpr std::uint32_t kMaxReach = 3;
+constexpr std::uint32_t kMaxReach = 2;
 
 /// Strips that would leave HIP less slack than this are not added, m: four ticks of a fast hand.
 constexpr double kWantedSlack = 8e-4;
 
-/// Pieces that one search may look at: some milliseconds at worst, reported as not proven.
+/// Pieces that one search, and one leaf of it, may look at: some milliseconds at worst, reported as
+/// not proven. Only patches that are a line or a point, with different weights, are known to need it.
 constexpr int kBudget = 20000;
+constexpr int kLeafBudget = 1000;
 constexpr int kMaxRestarts = 64;
 
 }  // namespace
@@ -143,7 +145,12 @@ Verdict SurfaceFeet::look_at(std::uint32_t leaf,
     const double side = 1.0 / per_side_;
     const PatchPart part{side * (a % per_side_), side * (a % per_side_ + 1), side * (b % per_side_),
                          side * (b % per_side_ + 1)};
-    return any_closer(*surface_, forms_[i * surface_->columns() + j], i, j, part, h, d2, budget);
+    int share = std::min(budget, kLeafBudget);
+    budget -= share;
+    const Verdict verdict =
+        any_closer(*surface_, forms_[i * surface_->columns() + j], i, j, part, h, d2, share);
+    budget += std::max(share, 0);
+    return verdict;
 }
 
 /// Everything outside of the window, nearest boxes first: something closer than d2, or the lower bound
@@ -216,7 +223,7 @@ SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h) const noe
     track.distance = std::sqrt(foot.distance2);
     track.other = std::sqrt(rest.lower2) * (1.0 - 1e-14);
     track.certified = track.window.high_u > track.window.low_u && !rest.closer && rest.proven;
-    SurfaceClosest result = answer(track, h, foot.jet.point);
+    SurfaceClosest result = answer(track, h, {foot.place, foot.jet.point});
     result.proven = rest.proven && !rest.closer;
     return result;
 }

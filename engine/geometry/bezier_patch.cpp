@@ -109,6 +109,83 @@ inline SurfaceJet divide(const HomogeneousJet& h) noexcept {
     return jet;
 }
 
+/// Bernstein polynomials of degree 3, 2 and 1 at u, the lower ones times 3 and 6: applied to control
+/// points, their first and their second differences they give value and derivatives. The same convex
+/// combinations as corner cutting, but side by side instead of one after the other.
+struct CubicBasis {
+    std::array<double, 4> value;
+    std::array<double, 3> first;
+    std::array<double, 2> second;
+
+    explicit CubicBasis(double u) noexcept {
+        const double v = 1.0 - u;
+        const double uu = u * u;
+        const double vv = v * v;
+        const double uv = u * v;
+        value = {vv * v, 3.0 * (uv * v), 3.0 * (uv * u), uu * u};
+        first = {3.0 * vv, 6.0 * uv, 3.0 * uu};
+        second = {6.0 * v, 6.0 * u};
+    }
+};
+
+inline Quad blend(const std::array<double, 4>& b, const Quad* c, std::size_t step) noexcept {
+    return (b[0] * c[0] + b[1] * c[step]) + (b[2] * c[2 * step] + b[3] * c[3 * step]);
+}
+inline Quad blend(const std::array<double, 3>& b, const Quad* c, std::size_t step) noexcept {
+    return (b[0] * c[0] + b[1] * c[step]) + b[2] * c[2 * step];
+}
+inline Quad blend(const std::array<double, 2>& b, const Quad* c, std::size_t step) noexcept {
+    return b[0] * c[0] + b[1] * c[step];
+}
+
+/// First and second differences of n + 1 values.
+template <std::size_t N>
+inline std::array<Quad, N> differences(const std::array<Quad, N + 1>& c) noexcept {
+    std::array<Quad, N> d;
+    for (std::size_t k = 0; k < N; ++k) {
+        d[k] = c[k + 1] - c[k];
+    }
+    return d;
+}
+
+/// `net`: 4 x 4 control values, then 3 x 4 first and 2 x 4 second differences along u.
+inline HomogeneousJet bicubic(const Quad* net, double u, double v) noexcept {
+    const CubicBasis bu(u);
+    const CubicBasis bv(v);
+    std::array<Quad, 4> value;
+    std::array<Quad, 4> first;
+    std::array<Quad, 4> second;
+    for (std::size_t j = 0; j < 4; ++j) {
+        value[j] = blend(bu.value, net + j, 4);
+        first[j] = blend(bu.first, net + 16 + j, 4);
+        second[j] = blend(bu.second, net + 28 + j, 4);
+    }
+    const std::array<Quad, 3> value_v = differences<3>(value);
+    const std::array<Quad, 3> first_v = differences<3>(first);
+    const std::array<Quad, 2> value_vv = differences<2>(value_v);
+    HomogeneousJet jet;
+    jet.v.value = blend(bv.value, value.data(), 1);
+    jet.v.first = blend(bv.first, value_v.data(), 1);
+    jet.v.second = blend(bv.second, value_vv.data(), 1);
+    jet.u.value = jet.v.value;
+    jet.u.first = blend(bv.value, first.data(), 1);
+    jet.u.second = blend(bv.value, second.data(), 1);
+    jet.mixed = blend(bv.first, first_v.data(), 1);
+    return jet;
+}
+
+/// The net of a bicubic patch with its differences along u.
+std::vector<Quad> with_differences(const std::vector<Quad>& net) {
+    std::vector<Quad> all = net;
+    for (std::size_t from : {std::size_t{0}, std::size_t{16}}) {
+        const std::size_t rows = from == 0 ? 3 : 2;
+        for (std::size_t k = 0; k < 4 * rows; ++k) {
+            all.push_back(all[from + k + 4] - all[from + k]);
+        }
+    }
+    return all;
+}
+
 /// Value, slope and half the second derivative of c0 + c1 u + c2 u^2 + c3 u^3: Horner's scheme three
 /// times over, sharing c3 u.
 inline Line horner(
@@ -178,6 +255,9 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
         method_ = degree_u == 3 && degree_v == 3 ? Method::bicubic
                 : degree_u == 2 && degree_v == 2 ? Method::biquadratic
                                                  : Method::any;
+        if (method_ == Method::bicubic) {
+            prepared_ = with_differences(net_);
+        }
         return;
     }
     method_ = Method::powers;
@@ -189,12 +269,12 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
         }
         rows[static_cast<std::size_t>(i)] = powers(line, degree_v);
     }
-    power_.resize(16);
+    prepared_.resize(16);
     for (std::size_t j = 0; j < 4; ++j) {
         const std::array<Quad, 4> column =
             powers({rows[0][j], rows[1][j], rows[2][j], rows[3][j]}, degree_u);
         for (std::size_t i = 0; i < 4; ++i) {
-            power_[4 * i + j] = column[i];
+            prepared_[4 * i + j] = column[i];
         }
     }
 }
@@ -202,9 +282,9 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
 SurfaceJet BezierPatch::at(double u, double v) const noexcept {
     switch (method_) {
         case Method::powers:
-            return by_powers(power_.data(), u, v);
+            return by_powers(prepared_.data(), u, v);
         case Method::bicubic:
-            return divide(cut_net(net_.data(), Degree<3>{}, Degree<3>{}, u, v));
+            return divide(bicubic(prepared_.data(), u, v));
         case Method::biquadratic:
             return divide(cut_net(net_.data(), Degree<2>{}, Degree<2>{}, u, v));
         default:

@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
+#include "engine/geometry/quad.hpp"
 #include "engine/geometry/rational_bezier.hpp"
 #include "engine/geometry/surface_jet.hpp"
-#include "engine/math/quad.hpp"
 
 namespace palpate::engine {
 
@@ -15,8 +15,8 @@ namespace palpate::engine {
 ///     S(u, v) = sum B_i(u) B_j(v) w_ij P_ij / sum B_i(u) B_j(v) w_ij     The NURBS Book, eq. 4.11
 ///
 /// A polynomial of degree up to 3 x 3 is evaluated from powers of u and v (error below 1e-15 of the
-/// size); everything else by de Casteljau's corner cutting in homogeneous coordinates (below 1e-15
-/// for weights of 1e-3 to 1e3).
+/// size); everything else in homogeneous coordinates by convex combinations, de Casteljau's corner
+/// cutting or Bernstein polynomials (below 1e-15 for weights of 1e-3 to 1e3).
 class BezierPatch {
 public:
     /// @param net         w_ij (P_ij, 1), place i (degree_v + 1) + j; (degree_u + 1)(degree_v + 1) of
@@ -47,7 +47,8 @@ private:
     bool polynomial_ = false;
     Method method_ = Method::any;
     std::vector<Quad> net_;
-    std::vector<Quad> power_;  ///< coefficients of u^i v^j at 4 i + j, for Method::powers
+    std::vector<Quad> prepared_;  ///< powers: coefficients of u^i v^j at 4 i + j; bicubic: the net
+                                  ///< and its differences along u
 };
 
 }  // namespace palpate::engine

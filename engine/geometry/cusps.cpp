@@ -55,30 +55,14 @@ struct Hodograph {
     Component y;
 };
 
-/// |f'| of coefficients that are magnitudes: sums where the derivative has differences.
-Bernstein magnitude_of_derivative(const Bernstein& f) {
-    Bernstein sums(f.size() - 1);
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-        sums[i] = static_cast<double>(sums.size()) * (f[i + 1] + f[i]);
-    }
-    return sums;
-}
-
-Bernstein magnitudes(Bernstein f) {
-    for (double& v : f) {
-        v = std::fabs(v);
-    }
-    return f;
-}
-
 Component component(const Bernstein& p, const Bernstein& w, bool polynomial) {
     const Bernstein size = magnitudes(p);
     Component c;
     if (polynomial) {
-        c = {derivative(p), magnitude_of_derivative(size)};
+        c = {derivative(p), derivative_size(size)};
     } else {
-        c = {wronskian(p, w), sum(product(magnitude_of_derivative(size), w),
-                                  product(size, magnitude_of_derivative(w)))};
+        c = {wronskian(p, w), sum(product(derivative_size(size), w),
+                                  product(size, derivative_size(w)))};
     }
     for (double& v : c.noise) {
         v *= kNoise;

@@ -52,6 +52,21 @@ Bernstein wronskian(const Bernstein& a, const Bernstein& b) {
     return left;
 }
 
+Bernstein magnitudes(Bernstein f) noexcept {
+    for (double& c : f) {
+        c = std::fabs(c);
+    }
+    return f;
+}
+
+Bernstein derivative_size(const Bernstein& f) {
+    Bernstein size(f.size() - 1);
+    for (std::size_t i = 0; i < size.size(); ++i) {
+        size[i] = static_cast<double>(f.size() - 1) * (f[i + 1] + f[i]);
+    }
+    return size;
+}
+
 double largest_magnitude(const Bernstein& f) noexcept {
     double most = 0.0;
     for (const double v : f) {

@@ -19,6 +19,13 @@ using Bernstein = std::vector<double>;
 /// a' b - a b'.
 [[nodiscard]] Bernstein wronskian(const Bernstein& a, const Bernstein& b);
 
+/// |f_i|.
+[[nodiscard]] Bernstein magnitudes(Bernstein f) noexcept;
+
+/// Of the terms of a derivative's coefficients, for magnitudes f: sums where the derivative has
+/// differences. Rounding is relative to these.
+[[nodiscard]] Bernstein derivative_size(const Bernstein& f);
+
 /// Largest |coefficient|: no value on [0, 1] is larger.
 [[nodiscard]] double largest_magnitude(const Bernstein& f) noexcept;
 

@@ -3,53 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 namespace palpate::engine {
 namespace {
-
-/// mu counts as relaxed once theta is below this: 1e-3 of mu_s - mu_d is 0.2 mN at 1 N.
-constexpr double kRelaxed = 1e-3;
-
-/// Share of the clearance that may be used up before the next look; the rest is for rounding.
-constexpr double kClearShare = 1.0 - 1e-12;
 
 /// An arc between two feet of one monotone window is no longer than this times its chord.
 constexpr double kChordToArc = 1.6;
 
 /// A frictionless GO that moves less than this in u rests: rounding.
 constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
-
-void require(bool ok, const char* what, double value, const char* remedy) {
-    if (!ok) {
-        throw std::invalid_argument(std::string(what) + " is " + std::to_string(value) + ": " +
-                                    remedy);
-    }
-}
-
-const SceneSpec& checked(const SceneSpec& spec) {
-    const auto finite_from_zero = [](double v) {
-        return std::isfinite(v) && v >= 0.0;
-    };
-    require(std::isfinite(spec.stiffness) && spec.stiffness > 0.0, "stiffness", spec.stiffness,
-            "give N/m above 0");
-    require(finite_from_zero(spec.damping), "damping", spec.damping, "give N s/m, 0 for none");
-    require(std::isfinite(spec.period) && spec.period > 0.0, "tick period", spec.period,
-            "give seconds above 0");
-    require(finite_from_zero(spec.friction.mu_d), "mu_d", spec.friction.mu_d, "give 0 or more");
-    require(std::isfinite(spec.friction.mu_s) && spec.friction.mu_s >= spec.friction.mu_d, "mu_s",
-            spec.friction.mu_s, "give a finite value not below mu_d");
-    require(finite_from_zero(spec.friction.tau_slip), "tau_slip", spec.friction.tau_slip,
-            "give seconds, 0 for a sharp drop");
-    require(finite_from_zero(spec.friction.tau_heal), "tau_heal", spec.friction.tau_heal,
-            "give seconds, 0 for healing at once");
-    require(finite_from_zero(spec.slew.speed), "vertex slew", spec.slew.speed,
-            "give m/s, 0 for none");
-    require(spec.slew.none() || (std::isfinite(spec.slew.radius) && spec.slew.radius > 0.0),
-            "vertex radius", spec.slew.radius, "give m above 0 when there is a vertex slew");
-    return spec;
-}
 
 }  // namespace
 
@@ -86,7 +48,10 @@ Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept 
     state.clear_from = state.last_hip;
     const double clear = cp.inside || spec_.look == Look::always ? 0.0 : cp.distance * kClearShare;
     state.clear2 = clear * clear;
-    return {.cp = cp, .place = cp.place, .go = cp.point};
+    state.away = {.cp = cp, .place = cp.place, .go = cp.point, .skipped = true};
+    Contact contact = state.away;
+    contact.skipped = false;
+    return contact;
 }
 
 ClosestPoint Scene::look(ContactState& state, const Vec2& hip) const noexcept {

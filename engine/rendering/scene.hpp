@@ -5,48 +5,16 @@
 
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/friction/god_object.hpp"
-#include "engine/friction/stribeck.hpp"
 #include "engine/rendering/mode.hpp"
+#include "engine/rendering/scene_spec.hpp"
 
 namespace palpate::engine {
-
-/// When the closest point is looked for beyond what the force needs.
-enum class Look : std::uint8_t {
-    needed,    ///< never: in contact with friction it is the last one found
-    touching,  ///< on every tick in contact: what a trial records
-    always,    ///< out of reach too: for drawing and offline tools
-};
-
-/// What is to be felt, as chosen by an experimenter. SI.
-struct SceneSpec {
-    double stiffness = 1000.0;  ///< K, N/m, > 0: the spring of the virtual coupling
-    double damping = 0.0;   ///< B, N s/m, >= 0: its damper; the device must then give b > K T/2 + B
-    double period = 0.001;  ///< T, s, > 0
-    Friction friction{};
-    Slew slew{};
-    Look look = Look::touching;
-};
 
 /// How often the tick did less than everything, since the state was made.
 struct TickCounts {
     std::uint64_t skipped = 0;  ///< out of reach: a comparison
     std::uint64_t shared = 0;   ///< closest point and GO were the same, found once
     TrackCounts track{};        ///< closest points by certificate, and by search
-};
-
-/// What lives on from tick to tick. A plain value: copying it copies the contact.
-struct ContactState {
-    bool touching = false;
-    bool started = false;  ///< a first HIP was seen
-    GodObject go{};
-    double theta = 1.0;   ///< Stribeck state: 1 static, 0 dynamic
-    Vec2 last_hip{};      ///< m
-    Vec2 last_spring{};   ///< GO - HIP of the tick before, m, zero out of contact
-    Vec2 clear_from{};    ///< HIP of the last look, m
-    double clear2 = 0.0;  ///< squared distance it may move before it could touch, m^2
-    ClosestPoint last_cp{};
-    TrackState track{};
-    TickCounts counts{};
 };
 
 /// One tick's answer. Frame: the object's; the force is the one on the user.
@@ -63,6 +31,22 @@ struct Contact {
     bool slewed = false;            ///< the vertex slew held the GO back in this tick
     bool refused = false;           ///< HIP was not finite: force zero, contact ended
     bool skipped = false;           ///< out of reach: nothing was computed
+};
+
+/// What lives on from tick to tick. A plain value: copying it copies the contact.
+struct ContactState {
+    bool touching = false;
+    bool started = false;  ///< a first HIP was seen
+    GodObject go{};
+    double theta = 1.0;   ///< Stribeck state: 1 static, 0 dynamic
+    Vec2 last_hip{};      ///< m
+    Vec2 last_spring{};   ///< GO - HIP of the tick before, m, zero out of contact
+    Vec2 clear_from{};    ///< HIP of the last look, m
+    double clear2 = 0.0;  ///< squared distance it may move before it could touch, m^2
+    ClosestPoint last_cp{};
+    Contact away{};  ///< the answer of every tick out of reach, made at the last look
+    TrackState track{};
+    TickCounts counts{};
 };
 
 /// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of reach
@@ -82,7 +66,9 @@ public:
     [[nodiscard]] Contact tick(ContactState& state, const Vec2& hip) const noexcept {
         const Vec2 moved = hip - state.clear_from;
         if (glm::dot(moved, moved) < state.clear2) {
-            return out_of_reach(state, hip);
+            state.last_hip = hip;
+            ++state.counts.skipped;
+            return state.away;
         }
         return (this->*step_)(state, hip);
     }
@@ -98,16 +84,6 @@ public:
 private:
     using Step = Contact (Scene::*)(ContactState&, const Vec2&) const noexcept;
 
-    static Contact out_of_reach(ContactState& state, const Vec2& hip) noexcept {
-        state.last_hip = hip;
-        ++state.counts.skipped;
-        Contact contact;
-        contact.cp = state.last_cp;
-        contact.place = state.last_cp.place;
-        contact.go = state.last_cp.point;
-        contact.skipped = true;
-        return contact;
-    }
     template <bool HasFriction, bool HasSlew, bool HasDamper>
     Contact step(ContactState& state, const Vec2& hip) const noexcept;
     [[nodiscard]] bool follow_foot(ContactState& state,

@@ -150,6 +150,9 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
         problems.add(
             at, "the scene mixes plane curves, curves in space and a surface: keep one of them");
     }
+    if (!scene.surfaces.empty() && scene.renderer.damping > 0.0) {
+        problems.add(at, "damping_n_s_per_m is for plane curves: on a [surface] leave it out");
+    }
     if (!scene.surfaces.empty() &&
         (!scene.renderer.certified || scene.friction.law == Law::thesis_literal ||
          scene.friction.law == Law::thesis_latched)) {

@@ -35,7 +35,10 @@ struct TrialSummary {
     double path_length_m = 0.0;        ///< of HIP
     double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
     double max_normal_force_n = 0.0;
-    double energy_j = 0.0;                  ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    double energy_j = 0.0;  ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    std::int64_t contact_episodes = 0;
+    double worst_episode_j =
+        0.0;  ///< largest engine::EnergyLedger balance of an episode, <= 0: passive
     std::optional<double> first_contact_s;  ///< since the first tick
 };
 

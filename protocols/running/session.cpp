@@ -46,7 +46,7 @@ public:
         const engine::Scene scene = make_scene(protocol_, planned.condition);
         const TrialId id = ports_.recorder.begin_trial(
             planned, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
-        meter_ = TrialMeter{};
+        meter_ = TrialMeter(protocol_.apparatus.stiffness);
         TrialResult result;
         {
             Felt felt(ports_.apparatus, scene, planned);
@@ -147,7 +147,7 @@ private:
     const Plan& plan_;
     Ports& ports_;
     std::vector<Picture> pictures_;
-    TrialMeter meter_{};
+    TrialMeter meter_{1.0};
     std::int64_t dropped_ = 0;  ///< ticks lost so far in this run
     std::array<engine::TickRecord, 256> buffer_{};
 };

@@ -12,6 +12,7 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
             sum_.energy_j += glm::dot(last_force_, step);
         }
         started_ = true;
+        ledger_.add(tick.hip, tick.force, tick.mode != engine::Mode::free);
         last_hip_ = tick.hip;
         last_force_ = tick.force;
         ++sum_.ticks;
@@ -31,6 +32,8 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
 
 TrialSummary TrialMeter::summary() const {
     TrialSummary summary = sum_;
+    summary.contact_episodes = ledger_.episodes();
+    summary.worst_episode_j = ledger_.worst();
     if (sum_.contact_ticks > 0) {
         summary.mean_normal_force_n = force_sum_ / static_cast<double>(sum_.contact_ticks);
     }

@@ -2,6 +2,7 @@
 
 #include <span>
 
+#include "engine/rendering/energy_ledger.hpp"
 #include "protocols/running/recorder.hpp"
 
 namespace palpate::protocols {
@@ -9,11 +10,14 @@ namespace palpate::protocols {
 /// Adds up a trial's ticks while they come.
 class TrialMeter {
 public:
+    /// @param stiffness  K of the contact, N/m
+    explicit TrialMeter(double stiffness) : ledger_(stiffness) {}
     void add(std::span<const engine::TickRecord> ticks);
     [[nodiscard]] TrialSummary summary() const;
 
 private:
     TrialSummary sum_{};
+    engine::EnergyLedger<2> ledger_;
     double force_sum_ = 0.0;  ///< N, over contact ticks
     bool started_ = false;
     engine::Vec2 last_hip_{};

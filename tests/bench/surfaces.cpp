@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "engine/rendering/surface_scene.hpp"
 #include "tests/support/random.hpp"
 
 namespace palpate::bench {
@@ -172,6 +173,73 @@ Surface hills(const std::string& name, bool rational) {
     return surface;
 }
 
+std::shared_ptr<const engine::NurbsSurface> nurbs_of(const Surface& surface) {
+    std::vector<std::vector<Vec3>> points(surface.columns);
+    std::vector<std::vector<double>> weights(surface.columns);
+    for (std::size_t i = 0; i < surface.columns; ++i) {
+        for (std::size_t j = 0; j < surface.rows; ++j) {
+            points[i].push_back(surface.points[j * surface.columns + i]);
+            weights[i].push_back(surface.weights[j * surface.columns + i]);
+        }
+    }
+    return std::make_shared<const engine::NurbsSurface>(
+        kSurfaceDegree, kSurfaceDegree, surface.knots_u, surface.knots_v, points, weights);
+}
+
+/// S and its five derivatives, each evaluation waiting for the one before.
+struct SurfaceEvaluation {
+    std::shared_ptr<const engine::NurbsSurface> surface;
+    engine::SurfacePlace at{.i = 0, .j = 0, .u = 0.4, .v = 0.6};
+
+    void reset(const Vec3& /*first*/) {}
+    Answer<3> answer(const Vec3& /*hip*/) {
+        const engine::SurfaceJet jet = surface->local_jet(at);
+        keep(jet);
+        at.u = 0.4 + 1e-30 * jet.point.x;
+        return {jet.point, at.u};
+    }
+};
+
+struct CertifiedSurface {
+    std::shared_ptr<const engine::SurfaceFeet> feet;
+    engine::SurfaceTrack track{};
+
+    void reset(const Vec3& /*first*/) { track = {}; }
+    Answer<3> answer(const Vec3& hip) {
+        const engine::SurfaceClosest found = feet->track(track, hip);
+        return {found.point, found.distance};
+    }
+};
+
+struct GlobalSurface {
+    std::shared_ptr<const engine::SurfaceFeet> feet;
+
+    void reset(const Vec3& /*first*/) {}
+    Answer<3> answer(const Vec3& hip) {
+        const engine::SurfaceClosest found = feet->closest(hip);
+        return {found.point, found.distance};
+    }
+};
+
+/// A whole tick of a scene in space.
+struct SurfaceTick {
+    std::shared_ptr<const engine::SurfaceScene> scene;
+    engine::SurfaceState state{};
+
+    SurfaceTick(const std::shared_ptr<const engine::NurbsSurface>& surface,
+                const engine::Friction& friction)
+        : scene(std::make_shared<const engine::SurfaceScene>(
+              surface, engine::SceneSpec{.friction = friction})) {}
+    void reset(const Vec3& /*first*/) { state = {}; }
+    Answer<3> answer(const Vec3& hip) {
+        const engine::SurfaceContact contact = scene->tick(state, hip);
+        keep(contact.force);
+        return {contact.cp.point, contact.cp.distance};
+    }
+};
+
+constexpr engine::Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+
 }  // namespace
 
 std::vector<Surface> contact_surfaces() {
@@ -266,8 +334,16 @@ std::vector<Truth<3>> truths(const Surface& surface, const std::vector<Vec3>& pa
     return all;
 }
 
-Methods<3> own_surface_methods(const Surface& /*surface*/) {
-    return {};
+Methods<3> own_surface_methods(const Surface& surface) {
+    Methods<3> methods;
+    const auto made = nurbs_of(surface);
+    methods.push_back(make_method<3>("one evaluation", Kind::floor, SurfaceEvaluation{made}));
+    const auto feet = std::make_shared<const engine::SurfaceFeet>(made);
+    methods.push_back(make_method<3>("certified", Kind::global, CertifiedSurface{feet}));
+    methods.push_back(make_method<3>("global, cold", Kind::global, GlobalSurface{feet}));
+    methods.push_back(make_method<3>("tick, friction", Kind::floor, SurfaceTick(made, kFriction)));
+    methods.push_back(make_method<3>("tick, frictionless", Kind::floor, SurfaceTick(made, {})));
+    return methods;
 }
 
 }  // namespace palpate::bench

@@ -120,3 +120,31 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
         CHECK_THROWS_AS(database.execute(sql), data::StoreError);
     }
 }
+
+TEST_CASE("a file of an older schema is brought up to date when it is opened for writing",
+          "[store]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("old.sqlite");
+    {
+        Database database(file, Access::write);
+        database.execute(
+            "ALTER TABLE trial DROP COLUMN worst_episode_j;"
+            "ALTER TABLE trial DROP COLUMN contact_episodes; PRAGMA user_version = 1;");
+    }
+    {
+        Database database(file, Access::read);  // as it is
+        data::Statement row = database.prepare(
+            "SELECT count(*) FROM pragma_table_info('trial')"
+            " WHERE name = 'worst_episode_j'");
+        REQUIRE(row.step());
+        CHECK(row.integer(0) == 0);
+    }
+    Database database(file, Access::write);
+    data::Statement row = database.prepare(
+        "SELECT (SELECT user_version FROM pragma_user_version), count(*) FROM "
+        "pragma_table_info('trial')"
+        " WHERE name IN ('worst_episode_j', 'contact_episodes')");
+    REQUIRE(row.step());
+    CHECK(row.integer(0) == data::kSchemaVersion);
+    CHECK(row.integer(1) == 2);
+}

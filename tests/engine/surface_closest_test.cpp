@@ -1,4 +1,5 @@
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numbers>
 #include <stdexcept>
@@ -187,6 +188,47 @@ TEST_CASE("tracking over rings, folds, teleports and far away is global too",
     }
 }
 
+TEST_CASE("above a hollow, through and beyond its centres of curvature, the answer is global",
+          "[contact][surface][law]") {
+    const auto seed = GENERATE(range(0U, 6U));
+    CAPTURE(seed);
+    Random random(seed);
+    // z = (x^2 / R + y^2 / r) / 2: beyond z = R the lowest point splits into two, left and right.
+    const double big = 0.01;
+    const double small = seed % 2U == 0U ? 0.03 : 0.011;
+    const bool rational = seed % 3U == 1U;
+    SurfaceData d{
+        .degree_u = 2, .degree_v = 2, .knots_u = {0, 0, 0, 1, 1, 1}, .knots_v = {0, 0, 0, 1, 1, 1}};
+    for (int i = -1; i <= 1; ++i) {
+        d.points.emplace_back();
+        d.weights.emplace_back();
+        for (int j = -1; j <= 1; ++j) {
+            const double z_u = (i == 0 ? -1.0 : 1.0) * 0.0001 / (2.0 * big);
+            const double z_v = (j == 0 ? -1.0 : 1.0) * 0.0001 / (2.0 * small);
+            d.points.back().push_back(Vec3{0.01 * i, 0.01 * j, z_u + z_v});
+            d.weights.back().push_back(rational ? random.in(0.7, 1.4) : 1.0);
+        }
+    }
+    const SurfaceFeet feet = feet_of(d);
+    SurfaceOracle oracle(d);
+    SurfaceTrack track;
+    for (int k = 0; k < 3000; ++k) {
+        const double t = 1e-3 * k;
+        const Vec3 h{0.0007 * std::sin(9.0 * t + seed), 0.0005 * std::sin(7.0 * t),
+                     0.003 + 0.005 * t};
+        const SurfaceClosest tracked = feet.track(track, h);
+        const SurfaceClosest global = feet.closest(h);
+        CAPTURE(k, h.x, h.y, h.z);
+        REQUIRE((tracked.proven && global.proven));
+        REQUIRE(std::fabs(tracked.distance - global.distance) < 1e-16);
+        if (k % 30 == 0) {
+            const auto exact = static_cast<double>(oracle.distance(h));
+            REQUIRE(std::fabs(tracked.distance - exact) < 1e-15);
+        }
+    }
+    CHECK(track.certified_calls > 100);
+}
+
 TEST_CASE("closest points allocate nothing, and a null surface is refused", "[contact][surface]") {
     Random random(1);
     const SurfaceFeet feet = feet_of(bicubic_8x8(random, 0.7));
@@ -199,5 +241,10 @@ TEST_CASE("closest points allocate nothing, and a null surface is refused", "[co
     }
     CHECK(allocations() == before);
     CHECK(sum > 0.0);
+    SurfaceTrack kept = track;
+    const SurfaceClosest nowhere = feet.track(kept, Vec3{std::numeric_limits<double>::quiet_NaN()});
+    CHECK_FALSE(nowhere.proven);
+    const Vec3 next{0.01};
+    CHECK(std::fabs(feet.track(kept, next).distance - feet.closest(next).distance) < 1e-16);
     CHECK_THROWS_WITH(SurfaceFeet(nullptr), ContainsSubstring("give a surface"));
 }

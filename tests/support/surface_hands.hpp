@@ -17,7 +17,7 @@ inline std::vector<engine::Vec3> surface_hand(const engine::NurbsSurface& s,
                                               double speed,
                                               double spread = 0.42) {
     Random random(seed);
-    const double hz[3] = {random.in(0.1, 0.5), random.in(0.1, 0.5), random.in(0.3, 1.0)};
+    const double hz[3] = {random.in(0.1, 0.5), random.in(0.1, 0.5), random.in(0.6, 2.0)};
     const double phase[3] = {random.in(0.0, 6.0), random.in(0.0, 6.0), random.in(0.0, 6.0)};
     const double lo_u = s.knots_u().front();
     const double lo_v = s.knots_v().front();

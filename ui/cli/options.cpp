@@ -83,6 +83,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     ScreenshotOptions shots;
     RenderOptions render;
     ClosestOptions closest;
+    FigureOptions figures;
     add_demo(app, demo);
     add_run(app, run);
     add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
@@ -97,6 +98,11 @@ Options parse_command_line(int argc, const char* const* argv) {
     picture->add_option("-o,--output", shots.directory, "Folder for the pictures")
         ->capture_default_str();
     picture->add_option("--font", shots.font, "A TrueType font");
+
+    CLI::App* draw =
+        app.add_subcommand("figures", "Compute the thesis' figures: SVG pictures and CSV tables");
+    draw->add_option("-o,--output", figures.directory, "Folder for the files; made if not there")
+        ->capture_default_str();
 
     try {
         app.parse(argc, argv);
@@ -125,6 +131,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     }
     if (app.got_subcommand("closest")) {
         return closest;
+    }
+    if (app.got_subcommand("figures")) {
+        return figures;
     }
     return shots;
 }

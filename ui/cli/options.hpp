@@ -43,6 +43,10 @@ struct ScreenshotOptions {
     std::string font;
 };
 
+struct FigureOptions {
+    std::string directory = "figures";  ///< made if it is not there
+};
+
 /// The offline tools: a scene and a table of points.
 struct SceneOptions {
     std::string scene;
@@ -63,7 +67,8 @@ using Options = std::variant<Exit,
                              SummaryOptions,
                              ScreenshotOptions,
                              RenderOptions,
-                             ClosestOptions>;
+                             ClosestOptions,
+                             FigureOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
 [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);

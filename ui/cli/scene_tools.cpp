@@ -7,7 +7,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include "engine/rendering/scene.hpp"
+#include "engine/rendering/surface_scene.hpp"
 #include "engine/thesis/thesis_scene.hpp"
 
 namespace palpate::ui {
@@ -161,6 +161,37 @@ std::string render_plane(const SceneFile& file,
     return lines.take();
 }
 
+std::string render_surface(const SceneFile& file,
+                           const data::NumberTable& path,
+                           const std::vector<double>& periods) {
+    const auto surface = std::make_shared<const engine::NurbsSurface>(file.surfaces.front());
+    engine::SceneSpec spec = protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0]);
+    spec.slew = {};  // a surface has no vertices
+    engine::SurfaceScene scene(surface, spec);
+    engine::SurfaceState state;
+    Lines lines(kSpaceHead);
+    for (std::size_t i = 0; i < path.rows(); ++i) {
+        if (periods[i] != scene.spec().contact.period) {
+            scene.set_period(periods[i]);
+        }
+        const engine::SurfaceContact c =
+            scene.tick(state, {path.at(i, 1), path.at(i, 2), path.at(i, 3)});
+        lines.begin();
+        lines.add(path.at(i, 0));
+        lines.add(mode_text(c.mode));
+        lines.add(std::size_t{0});
+        lines.add(c.cp.u);
+        lines.add(c.cp.v);
+        lines.add_point<3>(c.cp.point);
+        lines.add_point<3>(c.go);
+        lines.add(c.normal_force);
+        lines.add(c.tangential_force);
+        lines.add_point<3>(c.force);
+        lines.end();
+    }
+    return lines.take();
+}
+
 engine::ThesisSpec thesis_spec(const SceneFile& file, double period) {
     const Law law = file.friction.law;
     engine::ThesisSpec spec{.stiffness = file.renderer.stiffness,
@@ -241,12 +272,33 @@ std::string closest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves,
     return lines.take();
 }
 
+std::string closest_on_surface(const engine::NurbsSurface& surface,
+                               const data::NumberTable& points) {
+    const engine::SurfaceFeet feet(std::make_shared<const engine::NurbsSurface>(surface));
+    Lines lines("segment,u,v,cp_x_m,cp_y_m,cp_z_m,distance_m");
+    for (std::size_t i = 0; i < points.rows(); ++i) {
+        const engine::SurfaceClosest cp =
+            feet.closest({points.at(i, 0), points.at(i, 1), points.at(i, 2)});
+        lines.begin();
+        lines.add(std::size_t{0});
+        lines.add(cp.u);
+        lines.add(cp.v);
+        lines.add_point<3>(cp.point);
+        lines.add(cp.distance);
+        lines.end();
+    }
+    return lines.take();
+}
+
 }  // namespace
 
 std::string render_csv(const SceneFile& scene,
                        const data::NumberTable& path,
                        const std::string& file_name) {
     const std::vector<double> periods = periods_of(path, file_name);
+    if (!scene.surfaces.empty()) {
+        return render_surface(scene, path, periods);
+    }
     if (scene.curves.empty()) {
         throw std::invalid_argument(
             "curves in space cannot be felt, only asked for the closest point: give plane curves "
@@ -258,6 +310,9 @@ std::string render_csv(const SceneFile& scene,
 }
 
 std::string closest_csv(const SceneFile& scene, const data::NumberTable& points) {
+    if (!scene.surfaces.empty()) {
+        return closest_on_surface(scene.surfaces.front(), points);
+    }
     return scene.curves.empty() ? closest_on_curves<3>(scene.space_curves, points)
                                 : closest_on_curves<2>(scene.curves, points);
 }
