@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
@@ -22,6 +23,13 @@ bool on_vertex(const Joint& vertex, const Vec2& h, const Foot<2>& foot) noexcept
     const Vec2 gap = vertex.point - h;
     return glm::dot(gap, vertex.tangent_in) <= 0.0 && glm::dot(gap, vertex.tangent_out) >= 0.0 &&
            glm::dot(gap, gap) <= foot.distance2 * (1.0 + 1e-14);
+}
+
+/// h lies past the open end of a curve, where all is outside.
+bool beyond_end(const RationalBezier<2>& span, bool at_last, const Vec2& h) noexcept {
+    const Vec2 gap = h - span.point(at_last ? static_cast<std::size_t>(span.degree()) : 0);
+    const double along = glm::dot(gap, end_tangent(span, at_last));
+    return at_last ? along >= 0.0 : along <= 0.0;
 }
 
 }  // namespace
@@ -65,7 +73,7 @@ ClosestPoint OutlineFeet::named(const Vec2& h,
         if (joint && (at_end || on_vertex(outline_->joints()[*joint], h, foot))) {
             return at_joint(*joint, h);
         }
-        if (at_end) {
+        if (at_end || (!joint && beyond_end(outline_->spans()[foot.span], forward, h))) {
             return result;
         }
     }

@@ -198,6 +198,13 @@ private:
             settle_at(s);
             return hold_outside(true);
         }
+        if (s.nu < 0.0) {  // HIP has left over the tip: its normal lies within the fan
+            const ConeState far =
+                cone(joint.point, direction_ > 0.0 ? joint.tangent_out : joint.tangent_in);
+            if (direction_ * far.tau <= 0.0) {
+                return settle_at(s);
+            }
+        }
         const double to_go = direction_ > 0.0 ? joint.turn - phi : phi;
         const double price = radius_ * to_go;
         if (price > budget_ - used_) {

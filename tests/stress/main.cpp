@@ -15,7 +15,7 @@ namespace {
 using namespace palpate::stress;
 
 constexpr const char* kUsage =
-    "palpate_stress [--seconds N] [--seed S] [--scenes N] [--out DIR]\n"
+    "palpate_stress [--seconds N] [--seed S] [--scenes N] [--mood gentle|wild] [--out DIR]\n"
     "  random scenes from seed S on, until N seconds are over or so many scenes were felt.\n"
     "  A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads.\n";
 
@@ -24,6 +24,7 @@ struct Options {
     std::uint64_t seed = 1;
     std::uint64_t scenes = UINT64_MAX;
     std::string out = ".";
+    Mood mood = Mood::wild;
 };
 
 Options options_of(const std::vector<std::string>& words) {
@@ -39,6 +40,8 @@ Options options_of(const std::vector<std::string>& words) {
             options.seed = std::stoull(value);
         } else if (words[i] == "--scenes") {
             options.scenes = std::stoull(value);
+        } else if (words[i] == "--mood" && (value == "gentle" || value == "wild")) {
+            options.mood = value == "wild" ? Mood::wild : Mood::gentle;
         } else if (words[i] == "--out") {
             options.out = value;
         } else {
@@ -85,7 +88,7 @@ int main(int count, char** arguments) {
     for (std::uint64_t seed = options.seed;
          tally.scenes < options.scenes && seconds() < options.seconds; ++seed) {
         ++tally.scenes;
-        const auto c = random_case(seed);
+        const auto c = random_case(seed, options.mood);
         if (!c) {
             ++tally.refused_scenes;
             continue;

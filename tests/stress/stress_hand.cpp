@@ -36,6 +36,9 @@ public:
     std::vector<Vec2> path() {
         while (path_.size() < spec_.ticks) {
             const int ticks = 5 + random_->below(100);
+            if (spec_.gentle) {
+                stumble();  // a tick that is refused ends the contact
+            }
             switch (random_->below(8)) {
                 case 0:
                     wander(ticks);
@@ -74,7 +77,8 @@ private:
     }
     /// A step of one tick, m: some share of the object, 10 m/s at most.
     [[nodiscard]] double any_step() {
-        return std::min(kFastest * spec_.period, size_ * random_->decade(-6.0, -0.3));
+        return std::min(kFastest * spec_.period,
+                        size_ * random_->decade(-6.0, spec_.gentle ? -2.0 : -0.3));
     }
 
     void wander(int ticks) {
@@ -176,8 +180,9 @@ private:
                            ? curvature_centre(span, u)
                            : frame.point - (size_ * random_->decade(-4.0, -0.3)) * frame.normal;
         const Vec2 to = frame.point + random_->in(0.5, 1.5) * (aim - frame.point);
-        const double step = std::min(
-            1.0 / ticks, kFastest * spec_.period / std::max(glm::length(to - from), 1e-300));
+        const double way = std::max(glm::length(to - from), 1e-300);
+        const double fastest = spec_.gentle ? any_step() : kFastest * spec_.period;
+        const double step = std::min(1.0 / ticks, fastest / way);
         for (int i = 0; i < ticks; ++i) {
             go_to(from + (i * step) * (to - from));
         }

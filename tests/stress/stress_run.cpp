@@ -61,9 +61,9 @@ std::optional<Breach> feel_again(const engine::Scene& scene,
 
 }  // namespace
 
-std::optional<Case> random_case(std::uint64_t seed) {
+std::optional<Case> random_case(std::uint64_t seed, Mood mood) {
     Case c;
-    c.scene = random_scene(seed);
+    c.scene = random_scene(seed, mood);
     for (int i = 0; i < 2 && !c.outline; ++i) {
         try {
             c.outline =
@@ -80,7 +80,8 @@ std::optional<Case> random_case(std::uint64_t seed) {
                          {.ticks = 100 + static_cast<std::size_t>(random.below(500)),
                           .period = c.scene.period,
                           .broken = random.coin(),
-                          .far = random.below(8) == 0});
+                          .far = random.below(8) == 0,
+                          .gentle = mood == Mood::gentle});
     return c;
 }
 

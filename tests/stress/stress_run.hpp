@@ -29,7 +29,7 @@ struct Case {
 };
 
 /// Scene and hand of a seed; nothing if Outline refuses the chain.
-[[nodiscard]] std::optional<Case> random_case(std::uint64_t seed);
+[[nodiscard]] std::optional<Case> random_case(std::uint64_t seed, Mood mood);
 
 /// The renderer of a case.
 [[nodiscard]] engine::Scene renderer_of(const Case& c);

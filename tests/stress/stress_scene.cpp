@@ -154,8 +154,8 @@ Chain nasty(Random& random) {
     return chain;
 }
 
-Chain random_chain(Random& random) {
-    switch (random.below(6)) {
+Chain random_chain(Random& random, Mood mood) {
+    switch (random.below(mood == Mood::gentle ? 3 : 6)) {
         case 0:
             return random_edges(random);
         case 1:
@@ -175,9 +175,9 @@ std::string list(const std::vector<double>& values) {
 
 }  // namespace
 
-StressScene random_scene(std::uint64_t seed) {
+StressScene random_scene(std::uint64_t seed, Mood mood) {
     Random random(seed);
-    StressScene scene{.seed = seed, .segments = random_chain(random)};
+    StressScene scene{.seed = seed, .segments = random_chain(random, mood)};
     const double size = random.coin() ? random.decade(-2.0, 0.0) : random.decade(-6.0, 3.0);
     const Vec2 away =
         random.below(6) == 0 ? random.decade(0.0, 2.0) * random.point(-1.0, 1.0) : Vec2{};

@@ -19,9 +19,15 @@ struct StressScene {
     engine::Look look = engine::Look::touching;
 };
 
-/// One seed is one scene: NURBS chains of degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, with
+/// How wild scenes and hands are.
+enum class Mood : std::uint8_t {
+    gentle,  ///< what experiments feel: arcs, edges, smooth blobs, and a hand that jumps only in the air
+    wild,  ///< whatever is not refused
+};
+
+/// One seed is one scene. Wild: NURBS chains of degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, with
 /// kinks, cusps, spikes and vertices of any angle; any law, stiffness, damper and slew.
-[[nodiscard]] StressScene random_scene(std::uint64_t seed);
+[[nodiscard]] StressScene random_scene(std::uint64_t seed, Mood mood);
 
 /// As `palpate render` reads it, every number with all its digits.
 [[nodiscard]] std::string scene_text(const StressScene& scene);

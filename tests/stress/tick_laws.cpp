@@ -14,6 +14,13 @@ using engine::Vec2;
 
 constexpr double kSameLength = 1e-12;
 
+/// A slide ends on its root to some 1e-11 of the size where the cone opens slowly, near a centre of
+/// curvature: so many times kSameLength.
+constexpr double kConeSlack = 100.0;
+
+/// So does the foot that is followed where the distance has hardly a minimum: 5e-12 of the size was seen.
+constexpr double kFootSlack = 10.0;
+
 /// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
 constexpr double kFar = 1e9;
 
@@ -128,7 +135,8 @@ void TickLaws::check_closest(const Tick& now) {
         return;  // the last one found
     }
     const engine::ClosestPoint& cp = now.contact.cp;
-    check("the closest point is the global one", std::fabs(cp.distance - global.distance), same_);
+    check("the closest point is the global one", std::fabs(cp.distance - global.distance),
+          kFootSlack * same_);
     check("the closest point is as far as it says",
           std::fabs(glm::length(cp.point - now.h) - cp.distance), same_);
 }
@@ -136,9 +144,10 @@ void TickLaws::check_closest(const Tick& now) {
 void TickLaws::check_force(const Tick& now) {
     const Contact& c = now.contact;
     const double k = scene_->spec().stiffness;
-    const double newton = (k + scene_->spec().damping / scene_->spec().period) * same_;
+    const double per_metre = k + scene_->spec().damping / scene_->spec().period;
+    const double newton = per_metre * (same_ + resolution(c.place));
     if (now.springy) {
-        check("the force is K (GO - HIP)", glm::length(c.force - k * (c.go - now.h)), 0.0);
+        check("the force is K (GO - HIP)", glm::length(c.force - k * (c.go - now.h)), k * same_);
     }
     const bool corner = in_corner(c);
     if (!corner || scene_->spec().damping == 0.0) {
@@ -149,7 +158,7 @@ void TickLaws::check_force(const Tick& now) {
     }
     if (!corner) {
         check("friction stays in its cone", std::fabs(c.tangential_force),
-              c.mu * c.normal_force * (1.0 + 1e-9) + newton);
+              c.mu * c.normal_force * (1.0 + 1e-9) + kConeSlack * newton);
     }
 }
 
@@ -160,7 +169,8 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
     const Vec2 there = c.place.on_joint
                          ? outline.joints()[c.place.index].point
                          : outline.spans()[c.place.index].at(c.place.parameter).point;
-    check("the god-object is on the outline", glm::length(there - c.go), same_);
+    check("the god-object is on the outline", glm::length(there - c.go),
+          same_ + resolution(c.place));
     const bool touched = before.touching && started_;
     const double stretch = glm::length(c.go - now.h);
     if (!touched) {
@@ -178,7 +188,8 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
                            c.place.parameter < 1.0 && outline.spans().size() > 1;
     if (now.springy && same_span && c.mode != Mode::stuck) {
         check("a slip ends on the edge of the cone", c.mu * c.normal_force,
-              std::fabs(c.tangential_force) + 1e3 * scene_->spec().stiffness * same_);
+              std::fabs(c.tangential_force) +
+                  1e3 * scene_->spec().stiffness * (same_ + resolution(c.place)));
     }
 }
 
@@ -203,7 +214,7 @@ void TickLaws::check_step(const Tick& now) {
         const double relaxed = (spec.friction.mu_s - spec.friction.mu_d) * share;
         const double depth = c.normal_force / spec.stiffness;
         check("on a line GO moves as far as HIP and mu let it", dg,
-              dh * (1.0 + l.mu) + relaxed * depth + 4.0 * same_);
+              dh * (1.0 + l.mu) + relaxed * depth + 4.0 * same_ + resolution(c.place));
     }
 }
 
@@ -241,7 +252,7 @@ void TickLaws::check_recovery(const Tick& now) {
     engine::ContactState fresh;
     const Contact again = scene_->tick(fresh, now.h);
     const Contact& c = now.contact;
-    if (glm::length(again.cp.point - c.cp.point) > same_ || c.cp.distance <= same_) {
+    if (glm::length(again.cp.point - c.cp.point) > same_ || c.cp.distance <= 1e3 * same_) {
         return;  // two closest points, or on the surface: either will do
     }
     check("after a refused tick the contact is a new one", free(again) == free(c));
@@ -249,6 +260,16 @@ void TickLaws::check_recovery(const Tick& now) {
         "after a refused tick the force is that of a new contact",
         glm::length(again.force - c.force),
         (scene_->spec().stiffness + scene_->spec().damping / scene_->spec().period) * 4.0 * same_);
+}
+
+/// What a slide leaves open at a place, m: it ends up to 2^19 last bits of u beyond the root, and those
+/// are worth most where a heavy control point makes |C'| large.
+double TickLaws::resolution(const Place& place) const noexcept {
+    constexpr double kLastBits = 0x1p-33;
+    return place.on_joint
+             ? 0.0
+             : kLastBits *
+                   glm::length(scene_->outline().spans()[place.index].at(place.parameter).first);
 }
 
 bool TickLaws::at_open_end(const Place& place) const noexcept {

@@ -44,6 +44,7 @@ private:
     void check_step(const Tick& now);
     void check_energy(const Tick& now);
     void check_recovery(const Tick& now);
+    [[nodiscard]] double resolution(const engine::Place& place) const noexcept;
     [[nodiscard]] bool at_open_end(const engine::Place& place) const noexcept;
     [[nodiscard]] bool in_corner(const engine::Contact& contact) const noexcept;
 

@@ -1,0 +1,153 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "engine/contact/certified_tracker.hpp"
+#include "engine/geometry/arc.hpp"
+#include "engine/geometry/cusps.hpp"
+#include "engine/math/elementary.hpp"
+#include "engine/rendering/scene.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+// What palpate_stress found, one case a finding, and the law around it.
+using namespace palpate;
+using namespace palpate::engine;
+using palpate::tests::Random;
+
+namespace {
+
+std::shared_ptr<const Outline> chain(const std::vector<Vec2>& points, bool closed) {
+    std::vector<RationalBezier<2>> edges;
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        edges.push_back(make_line(points[i], points[i + 1]));
+    }
+    if (closed) {
+        edges.push_back(make_line(points.back(), points.front()));
+    }
+    return std::make_shared<const Outline>(Outline(edges, closed));
+}
+
+}  // namespace
+
+TEST_CASE("straight below the end of one edge the foot on the other is not missed",
+          "[contact][law]") {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const double heading = random.in(-kPi, kPi);
+        const double turn = -random.in(0.05, 3.0);  // convex
+        const Vec2 in{std::cos(heading), std::sin(heading)};
+        const Vec2 out{std::cos(heading + turn), std::sin(heading + turn)};
+        const Vec2 tip = random.point(-1.0, 1.0);
+        const auto outline = chain({tip - in, tip, tip + out}, false);
+        const CertifiedTracker tracker(*outline);
+        TrackState state;
+        TrackCounts counts;
+        const Vec2 normal = random.coin() ? perp(in) : perp(out);
+        for (int i = 10; i >= -10;
+             --i) {  // along the very line on which the vertex stops being a foot
+            const Vec2 h = tip + (0.002 * i) * normal;
+            const double distance = tracker.track(state, h, counts).distance;
+            REQUIRE(std::fabs(distance - tracker.feet().closest(h).distance) < 1e-14);
+        }
+    }
+}
+
+TEST_CASE("repeated control points at an end are no cusp, and a fold is one", "[geometry]") {
+    const Vec2 a{0.0, 0.0};
+    const Vec2 b{0.03, 0.02};
+    const Vec2 c{0.08, -0.01};
+    const std::vector<double> even(6, 1.0);
+    CHECK(
+        cusps_of({std::vector<Vec2>{a, a, a, a, b, c}, even}).empty());  // C' ~ u^3: still for 2e-5
+    CHECK(cusps_of({std::vector<Vec2>{c, b, a, a, a, a}, even}).empty());
+    // t^8 along a line, t = 2u - 1: to and fro, so still about the turn that halving would take 2^35
+    // pieces to see through. e_8 of the blossom at j ones and 8 - j minus ones is (-1)^(8-j).
+    std::vector<Vec2> fold;
+    for (int j = 0; j <= 8; ++j) {
+        fold.push_back(Vec2{j % 2 == 0 ? 0.05 : -0.05, 0.0});
+    }
+    const auto turns = cusps_of({fold, std::vector<double>(9, 1.0)});
+    REQUIRE(turns.size() == 1);
+    CHECK(turns[0] == Approx(0.5).epsilon(1e-9));
+}
+
+TEST_CASE("a hairpin within a span is passed, not taken for the end of the curve", "[vertex]") {
+    // C = (3 gap t + t^3, t^2) up to scale: |C'| = 3 gap at the tip, far below |C''|, and no cusp.
+    const double gap = 1e-9;
+    const std::vector<Vec2> points{Vec2{-1.0, 1.0}, Vec2{1.0 - gap, -0.5}, Vec2{-1.0 + gap, -0.5},
+                                   Vec2{1.0, 1.0}};
+    const RationalBezier<2> span(points, std::vector<double>(4, 1.0));
+    const auto outline =
+        std::make_shared<const Outline>(Outline(std::vector<RationalBezier<2>>{span}, false));
+    for (const Friction& friction : {Friction{}, Friction{.mu_s = 0.3, .mu_d = 0.3}}) {
+        const Scene scene(outline, {.friction = friction});
+        Random random(1);
+        for (int i = 0; i < 500; ++i) {
+            ContactState state;
+            const Vec2 tip = span.at(0.5).point;
+            const Vec2 h = tip + random.decade(-6.0, -1.0) * random.point(-1.0, 1.0);
+            const Contact contact = scene.tick(state, h);
+            if (contact.mode != Mode::free) {
+                CAPTURE(i, h.x, h.y);
+                CHECK(glm::length(contact.go - h) <= contact.cp.distance * (1.0 + 1e-9) + 1e-12);
+            }
+        }
+    }
+}
+
+TEST_CASE("a concave vertex never pulls, also when the slew holds the god-object back",
+          "[vertex][law]") {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const double turn = random.in(0.05, 3.0);
+        const auto outline =
+            chain({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, Vec2{std::cos(turn), std::sin(turn)}}, false);
+        const Scene scene(outline, {.friction = {.mu_s = 0.2, .mu_d = 0.1},
+                                    .slew = {.speed = 0.01, .radius = 0.1}});
+        ContactState state;
+        Vec2 h{-0.01, -0.01};
+        for (int i = 0; i < 300; ++i) {
+            const double reach = random.below(10) == 0 ? 0.05 : 0.002;
+            h += reach * random.point(-1.0, 1.0) - 0.02 * h;
+            REQUIRE(scene.tick(state, h).normal_force >= 0.0);
+        }
+    }
+}
+
+TEST_CASE("a hand that leaves over the tip of a spike is let go inside the cone", "[vertex][law]") {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const double turn = -random.in(1.6, 3.1);
+        const auto outline =
+            chain({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, Vec2{std::cos(turn), std::sin(turn)}}, false);
+        const Slew slew = random.coin() ? Slew{.speed = 0.1, .radius = 0.003} : Slew{};
+        const Scene scene(outline, {.friction = {.mu_s = 0.8, .mu_d = 0.8}, .slew = slew});
+        ContactState state;
+        static_cast<void>(scene.tick(state, {-0.02, 1e-3 * std::sin(turn)}));
+        for (int i = 0; i < 20; ++i) {
+            const Contact contact = scene.tick(state, 0.02 * random.point(-1.0, 1.0));
+            REQUIRE(std::fabs(contact.tangential_force) <=
+                    contact.mu * contact.normal_force * (1.0 + 1e-9) + 1e-9);
+        }
+    }
+}
+
+TEST_CASE("beside a shallow vertex rounding does not turn the outline inside out", "[contact]") {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const double turn = (random.coin() ? 1.0 : -1.0) * random.decade(-8.5, -6.0);
+        const Vec2 out{std::cos(turn), std::sin(turn)};
+        const auto outline = chain({Vec2{-1.0, 0.0}, Vec2{0.0, 0.0}, out}, false);
+        const OutlineFeet feet(*outline);
+        const double depth = random.decade(-10.0, -3.0);
+        const Vec2 beside{random.in(-2.0, 2.0) * std::fabs(turn) * depth, 0.0};
+        CHECK(feet.closest(beside - Vec2{0.0, depth}).inside);
+        CHECK_FALSE(feet.closest(beside + Vec2{0.0, depth}).inside);
+    }
+}
