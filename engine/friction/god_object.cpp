@@ -24,6 +24,10 @@ constexpr double kNearEnd = 1e-5;
 /// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the curve.
 constexpr double kSetOut = 0x1p-14;
 
+/// Or with a step that takes it this share of the stretch away: beside heavy control points u is coarse.
+constexpr double kSetOutShare = 1e-3;
+constexpr int kMaxSetOuts = 16;
+
 /// A frictionless GO closer than this to its foot, in u, rests there.
 constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
 
@@ -129,8 +133,12 @@ private:
             return from_still_end();
         }
         const double rest = HasFriction ? 0.0 : kRest * drive.speed2;
-        if (drive.excess<HasFriction>(mu_) <= rest || !goes(drive.tangential)) {
+        if (drive.excess<HasFriction>(mu_) <= rest) {
             return settle_at(cone(outline_, go_));
+        }
+        if (!goes(drive.tangential)) {
+            settle_at(cone(outline_, go_));
+            return hold_outside(false);
         }
         return slide();
     }
@@ -154,6 +162,10 @@ private:
         if (slide.end == SlideEnd::at_end) {
             return over_end(index);
         }
+        if (slide.end == SlideEnd::in_cone &&
+            stands_still(go_, glm::dot(go_.jet.first, go_.jet.first))) {
+            return Next::go_on;  // where C' = 0 the excess is nothing: the end's tangent decides
+        }
         settle_at(cone(outline_, go_));
         return slide.end == SlideEnd::out_of_budget ? hold_outside(true) : Next::stop;
     }
@@ -161,15 +173,39 @@ private:
     /// Where C' = 0 the drive in u says nothing: the end's tangent decides, and the first step is given.
     Next from_still_end() noexcept {
         const ConeState s = cone(outline_, go_);
-        if (s.excess <= 0.0 || !goes(s.tau)) {
+        if (s.excess <= 0.0) {
             return settle_at(s);
+        }
+        if (!goes(s.tau)) {
+            settle_at(s);
+            return hold_outside(false);
         }
         double& u = go_.place.parameter;
         if (near_end(u) && (direction_ > 0.0 ? u > 0.5 : u <= 0.5)) {
             return over_end(go_.place.index);
         }
-        u += direction_ * kSetOut;
-        go_.jet = outline_.spans()[go_.place.index].at(u);
+        return set_out();
+    }
+
+    /// From where the curve stands still to a place near by, measured by the stretch, where it does not.
+    Next set_out() noexcept {
+        const RationalBezier<2>& curve = outline_.spans()[go_.place.index];
+        const double near = kSetOutShare * glm::length(h_ - go_.jet.point);
+        const Vec2 here = go_.jet.point;
+        double step = kSetOut;
+        double u = go_.place.parameter;
+        for (int i = 0; i < kMaxSetOuts; ++i) {
+            u = go_.place.parameter + direction_ * step;
+            go_.jet = curve.at(u);
+            if (glm::length(go_.jet.point - here) <= near) {
+                break;
+            }
+            step *= 0.25;
+        }
+        go_.place.parameter = u;
+        const double length = glm::length(go_.jet.point - here);
+        walk_.slid += length;
+        used_ += length;
         return Next::go_on;
     }
 
@@ -191,8 +227,12 @@ private:
     Next on_fan(const Joint& joint) noexcept {
         double& phi = go_.place.parameter;
         const ConeState s = cone(outline_, go_);
-        if (s.excess <= 0.0 || !goes(s.tau)) {
+        if (s.excess <= 0.0) {
             return settle_at(s);
+        }
+        if (!goes(s.tau)) {
+            settle_at(s);
+            return hold_outside(false);
         }
         if (used_ >= budget_) {
             settle_at(s);

@@ -158,6 +158,7 @@ Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexce
     const double k = spec_.stiffness;
     Contact contact{.go = walk.point, .mu = mu, .slewed = walk.out_of_budget};
     if (walk.held_outside) {
+        contact.held = true;
         // The GO could not reach its cone in this tick: keep what the surface can carry here.
         const double load = std::max(walk.nu, 0.0);
         const double most = cone_radius<HasFriction>(mu, load);

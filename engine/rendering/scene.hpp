@@ -29,8 +29,10 @@ struct Contact {
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool slewed = false;            ///< the vertex slew held the GO back in this tick
-    bool refused = false;           ///< HIP was not finite: force zero, contact ended
-    bool skipped = false;           ///< out of reach: nothing was computed
+    bool held =
+        false;  ///< the GO stopped outside its cone (slew, an open end): the force is cut to it
+    bool refused = false;  ///< HIP was not finite: force zero, contact ended
+    bool skipped = false;  ///< out of reach: nothing was computed
 };
 
 /// What lives on from tick to tick. A plain value: copying it copies the contact.

@@ -86,7 +86,7 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
         return breach_;
     }
     same_ = kSameLength * std::max(extent_, reach);
-    const bool exact = !contact.slewed && !at_open_end(contact.place);
+    const bool exact = !contact.held && !contact.slewed && !at_open_end(contact.place);
     now.springy = scene_->spec().damping == 0.0 && !free(contact) && exact;
     check_closest(now);
     check_free(now);
