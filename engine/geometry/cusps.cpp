@@ -61,8 +61,8 @@ Component component(const Bernstein& p, const Bernstein& w, bool polynomial) {
     if (polynomial) {
         c = {derivative(p), derivative_size(size)};
     } else {
-        c = {wronskian(p, w), sum(product(derivative_size(size), w),
-                                  product(size, derivative_size(w)))};
+        c = {wronskian(p, w),
+             sum(product(derivative_size(size), w), product(size, derivative_size(w)))};
     }
     for (double& v : c.noise) {
         v *= kNoise;
