@@ -10,8 +10,9 @@
 namespace palpate::bench {
 namespace {
 
-constexpr double kWidth = 980.0;
+constexpr double kWidth = 760.0;  ///< of a panel
 constexpr double kPanel = 460.0;
+constexpr std::size_t kColumns = 2;  ///< panels side by side
 constexpr double kLeft = 90.0;
 constexpr double kRight = 30.0;
 constexpr double kTop = 56.0;
@@ -220,23 +221,26 @@ void write_svg(std::ostream& out, const std::vector<Row>& rows) {
         }
         panels.back().push_back(row);
     }
-    const double height = kPanel * static_cast<double>(panels.size()) + 24.0;
+    const auto lines = static_cast<double>((panels.size() + kColumns - 1) / kColumns);
+    const double width = kWidth * static_cast<double>(std::min(panels.size(), kColumns));
+    const double height = kPanel * lines + 24.0;
     std::ostringstream text;
     text.precision(5);
-    text << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << kWidth << ' ' << height
-         << "\" width=\"" << kWidth << "\" height=\"" << height
+    text << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << height
+         << "\" width=\"" << width << "\" height=\"" << height
          << "\" font-family=\"DejaVu Sans, sans-serif\">\n"
          << "<style>.grid{stroke:#e4e4e4}.lead{stroke:#b8b8b8;stroke-width:.7}"
             ".tick,.label{font-size:11px;fill:#333}.axis{font-size:12px;fill:#333}"
             ".label{paint-order:stroke;stroke:#fff;stroke-width:3px}"
             ".title{font-size:15px;fill:#111}</style>\n"
          << "<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
-    double top = 0.0;
-    for (const std::vector<Row>& panel : panels) {
-        draw_panel(text, panel, top);
-        top += kPanel;
+    for (std::size_t i = 0; i < panels.size(); ++i) {
+        const double left = kWidth * static_cast<double>(i % kColumns);
+        text << "<g transform=\"translate(" << left << " 0)\">\n";
+        draw_panel(text, panels[i], kPanel * static_cast<double>(i / kColumns));
+        text << "</g>\n";
     }
-    text << "<text class=\"tick\" x=\"" << kLeft << "\" y=\"" << top + 12.0 << "\">"
+    text << "<text class=\"tick\" x=\"" << kLeft << "\" y=\"" << kPanel * lines + 12.0 << "\">"
          << escaped(machine()) << "</text>\n</svg>\n";
     out << text.str();
 }

@@ -154,7 +154,7 @@ TEST_CASE("a scene refuses values out of range, with the value and the remedy", 
         return "accepted";
     };
     CHECK_THAT(refusal({.stiffness = 0.0}),
-               ContainsSubstring("stiffness is 0.0") && ContainsSubstring("above 0"));
+               ContainsSubstring("stiffness is 0:") && ContainsSubstring("above 0"));
     CHECK_THAT(refusal({.period = -0.001}), ContainsSubstring("period"));
     CHECK_THAT(refusal({.friction = {.mu_s = 0.4, .mu_d = 0.5}}),
                ContainsSubstring("mu_s is 0.4") && ContainsSubstring("not below mu_d"));
