@@ -100,6 +100,7 @@ CREATE TABLE trial (
     ended_utc           TEXT,
     contact_episodes    INTEGER,                    -- times that HIP came into contact
     worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
+    skipped_ticks       INTEGER,                    -- out of reach: nothing was computed
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
@@ -176,6 +177,7 @@ std::string_view migration_sql([[maybe_unused]] std::int64_t from) noexcept {
 -- 1 -> 2: the energy ledger of every trial. Trials recorded before stay NULL.
 ALTER TABLE trial ADD COLUMN contact_episodes INTEGER;
 ALTER TABLE trial ADD COLUMN worst_episode_j REAL;
+ALTER TABLE trial ADD COLUMN skipped_ticks INTEGER;
 PRAGMA user_version = 2;
 )sql";
 }

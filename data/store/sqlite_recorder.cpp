@@ -108,7 +108,8 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
             "?10,"
             " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
             "?14,"
-            " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17 WHERE id = ?1 AND "
+            " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17, skipped_ticks = ?18 "
+            "WHERE id = ?1 AND "
             "outcome = 'running'")
         .bind(1, trial)
         .bind(2, to_string(result.outcome))
@@ -127,6 +128,7 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
         .bind(15, utc_now())
         .bind(16, sum.contact_episodes)
         .bind(17, sum.worst_episode_j)
+        .bind(18, sum.skipped_ticks)
         .run();
     if (database_.changes() != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",

@@ -50,7 +50,8 @@ TickRecord TickLoop::tick(std::int64_t time_ns, std::int64_t lateness_ns, bool e
     record.flags = static_cast<std::uint8_t>(
         flag(command.saturated || applied.saturated, tick_saturated) |
         flag(static_cast<double>(lateness_ns) > late, tick_late) |
-        flag(command.ramped, tick_ramped) | flag(command.refused, tick_fault));
+        flag(command.ramped, tick_ramped) | flag(command.refused, tick_fault) |
+        flag(contact.skipped, tick_skipped) | flag(contact.held, tick_held));
     return record;
 }
 

@@ -32,6 +32,7 @@ struct TrialSummary {
     std::int64_t slip_ticks = 0;  ///< slip or transition
     std::int64_t late_ticks = 0;
     std::int64_t saturated_ticks = 0;
+    std::int64_t skipped_ticks = 0;    ///< HIP was out of reach: a comparison instead of a tick
     double path_length_m = 0.0;        ///< of HIP
     double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
     double max_normal_force_n = 0.0;

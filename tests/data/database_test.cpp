@@ -128,6 +128,7 @@ TEST_CASE("a file of an older schema is brought up to date when it is opened for
     {
         Database database(file, Access::write);
         database.execute(
+            "ALTER TABLE trial DROP COLUMN skipped_ticks;"
             "ALTER TABLE trial DROP COLUMN worst_episode_j;"
             "ALTER TABLE trial DROP COLUMN contact_episodes; PRAGMA user_version = 1;");
     }
