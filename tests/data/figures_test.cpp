@@ -134,8 +134,9 @@ TEST_CASE("the thirteen instants of the path are found and come in order", "[fig
     CHECK(fired < ours[4]);
     const Columns run = table_of("fig_3_2_2");
     CHECK(run.at("thesis_latched_normal_n")[tick_at(run, fired)] >= 7.0);
-    CHECK(table_of("fig_3_2_7", "_markers").at("time_s").size() == 8);
-    for (const double t : table_of("fig_3_2_7", "_markers").at("time_s")) {
+    const Columns surface = table_of("fig_3_2_7", "_markers");
+    CHECK(surface.at("time_s").size() == 8);
+    for (const double t : surface.at("time_s")) {
         CHECK(std::isfinite(t));
     }
 }
