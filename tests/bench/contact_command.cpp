@@ -9,6 +9,7 @@
 #include "tests/bench/peers/peers.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/bench/surfaces.hpp"
+#include "tests/support/stability_limit.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -71,6 +72,26 @@ void append(Methods<D>& all, Methods<D> more) {
     }
 }
 
+/// The feedback law's stability limit, measured over formula, at the middle of every curve.
+void print_stability(std::ostream& out, const std::vector<Object>& objects) {
+    constexpr double kTick = 1e-3;
+    constexpr double kAside = 0.37;  // of the curve: not where symmetry might help
+    out << "\nfeedback law: largest stable gain, by bisection / 2 / (T (|f'|^2 + (f - x) . f''))\n";
+    for (const Object& object : objects) {
+        for (const auto& data : object.curves) {
+            const engine::NurbsCurve<2> curve(data.degree, data.knots, data.points, data.weights);
+            const double u = curve.front() + kAside * (curve.back() - curve.front());
+            const engine::Jet<2> jet = curve.at(u);
+            const Vec2 normal = engine::perp(glm::normalize(jet.first));
+            for (const double offset : {-3e-3, 0.0, 3e-3}) {
+                out << object.name << ", " << 1e3 * offset << " mm: "
+                    << tests::stability_limit_ratio(curve, u, jet.point + offset * normal, kTick)
+                    << '\n';
+            }
+        }
+    }
+}
+
 }  // namespace
 
 int contact_command(const std::vector<std::string>& arguments) {
@@ -126,6 +147,7 @@ int contact_command(const std::vector<std::string>& arguments) {
         measure<3>(rows, surface.name, "-3..+3 mm", methods, hips, truths(surface, hips), clock);
         print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
     }
+    print_stability(std::cout, contact_objects());
     if (csv.is_open()) {
         write_csv(csv, rows);
         close_output(csv, csv_name);

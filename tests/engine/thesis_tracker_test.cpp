@@ -8,6 +8,7 @@
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/nurbs_oracle.hpp"
+#include "tests/support/stability_limit.hpp"
 #include "tests/support/thesis_objects.hpp"
 
 using namespace palpate::engine;
@@ -29,20 +30,6 @@ NurbsCurve<2> random_cubic(Random& random) {
         points.emplace_back(x, random.in(-0.02, 0.02));
     }
     return bezier(points);
-}
-
-/// Does the feedback tracker with gain K come back to u when it starts a little beside it?
-bool settles(const NurbsCurve<2>& curve, double gain, double u, const Vec2& hip) {
-    constexpr double kBeside = 1e-7;
-    const CurveTracker tracker(curve, {.kind = TrackerKind::feedback, .gain = gain});
-    TrackerState state = tracker.start_at(u + kBeside);
-    for (int i = 0; i < 6000; ++i) {
-        tracker.step(state, hip, kTick);
-        if (std::fabs(state.u - u) > 100.0 * kBeside) {
-            return false;
-        }
-    }
-    return std::fabs(state.u - u) < kBeside;
 }
 
 /// HIP beside the two cubics: sweeps at up to 0.25 m/s, 3 mm out to 3 mm in, with tremor.
@@ -117,16 +104,7 @@ TEST_CASE(
     const Vec2 hip = jet.point + random.in(-0.003, 0.003) * perp(glm::normalize(jet.first));
     const double formula = critical_gain(curve, u, hip, kTick);
     REQUIRE(formula > 0.0);
-
-    double stable = 0.5 * formula;
-    double unstable = 2.0 * formula;
-    REQUIRE(settles(curve, stable, u, hip));
-    REQUIRE_FALSE(settles(curve, unstable, u, hip));
-    for (int i = 0; i < 13; ++i) {
-        const double middle = 0.5 * (stable + unstable);
-        (settles(curve, middle, u, hip) ? stable : unstable) = middle;
-    }
-    CHECK(0.5 * (stable + unstable) / formula == Approx(1.0).margin(0.001));
+    CHECK(stability_limit_ratio(curve, u, hip, kTick) == Approx(1.0).margin(0.001));
 }
 
 TEST_CASE("beyond the centre of curvature no gain is stable", "[thesis]") {

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cmath>
+
+#include "engine/thesis/curve_tracker.hpp"
+
+namespace palpate::tests {
+
+/// Does the feedback tracker with this gain come back to u when it starts a little beside it?
+inline bool settles(const engine::NurbsCurve<2>& curve,
+                    double gain,
+                    double u,
+                    const engine::Vec2& hip,
+                    double period) {
+    constexpr double kBeside = 1e-7;
+    const engine::CurveTracker tracker(curve,
+                                       {.kind = engine::TrackerKind::feedback, .gain = gain});
+    engine::TrackerState state = tracker.start_at(u + kBeside);
+    for (int i = 0; i < 6000; ++i) {
+        tracker.step(state, hip, period);
+        if (std::fabs(state.u - u) > 100.0 * kBeside) {
+            return false;
+        }
+    }
+    return std::fabs(state.u - u) < kBeside;
+}
+
+/// The largest gain at which the feedback tracker settles on the foot u of a resting HIP, found by
+/// bisection without the formula, over the formula engine::critical_gain. NaN if neither half of the
+/// formula is stable nor its double unstable.
+inline double stability_limit_ratio(const engine::NurbsCurve<2>& curve,
+                                    double u,
+                                    const engine::Vec2& hip,
+                                    double period) {
+    const double formula = engine::critical_gain(curve, u, hip, period);
+    double stable = 0.5 * formula;
+    double unstable = 2.0 * formula;
+    if (!settles(curve, stable, u, hip, period) || settles(curve, unstable, u, hip, period)) {
+        return std::nan("");
+    }
+    for (int i = 0; i < 13; ++i) {
+        const double middle = 0.5 * (stable + unstable);
+        (settles(curve, middle, u, hip, period) ? stable : unstable) = middle;
+    }
+    return 0.5 * (stable + unstable) / formula;
+}
+
+}  // namespace palpate::tests
