@@ -81,7 +81,7 @@ bool lies_still(const std::string& name) {
 }
 
 [[noreturn]] void not_ours(const std::string& file) {
-    throw StoreError(
+    throw WrongFile(
         fmt::format("{}: this is not a palpate database; choose another file name", file));
 }
 
@@ -155,7 +155,7 @@ void Database::connect(const std::string& name, int flags) {
 
 void Database::open(Access access) {
     if (file_.empty()) {
-        throw StoreError("the name of the database is empty; give a file name");
+        throw WrongFile("the name of the database is empty; give a file name");
     }
     if (access == Access::write) {
         make_private_file(plain_name(file_));
@@ -202,7 +202,7 @@ void Database::check_identity(Access access) {
         not_ours(file_);
     }
     if (id.version > kSchemaVersion) {
-        throw StoreError(fmt::format(
+        throw WrongFile(fmt::format(
             "{}: made by a newer palpate (schema {}, this program knows {}); update palpate", file_,
             id.version, kSchemaVersion));
     }

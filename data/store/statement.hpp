@@ -18,6 +18,12 @@ public:
     using std::runtime_error::runtime_error;
 };
 
+/// The file named cannot be meant: not a palpate database, or no name at all. Nothing was changed.
+class WrongFile : public StoreError {
+public:
+    using StoreError::StoreError;
+};
+
 class Database;
 
 /// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws StoreError if

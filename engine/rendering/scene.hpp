@@ -52,7 +52,8 @@ struct ContactState {
 };
 
 /// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of reach
-/// (the clearance of the last look minus the way since is > 0) a tick is a comparison.
+/// (the clearance of the last look minus the way since is > 0) a tick is a comparison. On an open chain a
+/// HIP led round an end within its clearance is seen on the other side at the next look only.
 ///
 /// The law is GOS ("god-object spring"): F = K (GO - HIP), always; friction decides only where the GO
 /// may stay (Stretch in engine/friction/friction_law.hpp). Why it is safe: moving the GO along the

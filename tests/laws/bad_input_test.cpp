@@ -113,3 +113,24 @@ TEST_CASE("a finished session is not run again by mistake", "[cli]") {
     second.insert(second.end(), {"--session", "2"});
     CHECK(palpate_command(second).code == 0);
 }
+
+TEST_CASE(
+    "a database that is somebody else's, or has no name, is a wrong word: exit code 2, untouched",
+    "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("letters.txt");
+    std::ofstream(file) << "Dear participant, thank you for coming.\n";
+    for (const std::string& name : {file, std::string()}) {
+        CAPTURE(name);
+        const Finished run = palpate_command(
+            {"run", "shape_friction_demo", "--participant", "P1", "--db", name, "--headless"});
+        CAPTURE(run.error);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error, ContainsSubstring(name.empty() ? "empty" : "not a palpate database"));
+        CHECK(folder.names() == std::vector<std::string>{"letters.txt"});
+    }
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    CHECK(line == "Dear participant, thank you for coming.");
+}

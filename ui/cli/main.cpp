@@ -6,6 +6,7 @@
 
 #include "protocols/format/protocol_file.hpp"
 #include "data/csv/number_table.hpp"
+#include "data/store/statement.hpp"
 #include "ui/cli/commands.hpp"
 
 namespace {
@@ -36,6 +37,9 @@ int main(int argc, char** argv) {
         return kExitUsage;
     } catch (const palpate::data::CsvError& e) {
         fmt::print(stderr, "{}\n", e.what());
+        return kExitUsage;
+    } catch (const palpate::data::WrongFile& e) {
+        fmt::print(stderr, "palpate: {}\n", e.what());
         return kExitUsage;
     } catch (const std::invalid_argument& e) {
         fmt::print(stderr, "palpate: {}\n", e.what());
