@@ -2,26 +2,55 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "engine/geometry/vec.hpp"
 
 namespace palpate::engine {
 
+/// Why a device has nothing valid to say.
+enum class DeviceFault : std::uint8_t {
+    none,
+    lost,         ///< unplugged, or its link is closed
+    silent,       ///< it no longer answers
+    garbage,      ///< it answers with what cannot be
+    unreachable,  ///< its angles belong to no pose of the linkage, or to a singular one
+    unguarded,    ///< nobody would zero the motors if this program died
+    ended,        ///< a recording has nothing more
+};
+
+/// Whether the participant holds the handle, where a device can tell.
+enum class Grip : std::uint8_t { unknown, held, released };
+
 /// What a device said when read.
 struct Reading {
     Vec2 hip{};  ///< object frame, m
     std::array<std::int32_t, 2> counts{};
-    bool ok = true;  ///< false: nothing valid could be read (unplugged, end of a replay)
+    DeviceFault fault = DeviceFault::none;  ///< other than none: hip and counts are not to be used
+    bool fresh = true;  ///< false: nothing new since the last read, whose values are given again
+    Grip grip = Grip::unknown;
+
+    [[nodiscard]] bool ok() const noexcept { return fault == DeviceFault::none; }
 };
 
 /// What a device did with a commanded force.
 struct Applied {
     std::array<std::int32_t, 2> codes{};  ///< DAC codes
     bool saturated = false;               ///< it could not give the force asked for
+    Vec2 load{};  ///< each motor's torque as a share of the torque that it can give for ever, >= 0
+};
+
+/// What is known of a device before it is used.
+struct DeviceTraits {
+    bool gives_force = true;          ///< false: a pointer or a recording; it can hurt nobody
+    std::optional<double> damping{};  ///< b at the handle, N s/m, the least in the workspace
+    double delay_ticks = 0.0;         ///< from a reading to the force it causes, beyond the hold
+    double motor_time = 0.0;          ///< s, thermal time constant of the motors; 0: not known
 };
 
 /// The port to whatever holds the hand: read HIP, write force, once a tick each, in this order.
+/// Only one thread uses it at a time.
 class Device {
 public:
     Device() = default;
@@ -33,6 +62,19 @@ public:
     /// @param force  on the user, object frame, N; finite
     virtual Applied write(const Vec2& force) noexcept = 0;
     [[nodiscard]] virtual std::string name() const = 0;
+
+    [[nodiscard]] virtual DeviceTraits traits() const noexcept { return {}; }
+    /// The force that the motors can give in every direction with the handle at `hip`, N. None:
+    /// no limit is known, or the handle cannot be there.
+    [[nodiscard]] virtual std::optional<double> weakest_force(const Vec2& hip) const noexcept {
+        static_cast<void>(hip);
+        return std::nullopt;
+    }
+    /// Between trials, never while a servo ticks: makes a device that failed work again. Returns at
+    /// once or after little more than a second. @return false while it is still away
+    [[nodiscard]] virtual bool reconnect() { return true; }
+    /// What is wrong and what to do about it, as a sentence; empty when nothing is.
+    [[nodiscard]] virtual std::string trouble() const { return {}; }
 };
 
 }  // namespace palpate::engine

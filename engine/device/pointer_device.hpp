@@ -20,6 +20,7 @@ public:
     [[nodiscard]] Reading read() noexcept override;
     Applied write(const Vec2& force) noexcept override;
     [[nodiscard]] std::string name() const override { return "mouse"; }
+    [[nodiscard]] DeviceTraits traits() const noexcept override { return {.gives_force = false}; }
 
 private:
     std::atomic<std::uint64_t> latest_{0};

@@ -22,12 +22,13 @@ public:
 
     [[nodiscard]] Reading read() noexcept override {
         if (readings_.empty()) {
-            return {.ok = false};
+            return {.fault = DeviceFault::ended};
         }
         return at_end() ? readings_.back() : readings_[next_++];
     }
     Applied write(const Vec2& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "replay"; }
+    [[nodiscard]] DeviceTraits traits() const noexcept override { return {.gives_force = false}; }
 
 private:
     std::vector<Reading> readings_;

@@ -62,7 +62,7 @@ Reading SimulatedPantograph::read() noexcept {
     const double count = 2.0 * kPi / model_.counts_per_turn;
     const auto pose = model_.linkage.forward(measured());
     Reading reading;
-    reading.ok = !lost_ && pose.has_value();
+    reading.fault = !lost_ && pose.has_value() ? DeviceFault::none : DeviceFault::unreachable;
     reading.counts = {rounded(angles_[0] / count), rounded(angles_[1] / count)};
     if (pose) {
         reading.hip = pose->handle - model_.origin;

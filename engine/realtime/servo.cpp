@@ -20,6 +20,12 @@ std::int64_t checked_period(double rate_hz) {
     return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
 }
 
+SafetyLimits with_period(const ServoSpec& spec) {
+    SafetyLimits limits = spec.limits;
+    limits.period = 1.0 / spec.rate_hz;
+    return limits;
+}
+
 void sleep_until(std::int64_t deadline_ns) noexcept {
     const timespec deadline{.tv_sec = deadline_ns / kSecond, .tv_nsec = deadline_ns % kSecond};
     while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) != 0) {
@@ -35,21 +41,31 @@ std::int64_t monotonic_ns() noexcept {
 }
 
 Servo::Servo(Device& device, const ServoSpec& spec)
-    : loop_(device, spec.limits),
+    : loop_(device, with_period(spec)),
       period_ns_(checked_period(spec.rate_hz)),
       ramp_ticks_(static_cast<std::int64_t>(std::ceil(1.0 / spec.limits.ramp_step))) {}
 
 void Servo::run_tick(std::int64_t time_ns, std::int64_t lateness_ns, bool enable) noexcept {
-    if (!ring_.push(loop_.tick(time_ns, lateness_ns, enable))) {
+    const TickOrder order{.time_ns = time_ns,
+                          .lateness_ns = lateness_ns,
+                          .enable = enable,
+                          .held = held_.load(std::memory_order_relaxed),
+                          .stop = stop_.load(std::memory_order_relaxed)};
+    if (!ring_.push(loop_.tick(order))) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
     }
+}
+
+void Servo::rewind() noexcept {
+    ring_.clear();
+    stop_.store(false);
 }
 
 VirtualServo::VirtualServo(Device& device, const ServoSpec& spec, double pace)
     : Servo(device, spec), pace_(pace) {}
 
 void VirtualServo::begin(const Scene& scene) {
-    ring().clear();
+    rewind();
     loop_.begin(scene);
     ticks_ = 0;
     wall_start_ns_ = monotonic_ns();
@@ -57,16 +73,16 @@ void VirtualServo::begin(const Scene& scene) {
 
 ServoStatus VirtualServo::advance() {
     const std::int64_t slice = kSliceNs / period_ns_;
-    for (std::int64_t i = 0; i < slice && !loop_.faulted(); ++i) {
+    for (std::int64_t i = 0; i < slice && !faulted(); ++i) {
         run_tick(ticks_ * period_ns_, 0, true);
         ++ticks_;
     }
     wait_for_wall_clock();
-    return loop_.faulted() ? ServoStatus::faulted : ServoStatus::running;
+    return faulted() ? ServoStatus::faulted : ServoStatus::running;
 }
 
 void VirtualServo::end() {
-    for (std::int64_t i = 0; i < ramp_ticks_ && !loop_.faulted(); ++i) {
+    for (std::int64_t i = 0; i < ramp_ticks_ && !faulted(); ++i) {
         run_tick(ticks_ * period_ns_, 0, false);
         ++ticks_;
     }
@@ -96,7 +112,7 @@ void ThreadServo::begin(const Scene& scene) {
     if (thread_.joinable()) {
         end();
     }
-    ring().clear();
+    rewind();
     loop_.begin(scene);
     enable_.store(true);
     quit_.store(false);
@@ -124,7 +140,7 @@ double ThreadServo::elapsed_s() const noexcept {
 void ThreadServo::run() noexcept {
     std::int64_t ramp_left = ramp_ticks_;
     std::int64_t deadline = start_ns_;
-    while (!loop_.faulted()) {
+    while (!faulted()) {
         sleep_until(deadline);
         const bool enable = enable_.load(std::memory_order_relaxed);
         const std::int64_t now = monotonic_ns();
@@ -137,7 +153,7 @@ void ThreadServo::run() noexcept {
             deadline = now;
         }
     }
-    faulted_.store(loop_.faulted());
+    faulted_.store(faulted());
     loop_.silence();
 }
 

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <memory>
 #include <thread>
+#include <vector>
 
 #include "engine/realtime/spsc_ring.hpp"
 #include "engine/realtime/tick_loop.hpp"
@@ -16,12 +17,12 @@ inline constexpr std::size_t kRingTicks = 16384;
 
 enum class ServoStatus : std::uint8_t {
     running,
-    faulted,  ///< the device failed or a guard refused: force zero, latched until the next trial
+    faulted,  ///< the safety chain has tripped: force zero, latched until the next trial
 };
 
 struct ServoSpec {
     double rate_hz = 1000.0;  ///< 1000 to 10000
-    ForceLimits limits{};
+    SafetyLimits limits{};    ///< limits.period follows from rate_hz
 };
 
 /// Runs ticks of a device and a scene, on some clock. Ticks come out of ring().
@@ -49,8 +50,20 @@ public:
     [[nodiscard]] std::int64_t period_ns() const noexcept { return period_ns_; }
     [[nodiscard]] std::int64_t ramp_ticks() const noexcept { return ramp_ticks_; }
 
+    /// Any thread: the dead-man switch is held (from the start it counts as held).
+    void hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
+    /// Any thread: force off now and for the rest of the trial, the experimenter's key.
+    void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+
+    /// Why the force is off, and the ticks up to then. After advance() said faulted, or after end().
+    [[nodiscard]] Trip trip() const noexcept { return loop_.trip(); }
+    [[nodiscard]] std::vector<TickRecord> last_ticks() const { return loop_.flight().last(); }
+
 protected:
     void run_tick(std::int64_t time_ns, std::int64_t lateness_ns, bool enable) noexcept;
+    /// Before each trial: forgets stop() and the last trial's ticks.
+    void rewind() noexcept;
+    [[nodiscard]] bool faulted() const noexcept { return loop_.trip() != Trip::none; }
 
     TickLoop loop_;
     std::int64_t period_ns_;
@@ -59,6 +72,8 @@ protected:
 private:
     TickRing ring_{kRingTicks};
     std::atomic<std::int64_t> dropped_{0};
+    std::atomic<bool> held_{true};
+    std::atomic<bool> stop_{false};
 };
 
 /// The virtual clock: a tick is due whenever advance() is called, so a run is as fast as the machine

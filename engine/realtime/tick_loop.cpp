@@ -8,27 +8,72 @@ std::int16_t feature_of(const Place& place) noexcept {
     return place.on_joint ? static_cast<std::int16_t>(-1 - index) : index;
 }
 
+Trip found(const Reading& reading, const Contact& contact) noexcept {
+    switch (reading.fault) {
+        case DeviceFault::none:
+            return contact.refused ? Trip::scene_refused : Trip::none;
+        case DeviceFault::silent:
+            return Trip::device_silent;
+        case DeviceFault::garbage:
+            return Trip::device_garbage;
+        case DeviceFault::unreachable:
+            return Trip::out_of_workspace;
+        case DeviceFault::lost:
+        case DeviceFault::unguarded:
+        case DeviceFault::ended:
+            break;
+    }
+    return Trip::device_lost;
+}
+
+std::uint8_t flags_of(const Command& command,
+                      const Contact& contact,
+                      const Applied& applied,
+                      bool late,
+                      bool stale) noexcept {
+    const auto flag = [](bool set, TickFlag bit) {
+        return set ? static_cast<unsigned>(bit) : 0U;
+    };
+    return static_cast<std::uint8_t>(
+        flag(command.saturated || applied.saturated, tick_saturated) | flag(late, tick_late) |
+        flag(command.ramped, tick_ramped) | flag(command.trip != Trip::none, tick_fault) |
+        flag(contact.skipped, tick_skipped) | flag(contact.held, tick_held) |
+        flag(command.slewed, tick_slewed) | flag(stale, tick_stale));
+}
+
 }  // namespace
 
 void TickLoop::begin(const Scene& scene) noexcept {
     scene_ = &scene;
     state_ = ContactState{};
-    gate_ = ForceGate{};
+    safety_ = SafetyState{};
+    load_ = Vec2{};
+    flight_.clear();
     next_ = 0;
 }
 
-TickRecord TickLoop::tick(std::int64_t time_ns, std::int64_t lateness_ns, bool enable) noexcept {
+TickRecord TickLoop::tick(const TickOrder& order) noexcept {
     const Reading reading = device_->read();
     const Contact contact = scene_->tick(state_, reading.hip);
-    if (!reading.ok || contact.refused) {
-        gate_.faulted = true;
-    }
-    const Command command = guard(gate_, limits_, contact.force, enable);
+    const Command command =
+        make_safe(safety_, limits_,
+                  {.force = contact.force,
+                   .spring = contact.mode == Mode::free ? Vec2{} : contact.go - reading.hip,
+                   .hip = reading.hip,
+                   .counts = reading.counts,
+                   .found = found(reading, contact),
+                   .fresh = reading.fresh,
+                   .lateness_ns = order.lateness_ns,
+                   .load = load_,
+                   .enable = order.enable,
+                   .held = order.held && reading.grip != Grip::released,
+                   .stop = order.stop});
     const Applied applied = device_->write(command.force);
+    load_ = applied.load;
 
     TickRecord record;
     record.tick = next_++;
-    record.time_ns = time_ns;
+    record.time_ns = order.time_ns;
     record.hip = reading.hip;
     record.cp = contact.cp.point;
     record.go = contact.go;
@@ -40,23 +85,24 @@ TickRecord TickLoop::tick(std::int64_t time_ns, std::int64_t lateness_ns, bool e
     record.parameter = contact.place.parameter;
     record.counts = reading.counts;
     record.codes = applied.codes;
-    record.lateness_us = static_cast<float>(static_cast<double>(lateness_ns) * 1e-3);
+    record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
     record.feature = feature_of(contact.place);
     record.mode = contact.mode;
-    const double late = kLateShare * scene_->spec().period * 1e9;
-    const auto flag = [](bool set, TickFlag bit) {
-        return set ? static_cast<unsigned>(bit) : 0U;
-    };
-    record.flags = static_cast<std::uint8_t>(
-        flag(command.saturated || applied.saturated, tick_saturated) |
-        flag(static_cast<double>(lateness_ns) > late, tick_late) |
-        flag(command.ramped, tick_ramped) | flag(command.refused, tick_fault) |
-        flag(contact.skipped, tick_skipped) | flag(contact.held, tick_held));
+    const double late = kLateShare * limits_.period * 1e9;
+    record.flags =
+        flags_of(command, contact, applied, static_cast<double>(order.lateness_ns) > late,
+                 reading.ok() && !reading.fresh);
+    flight_.add(record);
     return record;
 }
 
+Reading TickLoop::idle() noexcept {
+    const Reading reading = device_->read();
+    device_->write(Vec2{});
+    return reading;
+}
+
 void TickLoop::silence() noexcept {
-    gate_ = ForceGate{};
     device_->write(Vec2{});
 }
 

@@ -1,41 +1,55 @@
 #pragma once
 
 #include "engine/device/device.hpp"
+#include "engine/realtime/flight_recorder.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "engine/rendering/scene.hpp"
-#include "engine/safety/force_chain.hpp"
+#include "engine/safety/safety_chain.hpp"
 
 namespace palpate::engine {
 
 /// Lateness above this share of the period marks a tick as late.
 inline constexpr double kLateShare = 0.5;
 
+/// What a clock and the people around it say to one tick.
+struct TickOrder {
+    std::int64_t time_ns = 0;      ///< since the trial's first deadline
+    std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
+    bool enable = true;            ///< ramp the force towards on or off
+    bool held = true;              ///< someone holds the dead-man switch
+    bool stop = false;             ///< the experimenter's key
+};
+
 /// The body of the servo loop, the same on every clock: read, render, guard, write, record.
 /// Data has one direction; no allocation, no lock, no exception.
 class TickLoop {
 public:
     /// @param device  outlives the loop
-    TickLoop(Device& device, const ForceLimits& limits) : device_(&device), limits_(limits) {}
+    TickLoop(Device& device, const SafetyLimits& limits) : device_(&device), limits_(limits) {}
 
     /// A new trial: fresh contact, force off. @param scene  outlives the trial
     void begin(const Scene& scene) noexcept;
 
-    /// @param time_ns      since the trial's first deadline
-    /// @param lateness_ns  wake-up minus deadline
-    /// @param enable       ramp the force towards on or off
-    TickRecord tick(std::int64_t time_ns, std::int64_t lateness_ns, bool enable) noexcept;
+    /// One tick of a trial.
+    TickRecord tick(const TickOrder& order) noexcept;
+
+    /// One tick between trials: the device is read and told to give no force.
+    Reading idle() noexcept;
 
     /// Zero force now, whatever the ramp says.
     void silence() noexcept;
 
-    [[nodiscard]] bool faulted() const noexcept { return gate_.faulted; }
+    [[nodiscard]] Trip trip() const noexcept { return safety_.trip; }
+    [[nodiscard]] const FlightRecorder& flight() const noexcept { return flight_; }
 
 private:
     Device* device_;
-    ForceLimits limits_;
+    SafetyLimits limits_;
     const Scene* scene_ = nullptr;
     ContactState state_{};
-    ForceGate gate_{};
+    SafetyState safety_{};
+    Vec2 load_{};  ///< Applied::load of the last tick
+    FlightRecorder flight_{};
     std::int64_t next_ = 0;
 };
 

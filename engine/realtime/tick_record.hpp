@@ -14,11 +14,13 @@ enum TickFlag : std::uint8_t {
     tick_saturated = 1U << 0U,  ///< the device could not give the commanded force
     tick_late = 1U << 1U,       ///< woke more than half a period after the deadline
     tick_ramped = 1U << 2U,     ///< the command was scaled down by the enable or disable ramp
-    tick_fault = 1U << 3U,      ///< the device or a guard refused; the command is zero
+    tick_fault = 1U << 3U,      ///< the safety chain has tripped; the command is zero
     tick_skipped =
         1U << 4U,  ///< out of reach: nothing was computed, cp and go are the last ones found
     tick_held =
         1U << 5U,  ///< the GO stopped outside its cone (slew, an open end): the force is cut
+    tick_slewed = 1U << 6U,  ///< the command changed as fast as the slew limit allows
+    tick_stale = 1U << 7U,   ///< no new reading: the last HIP was used again
 };
 
 /// Everything that one servo tick read, decided and commanded. Frame: the object's, SI.

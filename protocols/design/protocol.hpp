@@ -54,6 +54,18 @@ struct ApparatusSpec {
     friend bool operator==(const ApparatusSpec&, const ApparatusSpec&) = default;
 };
 
+/// Limits of the safety chain beyond the force limit and its ramp.
+struct SafetySpec {
+    double slew_limit = 2000.0;   ///< N/s, how fast the force may change
+    double speed_limit = 1.5;     ///< m/s of HIP; faster trips
+    std::size_t late_run = 20;    ///< late ticks in a row that trip, 0: never
+    std::size_t late_share = 50;  ///< late ticks among the last 100 that trip, 0: never
+    double energy_limit = 0.1;    ///< J that the rendering may give beyond what it takes
+    bool dead_man = false;        ///< force only while the participant holds the dead-man switch
+
+    friend bool operator==(const SafetySpec&, const SafetySpec&) = default;
+};
+
 struct DesignSpec {
     std::size_t repetitions = 10;          ///< of each condition in the main phase, >= 1
     std::size_t max_run_object = 2;        ///< same object in a row, 0: no limit
@@ -94,6 +106,7 @@ struct Protocol {
     OutlineSpec outline{};
     std::vector<FrictionSpec> frictions;
     ApparatusSpec apparatus{};
+    SafetySpec safety{};
     DesignSpec design{};
     TimingSpec timing{};
     ObserverSpec observer{};

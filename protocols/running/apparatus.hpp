@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "engine/realtime/servo.hpp"
 #include "protocols/design/plan.hpp"
@@ -31,6 +32,18 @@ public:
     /// Nothing more will come (end of a replay): exploration ends now.
     [[nodiscard]] virtual bool exhausted() const noexcept { return false; }
     [[nodiscard]] virtual std::string device_name() const = 0;
+
+    /// The dead-man switch is held. Any thread.
+    virtual void hold(bool held) { static_cast<void>(held); }
+    /// The experimenter's key: force off for the rest of the trial. Any thread.
+    virtual void stop() {}
+    /// After advance() said faulted: why, and the last ticks up to then.
+    [[nodiscard]] virtual engine::Trip trip() const { return engine::Trip::none; }
+    [[nodiscard]] virtual std::vector<engine::TickRecord> last_ticks() const { return {}; }
+    /// Between trials: makes a device that failed work again. @return false while it is still away
+    [[nodiscard]] virtual bool reconnect() { return true; }
+    /// What is wrong with the device and what to do, a sentence; empty when nothing is.
+    [[nodiscard]] virtual std::string trouble() const { return {}; }
 };
 
 }  // namespace palpate::protocols

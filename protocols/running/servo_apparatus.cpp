@@ -1,5 +1,6 @@
 #include "protocols/running/servo_apparatus.hpp"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "engine/math/elementary.hpp"
@@ -13,13 +14,37 @@ double unit(Pcg32& random) {
     return static_cast<double>(random.next()) * 0x1p-32;
 }
 
+/// m/s between two readings beyond any hand: an encoder skipped or a cable came loose.
+constexpr double kJumpSpeed = 10.0;
+/// s without a new reading after which the force has nothing to stand on.
+constexpr double kSilence = 0.010;
+
 }  // namespace
 
-engine::ServoSpec servo_spec(const ApparatusSpec& apparatus) {
-    return {
-        .rate_hz = apparatus.rate_hz,
-        .limits = {.most = apparatus.force_limit,
-                   .ramp_step = engine::ramp_step(apparatus.force_ramp, 1.0 / apparatus.rate_hz)}};
+engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& device) {
+    const ApparatusSpec& apparatus = protocol.apparatus;
+    const SafetySpec& safety = protocol.safety;
+    const engine::DeviceTraits traits = device.traits();
+    const double period = 1.0 / apparatus.rate_hz;
+    engine::SafetyLimits limits{.period = period,
+                                .most = apparatus.force_limit,
+                                .ramp_step = engine::ramp_step(apparatus.force_ramp, period),
+                                .slew = safety.slew_limit * period,
+                                .stiffness = apparatus.stiffness};
+    if (traits.gives_force) {
+        limits.speed = safety.speed_limit;
+        limits.jump = kJumpSpeed * period;
+        limits.late_run = static_cast<std::int32_t>(safety.late_run);
+        limits.late_share = static_cast<std::int32_t>(safety.late_share);
+        limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
+        limits.energy = safety.energy_limit;
+        limits.damping = traits.damping.value_or(0.0);
+        limits.delay_ticks = traits.delay_ticks;
+        limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
+        limits.watch_encoders = true;
+        limits.dead_man = safety.dead_man;
+    }
+    return {.rate_hz = apparatus.rate_hz, .limits = limits};
 }
 
 SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
@@ -32,7 +57,7 @@ SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
       key_(std::move(key)),
       seed_(seed),
       device_(engine::PantographModel{}, 1.0 / protocol.apparatus.rate_hz),
-      servo_(device_, servo_spec(protocol.apparatus), pace) {}
+      servo_(device_, servo_spec(protocol, device_), pace) {}
 
 engine::Exploration SimulatedApparatus::exploration(const PlannedTrial& planned) const {
     Pcg32 random = stream({.protocol_hash = protocol_hash_,
@@ -63,7 +88,7 @@ ReplayApparatus::ReplayApparatus(const Protocol& protocol,
                                  double pace)
     : recordings_(std::move(recordings)),
       source_(std::move(source)),
-      servo_(device_, servo_spec(protocol.apparatus), pace) {
+      servo_(device_, servo_spec(protocol, device_), pace) {
     if (recordings_.empty()) {
         throw std::invalid_argument(source_ + " holds no recorded trial to replay");
     }
@@ -85,8 +110,15 @@ bool ReplayApparatus::exhausted() const noexcept {
     return static_cast<std::int64_t>(device_.left()) <= servo_.ramp_ticks();
 }
 
+DeviceApparatus::DeviceApparatus(const Protocol& protocol, std::unique_ptr<engine::Device> device)
+    : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_)) {}
+
+void DeviceApparatus::begin(const engine::Scene& scene, const PlannedTrial& /*planned*/) {
+    servo_.begin(scene);
+}
+
 PointerApparatus::PointerApparatus(const Protocol& protocol)
-    : servo_(device_, servo_spec(protocol.apparatus)) {
+    : servo_(device_, servo_spec(protocol, device_)) {
     device_.publish(protocol.apparatus.start);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,9 @@
 
 namespace palpate::protocols {
 
-/// What the protocol asks of the servo.
-[[nodiscard]] engine::ServoSpec servo_spec(const ApparatusSpec& apparatus);
+/// What protocol and device together ask of the servo. Limits on motion, energy, heat and lateness are for
+/// devices that give force.
+[[nodiscard]] engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& device);
 
 /// An apparatus that is a servo and a little more.
 class ServoApparatus : public Apparatus {
@@ -22,6 +24,12 @@ public:
     [[nodiscard]] engine::TickRing& ring() noexcept override { return servo().ring(); }
     [[nodiscard]] double elapsed_s() const noexcept override { return servo().elapsed_s(); }
     [[nodiscard]] std::int64_t dropped() const noexcept override { return servo().dropped(); }
+    void hold(bool held) override { servo().hold(held); }
+    void stop() override { servo().stop(); }
+    [[nodiscard]] engine::Trip trip() const override { return servo().trip(); }
+    [[nodiscard]] std::vector<engine::TickRecord> last_ticks() const override {
+        return servo().last_ticks();
+    }
 
 protected:
     [[nodiscard]] virtual engine::Servo& servo() noexcept = 0;
@@ -83,6 +91,25 @@ private:
     std::string source_;
     engine::ReplayDevice device_;
     engine::VirtualServo servo_;
+};
+
+/// A real device in real time, on the servo's own thread.
+class DeviceApparatus : public ServoApparatus {
+public:
+    DeviceApparatus(const Protocol& protocol, std::unique_ptr<engine::Device> device);
+
+    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    [[nodiscard]] bool reconnect() override { return device_->reconnect(); }
+    [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
+    [[nodiscard]] std::string device_name() const override { return device_->name(); }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    std::unique_ptr<engine::Device> device_;
+    engine::ThreadServo servo_;
 };
 
 /// The screen pointer as the handle, in real time on a thread of its own.

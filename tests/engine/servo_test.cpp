@@ -51,7 +51,9 @@ std::vector<TickRecord> simulated_trial() {
 
 class BrokenDevice : public Device {
 public:
-    Reading read() noexcept override { return {.hip = {0.0, 0.03}, .ok = ++reads_ < 50}; }
+    Reading read() noexcept override {
+        return {.hip = {0.0, 0.03}, .fault = ++reads_ < 50 ? DeviceFault::none : DeviceFault::lost};
+    }
     Applied write(const Vec2& force) noexcept override {
         last_ = force;
         return {};
@@ -118,7 +120,7 @@ TEST_CASE("the servo's tick allocates nothing", "[servo][law]") {
     loop.begin(felt);
     const std::size_t before = tests::allocations();
     for (std::int64_t k = 0; k < 5000; ++k) {
-        static_cast<void>(loop.tick(k * 1'000'000, 0, true));
+        static_cast<void>(loop.tick({.time_ns = k * 1'000'000}));
     }
     CHECK(tests::allocations() == before);
 }

@@ -15,7 +15,7 @@ TEST_CASE("without forces the handle follows the hand's intention from start to 
     int ticks = 0;
     while (!device.hand_is_done()) {
         const Reading reading = device.read();
-        REQUIRE(reading.ok);
+        REQUIRE(reading.ok());
         device.write({});
         worst = std::max(worst, glm::length(reading.hip - path.at(ticks * 1e-3).position));
         ++ticks;

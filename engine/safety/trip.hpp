@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+namespace palpate::engine {
+
+/// Why the safety chain switched the force off. Latched until the next trial.
+enum class Trip : std::uint8_t {
+    none,
+    not_finite,        ///< the rendered force was not a number
+    scene_refused,     ///< the scene could not render this HIP
+    device_lost,       ///< unplugged, closed, or nothing guards it
+    device_silent,     ///< no new reading for too many ticks
+    device_garbage,    ///< readings that cannot be
+    out_of_workspace,  ///< no pose, or a singular one
+    jump,              ///< HIP moved further in a tick than a hand can
+    stuck_encoder,     ///< an encoder stands still while the other moves
+    over_speed,        ///< HIP is faster than the limit
+    late,              ///< too many late ticks
+    energy,            ///< the rendering gave more energy than it took
+    overheated,        ///< the motor model is at its limit
+    let_go,            ///< the participant let go of the handle or of the dead-man key
+    stopped,           ///< the experimenter's key
+};
+
+/// For the database: "over_speed".
+[[nodiscard]] std::string_view to_string(Trip trip) noexcept;
+
+/// For people: what happened and what to do, as a sentence without a full stop.
+[[nodiscard]] std::string_view explanation(Trip trip) noexcept;
+
+}  // namespace palpate::engine
