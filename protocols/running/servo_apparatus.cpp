@@ -3,16 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "engine/math/elementary.hpp"
-#include "protocols/design/streams.hpp"
-
 namespace palpate::protocols {
 namespace {
-
-/// Uniform in [0, 1) with 32 bits: exact in double.
-double unit(Pcg32& random) {
-    return static_cast<double>(random.next()) * 0x1p-32;
-}
 
 /// m/s between two readings beyond any hand: an encoder skipped or a cable came loose.
 constexpr double kJumpSpeed = 10.0;
@@ -47,38 +39,13 @@ engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& dev
     return {.rate_hz = apparatus.rate_hz, .limits = limits};
 }
 
-SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
-                                       std::string protocol_hash,
-                                       SessionKey key,
-                                       std::uint64_t seed,
-                                       double pace)
-    : protocol_(protocol),
-      protocol_hash_(std::move(protocol_hash)),
-      key_(std::move(key)),
-      seed_(seed),
+SimulatedApparatus::SimulatedApparatus(const Protocol& protocol, DrawnHand hand, double pace)
+    : hand_(std::move(hand)),
       device_(engine::PantographModel{}, 1.0 / protocol.apparatus.rate_hz),
       servo_(device_, servo_spec(protocol, device_), pace) {}
 
-engine::Exploration SimulatedApparatus::exploration(const PlannedTrial& planned) const {
-    Pcg32 random = stream({.protocol_hash = protocol_hash_,
-                           .participant = key_.participant,
-                           .session = key_.session,
-                           .block = planned.position,
-                           .purpose = "hand",
-                           .seed = seed_});
-    engine::Exploration plan{.start = protocol_.apparatus.start,
-                             .a = protocol_.outline.a,
-                             .vertex = protocol_.outline.vertex,
-                             .b = protocol_.outline.b};
-    plan.speed = 0.065 + 0.030 * unit(random);          // 65 to 95 mm/s
-    plan.press_depth = 0.0085 + 0.0015 * unit(random);  // 8.5 to 10 mm: reaches into every object
-    plan.sweeps = 3 + static_cast<int>(random.bounded(3));
-    plan.tremor_phase = 2.0 * engine::kPi * unit(random);
-    return plan;
-}
-
 void SimulatedApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {
-    device_.begin(exploration(planned));
+    device_.begin(hand_.at(planned.position));
     servo_.begin(scene);
 }
 

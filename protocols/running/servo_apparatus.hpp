@@ -9,6 +9,7 @@
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/apparatus.hpp"
+#include "protocols/running/drawn_hand.hpp"
 
 namespace palpate::protocols {
 
@@ -36,16 +37,11 @@ protected:
     [[nodiscard]] virtual const engine::Servo& servo() const noexcept = 0;
 };
 
-/// The simulated pantograph and hand on a virtual clock. Every trial's way of exploring is drawn from
-/// the stream "hand" of its position, so that a resumed session explores as the unbroken one.
+/// The simulated pantograph and hand on a virtual clock.
 class SimulatedApparatus : public ServoApparatus {
 public:
     /// @param pace  multiple of real time, 0: as fast as the machine
-    SimulatedApparatus(const Protocol& protocol,
-                       std::string protocol_hash,
-                       SessionKey key,
-                       std::uint64_t seed,
-                       double pace = 0.0);
+    SimulatedApparatus(const Protocol& protocol, DrawnHand hand, double pace = 0.0);
 
     void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
@@ -56,12 +52,7 @@ protected:
     [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
 
 private:
-    [[nodiscard]] engine::Exploration exploration(const PlannedTrial& planned) const;
-
-    Protocol protocol_;
-    std::string protocol_hash_;
-    SessionKey key_;
-    std::uint64_t seed_;
+    DrawnHand hand_;
     engine::SimulatedPantograph device_;
     engine::VirtualServo servo_;
 };

@@ -107,7 +107,7 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
     const std::string hash = protocol_hash(protocol);
     const SessionKey key{"P1", 1};
     const Plan plan = make_plan(protocol, hash, key, protocol.seed);
-    SimulatedApparatus apparatus(protocol, hash, key, protocol.seed);
+    SimulatedApparatus apparatus(protocol, DrawnHand(protocol, hash, key, protocol.seed));
     WatchedScreen screen;
     Forgetful recorder;
     const SessionEnd end = run_session(protocol, plan, {}, 0, {apparatus, screen, recorder});

@@ -16,9 +16,15 @@ TEST_CASE("a device is read as it is written, also a replay of a file with colon
     CHECK(one.trial == 7);
     CHECK(parse_device("replay:a:b").file == "a:b");
     CHECK(parse_device("replay:a:").file == "a:");
-    for (const char* wrong : {"", "simulated", "replay", "replay:", "haply"}) {
-        CHECK_THROWS_WITH(
-            parse_device(wrong),
-            ContainsSubstring(wrong) && ContainsSubstring("sim, mouse, or replay:FILE[:TRIAL]"));
+    CHECK(parse_device("haply-emulator").kind == DeviceChoice::Kind::haply_emulator);
+    const DeviceChoice board = parse_device("haply:/dev/ttyACM0");
+    CHECK(board.kind == DeviceChoice::Kind::haply);
+    CHECK(board.file == "/dev/ttyACM0");
+    CHECK(parse_device("comedi:/dev/comedi0").kind == DeviceChoice::Kind::comedi);
+    CHECK(parse_device("comedi:/dev/comedi0").file == "/dev/comedi0");
+    for (const char* wrong :
+         {"", "simulated", "replay", "replay:", "haply", "haply:", "haplyX:/dev/x", "comedi:"}) {
+        CHECK_THROWS_WITH(parse_device(wrong),
+                          ContainsSubstring(wrong) && ContainsSubstring(std::string(kDeviceWords)));
     }
 }

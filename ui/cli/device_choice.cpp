@@ -6,22 +6,20 @@
 #include <fmt/format.h>
 
 namespace palpate::ui {
+namespace {
 
-DeviceChoice parse_device(std::string_view text) {
-    constexpr std::string_view kReplay = "replay:";
-    if (text == "sim") {
-        return {};
+using Kind = DeviceChoice::Kind;
+
+/// What stands after `word:` in `text`; none if it is not there.
+std::optional<std::string> after(std::string_view text, std::string_view word) {
+    if (text.size() <= word.size() + 1 || !text.starts_with(word) || text[word.size()] != ':') {
+        return std::nullopt;
     }
-    if (text == "mouse") {
-        return {.kind = DeviceChoice::Kind::mouse, .file = {}, .trial = {}};
-    }
-    if (!text.starts_with(kReplay) || text.size() == kReplay.size()) {
-        throw std::invalid_argument(fmt::format(
-            "--device {}: no such device; give sim, mouse, or replay:FILE[:TRIAL]", text));
-    }
-    DeviceChoice choice{.kind = DeviceChoice::Kind::replay,
-                        .file = std::string(text.substr(kReplay.size())),
-                        .trial = {}};
+    return std::string(text.substr(word.size() + 1));
+}
+
+DeviceChoice replay_of(std::string file) {
+    DeviceChoice choice{.kind = Kind::replay, .file = std::move(file)};
     const std::size_t colon = choice.file.rfind(':');
     if (colon != std::string::npos && colon > 0 && colon + 1 < choice.file.size()) {
         const char* begin = choice.file.data() + colon + 1;
@@ -34,6 +32,35 @@ DeviceChoice parse_device(std::string_view text) {
         }
     }
     return choice;
+}
+
+}  // namespace
+
+DeviceChoice parse_device(std::string_view text) {
+    if (text == "sim") {
+        return {};
+    }
+    if (text == "mouse") {
+        return {.kind = Kind::mouse, .file = {}};
+    }
+    if (text == "haply-emulator") {
+        return {.kind = Kind::haply_emulator, .file = {}};
+    }
+    if (auto file = after(text, "replay")) {
+        return replay_of(*std::move(file));
+    }
+    if (auto port = after(text, "haply")) {
+        return {.kind = Kind::haply, .file = *std::move(port)};
+    }
+    if (auto file = after(text, "comedi")) {
+        return {.kind = Kind::comedi, .file = *std::move(file)};
+    }
+    throw std::invalid_argument(
+        fmt::format("--device {}: no such device; give {}", text, kDeviceWords));
+}
+
+bool held_by_a_person(Kind kind) noexcept {
+    return kind == Kind::mouse || kind == Kind::haply || kind == Kind::comedi;
 }
 
 }  // namespace palpate::ui

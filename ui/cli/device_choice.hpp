@@ -9,14 +9,28 @@ namespace palpate::ui {
 
 /// What --device asks for.
 struct DeviceChoice {
-    enum class Kind : std::uint8_t { simulated, mouse, replay } kind = Kind::simulated;
-    std::string file;                   ///< replay: the database
-    std::optional<std::int64_t> trial;  ///< replay: trial id; none: the file's trials in turn
+    enum class Kind : std::uint8_t {
+        simulated,
+        mouse,
+        replay,
+        haply,
+        haply_emulator,
+        comedi
+    } kind = Kind::simulated;
+    std::string file;  ///< replay: the database; haply: the serial port; comedi: the card's file
+    std::optional<std::int64_t> trial{};  ///< replay: trial id; none: the file's trials in turn
 };
 
-/// `sim`, `mouse`, `replay:FILE` or `replay:FILE:TRIAL`. A FILE may hold colons: only a last part that
-/// is a number is a trial.
+/// `sim`, `mouse`, `replay:FILE`, `replay:FILE:TRIAL`, `haply:PORT`, `haply-emulator`, `comedi:FILE`. A
+/// replay's FILE may hold colons: only a last part that is a number is a trial.
 /// @throws std::invalid_argument naming the value and the choices
 [[nodiscard]] DeviceChoice parse_device(std::string_view text);
+
+/// A person can hold it: what it records may be a person's.
+[[nodiscard]] bool held_by_a_person(DeviceChoice::Kind kind) noexcept;
+
+/// For --help and for errors.
+inline constexpr std::string_view kDeviceWords =
+    "sim, mouse, haply:PORT, haply-emulator, comedi:FILE, or replay:FILE[:TRIAL]";
 
 }  // namespace palpate::ui

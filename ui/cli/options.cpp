@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "ui/cli/device_choice.hpp"
 #include "ui/cli/version.hpp"
 
 namespace palpate::ui {
@@ -33,8 +34,7 @@ void add_run(CLI::App& app, RunOptions& run) {
         ->required();
     command->add_option("--db", run.database, "The study's database file; made if it is not there")
         ->required();
-    command->add_option("--device", run.device, "sim, mouse, or replay:FILE[:TRIAL]")
-        ->capture_default_str();
+    command->add_option("--device", run.device, std::string(kDeviceWords))->capture_default_str();
     command
         ->add_option("--kind", run.kind,
                      "pilot or real; what is simulated is recorded as simulated")

@@ -12,6 +12,7 @@
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "ui/cli/interrupt.hpp"
+#include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/provenance.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
@@ -21,21 +22,6 @@ namespace {
 
 using protocols::PlannedTrial;
 using protocols::TrialResult;
-
-std::unique_ptr<protocols::Apparatus> make_apparatus(const RigSpec& spec) {
-    const protocols::Protocol& protocol = spec.study.protocol;
-    switch (spec.device.kind) {
-        case DeviceChoice::Kind::simulated:
-            return std::make_unique<protocols::SimulatedApparatus>(
-                protocol, spec.study.hash, spec.key, spec.seed, spec.screen.speed);
-        case DeviceChoice::Kind::replay:
-            return std::make_unique<protocols::ReplayApparatus>(
-                protocol, spec.recordings, spec.device.file, spec.screen.speed);
-        case DeviceChoice::Kind::mouse:
-            break;
-    }
-    return std::make_unique<protocols::PointerApparatus>(protocol);
-}
 
 std::unique_ptr<protocols::Observer> make_simulated_observer(
     const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
@@ -163,7 +149,7 @@ bool wants_window(const ScreenOptions& screen) {
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const protocols::Plan plan = make_plan(protocol, spec.study.hash, spec.key, spec.seed);
-    const auto apparatus = make_apparatus(spec);
+    const auto apparatus = open_apparatus(spec);
     const Observers observers = make_observers(spec, plan, *apparatus);
 
     const data::OpenedSession opened =

@@ -21,12 +21,13 @@ void check_participant(const std::string& id) {
 
 data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
     const bool person = wants_window(options.screen);
-    if (device.kind == DeviceChoice::Kind::mouse && !person) {
+    if (held_by_a_person(device.kind) && !person) {
         throw std::invalid_argument(
-            "--device mouse needs a display and a window: set DISPLAY and leave --headless out, or "
-            "use --device sim");
+            fmt::format("--device {} needs a display and a window: set DISPLAY and leave "
+                        "--headless out, or use --device sim",
+                        options.device));
     }
-    if (device.kind != DeviceChoice::Kind::mouse || !person) {
+    if (!held_by_a_person(device.kind)) {
         if (options.kind == "real") {
             fmt::print(
                 stderr,
