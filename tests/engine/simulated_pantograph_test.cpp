@@ -6,6 +6,15 @@
 using namespace palpate::engine;
 using Catch::Matchers::ContainsSubstring;
 
+namespace {
+
+/// A hand that holds still at `place`.
+Exploration still(const Vec2& place) {
+    return {.start = place, .speed = 1e-6, .tremor = 0.0};
+}
+
+}  // namespace
+
 TEST_CASE("without forces the handle follows the hand's intention from start to end", "[device]") {
     SimulatedPantograph device({}, 1e-3);
     const Exploration plan{.tremor = 0.0};
@@ -26,10 +35,11 @@ TEST_CASE("without forces the handle follows the hand's intention from start to 
 
 TEST_CASE("a constant force moves the handle by force over hand stiffness", "[device][law]") {
     PantographModel model;
+    model.plant.coulomb = Vec2{};
+    model.delay_ticks = GENERATE(0, 1);
     const double period = GENERATE(1e-3, 0.25e-3, 0.1e-3);
     SimulatedPantograph device(model, period);
-    // A path that stands still: the hand holds its start.
-    device.begin({.start = {0.0, 0.030}, .speed = 1e-6, .tremor = 0.0});
+    device.begin(still({0.0, 0.030}));
     const Vec2 force = GENERATE(Vec2{1.5, 0.0}, Vec2{0.0, -2.0}, Vec2{-0.7, 0.9});
     Vec2 hip{};
     for (int i = 0; i < static_cast<int>(3.0 / period); ++i) {
@@ -37,7 +47,7 @@ TEST_CASE("a constant force moves the handle by force over hand stiffness", "[de
         device.write(force);
     }
     // Torques are rounded to DAC codes and HIP to counts: 1 um and 0.1 mN here.
-    CHECK(glm::length(hip - (Vec2{0.0, 0.030} + force / model.hand_stiffness)) < 2e-5);
+    CHECK(glm::length(hip - (Vec2{0.0, 0.030} + force / model.plant.hand.stiffness)) < 2e-5);
 }
 
 TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
@@ -53,16 +63,18 @@ TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
 }
 
 TEST_CASE("HIP is what the counts say", "[device][law]") {
-    const PantographModel model;
+    PantographModel model;
+    model.plant.machine.turn = 0.3;
+    model.plant.machine.axes[1].zero = 0.5;
+    const Pantograph machine(model.plant.machine);
     SimulatedPantograph device(model, 1e-3);
     for (int i = 0; i < 2000; ++i) {
         const Reading reading = device.read();
         device.write({});
-        const double count = 2.0 * M_PI / model.counts_per_turn;
-        const auto pose =
-            model.linkage.forward({reading.counts[0] * count, reading.counts[1] * count});
-        REQUIRE(pose);
-        REQUIRE(glm::length(pose->handle - model.origin - reading.hip) < 1e-15);
+        REQUIRE(reading.ok());
+        const auto fix = machine.locate(machine.angles(reading.counts));
+        REQUIRE(fix);
+        REQUIRE(fix->hip == reading.hip);
     }
 }
 
