@@ -18,7 +18,7 @@ struct HandModel {
 struct PlantModel {
     PantographSpec machine{};       ///< linkage, frame and torque limits; its encoders are not used
     Vec2 inertia{1.0e-4, 1.0e-4};   ///< kg m^2 of each driven link with its motor, > 0
-    Vec2 damping{8.0e-3, 8.0e-3};   ///< N m s/rad at each motor, >= 0
+    Vec2 damping{14e-3, 14e-3};     ///< N m s/rad at each motor, >= 0
     Vec2 coulomb{1.0e-3, 1.0e-3};   ///< N m of dry friction at each motor, >= 0
     double current_time = 0.15e-3;  ///< s, time constant of the motor current; 0: at once
     double handle_mass = 0.060;     ///< kg, handle and free links lumped at the handle, >= 0

@@ -25,15 +25,14 @@ Coded coded(const Axis& axis, double torque) noexcept {
 
 double least_handle_damping(const PlantModel& model) {
     constexpr double kStep = 0.005;
-    constexpr int kWide = 9;    // 45 mm to each side
-    constexpr int kBelow = -2;  // 10 mm below the chord
-    constexpr int kAbove = 13;  // 65 mm above it
+    constexpr int kWide = 8;   // 40 mm to each side
+    constexpr int kHigh = 12;  // 60 mm above the chord
     const Pantograph machine(model.machine);
     const double damp_1 = std::sqrt(model.damping.x);
     const double damp_2 = std::sqrt(model.damping.y);
     double least = std::numeric_limits<double>::infinity();
     for (int i = -kWide; i <= kWide; ++i) {
-        for (int k = kBelow; k <= kAbove; ++k) {
+        for (int k = 0; k <= kHigh; ++k) {
             const auto angles = machine.reach({i * kStep, k * kStep});
             const auto fix = angles ? machine.locate(*angles) : std::nullopt;
             if (!fix) {

@@ -53,8 +53,8 @@ private:
     bool first_ = true;
 };
 
-/// The least damping at the handle that joint damping gives in the places of the study's objects that
-/// can be reached, N s/m: the smallest eigenvalue of J^-T B J^-1 on a grid of 5 mm.
+/// The least damping at the handle that joint damping gives, N s/m: the smallest eigenvalue of
+/// J^-T B J^-1 on a grid of 5 mm over the study's 80 x 60 mm, as far as they can be reached.
 [[nodiscard]] double least_handle_damping(const PlantModel& model);
 
 }  // namespace palpate::engine
