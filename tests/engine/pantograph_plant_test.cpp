@@ -273,7 +273,7 @@ TEST_CASE("whatever is commanded, the plant stays finite and within its torque l
     const double limit = plant.model().machine.axes[0].torque_limit;
     const double odd[] = {std::nan(""), std::numeric_limits<double>::infinity(), 1e300, -1e300, 0.0,
                           1e-300};
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
         Random random(seed);
         plant.begin({});
         for (int i = 0; i < 300; ++i) {
