@@ -33,14 +33,21 @@ public:
     Lagrangian(const PlantModel& model, const JointAngles& q, const Vec2& aim)
         : model_(model), state_{q[0], q[1], 0.0, 0.0}, aim_(aim) {}
 
-    void advance(double dt, const Vec2& torque) {
-        const State a = slope(state_, torque);
-        const State b = slope(sum(state_, a, 0.5 * dt), torque);
-        const State c = slope(sum(state_, b, 0.5 * dt), torque);
-        const State d = slope(sum(state_, c, dt), torque);
+    void advance(double dt, const Vec2& command) {
+        const Vec2 away = torque_ - command;  // dies away with the current's time constant
+        const auto at = [&](double t) {
+            const double left =
+                model_.current_time > 0.0 ? std::exp(-t / model_.current_time) : 0.0;
+            return command + left * away;
+        };
+        const State a = slope(state_, at(0.0));
+        const State b = slope(sum(state_, a, 0.5 * dt), at(0.5 * dt));
+        const State c = slope(sum(state_, b, 0.5 * dt), at(0.5 * dt));
+        const State d = slope(sum(state_, c, dt), at(dt));
         for (std::size_t i = 0; i < 4; ++i) {
             state_[i] += dt / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]);
         }
+        torque_ = at(dt);
     }
     [[nodiscard]] double angle(std::size_t i) const { return state_[i]; }
 
@@ -109,6 +116,7 @@ private:
     PlantModel model_;
     State state_;
     Vec2 aim_;
+    Vec2 torque_{};
 };
 
 }  // namespace
@@ -126,6 +134,7 @@ TEST_CASE("the plant moves as Lagrange's equation says", "[plant][law]") {
                    .base = random.in(0.0, 0.030)};
         model.inertia = Vec2{random.in(0.5e-4, 2e-4), random.in(0.5e-4, 2e-4)};
         model.damping = random.point(0.0, 5e-3);
+        model.current_time = random.coin() ? random.in(0.2e-3, 2e-3) : 0.0;
         model.hand = {.mass = 0.1, .stiffness = 200.0, .damping = 3.0, .strength = 100.0};
         PantographPlant plant(model);
         plant.begin(kStill);
@@ -137,8 +146,9 @@ TEST_CASE("the plant moves as Lagrange's equation says", "[plant][law]") {
             const Vec2 torque = random.point(-0.3, 0.3);
             plant.set_torque(torque);
             plant.advance(1e-3);
-            truth.advance(0.5e-3, torque);
-            truth.advance(0.5e-3, torque);
+            for (int i = 0; i < 4; ++i) {
+                truth.advance(0.25e-3, torque);
+            }
             for (std::size_t i = 0; i < 2; ++i) {
                 worst = std::max(worst, std::fabs(plant.angles()[i] - truth.angle(i)));
                 moved = std::max(moved, std::fabs(plant.angles()[i] - start[i]));
