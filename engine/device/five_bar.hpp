@@ -21,18 +21,53 @@ struct Jacobian {
     [[nodiscard]] Vec2 transposed(const Vec2& f) const noexcept {
         return row_x * f.x + row_y * f.y;
     }
+    [[nodiscard]] Vec2 column_1() const noexcept { return Vec2{row_x.x, row_y.x}; }
+    [[nodiscard]] Vec2 column_2() const noexcept { return Vec2{row_x.y, row_y.y}; }
     [[nodiscard]] double determinant() const noexcept { return cross(row_x, row_y); }
+};
+
+/// Largest and smallest singular value of a 2 x 2 matrix.
+struct SingularValues {
+    double largest = 0.0;
+    double smallest = 0.0;
+};
+[[nodiscard]] SingularValues singular_values(const Jacobian& matrix) noexcept;
+
+/// Which of the poses of a linkage it is in. Four pairs of elbows bring the handle to one place, and
+/// two places of the handle go with one pair of driven links; singular poses lie between them.
+struct WorkingMode {
+    bool elbow_1_left = true;   ///< of the line from pivot 1 to the handle
+    bool elbow_2_left = false;  ///< of the line from pivot 2 to the handle
+    bool handle_left = true;    ///< of the line from elbow 1 to elbow 2
+
+    friend bool operator==(const WorkingMode&, const WorkingMode&) = default;
+};
+
+/// How far a pose is from the singular ones, m. Positive inside the working mode, 0 at a singular
+/// pose, negative beyond it.
+struct Clearance {
+    /// By which the handle may move towards the place where driven and free link lie in line, before
+    /// it is there: the less of l + L - r and r - |l - L|, r from the pivot to the handle. Exact. There
+    /// the motor moves the handle no more along that line.
+    double serial_1 = 0.0;
+    double serial_2 = 0.0;
+    /// The less of h, from the handle to the line of the elbows, and of the elbows' distance. At 0
+    /// the motors do not hold the handle.
+    double parallel = 0.0;
+
+    [[nodiscard]] double least() const noexcept;
 };
 
 /// The planar five-bar linkage ("pantograph"): two driven links from pivots on the x axis, two free
 /// links that meet at the handle. Frame: pivot 1 at the origin, pivot 2 at (base, 0), m.
-/// Working mode: elbows out, handle on the side away from the base.
+/// Lengths are not checked here; see check() of engine/device/calibration.hpp.
 struct FiveBar {
     double driven_1 = 0.063;  ///< a1, m
     double driven_2 = 0.063;  ///< a4, m
     double free_1 = 0.075;    ///< a2, m
     double free_2 = 0.075;    ///< a3, m
-    double base = 0.025;      ///< a5, m
+    double base = 0.025;      ///< a5, m, >= 0
+    WorkingMode mode{};       ///< elbows out, handle on the side away from the base
 
     struct Pose {
         Vec2 elbow_1{};
@@ -41,16 +76,29 @@ struct FiveBar {
     };
 
     /// Handle = foot + h n, foot at (a2^2 - a3^2 + D^2) / 2D along the line of the elbows, D their
-    /// distance. None where the free links cannot meet (or are stretched out: h = 0, singular).
+    /// distance, on the mode's side of it. The elbows may be on either side of their lines: ask
+    /// mode_of or clearance. None where the free links cannot meet or are in line (h = 0).
     [[nodiscard]] std::optional<Pose> forward(const JointAngles& angles) const noexcept;
 
-    /// Angles that bring the handle to `handle` in the working mode; none outside the reach.
+    /// Angles, in (-2 pi, 2 pi), that bring the handle to `handle` in the working mode; none outside
+    /// the reach, or where these elbows leave the handle on the other side of their line.
     [[nodiscard]] std::optional<JointAngles> inverse(const Vec2& handle) const noexcept;
 
+    [[nodiscard]] WorkingMode mode_of(const Pose& pose) const noexcept;
+    [[nodiscard]] Clearance clearance(const Pose& pose) const noexcept;
+
     /// By implicit differentiation of |P - A|^2 = a2^2 and |P - B|^2 = a3^2 (Campion, Wang & Hayward
-    /// 2005, whose printed Jacobian lacks two signs). None at a singular pose.
-    [[nodiscard]] std::optional<Jacobian> jacobian(const JointAngles& angles,
-                                                   const Pose& pose) const noexcept;
+    /// 2005, whose printed Jacobian lacks two signs). None where the handle and the elbows are in line
+    /// to within 1e-6 of the product of the free links.
+    [[nodiscard]] std::optional<Jacobian> jacobian(const Pose& pose) const noexcept;
+
+    /// C with J' w = C w for joint rates v = w: the handle's acceleration that comes of the rates
+    /// alone, m/s^2. From the second derivative of the same two lengths. Symmetric in v and w:
+    /// C(v) w = C(w) v.
+    /// @param jacobian  of `pose`
+    [[nodiscard]] Jacobian drift(const Pose& pose,
+                                 const Jacobian& jacobian,
+                                 const Vec2& rates) const noexcept;
 };
 
 }  // namespace palpate::engine

@@ -1,28 +1,35 @@
 #include "engine/device/pantograph.hpp"
 
 #include <cmath>
-
-#include "engine/math/elementary.hpp"
+#include <limits>
 
 namespace palpate::engine {
 namespace {
 
-/// `v` of the linkage's frame, in a frame turned by `s`.
-Vec2 into(const SinCos& s, const Vec2& v) noexcept {
-    return {s.cos * v.x + s.sin * v.y, s.cos * v.y - s.sin * v.x};
-}
+constexpr double kTurn = 2.0 * kPi;
 
-Vec2 out_of(const SinCos& s, const Vec2& v) noexcept {
-    return {s.cos * v.x - s.sin * v.y, s.sin * v.x + s.cos * v.y};
+std::int32_t rounded(double value) noexcept {
+    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+    const double whole = std::floor(value + 0.5);
+    if (!(std::fabs(whole) <= kMost)) {
+        return whole > kMost  ? std::numeric_limits<std::int32_t>::max()
+             : whole < -kMost ? -std::numeric_limits<std::int32_t>::max()
+                              : 0;
+    }
+    return static_cast<std::int32_t>(whole);
 }
 
 }  // namespace
+
+Pantograph::Pantograph(const PantographSpec& spec) : spec_(spec), frame_(spec.origin, spec.turn) {
+    check(spec);
+}
 
 JointAngles Pantograph::angles(const Counts& counts) const noexcept {
     JointAngles angles{};
     for (std::size_t i = 0; i < 2; ++i) {
         const Axis& axis = spec_.axes[i];
-        angles[i] = axis.zero + counts[i] * (2.0 * kPi / axis.counts_per_turn);
+        angles[i] = axis.zero + counts[i] * (kTurn / axis.counts_per_turn);
     }
     return angles;
 }
@@ -31,27 +38,38 @@ Pantograph::Counts Pantograph::counts(const JointAngles& angles) const noexcept 
     Counts counts{};
     for (std::size_t i = 0; i < 2; ++i) {
         const Axis& axis = spec_.axes[i];
-        const double turns = (angles[i] - axis.zero) / (2.0 * kPi);
-        counts[i] = static_cast<std::int32_t>(std::floor(turns * axis.counts_per_turn + 0.5));
+        counts[i] = rounded((angles[i] - axis.zero) / kTurn * axis.counts_per_turn);
     }
     return counts;
 }
 
 std::optional<Pantograph::Fix> Pantograph::locate(const JointAngles& angles) const noexcept {
     const auto pose = spec_.linkage.forward(angles);
-    const auto jacobian = pose ? spec_.linkage.jacobian(angles, *pose) : std::nullopt;
-    if (!jacobian) {
+    if (!pose) {
         return std::nullopt;
     }
-    const SinCos turn = sin_cos(spec_.turn);
-    const Vec2 by_1 = into(turn, Vec2{jacobian->row_x.x, jacobian->row_y.x});
-    const Vec2 by_2 = into(turn, Vec2{jacobian->row_x.y, jacobian->row_y.y});
-    return Fix{.hip = into(turn, pose->handle - spec_.origin),
-               .jacobian = {.row_x = {by_1.x, by_2.x}, .row_y = {by_1.y, by_2.y}}};
+    const double clearance = spec_.linkage.clearance(*pose).least();
+    const auto jacobian = spec_.linkage.jacobian(*pose);
+    if (!(clearance >= spec_.clearance) || !jacobian) {
+        return std::nullopt;
+    }
+    const Vec2 by_1 = frame_.to_object(jacobian->column_1());
+    const Vec2 by_2 = frame_.to_object(jacobian->column_2());
+    return Fix{.hip = frame_.point_to_object(pose->handle),
+               .jacobian = {.row_x = {by_1.x, by_2.x}, .row_y = {by_1.y, by_2.y}},
+               .clearance = clearance};
 }
 
 std::optional<JointAngles> Pantograph::reach(const Vec2& hip) const noexcept {
-    return spec_.linkage.inverse(spec_.origin + out_of(sin_cos(spec_.turn), hip));
+    auto angles = spec_.linkage.inverse(frame_.point_to_linkage(hip));
+    if (!angles || !locate(*angles)) {
+        return std::nullopt;
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+        double& angle = (*angles)[i];
+        angle -= kTurn * std::floor((angle - spec_.axes[i].zero) / kTurn + 0.5);
+    }
+    return angles;
 }
 
 Pantograph::Drive Pantograph::drive(const Fix& fix, const Vec2& force) const noexcept {
@@ -60,7 +78,7 @@ Pantograph::Drive Pantograph::drive(const Fix& fix, const Vec2& force) const noe
     const auto& [one, two] = spec_.axes;
     const double most = std::fmax(std::fabs(drive.torque.x) / one.torque_limit,
                                   std::fabs(drive.torque.y) / two.torque_limit);
-    if (most > 1.0) {  // both scaled alike: the force keeps its direction
+    if (most > 1.0) {
         drive.torque /= most;
         drive.saturated = true;
     }
@@ -75,10 +93,14 @@ std::optional<double> Pantograph::weakest_force(const Vec2& hip) const noexcept 
     if (!fix) {
         return std::nullopt;
     }
-    const Jacobian& j = fix->jacobian;
-    const double gain_1 = glm::length(Vec2{j.row_x.x, j.row_y.x});
-    const double gain_2 = glm::length(Vec2{j.row_x.y, j.row_y.y});
-    return std::fmin(spec_.axes[0].torque_limit / gain_1, spec_.axes[1].torque_limit / gain_2);
+    return std::fmin(spec_.axes[0].torque_limit / glm::length(fix->jacobian.column_1()),
+                     spec_.axes[1].torque_limit / glm::length(fix->jacobian.column_2()));
+}
+
+SingularValues Pantograph::quantum(const Fix& fix) const noexcept {
+    const Vec2 count{kTurn / spec_.axes[0].counts_per_turn, kTurn / spec_.axes[1].counts_per_turn};
+    return singular_values(
+        {.row_x = fix.jacobian.row_x * count, .row_y = fix.jacobian.row_y * count});
 }
 
 }  // namespace palpate::engine

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "engine/device/calibration.hpp"
+#include "engine/device/object_frame.hpp"
 
 namespace palpate::engine {
 
@@ -15,8 +16,9 @@ public:
 
     /// Where the handle is and how it moves there.
     struct Fix {
-        Vec2 hip{};           ///< object frame, m
-        Jacobian jacobian{};  ///< of hip by the joint angles, m/rad, object frame
+        Vec2 hip{};              ///< object frame, m
+        Jacobian jacobian{};     ///< of hip by the joint angles, m/rad, object frame
+        double clearance = 0.0;  ///< from the next singular pose, m (Clearance::least)
     };
 
     /// Torques of both motors.
@@ -26,24 +28,34 @@ public:
         Vec2 load{};             ///< |torque| / torque_forever of each motor
     };
 
-    explicit Pantograph(const PantographSpec& spec) : spec_(spec) {}
+    /// @throws std::invalid_argument what check() refuses
+    explicit Pantograph(const PantographSpec& spec);
 
     [[nodiscard]] JointAngles angles(const Counts& counts) const noexcept;
-    /// The nearest counts.
+    /// The nearest counts; the ends of 32 bits beyond them, 0 for what is not a number.
     [[nodiscard]] Counts counts(const JointAngles& angles) const noexcept;
-    /// None where the linkage has no pose, or a singular one.
+    /// None where the linkage has no pose, one in another working mode, or one within the machine's
+    /// clearance of a singular pose.
     [[nodiscard]] std::optional<Fix> locate(const JointAngles& angles) const noexcept;
-    /// Joint angles with the handle at `hip`; none outside the reach.
+    /// Joint angles with the handle at `hip`; none where `locate` would refuse them. Whole turns are
+    /// added until each lies within half a turn of the axis' `zero`, so that its counts are small.
     [[nodiscard]] std::optional<JointAngles> reach(const Vec2& hip) const noexcept;
+    /// tau = J^T F, both torques scaled alike into the limits: the force keeps its direction.
+    /// @param force  finite, N, object frame
     [[nodiscard]] Drive drive(const Fix& fix, const Vec2& force) const noexcept;
     /// The largest force that the motors can give in every direction at `hip`, N; none if the handle
-    /// cannot be there.
+    /// cannot be there. Motor i holds F in the direction of column i of J with F |column i|, its worst:
+    /// the least of torque_limit / |column|.
     [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept;
+    /// How far one count of the worst mix of both encoders moves HIP, and of the best, m: the singular
+    /// values of J diag(2 pi / counts_per_turn).
+    [[nodiscard]] SingularValues quantum(const Fix& fix) const noexcept;
 
     [[nodiscard]] const PantographSpec& spec() const noexcept { return spec_; }
 
 private:
     PantographSpec spec_;
+    ObjectFrame frame_;
 };
 
 }  // namespace palpate::engine

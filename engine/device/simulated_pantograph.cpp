@@ -1,128 +1,114 @@
 #include "engine/device/simulated_pantograph.hpp"
 
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
-#include "engine/math/elementary.hpp"
+#include "engine/math/number_text.hpp"
 
 namespace palpate::engine {
 namespace {
 
-constexpr int kSubSteps = 10;
+/// Code and torque of one motor.
+struct Coded {
+    std::int32_t code = 0;
+    double torque = 0.0;  ///< N m
+};
 
-std::int32_t rounded(double value) noexcept {
-    return static_cast<std::int32_t>(std::floor(value + 0.5));
+Coded coded(const Axis& axis, double torque) noexcept {
+    const double one = axis.torque_limit / axis.codes_full_scale;
+    const double code = std::floor(torque / one + 0.5);
+    return {.code = static_cast<std::int32_t>(code), .torque = code * one};
 }
 
 }  // namespace
 
+double least_handle_damping(const PlantModel& model) {
+    constexpr double kStep = 0.005;
+    constexpr int kWide = 8;   // 40 mm to each side
+    constexpr int kHigh = 12;  // 60 mm above the chord
+    const Pantograph machine(model.machine);
+    const double damp_1 = std::sqrt(model.damping.x);
+    const double damp_2 = std::sqrt(model.damping.y);
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = -kWide; i <= kWide; ++i) {
+        for (int k = 0; k <= kHigh; ++k) {
+            const auto angles = machine.reach({i * kStep, k * kStep});
+            const auto fix = angles ? machine.locate(*angles) : std::nullopt;
+            if (!fix) {
+                continue;
+            }
+            // J^-T B J^-1 = S^T S with S = sqrt(B) J^-1
+            const Jacobian& j = fix->jacobian;
+            const double det = j.determinant();
+            const Jacobian s{.row_x = Vec2{j.row_y.y, -j.row_x.y} * (damp_1 / det),
+                             .row_y = Vec2{-j.row_y.x, j.row_x.x} * (damp_2 / det)};
+            const double smallest = singular_values(s).smallest;
+            least = std::fmin(least, smallest * smallest);
+        }
+    }
+    return std::isfinite(least) ? least : 0.0;
+}
+
 SimulatedPantograph::SimulatedPantograph(const PantographModel& model, double period)
-    : model_(model), period_(period), path_(Exploration{}) {
-    begin(Exploration{});
+    : machine_(model.plant.machine),
+      plant_(model.plant),
+      period_(period),
+      delayed_(model.delay_ticks == 1) {
+    if (!(period > 0.0 && period <= 0.1)) {
+        throw std::invalid_argument("the simulated pantograph's period is " + number_text(period) +
+                                    " s: give a number above 0, at most 0.1");
+    }
+    if (model.delay_ticks != 0 && model.delay_ticks != 1) {
+        throw std::invalid_argument("the simulated pantograph's delay is " +
+                                    std::to_string(model.delay_ticks) + " ticks: give 0 or 1");
+    }
+    const PantographSpec& spec = model.plant.machine;
+    traits_ = {.gives_force = true,
+               .damping = spec.damping ? *spec.damping : least_handle_damping(model.plant),
+               .delay_ticks = model.delay_ticks + model.plant.current_time / period,
+               .motor_time = spec.motor_time};
 }
 
 void SimulatedPantograph::begin(const Exploration& plan) {
-    path_ = HandPath(plan);
-    const Vec2 start = path_.at(0.0).position + model_.origin;
-    const auto angles = model_.linkage.inverse(start);
-    const auto pose = angles ? model_.linkage.forward(*angles) : std::nullopt;
-    const auto jacobian = pose ? model_.linkage.jacobian(*angles, *pose) : std::nullopt;
-    if (!jacobian) {
-        throw std::invalid_argument("the simulated pantograph cannot reach the start pose (" +
-                                    std::to_string(plan.start.x) + ", " +
-                                    std::to_string(plan.start.y) +
-                                    ") m: move the start closer to the object");
-    }
-    angles_ = *angles;
-    last_jacobian_ = *jacobian;
-    rates_ = Vec2{};
-    torque_ = Vec2{};
-    time_ = 0.0;
+    plant_.begin(plan);
+    fix_.reset();
+    waiting_ = Vec2{};
     first_ = true;
-    lost_ = false;
-}
-
-bool SimulatedPantograph::hand_is_done() const noexcept {
-    return time_ >= path_.duration();
-}
-
-JointAngles SimulatedPantograph::measured() const noexcept {
-    const double count = 2.0 * kPi / model_.counts_per_turn;
-    return {rounded(angles_[0] / count) * count, rounded(angles_[1] / count) * count};
 }
 
 Reading SimulatedPantograph::read() noexcept {
     if (first_) {
         first_ = false;
     } else {
-        for (int i = 0; i < kSubSteps && !lost_; ++i) {
-            integrate(period_ / kSubSteps);
-        }
+        plant_.advance(period_);
     }
-    const double count = 2.0 * kPi / model_.counts_per_turn;
-    const auto pose = model_.linkage.forward(measured());
     Reading reading;
-    reading.fault = !lost_ && pose.has_value() ? DeviceFault::none : DeviceFault::unreachable;
-    reading.counts = {rounded(angles_[0] / count), rounded(angles_[1] / count)};
-    if (pose) {
-        reading.hip = pose->handle - model_.origin;
+    reading.counts = machine_.counts(plant_.angles());
+    fix_ = plant_.lost() ? std::nullopt : machine_.locate(machine_.angles(reading.counts));
+    if (fix_) {
+        reading.hip = fix_->hip;
+    } else {
+        reading.fault = DeviceFault::unreachable;
     }
     return reading;
 }
 
 Applied SimulatedPantograph::write(const Vec2& force) noexcept {
-    const JointAngles angles = measured();
-    const auto pose = model_.linkage.forward(angles);
-    const auto jacobian = pose ? model_.linkage.jacobian(angles, *pose) : std::nullopt;
-    if (!jacobian) {
-        torque_ = Vec2{};
-        return {.saturated = true};
-    }
-    Vec2 torque = jacobian->transposed(force);
-    const double most = std::fmax(std::fabs(torque.x), std::fabs(torque.y));
     Applied applied;
-    if (most > model_.torque_limit) {  // both scaled alike: the force keeps its direction
-        torque *= model_.torque_limit / most;
-        applied.saturated = true;
+    Vec2 torque{};
+    if (fix_) {
+        const Pantograph::Drive drive = machine_.drive(*fix_, force);
+        const Coded one = coded(machine_.spec().axes[0], drive.torque.x);
+        const Coded two = coded(machine_.spec().axes[1], drive.torque.y);
+        applied = {.codes = {one.code, two.code}, .saturated = drive.saturated, .load = drive.load};
+        torque = Vec2{one.torque, two.torque};
+    } else {
+        applied.saturated = force != Vec2{};
     }
-    const double code = model_.torque_limit / model_.codes_full_scale;
-    applied.codes = {rounded(torque.x / code), rounded(torque.y / code)};
-    torque_ = Vec2{applied.codes[0] * code, applied.codes[1] * code};
+    plant_.set_torque(delayed_ ? waiting_ : torque);
+    waiting_ = torque;
     return applied;
-}
-
-void SimulatedPantograph::integrate(double dt) noexcept {
-    const auto pose = model_.linkage.forward(angles_);
-    const auto jacobian = pose ? model_.linkage.jacobian(angles_, *pose) : std::nullopt;
-    if (!jacobian) {
-        lost_ = true;
-        return;
-    }
-    const Jacobian& j = *jacobian;
-    const double mass = model_.handle_mass + model_.hand_mass;
-    const Vec2 velocity = j * rates_;
-    const Vec2 drift = (velocity - last_jacobian_ * rates_) / dt;  // J' q'
-    const HandPath::Intention aim = path_.at(time_);
-    Vec2 pull = model_.hand_stiffness * (aim.position - (pose->handle - model_.origin));
-    const double strength = glm::length(pull);
-    if (strength > model_.hand_strength) {
-        pull *= model_.hand_strength / strength;
-    }
-    const Vec2 hand = pull + model_.hand_damping * (aim.velocity - velocity);
-    const Vec2 drive = torque_ - model_.joint_damping * rates_ + j.transposed(hand - mass * drift);
-    // (I + m J^T J) q'' = drive
-    const Vec2 column_1{j.row_x.x, j.row_y.x};
-    const Vec2 column_2{j.row_x.y, j.row_y.y};
-    const double m11 = model_.link_inertia + mass * glm::dot(column_1, column_1);
-    const double m12 = mass * glm::dot(column_1, column_2);
-    const double m22 = model_.link_inertia + mass * glm::dot(column_2, column_2);
-    const double det = m11 * m22 - m12 * m12;
-    const Vec2 acceleration{(m22 * drive.x - m12 * drive.y) / det,
-                            (m11 * drive.y - m12 * drive.x) / det};
-    rates_ += dt * acceleration;
-    angles_ = {angles_[0] + dt * rates_.x, angles_[1] + dt * rates_.y};
-    last_jacobian_ = j;
-    time_ += dt;
 }
 
 }  // namespace palpate::engine

@@ -128,6 +128,20 @@ std::size_t TableView::choice(std::string_view key,
     return static_cast<std::size_t>(word - words.begin());
 }
 
+std::string TableView::required_text(std::string_view key) {
+    const Entry* entry = require(key, "text in quotes");
+    if (entry == nullptr) {
+        return {};
+    }
+    const auto* text = std::get_if<std::string>(&entry->value.data);
+    if (text == nullptr) {
+        add(entry->value.at, fmt::format("{} is {}, {}: give text in quotes", key,
+                                         shown(entry->value), kind_of(entry->value)));
+        return {};
+    }
+    return *text;
+}
+
 std::optional<double> TableView::number_in(std::string_view key, const Value& value) {
     const auto number = as_number(value);
     if (!number || !std::isfinite(*number)) {

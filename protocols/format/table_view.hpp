@@ -51,6 +51,7 @@ public:
     [[nodiscard]] std::size_t choice(std::string_view key,
                                      std::span<const std::string_view> words,
                                      std::optional<std::size_t> otherwise);
+    [[nodiscard]] std::string required_text(std::string_view key);
     [[nodiscard]] std::vector<double> numbers(std::string_view key);
     [[nodiscard]] std::vector<double> numbers_or_none(std::string_view key);
     [[nodiscard]] PointList points(std::string_view key);

@@ -1,50 +1,19 @@
-#include <cmath>
-#include <limits>
-
 #include <fmt/format.h>
 
 #include "protocols/design/sha256.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/format/protocol_file.hpp"
+#include "protocols/format/toml_text.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-/// The shortest number y, in the file's unit, that the reader turns into `si` by y / per_si.
 std::string text_of(double si, double per_si) {
-    constexpr int kNeighbours = 2;  // si * per_si is at most one rounding away from y
-    const double product = si * per_si;
-    std::string best;
-    double y = product;
-    for (int i = 0; i < kNeighbours; ++i) {
-        y = std::nextafter(y, -std::numeric_limits<double>::infinity());
-    }
-    for (int i = -kNeighbours; i <= kNeighbours; ++i) {
-        const std::string text = fmt::format("{}", y + 0.0);
-        if (y / per_si == si && (best.empty() || text.size() < best.size())) {
-            best = text;
-        }
-        y = std::nextafter(y, std::numeric_limits<double>::infinity());
-    }
-    return best.empty() ? fmt::format("{}", product) : best;
+    return toml_text(si, per_si);
 }
-
 std::string text_of(const std::string& text, double /*per_si*/) {
-    std::string quoted = "\"";
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            quoted += '\\';
-            quoted += c;
-        } else if (byte < 0x20 || byte == 0x7f) {
-            quoted += fmt::format("\\u{:04x}", byte);
-        } else {
-            quoted += c;
-        }
-    }
-    return quoted + '"';
+    return toml_text(text);
 }
-
 std::string text_of(std::uint64_t value, double /*per_si*/) {
     return fmt::format("{}", value);
 }

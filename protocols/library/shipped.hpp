@@ -14,4 +14,7 @@ struct ShippedProtocol {
 
 [[nodiscard]] std::span<const ShippedProtocol> shipped_protocols() noexcept;
 
+/// The calibration file with the machines that ship, protocols/library/pantographs.toml.
+[[nodiscard]] std::string_view shipped_pantographs() noexcept;
+
 }  // namespace palpate::protocols

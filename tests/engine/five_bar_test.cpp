@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "engine/device/five_bar.hpp"
+#include "engine/math/elementary.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -11,6 +12,21 @@ using palpate::tests::Random;
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
+
+/// Links of any lengths; either assembly.
+FiveBar any_linkage(Random& random) {
+    return {.driven_1 = random.in(0.04, 0.09),
+            .driven_2 = random.in(0.04, 0.09),
+            .free_1 = random.in(0.05, 0.10),
+            .free_2 = random.in(0.05, 0.10),
+            .base = random.in(0.0, 0.05),
+            .mode = {.handle_left = random.coin()}};
+}
+
+/// An angle less whole turns, in [-pi, pi].
+double turned(double angle) {
+    return std::remainder(angle, 2.0 * kPi);
+}
 
 FiveBar symmetric(double driven, double free, double base) {
     return {.driven_1 = driven, .driven_2 = driven, .free_1 = free, .free_2 = free, .base = base};
@@ -52,7 +68,7 @@ TEST_CASE("positions and Jacobians agree with the golden poses of real devices",
         REQUIRE(pose);
         CHECK(std::fabs(pose->handle.x * 1e3 - g.x_mm) < 1e-9);
         CHECK(std::fabs(pose->handle.y * 1e3 - g.y_mm) < 1e-9);
-        const auto j = g.linkage.jacobian(angles, *pose);
+        const auto j = g.linkage.jacobian(*pose);
         REQUIRE(j);
         CHECK(std::fabs(j->row_x.x - g.j11) < 1e-12);
         CHECK(std::fabs(j->row_x.y - g.j12) < 1e-12);
@@ -63,33 +79,131 @@ TEST_CASE("positions and Jacobians agree with the golden poses of real devices",
 
 TEST_CASE("the Jacobian is the derivative of the handle, and its transpose conserves power",
           "[device][law]") {
-    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    int tried = 0;
+    for (std::uint64_t seed = 0; seed < 4000; ++seed) {
         Random random(seed);
         CAPTURE(seed);
-        const FiveBar linkage{.driven_1 = random.in(0.05, 0.07),
-                              .driven_2 = random.in(0.05, 0.07),
-                              .free_1 = random.in(0.07, 0.09),
-                              .free_2 = random.in(0.07, 0.09),
-                              .base = random.in(0.0, 0.04)};
-        const JointAngles angles{random.in(100.0, 160.0) * kDegree,
-                                 random.in(20.0, 80.0) * kDegree};
+        const FiveBar linkage = any_linkage(random);
+        const JointAngles angles{random.in(-kPi, kPi), random.in(-kPi, kPi)};
         const auto pose = linkage.forward(angles);
-        const auto j = pose ? linkage.jacobian(angles, *pose) : std::nullopt;
-        if (!j || std::fabs(j->determinant()) < 1e-4) {
+        if (!pose || linkage.clearance(*pose).parallel < 0.005) {
             continue;
         }
+        ++tried;
+        const auto j = linkage.jacobian(*pose);
+        REQUIRE(j);
         const double e = 1e-6;
         const auto at = [&](double d1, double d2) {
             return linkage.forward({angles[0] + d1, angles[1] + d2})->handle;
         };
         const Vec2 d1 = (at(e, 0.0) - at(-e, 0.0)) / (2.0 * e);
         const Vec2 d2 = (at(0.0, e) - at(0.0, -e)) / (2.0 * e);
-        CHECK(glm::length(d1 - Vec2{j->row_x.x, j->row_y.x}) < 1e-9);
-        CHECK(glm::length(d2 - Vec2{j->row_x.y, j->row_y.y}) < 1e-9);
+        CHECK(glm::length(d1 - j->column_1()) < 1e-8);
+        CHECK(glm::length(d2 - j->column_2()) < 1e-8);
         const Vec2 force = random.point(-5.0, 5.0);
         const Vec2 rates = random.point(-2.0, 2.0);
         CHECK(std::fabs(glm::dot(j->transposed(force), rates) - glm::dot(force, *j * rates)) <
-              1e-14);
+              1e-13 * singular_values(*j).largest / 0.1);
+
+        // The handle's acceleration that comes of the rates alone, by a difference of the Jacobian.
+        const auto later = linkage.forward({angles[0] + e * rates.x, angles[1] + e * rates.y});
+        const auto sooner = linkage.forward({angles[0] - e * rates.x, angles[1] - e * rates.y});
+        const Vec2 drift =
+            (*linkage.jacobian(*later) * rates - *linkage.jacobian(*sooner) * rates) / (2.0 * e);
+        const Jacobian c = linkage.drift(*pose, *j, rates);
+        CHECK(glm::length(c * rates - drift) < 1e-6 * (1.0 + glm::length(drift)));
+        const Vec2 other = random.point(-2.0, 2.0);
+        CHECK(glm::length(c * other - linkage.drift(*pose, *j, other) * rates) <
+              1e-12 * (1.0 + glm::length(drift)));
+    }
+    CHECK(tried > 1500);
+}
+
+TEST_CASE("singular values are those of the turned and stretched circle", "[device][law]") {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        Random random(seed);
+        const Jacobian j{.row_x = random.point(-1.0, 1.0), .row_y = random.point(-1.0, 1.0)};
+        const SingularValues s = singular_values(j);
+        CHECK(std::fabs(s.largest * s.smallest - std::fabs(j.determinant())) < 1e-14);
+        CHECK(std::fabs(s.largest * s.largest + s.smallest * s.smallest -
+                        glm::dot(j.row_x, j.row_x) - glm::dot(j.row_y, j.row_y)) < 1e-14);
+    }
+}
+
+TEST_CASE("inverse and forward undo each other in every working mode, and keep it",
+          "[device][law]") {
+    int kept = 0;
+    for (std::uint64_t seed = 0; seed < 20000; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        FiveBar linkage = any_linkage(random);
+        const JointAngles angles{random.in(-kPi, kPi), random.in(-kPi, kPi)};
+        const auto pose = linkage.forward(angles);
+        if (!pose) {
+            continue;
+        }
+        linkage.mode = linkage.mode_of(*pose);  // the mode that these angles belong to
+        const Clearance clearance = linkage.clearance(*pose);
+        CHECK(clearance.least() >= 0.0);
+        if (clearance.least() < 0.001) {
+            continue;
+        }
+        ++kept;
+        const auto back = linkage.inverse(pose->handle);
+        REQUIRE(back);
+        CHECK(std::fabs(turned(back->at(0) - angles[0])) < 1e-12);
+        CHECK(std::fabs(turned(back->at(1) - angles[1])) < 1e-12);
+        const auto again = linkage.forward(*back);
+        REQUIRE(again);
+        CHECK(glm::length(again->handle - pose->handle) < 1e-12);
+        CHECK(linkage.mode_of(*again) == linkage.mode);
+
+        // Another mode gives another pose or none, never this one.
+        FiveBar other = linkage;
+        other.mode.elbow_1_left = !other.mode.elbow_1_left;
+        CHECK(other.clearance(*pose).serial_1 == -clearance.serial_1);
+        if (const auto apart = other.inverse(pose->handle)) {
+            CHECK(other.mode_of(*other.forward(*apart)) == other.mode);
+        }
+    }
+    CHECK(kept > 8000);
+}
+
+TEST_CASE("the serial clearance is the way to the place where the links lie in line",
+          "[device][law]") {
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const FiveBar linkage;
+        const Vec2 handle{random.in(-0.03, 0.055), random.in(0.05, 0.12)};
+        const auto pose = linkage.forward(linkage.inverse(handle).value());
+        REQUIRE(pose);
+        const Clearance clearance = linkage.clearance(*pose);
+        const double r = glm::length(handle);
+        const double outward = linkage.driven_1 + linkage.free_1 - r;
+        CHECK(clearance.serial_1 < outward + 1e-15);
+        // Just short of that way the handle can be reached, just beyond it cannot.
+        const Vec2 away = handle / r;
+        if (clearance.serial_1 > outward - 1e-15 && clearance.serial_2 > 2.0 * outward) {
+            CHECK(linkage.inverse(handle + away * (outward - 1e-9)));
+            CHECK_FALSE(linkage.inverse(handle + away * (outward + 1e-9)));
+        }
+    }
+}
+
+TEST_CASE("elbows one above the other are a pose like any other", "[device]") {
+    // The published formula divides by the difference of the elbows' x.
+    const FiveBar linkage{.mode = {.handle_left = false}};
+    for (const double off : {0.0, 1e-16, -1e-16, 1e-12, 1e-6}) {
+        const double t2 = -1.2;
+        const double x = linkage.base + linkage.driven_2 * std::cos(t2) + off;
+        const double t1 = std::acos(x / linkage.driven_1);
+        const auto pose = linkage.forward({t1, t2});
+        REQUIRE(pose);
+        CHECK(std::fabs(pose->elbow_1.x - pose->elbow_2.x - off) < 1e-16);
+        CHECK(std::fabs(glm::length(pose->handle - pose->elbow_1) - linkage.free_1) < 1e-16);
+        CHECK(std::fabs(glm::length(pose->handle - pose->elbow_2) - linkage.free_2) < 1e-16);
+        CHECK(linkage.jacobian(*pose));
     }
 }
 

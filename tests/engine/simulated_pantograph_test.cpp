@@ -6,6 +6,15 @@
 using namespace palpate::engine;
 using Catch::Matchers::ContainsSubstring;
 
+namespace {
+
+/// A hand that holds still at `place`.
+Exploration still(const Vec2& place) {
+    return {.start = place, .speed = 1e-6, .tremor = 0.0};
+}
+
+}  // namespace
+
 TEST_CASE("without forces the handle follows the hand's intention from start to end", "[device]") {
     SimulatedPantograph device({}, 1e-3);
     const Exploration plan{.tremor = 0.0};
@@ -26,10 +35,11 @@ TEST_CASE("without forces the handle follows the hand's intention from start to 
 
 TEST_CASE("a constant force moves the handle by force over hand stiffness", "[device][law]") {
     PantographModel model;
+    model.plant.coulomb = Vec2{};
+    model.delay_ticks = GENERATE(0, 1);
     const double period = GENERATE(1e-3, 0.25e-3, 0.1e-3);
     SimulatedPantograph device(model, period);
-    // A path that stands still: the hand holds its start.
-    device.begin({.start = {0.0, 0.030}, .speed = 1e-6, .tremor = 0.0});
+    device.begin(still({0.0, 0.030}));
     const Vec2 force = GENERATE(Vec2{1.5, 0.0}, Vec2{0.0, -2.0}, Vec2{-0.7, 0.9});
     Vec2 hip{};
     for (int i = 0; i < static_cast<int>(3.0 / period); ++i) {
@@ -37,7 +47,7 @@ TEST_CASE("a constant force moves the handle by force over hand stiffness", "[de
         device.write(force);
     }
     // Torques are rounded to DAC codes and HIP to counts: 1 um and 0.1 mN here.
-    CHECK(glm::length(hip - (Vec2{0.0, 0.030} + force / model.hand_stiffness)) < 2e-5);
+    CHECK(glm::length(hip - (Vec2{0.0, 0.030} + force / model.plant.hand.stiffness)) < 2e-5);
 }
 
 TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
@@ -53,16 +63,18 @@ TEST_CASE("the torque limit scales both joints alike and says so", "[device]") {
 }
 
 TEST_CASE("HIP is what the counts say", "[device][law]") {
-    const PantographModel model;
+    PantographModel model;
+    model.plant.machine.turn = 0.3;
+    model.plant.machine.axes[1].zero = 0.5;
+    const Pantograph machine(model.plant.machine);
     SimulatedPantograph device(model, 1e-3);
     for (int i = 0; i < 2000; ++i) {
         const Reading reading = device.read();
         device.write({});
-        const double count = 2.0 * M_PI / model.counts_per_turn;
-        const auto pose =
-            model.linkage.forward({reading.counts[0] * count, reading.counts[1] * count});
-        REQUIRE(pose);
-        REQUIRE(glm::length(pose->handle - model.origin - reading.hip) < 1e-15);
+        REQUIRE(reading.ok());
+        const auto fix = machine.locate(machine.angles(reading.counts));
+        REQUIRE(fix);
+        REQUIRE(fix->hip == reading.hip);
     }
 }
 
@@ -70,4 +82,72 @@ TEST_CASE("a start out of reach is refused with the place and the remedy", "[dev
     SimulatedPantograph device({}, 1e-3);
     CHECK_THROWS_WITH(device.begin({.start = {0.0, 0.5}}),
                       ContainsSubstring("0.5") && ContainsSubstring("move the start"));
+}
+
+TEST_CASE("a tick of delay moves the answer to a force by one tick and changes nothing else",
+          "[device][law]") {
+    PantographModel model;
+    model.plant.hand = {.mass = 0.1, .stiffness = 0.0, .damping = 0.0};
+    model.delay_ticks = 0;
+    SimulatedPantograph prompt(model, 1e-3);
+    model.delay_ticks = 1;
+    SimulatedPantograph late(model, 1e-3);
+    prompt.begin(still({0.005, 0.030}));
+    late.begin(still({0.005, 0.030}));
+    const Vec2 force{1.0, -2.0};
+    static_cast<void>(late.read());
+    late.write(force);
+    for (int i = 0; i < 40; ++i) {
+        const Reading after = late.read();
+        REQUIRE(prompt.read().counts == after.counts);
+        prompt.write(i == 0 ? force : Vec2{});
+        late.write({});
+    }
+    CHECK(late.traits().delay_ticks == prompt.traits().delay_ticks + 1.0);
+}
+
+TEST_CASE("the standard machine is passive at the study's stiffness, and says what it can do",
+          "[device][law]") {
+    const SimulatedPantograph device({}, 1e-3);
+    const DeviceTraits traits = device.traits();
+    CHECK(traits.gives_force);
+    CHECK(std::fabs(traits.delay_ticks - 1.15) < 1e-12);
+    CHECK(traits.damping.value() > 1000.0 * 1e-3 * (0.5 + traits.delay_ticks));
+    // At the symmetric pose joint damping at the handle is b / (2 lever^2) along y and x: never less.
+    const PlantModel plant;
+    const Pantograph machine(plant.machine);
+    for (const double y : {0.0, 0.02, 0.04, 0.06}) {
+        const Jacobian j = machine.locate(machine.reach({0.0, y}).value())->jacobian;
+        CHECK(plant.damping.x / (2.0 * j.row_y.y * j.row_y.y) >= *traits.damping * (1.0 - 1e-12));
+        CHECK(plant.damping.x / (2.0 * j.row_x.x * j.row_x.x) >= *traits.damping * (1.0 - 1e-12));
+    }
+    CHECK(device.weakest_force({0.0, 0.03}).value() > 8.0);
+    CHECK_FALSE(device.weakest_force({0.0, 0.3}));
+}
+
+TEST_CASE("the same forces make the same path, to the last bit", "[device][law]") {
+    SimulatedPantograph one({}, 1.0 / 3000.0);
+    SimulatedPantograph two({}, 1.0 / 3000.0);
+    two.begin({.speed = 0.05});
+    for (int i = 0; i < 500; ++i) {  // another past
+        static_cast<void>(two.read());
+        two.write({1.0, 1.0});
+    }
+    one.begin({});
+    two.begin({});
+    for (int i = 0; i < 6000; ++i) {
+        const Reading a = one.read();
+        const Reading b = two.read();
+        REQUIRE(a.hip == b.hip);
+        REQUIRE(a.counts == b.counts);
+        const Vec2 force{0.0, std::fmax(0.0, 300.0 * (0.030 - a.hip.y))};
+        one.write(force);
+        two.write(force);
+    }
+}
+
+TEST_CASE("a simulated machine that cannot be is refused with its number", "[device]") {
+    CHECK_THROWS_WITH(SimulatedPantograph({}, 0.0), ContainsSubstring("period is 0 s"));
+    CHECK_THROWS_WITH(SimulatedPantograph({.plant = {}, .delay_ticks = 2}, 1e-3),
+                      ContainsSubstring("delay is 2 ticks"));
 }

@@ -53,6 +53,26 @@ void add_demo(CLI::App& app, DemoOptions& demo) {
     add_screen(*command, demo.screen);
 }
 
+void add_calibrate(CLI::App& app, CalibrateOptions& calibrate) {
+    CLI::App* command = app.add_subcommand(
+        "calibrate", "Find the encoders' zeros of a pantograph, and write its calibration file");
+    command->add_option("--device", calibrate.device, "The device to calibrate; sim to try it out")
+        ->capture_default_str();
+    command
+        ->add_option(
+            "--preset", calibrate.preset,
+            "What is known of it: a calibration file, or haplet, 2diy_gen2, 2diy_gen3, mk2")
+        ->capture_default_str();
+    command
+        ->add_option("--mark", calibrate.marks,
+                     "X_MM,Y_MM of a place where the handle will be held; once for each mark")
+        ->allow_extra_args(false);
+    command->add_flag("--scale", calibrate.scale,
+                      "Find counts per turn as well: three marks or more, not in line");
+    command->add_option("-o,--output", calibrate.output, "The calibration file to write")
+        ->required();
+}
+
 /// A command that reads a scene and a table of points.
 void add_scene_command(CLI::App& app,
                        const std::string& name,
@@ -84,8 +104,10 @@ Options parse_command_line(int argc, const char* const* argv) {
     RenderOptions render;
     ClosestOptions closest;
     FigureOptions figures;
+    CalibrateOptions calibrate;
     add_demo(app, demo);
     add_run(app, run);
+    add_calibrate(app, calibrate);
     add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
                       "TRAJECTORY", render);
     add_scene_command(app, "closest", "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS",
@@ -131,6 +153,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     }
     if (app.got_subcommand("closest")) {
         return closest;
+    }
+    if (app.got_subcommand("calibrate")) {
+        return calibrate;
     }
     if (app.got_subcommand("figures")) {
         return figures;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 /// What the command line says, as plain values. CLI11 stays in options.cpp.
 namespace palpate::ui {
@@ -47,6 +48,14 @@ struct FigureOptions {
     std::string directory = "figures";  ///< made if it is not there
 };
 
+struct CalibrateOptions {
+    std::string device = "sim";
+    std::string preset = "mk2";      ///< a calibration file, or the name of a shipped machine
+    std::vector<std::string> marks;  ///< X_MM,Y_MM each; none: the home pose, or the origin
+    bool scale = false;              ///< counts per turn as well
+    std::string output;
+};
+
 /// The offline tools: a scene and a table of points.
 struct SceneOptions {
     std::string scene;
@@ -68,7 +77,8 @@ using Options = std::variant<Exit,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
-                             FigureOptions>;
+                             FigureOptions,
+                             CalibrateOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
 [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);

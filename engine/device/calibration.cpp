@@ -1,0 +1,108 @@
+#include "engine/device/calibration.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "engine/math/elementary.hpp"
+#include "engine/math/number_text.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr double kLongest = 2.0;        ///< m, of a link: beyond it the unit is wrong
+constexpr double kMostCounts = 1e9;     ///< a turn: a position stays within 32 bits
+constexpr double kMostTorque = 1000.0;  ///< N m
+constexpr double kMostCode = 2147483647.0;
+
+/// NaN is in no range.
+void in_range(double value, double lowest, double highest, const std::string& what) {
+    if (!(value >= lowest && value <= highest)) {
+        throw std::invalid_argument(what + " is " + number_text(value) + ": give " +
+                                    number_text(lowest) + " to " + number_text(highest));
+    }
+}
+
+void above_zero(double value, double highest, const std::string& what) {
+    if (!(value > 0.0 && value <= highest)) {
+        throw std::invalid_argument(what + " is " + number_text(value) +
+                                    ": give a number above 0, at most " + number_text(highest));
+    }
+}
+
+void check_axis(const Axis& axis, const std::string& which) {
+    above_zero(axis.counts_per_turn, kMostCounts, "counts per turn of " + which);
+    in_range(axis.zero, -4.0 * kPi, 4.0 * kPi, "encoder zero (rad) of " + which);
+    above_zero(axis.torque_limit, kMostTorque, "torque limit (N m) of " + which);
+    above_zero(axis.torque_forever, axis.torque_limit,
+               "torque that the motor gives for ever (N m) of " + which);
+    in_range(axis.codes_full_scale, 1.0, kMostCode, "DAC code of the torque limit of " + which);
+}
+
+void differ(std::uint32_t one, std::uint32_t two, const std::string& what) {
+    if (one == two) {
+        throw std::invalid_argument(what + " is " + std::to_string(one) +
+                                    " for both axes: give two different ones");
+    }
+}
+
+void check_haply(const HaplyWiring& wiring) {
+    if (wiring.id == 0) {
+        throw std::invalid_argument(
+            "the device id on a Haply board is 0, which the board takes for every unused slot: "
+            "give "
+            "1 to 255");
+    }
+    for (const std::uint8_t port : wiring.port) {
+        in_range(port, 1.0, 2.0, "port of the Haply board");
+    }
+    differ(wiring.port[0], wiring.port[1], "port of the Haply board");
+    if (wiring.grip_pin) {
+        in_range(*wiring.grip_pin, 54.0, 65.0, "grip pin of the Haply board");
+    }
+    in_range(wiring.grip_threshold, 0.0, 4095.0, "grip threshold (ADC value)");
+}
+
+void check_comedi(const ComediWiring& wiring) {
+    differ(wiring.counter[0], wiring.counter[1], "counter channel");
+    differ(wiring.output[0], wiring.output[1], "output channel");
+    for (const double volts : wiring.volts_per_newton_metre) {
+        above_zero(std::fabs(volts), 1e6, "size of the volts per newton metre");
+    }
+}
+
+}  // namespace
+
+void check(const PantographSpec& spec) {
+    const FiveBar& linkage = spec.linkage;
+    above_zero(linkage.driven_1, kLongest, "length (m) of driven link 1");
+    above_zero(linkage.driven_2, kLongest, "length (m) of driven link 2");
+    above_zero(linkage.free_1, kLongest, "length (m) of free link 1");
+    above_zero(linkage.free_2, kLongest, "length (m) of free link 2");
+    in_range(linkage.base, 0.0, kLongest, "distance (m) of the pivots");
+    check_axis(spec.axes[0], "axis 1");
+    check_axis(spec.axes[1], "axis 2");
+    in_range(spec.origin.x, -kLongest, kLongest, "x of the object frame's origin (m)");
+    in_range(spec.origin.y, -kLongest, kLongest, "y of the object frame's origin (m)");
+    in_range(spec.turn, -2.0 * kPi, 2.0 * kPi, "turn of the object frame (rad)");
+    if (spec.damping) {
+        in_range(*spec.damping, 0.0, 1e3, "damping at the handle (N s/m)");
+    }
+    in_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
+    above_zero(spec.clearance, 0.05, "clearance from singular poses (m)");
+}
+
+void check(const Calibration& calibration) {
+    check(calibration.pantograph);
+    if (calibration.haply) {
+        check_haply(*calibration.haply);
+    }
+    if (calibration.comedi) {
+        check_comedi(*calibration.comedi);
+    }
+    if (calibration.home) {
+        in_range(calibration.home->x, -kLongest, kLongest, "x of the home pose (m)");
+        in_range(calibration.home->y, -kLongest, kLongest, "y of the home pose (m)");
+    }
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,238 @@
+#include "engine/device/homing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "engine/device/pantograph.hpp"
+#include "engine/math/number_text.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr double kTurn = 2.0 * kPi;
+constexpr double kMoved = 0.3e-3;   ///< m, and one count, that a resting handle may move
+constexpr double kMissed = 1e-3;    ///< m
+constexpr double kNarrow = 5e-3;    ///< m, spread of the marks across their line
+constexpr double kMostScale = 0.1;  ///< of counts per turn
+
+std::string text_of(const Vec2& place) {
+    return "(" + number_text(place.x * 1e3) + ", " + number_text(place.y * 1e3) + ") mm";
+}
+
+/// One mark, ready to be fitted.
+struct Target {
+    Vec2 counts{};
+    Vec2 angles{};  ///< that belong to the place
+    Jacobian jacobian{};
+};
+
+Target target_of(const Pantograph& machine, const MarkReading& mark) {
+    const auto angles = machine.reach(mark.place);
+    const auto fix = angles ? machine.locate(*angles) : std::nullopt;
+    if (!fix) {
+        throw HomingRefused("the mark " + text_of(mark.place) +
+                            " is out of the linkage's reach: give a mark within it");
+    }
+    const auto& axes = machine.spec().axes;
+    const double moved =
+        (glm::length(fix->jacobian.column_1()) * mark.span.x / axes[0].counts_per_turn +
+         glm::length(fix->jacobian.column_2()) * mark.span.y / axes[1].counts_per_turn) *
+        kTurn;
+    if (!(moved <= kMoved + machine.quantum(*fix).largest)) {
+        throw HomingRefused("the handle moved by " + number_text(moved * 1e3) +
+                            " mm while it was read at " + text_of(mark.place) +
+                            ": hold it still, or put it into a hole");
+    }
+    return {
+        .counts = mark.counts, .angles = {(*angles)[0], (*angles)[1]}, .jacobian = fix->jacobian};
+}
+
+/// Adds whole turns to the angles of all targets, so that they go with those of the first.
+void unwind(std::vector<Target>& targets, const Vec2& per_count) {
+    const Target first = targets.front();
+    for (Target& target : targets) {
+        const Vec2 expected = first.angles + per_count * (target.counts - first.counts);
+        for (int i = 0; i < 2; ++i) {
+            target.angles[i] += kTurn * std::floor((expected[i] - target.angles[i]) / kTurn + 0.5);
+        }
+    }
+}
+
+/// The spread of the places across the line that fits them best, m: the root of the smaller
+/// eigenvalue of their scatter.
+double narrowest(std::span<const MarkReading> marks) {
+    Vec2 mean{};
+    for (const MarkReading& mark : marks) {
+        mean += mark.place / static_cast<double>(marks.size());
+    }
+    double xx = 0.0;
+    double xy = 0.0;
+    double yy = 0.0;
+    for (const MarkReading& mark : marks) {
+        const Vec2 away = mark.place - mean;
+        xx += away.x * away.x;
+        xy += away.x * away.y;
+        yy += away.y * away.y;
+    }
+    const double least = 0.5 * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy));
+    return std::sqrt(std::fmax(least, 0.0) / static_cast<double>(marks.size()));
+}
+
+/// Unknowns: the zeros, and the changes of the turn of one count (times the counts' size).
+constexpr std::size_t kMost = 4;
+using Column = std::array<double, kMost>;
+using Normal = std::array<Column, kMost>;
+
+/// Gauss's elimination with pivots. @throws HomingRefused if the marks do not tell
+Column solved(Normal a, Column b, std::size_t n) {
+    for (std::size_t k = 0; k < n; ++k) {
+        std::size_t pivot = k;
+        for (std::size_t i = k + 1; i < n; ++i) {
+            pivot = std::fabs(a[i][k]) > std::fabs(a[pivot][k]) ? i : pivot;
+        }
+        std::swap(a[k], a[pivot]);
+        std::swap(b[k], b[pivot]);
+        if (!(std::fabs(a[k][k]) > 1e-300)) {
+            throw HomingRefused("the marks do not tell the encoders' zeros: give other marks");
+        }
+        for (std::size_t i = k + 1; i < n; ++i) {
+            const double share = a[i][k] / a[k][k];
+            for (std::size_t j = k; j < n; ++j) {
+                a[i][j] -= share * a[k][j];
+            }
+            b[i] -= share * b[k];
+        }
+    }
+    Column x{};
+    for (std::size_t k = n; k-- > 0;) {
+        double rest = b[k];
+        for (std::size_t j = k + 1; j < n; ++j) {
+            rest -= a[k][j] * x[j];
+        }
+        x[k] = rest / a[k][k];
+    }
+    return x;
+}
+
+/// Least squares of |J (zero + counts per_count (1 + change) - angles)| over the targets.
+Column fitted(const std::vector<Target>& targets, const Vec2& per_count, bool scale) {
+    const std::size_t n = scale ? 4 : 2;
+    Normal normal{};
+    Column right{};
+    for (const Target& target : targets) {
+        const Vec2 turned = per_count * target.counts;
+        const std::array<Vec2, kMost> columns{
+            target.jacobian.column_1(), target.jacobian.column_2(),
+            target.jacobian.column_1() * turned.x, target.jacobian.column_2() * turned.y};
+        const Vec2 wanted = target.jacobian * (target.angles - turned);
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t j = 0; j < n; ++j) {
+                normal[i][j] += glm::dot(columns[i], columns[j]);
+            }
+            right[i] += glm::dot(columns[i], wanted);
+        }
+    }
+    return solved(normal, right, n);
+}
+
+void check_scale(const std::array<Axis, 2>& before, const std::array<Axis, 2>& after) {
+    for (std::size_t i = 0; i < 2; ++i) {
+        const double share = after[i].counts_per_turn / before[i].counts_per_turn;
+        if (!(std::fabs(share - 1.0) <= kMostScale)) {
+            throw HomingRefused("axis " + std::to_string(i + 1) + " would count " +
+                                number_text(after[i].counts_per_turn) + " a turn instead of " +
+                                number_text(before[i].counts_per_turn) +
+                                ": check the preset and the order of the marks");
+        }
+    }
+}
+
+void measure(Homing& homing, const PantographSpec& spec, std::span<const MarkReading> marks) {
+    for (const MarkReading& mark : marks) {
+        JointAngles angles{};
+        for (std::size_t i = 0; i < 2; ++i) {
+            const auto axis = static_cast<int>(i);
+            angles[i] =
+                homing.axes[i].zero + mark.counts[axis] * (kTurn / homing.axes[i].counts_per_turn);
+        }
+        const auto fix = Pantograph(spec).locate(angles);
+        const double missed =
+            fix ? glm::length(fix->hip - mark.place) : std::numeric_limits<double>::infinity();
+        if (!(missed <= kMissed)) {
+            throw HomingRefused(
+                "with the zeros that fit best the mark " + text_of(mark.place) +
+                (fix ? " is missed by " + number_text(missed * 1e3) + " mm" : " is nowhere") +
+                ", more than 1 mm: check the marks' places and order, the preset's lengths and "
+                "the encoders' directions");
+        }
+        homing.residuals.push_back(missed);
+        homing.worst = std::fmax(homing.worst, missed);
+    }
+}
+
+}  // namespace
+
+void MarkCounts::add(const std::array<std::int32_t, 2>& counts) noexcept {
+    for (std::size_t i = 0; i < 2; ++i) {
+        sum_[i] += counts[i];
+        least_[i] = readings_ == 0 ? counts[i] : std::min(least_[i], counts[i]);
+        most_[i] = readings_ == 0 ? counts[i] : std::max(most_[i], counts[i]);
+    }
+    ++readings_;
+}
+
+MarkReading MarkCounts::at(const Vec2& place) const {
+    if (readings_ == 0) {
+        throw std::invalid_argument("nothing was read at the mark " + text_of(place));
+    }
+    const auto mean = [&](std::size_t i) {
+        return static_cast<double>(sum_[i]) / readings_;
+    };
+    const auto span = [&](std::size_t i) {
+        return static_cast<double>(most_[i]) - static_cast<double>(least_[i]);
+    };
+    return {.place = place, .counts = {mean(0), mean(1)}, .span = {span(0), span(1)}};
+}
+
+Homing find_home(const PantographSpec& spec, std::span<const MarkReading> marks, bool scale) {
+    if (marks.empty()) {
+        throw HomingRefused("there is no mark: give at least one");
+    }
+    if (scale && marks.size() < 3) {
+        throw HomingRefused("counts per turn need three marks, " + std::to_string(marks.size()) +
+                            " were given: give more, or find the zeros alone");
+    }
+    if (scale && !(narrowest(marks) >= kNarrow)) {
+        throw HomingRefused(
+            "the marks lie in line or too close together to tell counts per turn: "
+            "spread them over a triangle of 30 mm or more");
+    }
+    PantographSpec found = spec;
+    const Pantograph machine(spec);
+    const Vec2 per_count{kTurn / spec.axes[0].counts_per_turn,
+                         kTurn / spec.axes[1].counts_per_turn};
+    std::vector<Target> targets;
+    for (const MarkReading& mark : marks) {
+        targets.push_back(target_of(machine, mark));
+    }
+    unwind(targets, per_count);
+    const Column x = fitted(targets, per_count, scale);
+    for (std::size_t i = 0; i < 2; ++i) {
+        found.axes[i].zero = x[i] - kTurn * std::floor(x[i] / kTurn + 0.5);
+        if (scale) {
+            found.axes[i].counts_per_turn = spec.axes[i].counts_per_turn / (1.0 + x[i + 2]);
+        }
+    }
+    if (scale) {
+        check_scale(spec.axes, found.axes);
+    }
+    Homing homing;
+    homing.axes = found.axes;
+    measure(homing, found, marks);
+    return homing;
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <stdexcept>
+#include <vector>
+
+#include "engine/device/calibration.hpp"
+
+namespace palpate::engine {
+
+/// The handle was held at a place that is known, and the encoders were read for a while.
+struct MarkReading {
+    Vec2 place{};   ///< object frame, m
+    Vec2 counts{};  ///< mean of each encoder
+    Vec2 span{};    ///< largest count less smallest
+};
+
+/// Gathers the readings at one mark.
+class MarkCounts {
+public:
+    void add(const std::array<std::int32_t, 2>& counts) noexcept;
+    [[nodiscard]] int readings() const noexcept { return readings_; }
+    /// @throws std::invalid_argument if nothing was read
+    [[nodiscard]] MarkReading at(const Vec2& place) const;
+
+private:
+    std::array<std::int64_t, 2> sum_{};
+    std::array<std::int32_t, 2> least_{};
+    std::array<std::int32_t, 2> most_{};
+    int readings_ = 0;
+};
+
+/// What the encoders count from.
+struct Homing {
+    std::array<Axis, 2> axes{};     ///< as they were, with the zeros (and counts per turn) found
+    std::vector<double> residuals;  ///< m, from each mark to where the handle would then be
+    double worst = 0.0;             ///< the largest of them
+};
+
+/// The readings cannot be; what() is a sentence with number and remedy.
+class HomingRefused : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// Finds both encoders' zeros from marks, and their counts per turn if asked.
+///
+/// The angles that belong to a mark are exact (FiveBar::inverse), and the angle of an encoder is linear
+/// in its zero and in the turn of one count. Least squares of the handle's distances to the marks,
+/// with the Jacobian at each mark: one mark is met exactly, of several the person's aim is averaged.
+/// Zeros are given in [-pi, pi].
+///
+/// @param spec   linkage and frame; its zeros are not used, its counts per turn are the start
+/// @param scale  find counts per turn as well: at least three marks that do not lie in line
+/// @throws HomingRefused  without marks, for one out of reach, for a handle that moved by more than
+///         0.3 mm while it was read, for marks in line or too close (scale), for counts per turn more
+///         than a tenth off, and when a mark is missed by more than 1 mm
+[[nodiscard]] Homing find_home(const PantographSpec& spec,
+                               std::span<const MarkReading> marks,
+                               bool scale);
+
+}  // namespace palpate::engine

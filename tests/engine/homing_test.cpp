@@ -1,0 +1,196 @@
+#include <cmath>
+
+#include "engine/device/homing.hpp"
+#include "engine/device/pantograph.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using Catch::Matchers::ContainsSubstring;
+using palpate::tests::Random;
+
+namespace {
+
+/// A machine as its maker knows it, and as it stands on the desk.
+struct Desk {
+    PantographSpec known;
+    PantographSpec real;
+};
+
+Desk any_desk(Random& random, bool scaled) {
+    Desk desk;
+    FiveBar& linkage = desk.known.linkage;
+    linkage.driven_1 = random.in(0.060, 0.070);
+    linkage.driven_2 = random.in(0.060, 0.070);
+    linkage.free_1 = random.in(0.075, 0.090);
+    linkage.free_2 = random.in(0.075, 0.090);
+    linkage.base = random.in(0.0, 0.030);
+    desk.known.turn = random.in(-0.2, 0.2);
+    desk.known.origin = {0.5 * linkage.base, 0.055};
+    desk.real = desk.known;
+    for (Axis& axis : desk.real.axes) {
+        axis.zero = random.in(-kPi, kPi);
+        if (scaled) {
+            axis.counts_per_turn *= random.in(0.95, 1.05);
+        }
+    }
+    return desk;
+}
+
+MarkReading read_at(const PantographSpec& real, const Vec2& place, const Vec2& aimed_off = {}) {
+    const Pantograph machine(real);
+    MarkCounts counts;
+    counts.add(machine.counts(machine.reach(place + aimed_off).value()));
+    return counts.at(place);
+}
+
+std::vector<MarkReading> read_all(const PantographSpec& real, const std::vector<Vec2>& places) {
+    std::vector<MarkReading> marks;
+    for (const Vec2& place : places) {
+        marks.push_back(read_at(real, place));
+    }
+    return marks;
+}
+
+double turned(double angle) {
+    return std::fabs(std::remainder(angle, 2.0 * kPi));
+}
+
+const std::vector<Vec2> kTriangle{{-0.030, 0.0}, {0.030, 0.005}, {0.0, 0.035}};
+
+std::string refusal(const PantographSpec& spec, const std::vector<MarkReading>& marks, bool scale) {
+    try {
+        static_cast<void>(find_home(spec, marks, scale));
+    } catch (const HomingRefused& refused) {
+        return refused.what();
+    }
+    return "accepted";
+}
+
+}  // namespace
+
+TEST_CASE("one mark gives both zeros exactly, several give them to half a count", "[homing][law]") {
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const Desk desk = any_desk(random, false);
+        const double count = 2.0 * kPi / desk.known.axes[0].counts_per_turn;
+        const Homing one = find_home(desk.known, read_all(desk.real, {{0.01, 0.02}}), false);
+        const Homing three = find_home(desk.known, read_all(desk.real, kTriangle), false);
+        CHECK(one.worst < 1e-12);
+        CHECK(three.worst < 20e-6);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(turned(one.axes[i].zero - desk.real.axes[i].zero) <= 0.5001 * count);
+            CHECK(turned(three.axes[i].zero - desk.real.axes[i].zero) <= 0.5001 * count);
+            CHECK(std::fabs(one.axes[i].zero) <= kPi);
+            CHECK(one.axes[i].counts_per_turn == desk.known.axes[i].counts_per_turn);
+        }
+    }
+}
+
+TEST_CASE("a person's aim is averaged: several marks are nearer to the truth than one",
+          "[homing][law]") {
+    double one_mark = 0.0;
+    double many_marks = 0.0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        Random random(seed);
+        const Desk desk = any_desk(random, false);
+        std::vector<MarkReading> marks;
+        for (int i = 0; i < 9; ++i) {
+            const Vec2 place{(i % 3 - 1) * 0.025, (i / 3) * 0.02};
+            marks.push_back(read_at(desk.real, place, random.point(-0.3e-3, 0.3e-3)));
+        }
+        const Homing many = find_home(desk.known, marks, false);
+        const Homing one = find_home(desk.known, {marks.data() + 4, 1}, false);
+        for (std::size_t i = 0; i < 2; ++i) {
+            many_marks += turned(many.axes[i].zero - desk.real.axes[i].zero);
+            one_mark += turned(one.axes[i].zero - desk.real.axes[i].zero);
+        }
+        CHECK(many.worst < 1e-3);
+        CHECK(many.residuals.size() == marks.size());
+    }
+    CHECK(many_marks < 0.5 * one_mark);
+}
+
+TEST_CASE("three marks give the counts per turn as well", "[homing][law]") {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const Desk desk = any_desk(random, true);
+        const Homing found = find_home(desk.known, read_all(desk.real, kTriangle), true);
+        CHECK(found.worst < 20e-6);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(std::fabs(found.axes[i].counts_per_turn / desk.real.axes[i].counts_per_turn -
+                            1.0) < 5e-4);
+        }
+        // What counts: the handle is found elsewhere as well.
+        PantographSpec calibrated = desk.known;
+        calibrated.axes = found.axes;
+        const Pantograph real(desk.real);
+        const Pantograph::Counts counts = real.counts(real.reach({0.015, 0.02}).value());
+        const auto fix = Pantograph(calibrated).locate(Pantograph(calibrated).angles(counts));
+        REQUIRE(fix);
+        CHECK(glm::length(fix->hip - Vec2{0.015, 0.02}) < 40e-6);
+    }
+}
+
+TEST_CASE("readings that cannot be are refused with a number and a remedy", "[homing]") {
+    Random random(3);
+    const Desk desk = any_desk(random, false);
+    std::vector<MarkReading> marks = read_all(desk.real, kTriangle);
+    CHECK(refusal(desk.known, {}, false) == "there is no mark: give at least one");
+    CHECK_THAT(refusal(desk.known, {marks[0], marks[1]}, true),
+               ContainsSubstring("three marks, 2 were given"));
+    CHECK_THAT(
+        refusal(desk.known, read_all(desk.real, {{-0.03, 0.0}, {0.0, 0.0}, {0.03, 0.001}}), true),
+        ContainsSubstring("lie in line"));
+    CHECK_THAT(
+        refusal(desk.known, read_all(desk.real, {{0.0, 0.0}, {0.003, 0.0}, {0.0, 0.003}}), true),
+        ContainsSubstring("too close"));
+
+    MarkReading far = marks[0];
+    far.place = {0.5, 0.0};
+    CHECK_THAT(refusal(desk.known, {far}, false), ContainsSubstring("(500, 0) mm is out of"));
+
+    // Two marks taken for one another, and a handle put 3 mm beside its mark.
+    std::vector<MarkReading> swapped = marks;
+    std::swap(swapped[0].place, swapped[1].place);
+    CHECK_THAT(refusal(desk.known, swapped, false), ContainsSubstring("more than 1 mm"));
+    std::vector<MarkReading> beside = marks;
+    beside[2] = read_at(desk.real, kTriangle[2], {0.003, 0.0});
+    CHECK_THAT(refusal(desk.known, beside, false), ContainsSubstring("is missed by"));
+
+    // An encoder that counts the other way, and one of another make.
+    std::vector<MarkReading> reversed = marks;
+    for (MarkReading& mark : reversed) {
+        mark.counts.y = -mark.counts.y;
+    }
+    CHECK_THAT(refusal(desk.known, reversed, false), ContainsSubstring("directions"));
+    PantographSpec other = desk.known;
+    other.axes[1].counts_per_turn *= 1.3;
+    CHECK_THAT(refusal(other, marks, true), ContainsSubstring("axis 2 would count"));
+
+    // 0.3 mm and a count are a resting hand; more is a moving one.
+    const Pantograph machine(desk.real);
+    const double lever =
+        glm::length(machine.locate(machine.reach(kTriangle[0]).value())->jacobian.column_1());
+    const double count = lever * 2.0 * kPi / 65536.0;
+    std::vector<MarkReading> moving = marks;
+    moving[0].span.x = std::floor(0.25e-3 / count);
+    CHECK(refusal(desk.known, moving, false) == "accepted");
+    moving[0].span.x = std::ceil(0.45e-3 / count);
+    CHECK_THAT(refusal(desk.known, moving, false), ContainsSubstring("hold it still"));
+}
+
+TEST_CASE("the counts at a mark are averaged, and their span is kept", "[homing]") {
+    MarkCounts counts;
+    CHECK_THROWS_AS(counts.at({}), std::invalid_argument);
+    counts.add({-5, 2'000'000'000});
+    counts.add({-2, 2'000'000'001});
+    counts.add({-2, 2'000'000'003});
+    const MarkReading mark = counts.at({0.001, 0.002});
+    CHECK(counts.readings() == 3);
+    CHECK(mark.counts.x == -3.0);
+    CHECK(std::fabs(mark.counts.y - 2'000'000'001.0 - 1.0 / 3.0) < 1e-6);
+    CHECK(mark.span == Vec2{3.0, 3.0});
+}

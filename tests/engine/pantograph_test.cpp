@@ -1,0 +1,174 @@
+#include <cmath>
+#include <limits>
+
+#include "engine/device/pantograph.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using palpate::tests::Random;
+
+namespace {
+
+PantographSpec spec_of(double driven, double free, double base, double counts) {
+    PantographSpec spec;
+    spec.linkage = {
+        .driven_1 = driven, .driven_2 = driven, .free_1 = free, .free_2 = free, .base = base};
+    spec.origin = {0.5 * base, 0.06};
+    for (Axis& axis : spec.axes) {
+        axis = {.counts_per_turn = counts, .torque_limit = 0.123, .torque_forever = 0.06};
+    }
+    return spec;
+}
+
+PantographSpec any_spec(Random& random) {
+    PantographSpec spec = spec_of(random.in(0.05, 0.07), random.in(0.07, 0.09),
+                                  random.in(0.0, 0.04), random.decade(3.5, 5.0));
+    spec.turn = random.in(-0.5, 0.5);
+    spec.axes[0].zero = random.in(-6.0, 6.0);
+    spec.axes[1].zero = random.in(-6.0, 6.0);
+    spec.axes[1].torque_limit = random.in(0.1, 0.3);
+    return spec;
+}
+
+Vec2 unit(double angle) {
+    return {std::cos(angle), std::sin(angle)};
+}
+
+}  // namespace
+
+// Position quantum of one count and worst-direction force at 0.123 N m, as published for these poses
+// with the golden Jacobians of five_bar_test.cpp, to the digits given there.
+TEST_CASE("quantum and weakest force agree with the golden table of real devices",
+          "[device][golden]") {
+    struct Golden {
+        PantographSpec spec;
+        double t1, t2, largest_um, smallest_um, newton;
+    };
+    const PantographSpec haplet = spec_of(0.05, 0.07, 0.02, 13824);
+    const PantographSpec gen2 = spec_of(0.07, 0.09, 0.0, 10752);
+    const PantographSpec gen3 = spec_of(0.07, 0.09, 0.038, 4880);
+    const Golden golden[] = {{haplet, 150, 30, 23, 20, 2.58}, {haplet, 135, 20, 23, 21, 2.51},
+                             {gen2, 150, 30, 42, 38, 1.79},   {gen2, 135, 20, 44, 38, 1.76},
+                             {gen3, 150, 30, 116, 61, 1.71},  {gen3, 120, 60, 98, 73, 1.83},
+                             {gen3, 135, 20, 112, 65, 1.68}};
+    for (const Golden& g : golden) {
+        CAPTURE(g.spec.linkage.base, g.t1, g.t2);
+        const Pantograph machine(g.spec);
+        const auto fix = machine.locate({g.t1 * kPi / 180.0, g.t2 * kPi / 180.0});
+        REQUIRE(fix);
+        const SingularValues quantum = machine.quantum(*fix);
+        CHECK(std::fabs(quantum.largest * 1e6 - g.largest_um) <= 0.5);
+        CHECK(std::fabs(quantum.smallest * 1e6 - g.smallest_um) <= 0.5);
+        CHECK(std::fabs(machine.weakest_force(fix->hip).value() - g.newton) <= 0.005);
+    }
+}
+
+TEST_CASE("the weakest force is possible in every direction, and no larger one is",
+          "[device][law]") {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const Pantograph machine(any_spec(random));
+        const Vec2 hip{random.in(-0.03, 0.03), random.in(0.0, 0.05)};
+        const auto angles = machine.reach(hip);
+        if (!angles) {
+            CHECK_FALSE(machine.weakest_force(hip));
+            continue;
+        }
+        const auto fix = machine.locate(*angles);
+        const double weakest = machine.weakest_force(hip).value();
+        bool beyond = false;
+        for (int i = 0; i < 720; ++i) {
+            const Vec2 way = unit(i * kPi / 360.0);
+            CHECK_FALSE(machine.drive(*fix, weakest * (1.0 - 1e-12) * way).saturated);
+            beyond = beyond || machine.drive(*fix, 1.001 * weakest * way).saturated;
+        }
+        CHECK(beyond);
+    }
+}
+
+TEST_CASE("counts, angles and places go back and forth, however the frame is turned",
+          "[device][law]") {
+    int reached = 0;
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const PantographSpec spec = any_spec(random);
+        const Pantograph machine(spec);
+        const Vec2 hip{random.in(-0.05, 0.05), random.in(-0.03, 0.06)};
+        const auto angles = machine.reach(hip);
+        if (!angles) {
+            continue;
+        }
+        ++reached;
+        const auto fix = machine.locate(*angles);
+        REQUIRE(fix);
+        CHECK(glm::length(fix->hip - hip) < 1e-14);
+        CHECK(fix->clearance >= spec.clearance);
+        const Pantograph::Counts counts = machine.counts(*angles);
+        CHECK(machine.counts(machine.angles(counts)) == counts);
+        for (std::size_t i = 0; i < 2; ++i) {
+            CHECK(std::abs(counts[i]) <= 0.5 * spec.axes[i].counts_per_turn + 1.0);
+        }
+        const auto read = machine.locate(machine.angles(counts));
+        REQUIRE(read);
+        CHECK(glm::length(read->hip - hip) <= machine.quantum(*fix).largest);
+        // A force along a way does work there: the frame of force and of HIP is one.
+        const Vec2 rates = random.point(-1.0, 1.0);
+        const Vec2 force = random.point(-0.5, 0.5);
+        CHECK(std::fabs(glm::dot(machine.drive(*fix, force).torque, rates) -
+                        glm::dot(force, fix->jacobian * rates)) < 1e-15);
+    }
+    CHECK(reached > 500);
+}
+
+TEST_CASE("poses near a singular one, or in another working mode, are no places", "[device][law]") {
+    PantographSpec spec;
+    for (const double clearance : {0.0005, 0.001, 0.005}) {
+        spec.clearance = clearance;
+        const Pantograph machine(spec);
+        const double reach = spec.linkage.driven_1 + spec.linkage.free_1;
+        // Straight out from pivot 1, to the left of both: pivot 2 has a longer way, so take its reach.
+        const Vec2 pivot_2 = Vec2{spec.linkage.base, 0.0} - spec.origin;
+        const Vec2 way = unit(2.0);
+        CHECK(machine.reach(pivot_2 + way * (reach - clearance - 1e-9)));
+        CHECK_FALSE(machine.reach(pivot_2 + way * (reach - clearance + 1e-9)));
+    }
+    const Pantograph machine(spec);
+    FiveBar folded = spec.linkage;  // elbow 1 on the inner side
+    folded.mode.elbow_1_left = false;
+    const Vec2 place{-0.010, 0.110};
+    const JointAngles angles = folded.inverse(place).value();
+    CHECK(glm::length(spec.linkage.forward(angles)->handle - place) < 1e-15);
+    CHECK(machine.reach(place - spec.origin));
+    CHECK_FALSE(machine.locate(angles));
+    CHECK_FALSE(machine.locate({kPi, 0.0}));  // elbows too far apart
+}
+
+TEST_CASE("counts of what is no angle stay within 32 bits", "[device]") {
+    const Pantograph machine{PantographSpec{}};
+    const double huge = std::numeric_limits<double>::max();
+    CHECK(machine.counts({std::nan(""), 0.0})[0] == 0);
+    CHECK(machine.counts({huge, -huge}) == Pantograph::Counts{2147483647, -2147483647});
+    const auto far = machine.locate(machine.angles({2147483647, -2147483647}));
+    CHECK((!far || std::isfinite(far->hip.x + far->hip.y)));
+}
+
+TEST_CASE("a machine that cannot be is refused with number and remedy", "[device]") {
+    using Catch::Matchers::ContainsSubstring;
+    PantographSpec spec;
+    spec.axes[1].counts_per_turn = 0.0;
+    CHECK_THROWS_WITH(Pantograph(spec), ContainsSubstring("counts per turn of axis 2 is 0: give"));
+    spec = {};
+    spec.axes[0].torque_forever = 1.0;
+    CHECK_THROWS_WITH(Pantograph(spec), ContainsSubstring("at most 0.6"));
+    spec = {};
+    spec.linkage.free_2 = std::nan("");
+    CHECK_THROWS_WITH(Pantograph(spec), ContainsSubstring("free link 2 is nan"));
+    Calibration calibration;
+    calibration.haply.emplace().id = 0;
+    CHECK_THROWS_WITH(check(calibration), ContainsSubstring("every unused slot"));
+    calibration.haply.emplace().port = {1, 1};
+    CHECK_THROWS_WITH(check(calibration), ContainsSubstring("for both axes"));
+}

@@ -1,0 +1,86 @@
+#include <cmath>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/device_wall.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+
+// The table of the virtual wall's stability: m = 0.15 kg, T = 1 ms; roots of the exact zero-order-hold
+// polynomial, and the growth of a stepped wall beside them.
+TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polynomial",
+          "[passivity][golden]") {
+    struct Row {
+        double damping, virtual_damping;
+        int delay;
+        double limit;
+    };
+    const Row rows[] = {{0.1, 0.0, 0, 200.02}, {0.5, 0.0, 0, 1000.556}, {0.5, 0.25, 0, 1498.3},
+                        {0.5, 1.0, 0, 2981.8}, {2.0, 0.0, 0, 4008.9},   {0.5, 0.0, 1, 333.64}};
+    for (const Row& row : rows) {
+        CAPTURE(row.damping, row.virtual_damping, row.delay);
+        const SampledWall wall{
+            .damping = row.damping, .virtual_damping = row.virtual_damping, .delay = row.delay};
+        const double exact = exact_stiffness(wall);
+        CHECK(std::fabs(exact - row.limit) < 0.1);
+        const double stepped = stability_limit(
+            exact, 20, [&](double k) { return stepped_growth(wall, k, 6000) < 0.0; });
+        CHECK(std::fabs(stepped / exact - 1.0) < 1e-4);
+    }
+    const SampledWall wall;
+    const double exact = exact_stiffness(wall);
+    const double growth[][2] = {{0.5, -0.833}, {0.9, -0.166}, {1.1, 0.166}, {2.0, 1.661}};
+    for (const auto& [share, per_second] : growth) {
+        CHECK(std::fabs(stepped_growth(wall, share * exact, 4000) / wall.period - per_second) <
+              1e-3);
+    }
+}
+
+TEST_CASE("the simulated pantograph on a wall is stable up to the passivity bound and no further",
+          "[passivity][law]") {
+    const double period = GENERATE(1e-3, 0.25e-3, 0.1e-3);
+    const int delay = GENERATE(0, 1);
+    CAPTURE(period, delay);
+    const DeviceWall wall = fine_wall(0.5, period, delay);
+    const SampledWall scalar = scalar_of(wall);
+    const double measured = device_stiffness(wall, static_cast<int>(1.5 / period), 13);
+    CHECK(std::fabs(measured / exact_stiffness(scalar) - 1.0) < 5e-4);
+    CHECK(std::fabs(measured / passive_stiffness(scalar) - 1.0) < 1e-3);
+}
+
+TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at any rate",
+          "[passivity][law]") {
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const double period = 1.0 / random.in(1000.0, 10000.0);
+        PantographModel model;
+        model.delay_ticks = random.below(2);
+        if (random.coin()) {
+            model.plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0};
+        }
+        SimulatedPantograph device(model, period);
+        const DeviceTraits traits = device.traits();
+        const double bound = *traits.damping / (period * (0.5 + traits.delay_ticks));
+        const double stiffness = random.in(0.1, 0.95) * bound;
+        const double surface = random.in(0.015, 0.040);
+        const Vec2 start{random.in(-0.03, 0.03), surface + 0.001};
+        CAPTURE(period, model.delay_ticks, stiffness, start.x, start.y);
+        device.begin({.start = start, .speed = 1e-6, .tremor = 0.0});
+        double early = 0.0;
+        double late = 0.0;
+        Vec2 before = start;
+        const int ticks = static_cast<int>(1.5 / period);
+        for (int i = 0; i < ticks; ++i) {
+            const Reading reading = device.read();
+            REQUIRE(reading.ok());
+            const double speed = glm::length(reading.hip - before) / period;
+            (i < ticks / 3 ? early : late) += i < ticks / 3 || i >= 2 * (ticks / 3) ? speed : 0.0;
+            before = reading.hip;
+            device.write({0.0, std::fmax(0.0, stiffness * (surface - reading.hip.y)) - 1.5});
+        }
+        CHECK(glm::length(before - start) < 0.02);
+        CHECK(late < 0.1 * early);
+    }
+}

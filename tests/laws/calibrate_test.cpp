@@ -1,0 +1,102 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "engine/math/elementary.hpp"
+#include "protocols/format/calibration_file.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_program;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// `palpate calibrate` with the words, somebody at the keyboard who presses Enter so many times.
+Finished calibrate(const std::string& words, int enters = 100) {
+    const std::string command = "yes '' | head -n " + std::to_string(enters) + " | '" +
+                                palpate_program() + "' calibrate " + words;
+    return tests::Process({"sh", "-c", command}).wait();
+}
+
+/// The simulated encoders' hidden error, rad.
+constexpr double kHidden[] = {0.2345, -0.1234};
+
+}  // namespace
+
+TEST_CASE(
+    "calibrate finds the hidden zeros of a simulated machine, and writes what a session reads",
+    "[calibrate][law]") {
+    const TemporaryFolder folder;
+    const std::string preset = GENERATE("haplet", "2diy_gen2", "2diy_gen3", "mk2");
+    const std::string marks = GENERATE("", "--mark 0,20", "--mark=-30,0 --mark 30,0 --mark 0,35");
+    CAPTURE(preset, marks);
+    const std::string file = folder.file("desk.toml");
+    const Finished run = calibrate("--device sim --preset " + preset + " " + marks + " -o " + file);
+    CAPTURE(run.out, run.error);
+    REQUIRE(run.code == 0);
+    const engine::Calibration before = protocols::load_calibration(preset);
+    const engine::Calibration after = protocols::load_calibration(file);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const engine::Axis& axis = before.pantograph.axes[i];
+        const double error = after.pantograph.axes[i].zero - axis.zero - kHidden[i];
+        // Half a count of the encoder.
+        CHECK(std::fabs(std::remainder(error, 2.0 * engine::kPi)) <
+              1.1 * engine::kPi / axis.counts_per_turn);
+        CHECK(after.pantograph.axes[i].counts_per_turn == axis.counts_per_turn);
+    }
+    CHECK_THAT(run.out, ContainsSubstring("missed by 0.0"));
+    CHECK_THAT(run.out,
+               ContainsSubstring("Calibration " + protocols::calibration_id(after).substr(0, 12) +
+                                 " written to " + file));
+    // Calibrated again from its own file, it is the same machine.
+    const std::string again = folder.file("again.toml");
+    REQUIRE(calibrate("--preset " + file + " " + marks + " -o " + again).code == 0);
+}
+
+TEST_CASE("calibrate finds counts per turn when asked, with three marks", "[calibrate]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("desk.toml");
+    const Finished run = calibrate("--scale --mark=-30,0 --mark 30,0 --mark 0,35 -o " + file);
+    CAPTURE(run.out, run.error);
+    REQUIRE(run.code == 0);
+    const auto axes = protocols::load_calibration(file).pantograph.axes;
+    CHECK(std::fabs(axes[0].counts_per_turn / 65536.0 - 1.0) < 1e-3);
+    CHECK(std::fabs(axes[1].counts_per_turn / 65536.0 - 1.0) < 1e-3);
+}
+
+TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file", "[calibrate]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("desk.toml");
+    struct Case {
+        std::string words;
+        int code;
+        std::string says;
+    };
+    const Case cases[] = {
+        {"--device haptix", 2, "no such device to calibrate"},
+        {"--preset mk9", 2, "mk9:1:1: there is no such calibration"},
+        {"--mark 40", 2, "as in --mark 0,40"},
+        {"--mark 40,x", 2, "as in --mark 0,40"},
+        {"--mark nan,1", 2, "as in --mark 0,40"},
+        {"--mark 400,0", 2, "out of the reach of mk2"},
+        {"--scale --mark 0,0", 2, "three marks"},
+        {"--scale --mark 0,0 --mark 10,0 --mark 20,0", 1, "lie in line"},
+    };
+    for (const Case& c : cases) {
+        CAPTURE(c.words);
+        const Finished run = calibrate(c.words + " -o " + file);
+        CHECK(run.code == c.code);
+        CHECK_THAT(run.error, ContainsSubstring(c.says));
+        CHECK(folder.names().empty());
+    }
+    const Finished ended = calibrate("--mark 0,0 --mark 10,0 -o " + file, 1);
+    CHECK(ended.code == 3);
+    CHECK_THAT(ended.error, ContainsSubstring("nothing was written"));
+    CHECK(folder.names().empty());
+    CHECK(calibrate("--mark 0,0").code == 2);
+    CHECK(calibrate("-o " + folder.file("no/such/folder.toml")).code != 0);
+}

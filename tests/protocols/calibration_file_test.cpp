@@ -1,0 +1,261 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+#include "engine/device/pantograph.hpp"
+#include "engine/math/elementary.hpp"
+#include "protocols/format/calibration_file.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/library/shipped.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::protocols;
+using namespace palpate::engine;
+using Catch::Matchers::ContainsSubstring;
+using palpate::tests::Random;
+
+namespace {
+
+constexpr const char* kPresets[] = {"haplet", "2diy_gen2", "2diy_gen3", "mk2"};
+
+std::string refusal(const std::string& text) {
+    try {
+        static_cast<void>(parse_calibrations(text, "c.toml"));
+    } catch (const ProtocolError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+std::string changed(const std::string& from, const std::string& to) {
+    std::string text = to_toml(load_calibration("2diy_gen3"));
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+Calibration any_calibration(Random& random) {
+    Calibration c;
+    PantographSpec& machine = c.pantograph;
+    machine.name = "machine \"7\"\n";
+    machine.linkage = {.driven_1 = random.in(0.03, 0.3),
+                       .driven_2 = random.in(0.03, 0.3),
+                       .free_1 = random.in(0.03, 0.3),
+                       .free_2 = random.in(0.03, 0.3),
+                       .base = random.in(0.0, 0.2),
+                       .mode = {random.coin(), random.coin(), random.coin()}};
+    for (Axis& axis : machine.axes) {
+        axis = {.counts_per_turn = random.decade(2.0, 6.0),
+                .zero = random.in(-6.0, 6.0),
+                .torque_limit = random.in(0.5, 0.9),
+                .torque_forever = random.in(0.1, 0.5),
+                .codes_full_scale = std::floor(random.in(100.0, 60000.0))};
+    }
+    machine.origin = random.point(-0.1, 0.1);
+    machine.turn = random.in(-3.0, 3.0);
+    if (random.coin()) {
+        machine.damping = random.in(0.0, 3.0);
+    }
+    machine.motor_time = random.in(0.0, 100.0);
+    machine.clearance = random.in(1e-4, 1e-2);
+    if (random.coin()) {
+        c.home = random.point(-0.1, 0.1);
+    }
+    if (random.coin()) {
+        HaplyWiring& wiring = c.haply.emplace();
+        wiring.id = static_cast<std::uint8_t>(1 + random.below(255));
+        wiring.port = {2, 1};
+        wiring.motor_clockwise = {random.coin(), random.coin()};
+        wiring.encoder_clockwise = {random.coin(), random.coin()};
+        if (random.coin()) {
+            wiring.grip_pin = static_cast<std::uint8_t>(54 + random.below(12));
+        }
+        wiring.grip_threshold = random.in(0.0, 1023.0);
+    }
+    if (random.coin()) {
+        ComediWiring& wiring = c.comedi.emplace();
+        wiring.counter_subdevice = static_cast<std::uint32_t>(random.below(9));
+        wiring.counter = {3, 0};
+        wiring.output = {0, 7};
+        wiring.range = static_cast<std::uint32_t>(random.below(4));
+        wiring.volts_per_newton_metre = {random.in(1.0, 20.0), random.in(-20.0, -1.0)};
+        wiring.counter_clockwise = {random.coin(), random.coin()};
+    }
+    return c;
+}
+
+}  // namespace
+
+// Link lengths, encoders and golden poses of the hAPI's examples; see pantographs.toml for the sources.
+TEST_CASE("the machines that ship have the numbers of their makers", "[calibration][golden]") {
+    struct Golden {
+        const char* name;
+        double t1, t2, x_mm, y_mm, quantum_um, newton;
+    };
+    const Golden golden[] = {{"haplet", 150, 30, 10.000000000, 70.375925293, 23, 2.58},
+                             {"2diy_gen2", 135, 20, 22.843407242, 103.039951300, 44, 1.76},
+                             {"2diy_gen3", 120, 60, 19.0, 132.621778265, 98, 1.83}};
+    for (const Golden& g : golden) {
+        CAPTURE(g.name);
+        const PantographSpec spec = load_calibration(g.name).pantograph;
+        const Pantograph machine(spec);
+        const auto fix = machine.locate({g.t1 * kPi / 180.0, g.t2 * kPi / 180.0});
+        REQUIRE(fix);
+        const auto pose = spec.linkage.forward({g.t1 * kPi / 180.0, g.t2 * kPi / 180.0});
+        CHECK(std::fabs(pose->handle.x * 1e3 - g.x_mm) < 1e-9);
+        CHECK(std::fabs(pose->handle.y * 1e3 - g.y_mm) < 1e-9);
+        CHECK(std::fabs(machine.quantum(*fix).largest * 1e6 - g.quantum_um) <= 0.5);
+        CHECK(std::fabs(machine.weakest_force(fix->hip).value() - g.newton) <= 0.005);
+    }
+}
+
+TEST_CASE("the shipped Mk-II is the machine that is simulated without a calibration",
+          "[calibration]") {
+    Calibration mk2 = load_calibration("mk2");
+    const Calibration standard;
+    mk2.comedi.reset();
+    CHECK(to_toml(mk2) == to_toml(standard));
+}
+
+TEST_CASE("every machine that ships reaches the study's whole area, from its rest too",
+          "[calibration][law]") {
+    for (const char* name : kPresets) {
+        CAPTURE(name);
+        const Calibration calibration = load_calibration(name);
+        const Pantograph machine(calibration.pantograph);
+        // Where the tip of a hand may be: 10 mm into the sides, and the start above the vertex.
+        for (int x = -40; x <= 40; x += 5) {
+            for (int y = -10; y <= 60; y += 5) {
+                CAPTURE(x, y);
+                CHECK(machine.reach({x * 1e-3, y * 1e-3}));
+            }
+        }
+        if (calibration.haply) {
+            CHECK(calibration.pantograph.linkage.forward(machine.angles({0, 0})));
+        }
+    }
+}
+
+TEST_CASE("a calibration that is written and read is the same, and has the same id",
+          "[calibration][law]") {
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const Calibration calibration = any_calibration(random);
+        const std::string text = to_toml(calibration);
+        const std::vector<Calibration> back = parse_calibrations(text, "c.toml");
+        REQUIRE(back.size() == 1);
+        CHECK(to_toml(back.front()) == text);
+        CHECK(calibration_id(back.front()) == calibration_id(calibration));
+        const PantographSpec& a = calibration.pantograph;
+        const PantographSpec& b = back.front().pantograph;
+        CHECK(a.name == b.name);
+        CHECK(a.linkage.mode == b.linkage.mode);
+        CHECK(std::fabs(a.axes[0].zero - b.axes[0].zero) <= 1e-15);
+        CHECK(std::fabs(a.origin.y - b.origin.y) <= 1e-16);
+        CHECK(a.damping == b.damping);
+    }
+    const std::string id = calibration_id(load_calibration("mk2"));
+    CHECK(std::regex_match(id, std::regex("[0-9a-f]{64}")));
+    CHECK(id != calibration_id(load_calibration("haplet")));
+}
+
+TEST_CASE("what is wrong with a calibration is said at its place, with the remedy",
+          "[calibration]") {
+    CHECK_THAT(refusal(changed("base_mm = 38", "base_mm = -38")),
+               ContainsSubstring("c.toml:15:11: base_mm is -38: give 0 to 2000"));
+    CHECK_THAT(refusal(changed("base_mm", "base_m")),
+               ContainsSubstring("base_m\": did you mean base_mm?"));
+    CHECK_THAT(refusal(changed("id = 5", "id = 0")), ContainsSubstring("id is 0: give 1 to 255"));
+    CHECK_THAT(refusal(changed("id = 5", "id = 5.5")), ContainsSubstring("give a whole number"));
+    CHECK_THAT(refusal(changed("port_2 = 1", "port_2 = 2")),
+               ContainsSubstring("give two different ones"));
+    CHECK_THAT(refusal(changed("\"anticlockwise\"", "\"clokwise\"")),
+               ContainsSubstring("did you mean clockwise?"));
+    CHECK_THAT(refusal(changed("torque_forever_mn_m = 60", "torque_forever_mn_m = 160")),
+               ContainsSubstring("at most 0.123"));
+    CHECK_THAT(refusal(changed("name = \"2diy_gen3\"", "")),
+               ContainsSubstring("needs the key name"));
+    CHECK_THAT(refusal(changed("[pantograph.axis_2]", "[pantograph.axis_3]")),
+               ContainsSubstring("has no table [pantograph.axis_2]: add it"));
+    CHECK_THAT(refusal(changed("origin_mm = [19, 125]", "origin_mm = [19]")),
+               ContainsSubstring("origin_mm has 1 coordinates"));
+    CHECK_THAT(refusal(changed("format = 1", "format = 2")), ContainsSubstring("reads format = 1"));
+    CHECK_THAT(refusal("format = 1"), ContainsSubstring("add a [[pantograph]]"));
+    CHECK_THAT(refusal(""), ContainsSubstring("c.toml:1:1:"));
+    CHECK_THROWS_WITH(load_calibration("mk3"),
+                      ContainsSubstring("haplet, 2diy_gen2, 2diy_gen3, mk2"));
+    const std::string two =
+        std::string(shipped_pantographs())
+            .replace(std::string(shipped_pantographs()).find("2diy_gen2"), 9, "2diy_gen3");
+    CHECK_THAT(refusal(two), ContainsSubstring("two machines are called \"2diy_gen3\""));
+}
+
+TEST_CASE("no calibration file, however broken, does more than be refused line by line",
+          "[calibration][fuzz]") {
+    const std::string_view splinters[] = {"-",      "[",  "]",     "\"",   "=",         "#",
+                                          "\n",     ".",  ",",     "nan",  "inf",       "1e999",
+                                          "-1e9",   "{",  "}",     "\xff", "true",      "0",
+                                          "1e-300", "[[", "[1,2]", "''''", "1979-05-27"};
+    const std::regex form("^[^:]+:[0-9]+:[0-9]+: .+");
+    int accepted = 0;
+    int refused = 0;
+    for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+        Random random(seed);
+        std::string text = to_toml(any_calibration(random));
+        const auto somewhere = [&] {
+            return static_cast<std::size_t>(random.below(static_cast<int>(text.size())));
+        };
+        for (int i = random.below(4); i >= 0 && !text.empty(); --i) {
+            switch (random.below(4)) {
+                case 0:
+                    text.insert(somewhere(), splinters[random.below(23)]);
+                    break;
+                case 1:
+                    text.erase(somewhere(), static_cast<std::size_t>(1 + random.below(20)));
+                    break;
+                case 2:
+                    text[somewhere()] = static_cast<char>(random.below(256));
+                    break;
+                default: {
+                    const std::size_t digit = text.find_first_of("0123456789", somewhere());
+                    if (digit != std::string::npos) {
+                        text[digit] = static_cast<char>('0' + random.below(10));
+                    }
+                }
+            }
+        }
+        CAPTURE(seed, text);
+        try {
+            for (const Calibration& calibration : parse_calibrations(text, "c.toml")) {
+                CHECK_NOTHROW(check(calibration));
+                CHECK(parse_calibrations(to_toml(calibration), "again.toml").size() == 1);
+            }
+            ++accepted;
+        } catch (const ProtocolError& error) {
+            ++refused;
+            std::istringstream lines(error.what());
+            for (std::string line; std::getline(lines, line);) {
+                CAPTURE(line);
+                CHECK(std::regex_search(line, form));
+            }
+        }
+    }
+    CHECK(accepted > 200);
+    CHECK(refused > 1000);
+}
+
+TEST_CASE("a calibration file is read by its path, and must hold one machine", "[calibration]") {
+    const auto folder = std::filesystem::temp_directory_path() / "palpate_calibration_file_test";
+    std::filesystem::create_directories(folder);
+    const std::string one = (folder / "one.toml").string();
+    const std::string all = (folder / "all.toml").string();
+    std::ofstream(one) << to_toml(load_calibration("haplet"));
+    std::ofstream(all) << shipped_pantographs();
+    CHECK(calibration_id(load_calibration(one)) == calibration_id(load_calibration("haplet")));
+    CHECK_THROWS_WITH(load_calibration(all), ContainsSubstring("holds 4 machines"));
+    std::filesystem::remove_all(folder);
+}

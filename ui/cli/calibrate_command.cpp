@@ -1,0 +1,157 @@
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/device/homing.hpp"
+#include "engine/device/pantograph.hpp"
+#include "protocols/format/calibration_file.hpp"
+#include "data/csv/whole_file.hpp"
+#include "ui/cli/calibration_device.hpp"
+#include "ui/cli/commands.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using engine::Vec2;
+
+constexpr int kReadings = 500;  ///< half a second at 1 kHz
+constexpr auto kPause = std::chrono::milliseconds(1);
+constexpr int kMostSilent = 100;  ///< readings in a row that say nothing new
+constexpr std::size_t kShownId = 12;
+
+Vec2 parse_mark(const std::string& text) {
+    Vec2 mm{};
+    const char* const end = text.data() + text.size();
+    const auto x = std::from_chars(text.data(), end, mm.x);
+    const bool comma = x.ec == std::errc{} && x.ptr != end && *x.ptr == ',';
+    const auto y = comma ? std::from_chars(x.ptr + 1, end, mm.y) : x;
+    constexpr double kFar = 1000.0;
+    if (!comma || y.ec != std::errc{} || y.ptr != end || !(glm::length(mm) <= kFar)) {
+        throw std::invalid_argument(fmt::format(
+            "--mark {}: give its place in the object's frame in mm, as in --mark 0,40", text));
+    }
+    return mm / 1000.0;
+}
+
+std::vector<Vec2> marks_of(const CalibrateOptions& options, const engine::Calibration& preset) {
+    std::vector<Vec2> marks;
+    for (const std::string& text : options.marks) {
+        marks.push_back(parse_mark(text));
+    }
+    if (marks.empty()) {
+        marks.push_back(preset.home.value_or(Vec2{}));
+    }
+    const engine::Pantograph machine(preset.pantograph);
+    for (const Vec2& mark : marks) {
+        if (!machine.reach(mark)) {
+            throw std::invalid_argument(
+                fmt::format("the mark ({}, {}) mm is out of the reach of {}: give a mark within it",
+                            mark.x * 1e3, mark.y * 1e3, preset.pantograph.name));
+        }
+    }
+    if (options.scale && marks.size() < 3) {
+        throw std::invalid_argument(fmt::format(
+            "--scale needs three marks that do not lie in line, {} given: give --mark three times",
+            marks.size()));
+    }
+    return marks;
+}
+
+/// One reading; the zeros are wrong yet, so that counts of a pose that cannot be are welcome.
+bool add_reading(engine::Device& device, engine::MarkCounts& counts) {
+    const engine::Reading reading = device.read();
+    device.write(Vec2{});
+    if (!reading.ok() && reading.fault != engine::DeviceFault::unreachable) {
+        const std::string trouble = device.trouble();
+        throw std::runtime_error(
+            fmt::format("{} stopped answering while it was read; nothing was written{}{}",
+                        device.name(), trouble.empty() ? "" : ": ", trouble));
+    }
+    if (reading.fresh) {
+        counts.add(reading.counts);
+    }
+    return reading.fresh;
+}
+
+engine::MarkReading read_mark(engine::Device& device, const Vec2& place) {
+    const bool simulated = bring_handle(device, place);
+    engine::MarkCounts counts;
+    int silent = 0;
+    while (counts.readings() < kReadings) {
+        silent = add_reading(device, counts) ? 0 : silent + 1;
+        if (silent > kMostSilent) {
+            throw std::runtime_error(
+                fmt::format("{} says nothing new; nothing was written: check its cable and power",
+                            device.name()));
+        }
+        if (!simulated) {
+            std::this_thread::sleep_for(kPause);
+        }
+    }
+    return counts.at(place);
+}
+
+/// @return false at the end of standard input
+bool wait_for_enter(const Vec2& place) {
+    fmt::print("Bring the handle to ({}, {}) mm and press Enter. ", place.x * 1e3, place.y * 1e3);
+    std::fflush(stdout);
+    std::string line;
+    return static_cast<bool>(std::getline(std::cin, line));
+}
+
+void print_found(const engine::Calibration& found,
+                 const engine::Homing& homing,
+                 const std::vector<engine::MarkReading>& readings) {
+    constexpr double kDegree = 180.0 / engine::kPi;
+    fmt::print("\n");
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+        fmt::print("mark ({}, {}) mm: missed by {:.3f} mm\n", readings[i].place.x * 1e3,
+                   readings[i].place.y * 1e3, homing.residuals[i] * 1e3);
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+        const engine::Axis& axis = found.pantograph.axes[i];
+        fmt::print("axis {}: zero {:.4f} deg, {:.2f} counts a turn\n", i + 1, axis.zero * kDegree,
+                   axis.counts_per_turn);
+    }
+    if (readings.size() == 1) {
+        fmt::print("One mark is always met: a second one would tell whether the lengths fit.\n");
+    }
+}
+
+}  // namespace
+
+int calibrate_command(const CalibrateOptions& options) {
+    engine::Calibration calibration = protocols::load_calibration(options.preset);
+    const std::vector<Vec2> marks = marks_of(options, calibration);
+    const auto device = open_for_calibration(options.device, calibration);
+    fmt::print("{}: {} with the numbers of {}, {} mark{}\n", options.output, device->name(),
+               calibration.pantograph.name, marks.size(), marks.size() == 1 ? "" : "s");
+
+    std::vector<engine::MarkReading> readings;
+    for (const Vec2& mark : marks) {
+        if (!wait_for_enter(mark)) {
+            fmt::print(stderr, "\npalpate: standard input ended; nothing was written\n");
+            return kExitStopped;
+        }
+        readings.push_back(read_mark(*device, mark));
+    }
+    const engine::Homing homing =
+        engine::find_home(calibration.pantograph, readings, options.scale);
+    calibration.pantograph.axes = homing.axes;
+    print_found(calibration, homing, readings);
+
+    const std::string text = protocols::to_toml(calibration);
+    data::write_whole(options.output, text);
+    fmt::print("Calibration {} written to {}\n",
+               protocols::calibration_id(calibration).substr(0, kShownId), options.output);
+    return 0;
+}
+
+}  // namespace palpate::ui

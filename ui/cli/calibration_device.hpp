@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "engine/device/calibration.hpp"
+#include "engine/device/device.hpp"
+
+namespace palpate::ui {
+
+/// Opens what --device of `palpate calibrate` names. Its readings count from wherever its encoders
+/// were when it was switched on: the zeros of `calibration` are a guess.
+///
+/// `sim` is a simulated machine whose encoders are off by angles that the calibration has to find.
+/// @throws std::invalid_argument for a device that is not known, naming those that are
+[[nodiscard]] std::unique_ptr<engine::Device> open_for_calibration(
+    const std::string& device, const engine::Calibration& calibration);
+
+/// Brings the handle of a simulated machine to `place`, object frame, m.
+/// @return false for a device that a person has to move
+bool bring_handle(engine::Device& device, const engine::Vec2& place);
+
+}  // namespace palpate::ui
