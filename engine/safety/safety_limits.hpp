@@ -27,6 +27,7 @@ struct SafetyLimits {
     double heat_step = 0.0;       ///< period / thermal time constant of the motors; 0: no model
     bool watch_encoders = false;  ///< trip on an encoder that stands still
     double stuck_travel = 0.040;  ///< m that HIP goes meanwhile in strokes, see EncoderWatch
+    bool dead_man = false;        ///< force only while someone holds the dead-man switch
 };
 
 /// Share of the force gained or lost each tick for a ramp of `ramp` s at period `period` s.
