@@ -42,7 +42,8 @@ TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safe
         last = glm::length(c.force);
     }
     for (int k = 1; k <= 200; ++k) {
-        static_cast<void>(make_safe(gate, limits, {.force = force, .enable = false}));
+        const Command c = make_safe(gate, limits, {.force = force, .enable = false});
+        CHECK(std::fabs(glm::length(c.force) - 5.0 * (1.0 - k / 200.0)) < 1e-9);
     }
     CHECK(glm::length(make_safe(gate, limits, {.force = force, .enable = false}).force) < 1e-12);
 }

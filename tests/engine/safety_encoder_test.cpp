@@ -46,7 +46,7 @@ Vec2 on_arc(const Vec2& middle, double radius, double from, double to, double t)
 }  // namespace
 
 TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{200}));
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const Pantograph device = coarse();
@@ -63,7 +63,7 @@ TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safet
 }
 
 TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{200}));
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
     const Pantograph device = coarse();
@@ -85,7 +85,7 @@ TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][
 
 TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes",
           "[safety][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
     const std::size_t axis = GENERATE(0U, 1U);
     CAPTURE(seed, axis);
     Random random(seed);
