@@ -43,10 +43,10 @@ std::uint8_t flags_of(const Command& command,
 
 }  // namespace
 
-void TickLoop::begin(const Scene& scene) noexcept {
+void TickLoop::begin(const Scene& scene, double rest) noexcept {
     scene_ = &scene;
     state_ = ContactState{};
-    safety_ = SafetyState{};
+    safety_ = fresh_state(safety_, limits_, rest);
     load_ = Vec2{};
     flight_.clear();
     next_ = 0;
@@ -63,6 +63,7 @@ TickRecord TickLoop::tick(const TickOrder& order) noexcept {
                    .counts = reading.counts,
                    .found = found(reading, contact),
                    .fresh = reading.fresh,
+                   .time_ns = order.time_ns,
                    .lateness_ns = order.lateness_ns,
                    .load = load_,
                    .enable = order.enable,
@@ -88,9 +89,8 @@ TickRecord TickLoop::tick(const TickOrder& order) noexcept {
     record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
     record.feature = feature_of(contact.place);
     record.mode = contact.mode;
-    const double late = kLateShare * limits_.period * 1e9;
     record.flags =
-        flags_of(command, contact, applied, static_cast<double>(order.lateness_ns) > late,
+        flags_of(command, contact, applied, periods_late(order.lateness_ns, limits_.period) > 0,
                  reading.ok() && !reading.fresh);
     flight_.add(record);
     return record;

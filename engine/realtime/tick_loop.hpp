@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "engine/device/device.hpp"
 #include "engine/realtime/flight_recorder.hpp"
 #include "engine/realtime/tick_record.hpp"
@@ -7,9 +9,6 @@
 #include "engine/safety/safety_chain.hpp"
 
 namespace palpate::engine {
-
-/// Lateness above this share of the period marks a tick as late.
-inline constexpr double kLateShare = 0.5;
 
 /// What a clock and the people around it say to one tick.
 struct TickOrder {
@@ -28,7 +27,8 @@ public:
     TickLoop(Device& device, const SafetyLimits& limits) : device_(&device), limits_(limits) {}
 
     /// A new trial: fresh contact, force off. @param scene  outlives the trial
-    void begin(const Scene& scene) noexcept;
+    /// @param rest  s since the last trial's last tick, in which the motors cooled; by default for ever
+    void begin(const Scene& scene, double rest = std::numeric_limits<double>::infinity()) noexcept;
 
     /// One tick of a trial.
     TickRecord tick(const TickOrder& order) noexcept;

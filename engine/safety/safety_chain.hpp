@@ -4,6 +4,11 @@
 #include <cstdint>
 
 #include "engine/geometry/vec.hpp"
+#include "engine/safety/encoder_watch.hpp"
+#include "engine/safety/energy_observer.hpp"
+#include "engine/safety/late_ticks.hpp"
+#include "engine/safety/motion_watch.hpp"
+#include "engine/safety/reading_clock.hpp"
 #include "engine/safety/safety_limits.hpp"
 #include "engine/safety/trip.hpp"
 
@@ -17,6 +22,7 @@ struct SafetyInput {
     std::array<std::int32_t, 2> counts{};
     Trip found = Trip::none;       ///< what device or scene reported this tick
     bool fresh = true;             ///< HIP was measured since the last tick
+    std::int64_t time_ns = 0;      ///< of the wake-up; left alone, a tick is a period
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
     Vec2 load{};                   ///< motors' torque share of the last tick, see Applied::load
     bool enable = true;            ///< ramp towards on (true) or off (false)
@@ -24,10 +30,18 @@ struct SafetyInput {
     bool stop = false;             ///< the experimenter's key
 };
 
-/// What the chain remembers. A plain value.
+/// What the chain remembers. A plain value; 8 kB, most of it the ways of the last 20 ms.
 struct SafetyState {
-    double gain = 0.0;       ///< of the ramp: 0 off, 1 on
-    Trip trip = Trip::none;  ///< latched: zero until the next trial
+    double gain = 0.0;        ///< of the ramp: 0 off, 1 on
+    Trip trip = Trip::none;   ///< latched: zero until the next trial
+    Vec2 command{};           ///< of the last tick, N
+    Vec2 heat{};              ///< of both motors, 1: what they bear for ever
+    std::int32_t silent = 0;  ///< ticks in a row without a fresh reading
+    ReadingClock clock{};
+    LateTicks late{};
+    EncoderWatch encoders{};
+    MotionWatch motion{};
+    EnergyObserver energy{};
 };
 
 struct Command {
@@ -38,11 +52,22 @@ struct Command {
     Trip trip = Trip::none;  ///< the latched cause; the force is zero
 };
 
-/// Finite guard -> saturation that keeps the direction -> slew limit -> ramp -> trips (speed, late
-/// ticks, energy, motor heat, dead-man) -> latched fault. Finite in, finite and limited out; anything
-/// else latches its cause and gives zero.
+/// What stands between the rendered force and the device, in this order:
+///
+///     finite guard -> jump, speed -> stuck encoder -> late ticks -> silent device -> energy -> motor heat
+///     -> dead-man -> the experimenter's stop -> latched fault, or: saturation -> ramp -> slew limit
+///
+/// For any input at all, finite or not: the command is finite, |F| <= most, and |F[k] - F[k-1]| <= slew
+/// but for the step to zero at a trip (both to rounding); |F[k]| <= (k + 1) ramp_step most for tick k of
+/// a trial; from the tick of a trip on it is zero and keeps the first cause. When one tick has several, the
+/// order above decides. The slew limit comes last since it bounds what the hand feels, the ramp included.
 [[nodiscard]] Command make_safe(SafetyState& state,
                                 const SafetyLimits& limits,
                                 const SafetyInput& input) noexcept;
+
+/// The state for the next trial: nothing but the motors' heat lives on, cooled for `rest` s.
+[[nodiscard]] SafetyState fresh_state(const SafetyState& last,
+                                      const SafetyLimits& limits,
+                                      double rest) noexcept;
 
 }  // namespace palpate::engine

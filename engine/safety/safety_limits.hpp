@@ -5,6 +5,9 @@
 
 namespace palpate::engine {
 
+/// Lateness above this share of the period marks a tick as late.
+inline constexpr double kLateShare = 0.5;
+
 /// All limits between the rendered force and the device, from protocol and device together.
 /// Infinity or 0, where said, switches a part of the chain off.
 struct SafetyLimits {
@@ -23,6 +26,7 @@ struct SafetyLimits {
     double delay_ticks = 0.0;     ///< of the device
     double heat_step = 0.0;       ///< period / thermal time constant of the motors; 0: no model
     bool watch_encoders = false;  ///< trip on an encoder that stands still
+    double stuck_travel = 0.040;  ///< m that HIP goes meanwhile in strokes, see EncoderWatch
     bool dead_man = false;        ///< force only while someone holds the dead-man switch
 };
 

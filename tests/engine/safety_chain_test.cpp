@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -41,22 +42,228 @@ TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safe
         last = glm::length(c.force);
     }
     for (int k = 1; k <= 200; ++k) {
-        static_cast<void>(make_safe(gate, limits, {.force = force, .enable = false}));
+        const Command c = make_safe(gate, limits, {.force = force, .enable = false});
+        CHECK(std::fabs(glm::length(c.force) - 5.0 * (1.0 - k / 200.0)) < 1e-9);
     }
     CHECK(glm::length(make_safe(gate, limits, {.force = force, .enable = false}).force) < 1e-12);
 }
 
-TEST_CASE("a force that is not finite latches: zero from then on", "[safety][law]") {
+TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{50}));
+    CAPTURE(seed);
+    Random random(seed);
+    const SafetyLimits limits{.most = random.in(1.0, 10.0), .ramp_step = random.in(0.001, 0.1)};
+    SafetyState state;
+    const Vec2 force = random.point(-30.0, 30.0);
+    for (int k = 1; k <= 300; ++k) {
+        const Command c = make_safe(state, limits, {.force = force});
+        REQUIRE(glm::length(c.force) <= k * limits.ramp_step * limits.most * (1.0 + 1e-12));
+    }
+}
+
+TEST_CASE("a command changes no faster than the slew limit, within the force limit",
+          "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    CAPTURE(seed);
+    Random random(seed);
+    const SafetyLimits limits{.most = random.in(1.0, 10.0),
+                              .ramp_step = random.in(0.001, 1.0),
+                              .slew = random.in(0.05, 3.0)};
+    SafetyState state;
+    Vec2 last{};
+    Vec2 force{};
+    for (int k = 0; k < 400; ++k) {
+        if (random.below(7) == 0) {
+            force = random.point(-15.0, 15.0);
+        }
+        const Command c =
+            make_safe(state, limits, {.force = force, .enable = random.below(9) != 0});
+        REQUIRE(glm::length(c.force - last) <= limits.slew * (1.0 + 1e-12));
+        REQUIRE(glm::length(c.force) <= limits.most * (1.0 + 1e-12));
+        if (!c.slewed && !c.saturated && !c.ramped) {
+            REQUIRE(c.force == force);  // untouched where nothing is said of it
+        }
+        last = c.force;
+    }
+}
+
+TEST_CASE("a step of the force arrives at the pace of the slew limit and says so", "[safety]") {
+    const SafetyLimits limits{.ramp_step = 1.0, .slew = 2.0};
+    SafetyState state;
+    for (const double expected : {2.0, 4.0, 5.0, 5.0}) {
+        const Command c = make_safe(state, limits, {.force = {3.0, -4.0}});
+        CHECK(glm::length(c.force - expected * Vec2{0.6, -0.8}) < 1e-12);
+        CHECK(c.slewed == (expected < 5.0));
+    }
+}
+
+TEST_CASE("a force that is not finite latches with zero from then on", "[safety][law]") {
     const double bad =
         GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-                 -std::numeric_limits<double>::infinity());
-    SafetyState gate;
+                 -std::numeric_limits<double>::infinity(), 1e200);
+    const int where = GENERATE(range(0, 4));
+    CAPTURE(bad, where);
+    SafetyState state;
     const SafetyLimits limits{.ramp_step = 1.0};
-    CHECK(make_safe(gate, limits, {.force = {1.0, 0.0}, .enable = true}).force.x == 1.0);
-    const Command c = make_safe(gate, limits, {.force = {0.0, bad}, .enable = true});
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
+    SafetyInput input{.force = {1.0, 0.0}};
+    const std::array<Vec2*, 4> parts{&input.force, &input.spring, &input.hip, &input.load};
+    parts[static_cast<std::size_t>(where)]->y = bad;
+    const Command c = make_safe(state, limits, input);
     CHECK((c.trip == Trip::not_finite));
     CHECK(c.force == Vec2{});
-    const Command later = make_safe(gate, limits, {.force = {1.0, 0.0}, .enable = true});
+    const Command later = make_safe(state, limits, {.force = {1.0, 0.0}});
     CHECK((later.trip == Trip::not_finite));
     CHECK(later.force == Vec2{});
+}
+
+TEST_CASE("what device or scene report switches off in the same tick, with that cause",
+          "[safety][law]") {
+    const Trip found = GENERATE(Trip::scene_refused, Trip::device_lost, Trip::device_silent,
+                                Trip::device_garbage, Trip::out_of_workspace);
+    SafetyState state;
+    const SafetyLimits limits{.ramp_step = 1.0};
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
+    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .found = found});
+    CHECK((c.trip == found));
+    CHECK(c.force == Vec2{});
+}
+
+TEST_CASE("a trip keeps its first cause and gives zero until the next trial", "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    CAPTURE(seed);
+    Random random(seed);
+    const SafetyLimits limits{.ramp_step = 1.0, .dead_man = true};
+    SafetyState state;
+    Trip first = Trip::none;
+    int zero = 0;
+    for (int k = 0; k < 300; ++k) {
+        const SafetyInput input{.force = random.point(1.0, 5.0),
+                                .found = random.below(150) == 0 ? Trip::device_lost : Trip::none,
+                                .held = random.below(150) != 0,
+                                .stop = random.below(150) == 0};
+        const Command c = make_safe(state, limits, input);
+        if (first == Trip::none) {
+            first = input.found != Trip::none ? input.found
+                  : !input.held               ? Trip::let_go
+                  : input.stop                ? Trip::stopped
+                                              : Trip::none;
+        }
+        REQUIRE((c.trip == first));
+        REQUIRE((glm::length(c.force) == 0.0) == (first != Trip::none));
+        zero += first != Trip::none ? 1 : 0;
+    }
+    CHECK(zero > 0);
+    state = fresh_state(state, limits, 0.0);
+    CHECK((make_safe(state, limits, {.force = {1.0, 0.0}}).trip == Trip::none));
+}
+
+TEST_CASE("letting go switches off, where a dead-man switch is asked for", "[safety]") {
+    const bool asked = GENERATE(false, true);
+    SafetyState state;
+    const SafetyLimits limits{.ramp_step = 1.0, .dead_man = asked};
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
+    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .held = false});
+    CHECK((c.trip == (asked ? Trip::let_go : Trip::none)));
+    CHECK(c.force.x == (asked ? 0.0 : 1.0));
+}
+
+TEST_CASE("the experimenter's key switches off at once", "[safety]") {
+    SafetyState state;
+    const SafetyLimits limits{.ramp_step = 1.0};
+    CHECK(make_safe(state, limits, {.force = {1.0, 0.0}}).force.x == 1.0);
+    const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .stop = true});
+    CHECK((c.trip == Trip::stopped));
+    CHECK(c.force == Vec2{});
+}
+
+TEST_CASE("a device without a new reading trips after the ticks allowed, not before",
+          "[safety][law]") {
+    const std::int32_t run = GENERATE(1, 2, 10, 100);
+    CAPTURE(run);
+    SafetyState state;
+    const SafetyLimits limits{.ramp_step = 1.0, .silent_run = run};
+    for (int round = 0; round < 5; ++round) {  // one fresh reading starts the count again
+        CHECK((make_safe(state, limits, {}).trip == Trip::none));
+        for (int k = 1; k < run; ++k) {
+            REQUIRE((make_safe(state, limits, {.fresh = false}).trip == Trip::none));
+        }
+    }
+    CHECK((make_safe(state, limits, {}).trip == Trip::none));
+    for (int k = 1; k < run; ++k) {
+        REQUIRE((make_safe(state, limits, {.fresh = false}).trip == Trip::none));
+    }
+    CHECK((make_safe(state, limits, {.fresh = false}).trip == Trip::device_silent));
+}
+
+TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once",
+          "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{400}));
+    CAPTURE(seed);
+    Random random(seed);
+    const auto perhaps = [&](double value) {
+        return random.coin() ? value : std::numeric_limits<double>::infinity();
+    };
+    const SafetyLimits limits{.period = random.coin() ? 1e-3 : 1e-4,
+                              .most = random.in(0.5, 10.0),
+                              .ramp_step = random.in(0.001, 1.0),
+                              .slew = perhaps(random.in(0.1, 3.0)),
+                              .speed = perhaps(random.in(0.5, 3.0)),
+                              .jump = perhaps(0.01),
+                              .late_run = random.below(30),
+                              .late_share = random.below(100),
+                              .silent_run = random.below(20),
+                              .energy = perhaps(random.in(0.01, 1.0)),
+                              .stiffness = random.in(100.0, 4000.0),
+                              .damping = random.in(0.0, 2.0),
+                              .delay_ticks = random.in(0.0, 20.0),
+                              .heat_step = random.coin() ? 0.0 : random.decade(-5.0, 2.0),
+                              .watch_encoders = random.coin(),
+                              .dead_man = random.coin()};
+    const double wild = random.decade(-2.0, 200.0);
+    const auto number = [&](double usual) {
+        switch (random.below(3000)) {
+            case 0:
+                return std::numeric_limits<double>::quiet_NaN();
+            case 1:
+                return -std::numeric_limits<double>::infinity();
+            case 2:
+                return random.in(-wild, wild);
+            default:
+                return random.in(-usual, usual);
+        }
+    };
+    const auto vector = [&](double usual) {
+        const double x = number(usual);
+        return Vec2{x, number(usual)};
+    };
+    SafetyState state;
+    Command last;
+    for (int k = 0; k < 500; ++k) {
+        const SafetyInput input{.force = vector(12.0),
+                                .spring = vector(0.01),
+                                .hip = vector(0.002),
+                                .counts = {random.below(3), random.below(3)},
+                                .found = random.below(2000) == 0 ? Trip::device_lost : Trip::none,
+                                .fresh = random.below(10) != 0,
+                                .time_ns = random.below(100) * std::int64_t{1'000'000},
+                                .lateness_ns = random.below(20) == 0 ? 3'000'000 : 0,
+                                .load = vector(1.0),
+                                .enable = random.below(20) != 0,
+                                .held = random.below(2000) != 0,
+                                .stop = random.below(2000) == 0};
+        const Command c = make_safe(state, limits, input);
+        REQUIRE(std::isfinite(c.force.x));
+        REQUIRE(std::isfinite(c.force.y));
+        REQUIRE(glm::length(c.force) <= limits.most * (1.0 + 1e-12));
+        REQUIRE(glm::length(c.force) <= (k + 1) * limits.ramp_step * limits.most * (1.0 + 1e-12));
+        if (c.trip == Trip::none) {
+            REQUIRE(glm::length(c.force - last.force) <= limits.slew * (1.0 + 1e-12));
+        } else {
+            REQUIRE(c.force == Vec2{});
+            REQUIRE((last.trip == Trip::none || c.trip == last.trip));
+        }
+        REQUIRE((last.trip == Trip::none || c.trip != Trip::none));
+        last = c;
+    }
 }

@@ -1,0 +1,132 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "engine/device/pantograph.hpp"
+#include "engine/safety/safety_chain.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/hands.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using palpate::tests::Random;
+using palpate::tests::random_hand;
+
+namespace {
+
+/// A small classroom pantograph: links of 70 and 90 mm, 4,880 counts a turn, 0.1 mm a count.
+Pantograph coarse() {
+    PantographSpec spec;
+    spec.linkage = {
+        .driven_1 = 0.07, .driven_2 = 0.07, .free_1 = 0.09, .free_2 = 0.09, .base = 0.038};
+    spec.axes[0].counts_per_turn = 4880.0;
+    spec.axes[1].counts_per_turn = 4880.0;
+    spec.origin = {0.019, 0.095};
+    return Pantograph(spec);
+}
+
+/// The part of its workspace that hands explore here, object frame, m.
+constexpr Vec2 kLow{-0.025, -0.015};
+constexpr Vec2 kHigh{0.025, 0.020};
+
+/// What its encoders say with the handle at `hip`.
+Pantograph::Counts counts_at(const Pantograph& device, const Vec2& hip) {
+    return device.counts(device.reach(hip).value());
+}
+
+/// A slow hand that follows a circle of `radius` about `middle`, to and fro, with the tremor of a
+/// healthy hand (tens of micrometres at 9 Hz).
+Vec2 on_arc(const Vec2& middle, double radius, double from, double to, double t) {
+    const double angle =
+        from + (to - from) * 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * 0.1 * t));
+    const double tremor = 3e-5 * std::sin(2.0 * std::numbers::pi * 9.0 * t);
+    return middle + (radius + tremor) * Vec2{std::cos(angle), std::sin(angle)};
+}
+
+}  // namespace
+
+TEST_CASE("coarse encoders under a slow hand are never taken for stuck", "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    CAPTURE(seed);
+    Random random(seed);
+    const Pantograph device = coarse();
+    const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
+    SafetyState state;
+    // 20 s at 1 kHz, at 1 to 100 % of an ordinary hand's speed.
+    const double period = 1e-3 * random.decade(-2.0, 0.0);
+    for (const Vec2& hip : random_hand(seed, 20000, kLow, kHigh, period)) {
+        const auto counts = counts_at(device, hip);
+        const Vec2 seen = device.locate(device.angles(counts)).value().hip;
+        static_cast<void>(make_safe(state, limits, {.hip = seen, .counts = counts}));
+    }
+    CHECK((state.trip == Trip::none));
+}
+
+TEST_CASE("a hand led along an arc is not taken for a stuck encoder", "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    CAPTURE(seed);
+    Random random(seed);
+    const Pantograph device = coarse();
+    const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
+    const double radius = random.in(0.05, 0.2);  // 90 mm would be a free link's circle
+    const Vec2 foot{random.in(-0.01, 0.01), random.in(-0.015, 0.005)};
+    const double outward = random.in(0.0, 2.0 * std::numbers::pi);
+    const Vec2 middle = foot - radius * Vec2{std::cos(outward), std::sin(outward)};
+    const double half = 0.025 / radius;  // 50 mm to and fro
+    SafetyState state;
+    for (int k = 0; k < 20000; ++k) {
+        const Vec2 hip = on_arc(middle, radius, outward - half, outward + half, k * 1e-3);
+        const auto counts = counts_at(device, hip);
+        const Vec2 seen = device.locate(device.angles(counts)).value().hip;
+        static_cast<void>(make_safe(state, limits, {.hip = seen, .counts = counts}));
+    }
+    CHECK((state.trip == Trip::none));
+}
+
+TEST_CASE("an encoder that stands still trips within 80 mm of the hand's strokes",
+          "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    const std::size_t axis = GENERATE(0U, 1U);
+    CAPTURE(seed, axis);
+    Random random(seed);
+    const Pantograph device = coarse();
+    const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
+    SafetyState state;
+    const auto when = static_cast<std::size_t>(random.in(100.0, 10000.0));
+    const auto hand = random_hand(seed, 60000, kLow, kHigh, 1e-3);
+    const std::int32_t kept = counts_at(device, hand[when])[axis];
+    Vec2 from{};  // of a stroke
+    double way = 0.0;
+    for (std::size_t k = 0; k < hand.size() && way < 0.08; ++k) {
+        auto counts = counts_at(device, hand[k]);
+        counts[axis] = k >= when ? kept : counts[axis];
+        const auto fix = device.locate(device.angles(counts));
+        if (!fix) {
+            return;  // no pose: the device itself says so
+        }
+        const double stroke = glm::length(fix->hip - from);
+        if (k < when || stroke > kStroke) {
+            way += k < when ? 0.0 : stroke;
+            from = fix->hip;
+        }
+        const Trip trip = make_safe(state, limits, {.hip = fix->hip, .counts = counts}).trip;
+        if (trip != Trip::none) {
+            CHECK((trip == Trip::stuck_encoder));
+            CHECK(k > when);
+            return;
+        }
+    }
+    CHECK(way < 0.08);
+}
+
+TEST_CASE("a finger that scrubs to and fro on a spot is not taken for a stuck encoder",
+          "[safety]") {
+    const SafetyLimits limits{.ramp_step = 1.0, .watch_encoders = true};
+    SafetyState state;
+    for (int k = 0; k < 100000; ++k) {  // 8 mm to and fro, one axis alone: a tangent of its circle
+        const std::int32_t other = 40 - std::abs(k % 160 - 80);
+        const Vec2 hip{1e-4 * other, 0.0};
+        static_cast<void>(make_safe(state, limits, {.hip = hip, .counts = {7, other}}));
+    }
+    CHECK((state.trip == Trip::none));
+}
