@@ -65,7 +65,14 @@ Granted lock_memory() noexcept {
     }
 }
 
-std::string why(const Granted& granted) {
+std::string refusal(Right right, const Granted& granted) {
+    const bool limit = granted.error == ENOMEM || granted.error == EPERM || granted.error == EAGAIN;
+    if (right == Right::fifo && limit) {
+        return "SCHED_FIFO refused: this user may not use real-time priorities";
+    }
+    if (right == Right::memory && limit) {
+        return "not locked: this user may lock less than the program needs";
+    }
     return "refused: " + std::generic_category().message(granted.error);
 }
 
@@ -135,10 +142,7 @@ std::string describe(Right right, const RealtimeRights& rights) {
         return "not asked for";
     }
     if (granted.grant == Grant::refused) {
-        return (right == Right::fifo     ? "SCHED_FIFO "
-                : right == Right::memory ? "mlockall "
-                                         : "") +
-               why(granted);
+        return refusal(right, granted);
     }
     switch (right) {
         case Right::fifo:
@@ -162,20 +166,19 @@ std::string remedy(Right right, const RealtimeRights& rights) {
     }
     switch (right) {
         case Right::fifo:
-            return "as root, write \"@palpate - rtprio 90\" into "
-                   "/etc/security/limits.d/palpate.conf, then groupadd palpate, usermod -aG "
-                   "palpate USER, log in again";
+            return "as root, once: groupadd palpate; usermod -aG palpate USER; write \"@palpate - "
+                   "rtprio 90\" into /etc/security/limits.d/palpate.conf; then USER logs in again";
         case Right::memory:
-            return "as root, add \"@palpate - memlock unlimited\" to "
-                   "/etc/security/limits.d/palpate.conf, with USER in the group palpate, log in "
-                   "again";
+            return "as root, once: add \"@palpate - memlock unlimited\" to "
+                   "/etc/security/limits.d/palpate.conf, with USER in the group palpate as for "
+                   "scheduling";
         case Right::latency:
             return granted.error == ENOENT
                      ? "this kernel has no power management to hold; nothing to do on a virtual "
                        "machine"
-                     : "as root, write KERNEL==\"cpu_dma_latency\", GROUP=\"palpate\", "
-                       "MODE=\"0660\" into /etc/udev/rules.d/70-palpate.rules, then udevadm "
-                       "control --reload and udevadm trigger";
+                     : "as root, once: write KERNEL==\"cpu_dma_latency\", GROUP=\"palpate\", "
+                       "MODE=\"0660\" into /etc/udev/rules.d/70-palpate.rules; udevadm "
+                       "control --reload; udevadm trigger";
         case Right::slack:
             break;
     }

@@ -373,5 +373,6 @@ TEST_CASE("a share of spinning outside 0 to 0.5 is refused with the value", "[se
     ServoSpec spec = modest();
     spec.spin_share = 0.75;
     CHECK_THROWS_WITH(ThreadServo(device, spec),
-                      Catch::Matchers::Contains("0.75") && Catch::Matchers::Contains("0 to 0.5"));
+                      Catch::Matchers::ContainsSubstring("0.75") &&
+                          Catch::Matchers::ContainsSubstring("0 to 0.5"));
 }

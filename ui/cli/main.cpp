@@ -23,6 +23,7 @@ int dispatch(const Options& options) {
         int operator()(const RenderOptions& render) const { return render_command(render); }
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }
         int operator()(const FigureOptions& figures) const { return figures_command(figures); }
+        int operator()(const DoctorOptions& doctor) const { return doctor_command(doctor); }
     };
     return std::visit(Visitor{}, options);
 }

@@ -47,6 +47,15 @@ struct FigureOptions {
     std::string directory = "figures";  ///< made if it is not there
 };
 
+struct DoctorOptions {
+    std::string device = "sim";  ///< as RunOptions::device
+    std::string protocol;        ///< whose rate and force are asked for; empty: 1 kHz, no force
+    std::string database = "palpate.sqlite";  ///< whose folder is looked at; not made
+    std::string font;
+    double seconds = 5.0;  ///< of the jitter measurement
+    bool json = false;
+};
+
 /// The offline tools: a scene and a table of points.
 struct SceneOptions {
     std::string scene;
@@ -68,7 +77,8 @@ using Options = std::variant<Exit,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
-                             FigureOptions>;
+                             FigureOptions,
+                             DoctorOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
 [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
