@@ -11,6 +11,16 @@ namespace {
 constexpr int kBits = 5;
 constexpr std::uint64_t kOctave = 1U << kBits;
 
+/// "9.6 us", "340 us", "2.3 ms": truncated, three digits at most where that is enough.
+std::string duration(std::int64_t ns) {
+    const auto with_tenth = [](std::int64_t tenths, const char* unit) {
+        return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + unit;
+    };
+    return ns < 100'000   ? with_tenth(ns / 100, " us")
+         : ns < 1'000'000 ? std::to_string(ns / 1'000) + " us"
+                          : with_tenth(ns / 100'000, " ms");
+}
+
 }  // namespace
 
 std::size_t LatenessHistogram::bin_of(std::int64_t ns) noexcept {
@@ -68,6 +78,14 @@ std::int64_t LatenessHistogram::below(std::int64_t bound_ns) const noexcept {
         seen += bins_[i];
     }
     return seen;
+}
+
+std::string describe(const LatenessHistogram& lateness) {
+    return std::to_string(lateness.count()) + " ticks, late by " +
+           duration(lateness.quantile_ns(0.5)) + " (half of them), " +
+           duration(lateness.quantile_ns(0.99)) + " (99 %), " + duration(lateness.max_ns()) +
+           " (worst); " + std::to_string(lateness.late()) + " more than half a period late, " +
+           std::to_string(lateness.missed()) + " missed";
 }
 
 }  // namespace palpate::engine

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace palpate::engine {
 
@@ -40,5 +41,9 @@ private:
     std::int64_t missed_ = 0;
     std::int64_t max_ = 0;
 };
+
+/// For the record of a session and for people: "5031 ticks, late by 15.1 us (half of them), 25.6 us
+/// (99 %), 1.2 ms (worst); 3 more than half a period late, 2 missed".
+[[nodiscard]] std::string describe(const LatenessHistogram& lateness);
 
 }  // namespace palpate::engine

@@ -17,6 +17,9 @@ constexpr std::int64_t kParkedNs = 500'000;
 /// How often who gave an order looks whether it was carried out.
 constexpr auto kPatience = std::chrono::microseconds(200);
 
+/// A caller of advance() that is back within this time waits for nothing by itself.
+constexpr std::int64_t kAtOnceNs = 500'000;
+
 void relax() noexcept {
 #if defined(__x86_64__)
     _mm_pause();
@@ -70,6 +73,10 @@ void ThreadServo::begin(const Scene& scene) {
 }
 
 ServoStatus ThreadServo::advance() {
+    if (monotonic_ns() - asked_ns_ < kAtOnceNs) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    asked_ns_ = monotonic_ns();
     return state() == State::faulted ? ServoStatus::faulted : ServoStatus::running;
 }
 

@@ -32,7 +32,8 @@ public:
     ~ThreadServo() override;
 
     void begin(const Scene& scene) override;
-    /// Does not wait: the caller waits for its own events.
+    /// Does not wait for a caller that waits for its own events; one that comes back within half a
+    /// millisecond waits here for one, so that it does not take a processor for itself.
     ServoStatus advance() override;
     void end() override;
     void park() override;
@@ -64,6 +65,7 @@ private:
     std::atomic<State> state_{State::parked};
     std::atomic<std::int64_t> start_ns_{0};  ///< the trial's first deadline
     const Scene* scene_ = nullptr;           ///< set before the order to run it
+    std::int64_t asked_ns_ = 0;              ///< the caller's own: end of the last advance()
 
     // The thread's own.
     std::uint64_t taken_ = 0;  ///< the last order that it looked at

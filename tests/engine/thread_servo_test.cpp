@@ -224,6 +224,27 @@ TEST_CASE(
     }
 }
 
+TEST_CASE(
+    "a device that fails while the force ramps out does not keep end() waiting, and gets zero",
+    "[servo][law]") {
+    for (const std::int64_t good : {12, 20, 60, 110}) {
+        CAPTURE(good);
+        Stroking device;
+        device.fail_after(good, DeviceFault::silent);
+        ThreadServo servo(device, modest(0.1));
+        const Scene felt = scene(5.0);
+        const std::vector<TickRecord> all = run_trial(servo, felt, 10);
+        REQUIRE(static_cast<std::int64_t>(all.size()) <= good + 1);
+        CHECK(device.zero_was_last());
+        if (servo.trip() != Trip::none) {
+            const std::int64_t before = device.touches();
+            nap(5);
+            CHECK(device.touches() == before);
+            CHECK(servo.advance() == ServoStatus::faulted);
+        }
+    }
+}
+
 TEST_CASE("the force is out when a caller's exception takes the servo with it, on both clocks",
           "[servo][law]") {
     const Scene felt = scene(5.0);

@@ -151,6 +151,19 @@ TEST_CASE("a lateness histogram of parts is the histogram of the whole, and hold
     CHECK(odd.below(1'000) == 1);
 }
 
+TEST_CASE("a histogram describes itself in a line", "[servo]") {
+    LatenessHistogram histogram;
+    for (int i = 0; i < 99; ++i) {
+        histogram.add(63, false);
+    }
+    histogram.add(2'345'678, true);
+    histogram.add_missed(2);
+    CHECK(
+        describe(histogram) ==
+        "100 ticks, late by 0.0 us (half of them), 0.0 us (99 %), 2.3 ms (worst); 1 more than half "
+        "a period late, 2 missed");
+}
+
 TEST_CASE("the latest value is never torn and never goes back, with two readers at full speed",
           "[servo][law]") {
     struct Value {

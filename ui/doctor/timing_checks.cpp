@@ -32,14 +32,6 @@ std::string first_line(const std::string& file) {
     return line;
 }
 
-/// 9.6 us, 340 us, 2.3 ms.
-std::string duration(std::int64_t ns) {
-    const double value = us(ns);
-    return value < 99.95 ? fmt::format("{:.1f} us", value)
-         : value < 999.5 ? fmt::format("{:.0f} us", value)
-                         : fmt::format("{:.1f} ms", value * 1e-3);
-}
-
 }  // namespace
 
 Check check_clock() {
@@ -127,12 +119,8 @@ Check check_jitter(const JitterRun& run) {
     const double late = static_cast<double>(lateness.late()) / ticks;
     const std::int64_t p99 = lateness.quantile_ns(0.99);
     Check check{.name = "jitter",
-                .detail = fmt::format(
-                    "{} ticks at {:.0f} Hz: late by {} (half of them), {} (99 %), {} (worst); "
-                    "{} ticks more than half a period late, {} missed; {:.1f} % of a processor",
-                    lateness.count(), run.rate_hz, duration(lateness.quantile_ns(0.5)),
-                    duration(p99), duration(lateness.max_ns()), lateness.late(), lateness.missed(),
-                    100.0 * run.all.processor_share),
+                .detail = fmt::format("{:.0f} Hz: {}; {:.1f} % of a processor", run.rate_hz,
+                                      describe(lateness), 100.0 * run.all.processor_share),
                 .remedy = "",
                 .numbers = {{"rate_hz", run.rate_hz},
                             {"ticks", static_cast<double>(lateness.count())},
