@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <random>
 #include <thread>
@@ -173,11 +174,13 @@ TEST_CASE("the latest value is never torn and never goes back, with two readers 
     };
     LatestValue<Value> latest;
     CHECK_FALSE(latest.read().has_value());
-    constexpr std::int64_t kCount = 200'000;
+    constexpr int kChanges = 50'000;             // enough of them seen by each reader
+    constexpr std::int64_t kMost = 100'000'000;  // where one processor runs both
     std::atomic<bool> wrong{false};
+    std::atomic<int> watching{2};
     const auto watch = [&] {
         std::int64_t seen = 0;
-        while (seen < kCount) {
+        for (int changes = 0; changes < kChanges && seen < kMost;) {
             const auto value = latest.read();
             if (!value) {
                 continue;
@@ -189,12 +192,14 @@ TEST_CASE("the latest value is never torn and never goes back, with two readers 
             if (!whole || value->number < seen) {
                 wrong.store(true);
             }
+            changes += value->number > seen ? 1 : 0;
             seen = value->number;
         }
+        watching.fetch_sub(1);
     };
     std::thread one(watch);
     std::thread two(watch);
-    for (std::int64_t i = 1; i <= kCount; ++i) {
+    for (std::int64_t i = 1; i <= kMost && watching.load() > 0; ++i) {
         Value value{.number = i, .last = static_cast<std::int32_t>(i)};
         value.echoes.fill(i);
         latest.publish(value);
