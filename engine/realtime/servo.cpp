@@ -1,23 +1,25 @@
 #include "engine/realtime/servo.hpp"
 
 #include <cmath>
-#include <ctime>
 #include <stdexcept>
+#include <string>
 
 namespace palpate::engine {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-
 /// Ticks that one advance() of the virtual clock runs: the screen is asked every 10 ms at 1 kHz.
 constexpr std::int64_t kSliceNs = 10'000'000;
 
-std::int64_t checked_period(double rate_hz) {
-    if (!(rate_hz >= 1000.0 && rate_hz <= 10000.0)) {
-        throw std::invalid_argument("the servo rate is " + std::to_string(rate_hz) +
+std::int64_t checked_period(const ServoSpec& spec) {
+    if (!(spec.rate_hz >= 1000.0 && spec.rate_hz <= 10000.0)) {
+        throw std::invalid_argument("the servo rate is " + std::to_string(spec.rate_hz) +
                                     " Hz: give 1000 to 10000");
     }
-    return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
+    if (!(spec.spin_share >= 0.0 && spec.spin_share <= 0.5)) {
+        throw std::invalid_argument("the servo may spin for " + std::to_string(spec.spin_share) +
+                                    " of its period: give 0 to 0.5");
+    }
+    return static_cast<std::int64_t>(std::floor(1e9 / spec.rate_hz + 0.5));
 }
 
 SafetyLimits with_period(const ServoSpec& spec) {
@@ -26,34 +28,40 @@ SafetyLimits with_period(const ServoSpec& spec) {
     return limits;
 }
 
-void sleep_until(std::int64_t deadline_ns) noexcept {
-    const timespec deadline{.tv_sec = deadline_ns / kSecond, .tv_nsec = deadline_ns % kSecond};
-    while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &deadline, nullptr) != 0) {
-    }
-}
-
 }  // namespace
-
-std::int64_t monotonic_ns() noexcept {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * kSecond + now.tv_nsec;
-}
 
 Servo::Servo(Device& device, const ServoSpec& spec)
     : loop_(device, with_period(spec)),
-      period_ns_(checked_period(spec.rate_hz)),
+      period_ns_(checked_period(spec)),
       ramp_ticks_(static_cast<std::int64_t>(std::ceil(1.0 / spec.limits.ramp_step))) {}
 
-void Servo::run_tick(std::int64_t time_ns, std::int64_t lateness_ns, bool enable) noexcept {
+void Servo::run_tick(std::int64_t time_ns,
+                     std::int64_t at_ns,
+                     std::int64_t lateness_ns,
+                     bool enable) noexcept {
     const TickOrder order{.time_ns = time_ns,
                           .lateness_ns = lateness_ns,
                           .enable = enable,
                           .held = held_.load(std::memory_order_relaxed),
                           .stop = stop_.load(std::memory_order_relaxed)};
-    if (!ring_.push(loop_.tick(order))) {
+    const TickRecord record = loop_.tick(order);
+    if (!ring_.push(record)) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
     }
+    latest_.publish({.tick = record.tick,
+                     .at_ns = at_ns,
+                     .hip = record.hip,
+                     .command = record.command,
+                     .lateness_us = record.lateness_us,
+                     .trip = loop_.trip()});
+    lateness_.add(lateness_ns, (record.flags & tick_late) != 0);
+}
+
+void Servo::run_idle(std::int64_t at_ns) noexcept {
+    const Reading reading = loop_.idle();
+    idle_fault_ = reading.fault;
+    latest_.publish(
+        {.at_ns = at_ns, .hip = reading.hip, .fault = reading.fault, .grip = reading.grip});
 }
 
 void Servo::rewind() noexcept {
@@ -64,29 +72,40 @@ void Servo::rewind() noexcept {
 VirtualServo::VirtualServo(Device& device, const ServoSpec& spec, double pace)
     : Servo(device, spec), pace_(pace) {}
 
+VirtualServo::~VirtualServo() {
+    if (in_trial_) {
+        loop_.silence();
+    }
+}
+
 void VirtualServo::begin(const Scene& scene) {
     rewind();
     loop_.begin(scene);
     ticks_ = 0;
     wall_start_ns_ = monotonic_ns();
+    in_trial_ = true;
 }
 
 ServoStatus VirtualServo::advance() {
     const std::int64_t slice = kSliceNs / period_ns_;
     for (std::int64_t i = 0; i < slice && !faulted(); ++i) {
-        run_tick(ticks_ * period_ns_, 0, true);
-        ++ticks_;
+        const std::int64_t time = ticks_++ * period_ns_;
+        run_tick(time, time, 0, true);
     }
     wait_for_wall_clock();
     return faulted() ? ServoStatus::faulted : ServoStatus::running;
 }
 
 void VirtualServo::end() {
+    if (!in_trial_) {
+        return;
+    }
     for (std::int64_t i = 0; i < ramp_ticks_ && !faulted(); ++i) {
-        run_tick(ticks_ * period_ns_, 0, false);
-        ++ticks_;
+        const std::int64_t time = ticks_++ * period_ns_;
+        run_tick(time, time, 0, false);
     }
     loop_.silence();
+    in_trial_ = false;
 }
 
 double VirtualServo::elapsed_s() const noexcept {
@@ -98,63 +117,6 @@ void VirtualServo::wait_for_wall_clock() const {
         const double due = static_cast<double>(ticks_ * period_ns_) / pace_;
         sleep_until(wall_start_ns_ + static_cast<std::int64_t>(due));
     }
-}
-
-ThreadServo::ThreadServo(Device& device, const ServoSpec& spec) : Servo(device, spec) {}
-
-ThreadServo::~ThreadServo() {
-    if (thread_.joinable()) {
-        end();
-    }
-}
-
-void ThreadServo::begin(const Scene& scene) {
-    if (thread_.joinable()) {
-        end();
-    }
-    rewind();
-    loop_.begin(scene);
-    enable_.store(true);
-    quit_.store(false);
-    faulted_.store(false);
-    start_ns_ = monotonic_ns() + period_ns_;
-    thread_ = std::thread([this] { run(); });
-}
-
-ServoStatus ThreadServo::advance() {
-    return faulted_.load() ? ServoStatus::faulted : ServoStatus::running;
-}
-
-void ThreadServo::end() {
-    enable_.store(false);
-    quit_.store(true);
-    if (thread_.joinable()) {
-        thread_.join();
-    }
-}
-
-double ThreadServo::elapsed_s() const noexcept {
-    return static_cast<double>(monotonic_ns() - start_ns_) * 1e-9;
-}
-
-void ThreadServo::run() noexcept {
-    std::int64_t ramp_left = ramp_ticks_;
-    std::int64_t deadline = start_ns_;
-    while (!faulted()) {
-        sleep_until(deadline);
-        const bool enable = enable_.load(std::memory_order_relaxed);
-        const std::int64_t now = monotonic_ns();
-        run_tick(now - start_ns_, now - deadline, enable);
-        if (quit_.load(std::memory_order_relaxed) && --ramp_left < 0) {
-            break;
-        }
-        deadline += period_ns_;
-        if (now > deadline + 100 * period_ns_) {  // suspended: do not race through what was missed
-            deadline = now;
-        }
-    }
-    faulted_.store(faulted());
-    loop_.silence();
 }
 
 }  // namespace palpate::engine

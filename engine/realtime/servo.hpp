@@ -1,10 +1,14 @@
 #pragma once
 
 #include <atomic>
-#include <memory>
-#include <thread>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
+#include "engine/realtime/clock.hpp"
+#include "engine/realtime/lateness_histogram.hpp"
+#include "engine/realtime/latest_value.hpp"
+#include "engine/realtime/realtime_rights.hpp"
 #include "engine/realtime/spsc_ring.hpp"
 #include "engine/realtime/tick_loop.hpp"
 
@@ -15,6 +19,9 @@ using TickRing = SpscRing<TickRecord>;
 /// 16,384 ticks: 16 s at 1 kHz, far above any pause of the reader.
 inline constexpr std::size_t kRingTicks = 16384;
 
+/// A share of the period to watch the clock for, where watching is wanted. See ServoSpec::spin_share.
+inline constexpr double kSpinShare = 0.3;
+
 enum class ServoStatus : std::uint8_t {
     running,
     faulted,  ///< the safety chain has tripped: force zero, latched until the next trial
@@ -23,11 +30,37 @@ enum class ServoStatus : std::uint8_t {
 struct ServoSpec {
     double rate_hz = 1000.0;  ///< 1000 to 10000
     SafetyLimits limits{};    ///< limits.period follows from rate_hz
+    /// What a real-time servo asks of the system. None: everything for a device that gives force,
+    /// RealtimeWish::pointer() for another.
+    std::optional<RealtimeWish> realtime{};
+    /// Share of the period that a real-time servo may watch the clock before a deadline instead of
+    /// sleeping, 0 to 0.5; 0: it sleeps. See AdaptiveSpin. Off unless asked for: 25 us at the 99th
+    /// percentile do not matter at 1 kHz. kSpinShare brings them below 1 us for a tenth of a processor
+    /// at 1 kHz, a quarter at 4 and 10 kHz (tests/bench, `servo`).
+    double spin_share = 0.0;
+};
+
+/// The newest tick, for screens.
+struct LatestTick {
+    std::int64_t tick = -1;  ///< of the running trial; -1 between trials
+    std::int64_t at_ns =
+        0;           ///< monotonic_ns() of a real-time tick; time of the trial on a virtual clock
+    Vec2 hip{};      ///< m
+    Vec2 command{};  ///< force asked of the device, N
+    float lateness_us = 0.0F;
+    Trip trip = Trip::none;
+    DeviceFault fault = DeviceFault::none;  ///< between trials: hip is not new
+    Grip grip = Grip::unknown;              ///< between trials
 };
 
 /// Runs ticks of a device and a scene, on some clock. Ticks come out of ring().
+///
+/// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), stop() and latest() to
+/// any.
 class Servo {
 public:
+    /// @param device  outlives the servo
+    /// @throws std::invalid_argument for a rate or a share of spinning out of its range
     Servo(Device& device, const ServoSpec& spec);
     Servo(const Servo&) = delete;
     Servo& operator=(const Servo&) = delete;
@@ -42,6 +75,13 @@ public:
     /// Since the trial's first deadline, s.
     [[nodiscard]] virtual double elapsed_s() const noexcept = 0;
 
+    /// Between trials: from here to the next begin() or unpark() the device is not touched, so that
+    /// Device::reconnect() or a calibration may use it. Before the first begin(), and after a fault, a
+    /// servo is parked by itself.
+    virtual void park() {}
+    /// Between trials: reads the device again, with zero force, so that latest() moves with the hand.
+    virtual void unpark() {}
+
     [[nodiscard]] TickRing& ring() noexcept { return ring_; }
     /// Ticks that found the ring full and are not in it; 0 in every sound run.
     [[nodiscard]] std::int64_t dropped() const noexcept {
@@ -54,13 +94,23 @@ public:
     void hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
     /// Any thread: force off now and for the rest of the trial, the experimenter's key.
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
+    /// Any thread: the newest tick; none before the first.
+    [[nodiscard]] std::optional<LatestTick> latest() const noexcept { return latest_.read(); }
 
     /// Why the force is off, and the ticks up to then. After advance() said faulted, or after end().
     [[nodiscard]] Trip trip() const noexcept { return loop_.trip(); }
     [[nodiscard]] std::vector<TickRecord> last_ticks() const { return loop_.flight().last(); }
+    /// Lateness of all ticks of all trials so far, 0 on a virtual clock. After end() or a fault.
+    [[nodiscard]] const LatenessHistogram& lateness() const noexcept { return lateness_; }
+    /// What the system granted; nothing is asked for a virtual clock.
+    [[nodiscard]] const RealtimeRights& rights() const noexcept { return rights_; }
 
 protected:
-    void run_tick(std::int64_t time_ns, std::int64_t lateness_ns, bool enable) noexcept;
+    void run_tick(std::int64_t time_ns,
+                  std::int64_t at_ns,
+                  std::int64_t lateness_ns,
+                  bool enable) noexcept;
+    void run_idle(std::int64_t at_ns) noexcept;
     /// Before each trial: forgets stop() and the last trial's ticks.
     void rewind() noexcept;
     [[nodiscard]] bool faulted() const noexcept { return loop_.trip() != Trip::none; }
@@ -68,19 +118,26 @@ protected:
     TickLoop loop_;
     std::int64_t period_ns_;
     std::int64_t ramp_ticks_;
+    LatenessHistogram lateness_{};
+    RealtimeRights rights_{};
+    DeviceFault idle_fault_ = DeviceFault::none;  ///< of the last tick between trials
 
 private:
     TickRing ring_{kRingTicks};
+    LatestValue<LatestTick> latest_{};
     std::atomic<std::int64_t> dropped_{0};
     std::atomic<bool> held_{true};
     std::atomic<bool> stop_{false};
 };
 
 /// The virtual clock: a tick is due whenever advance() is called, so a run is as fast as the machine
-/// and the same to the bit every time. `pace` > 0 slows it to that multiple of real time.
+/// and the same to the bit every time. `pace` > 0 slows it to that multiple of real time. The device is
+/// touched inside begin(), advance() and end() only.
 class VirtualServo : public Servo {
 public:
     VirtualServo(Device& device, const ServoSpec& spec, double pace = 0.0);
+    /// Zero force is the last thing written, also where a trial was left by an exception.
+    ~VirtualServo() override;
 
     void begin(const Scene& scene) override;
     ServoStatus advance() override;
@@ -93,31 +150,7 @@ private:
     double pace_;
     std::int64_t ticks_ = 0;
     std::int64_t wall_start_ns_ = 0;
+    bool in_trial_ = false;
 };
-
-/// Real time: a thread of its own on absolute deadlines of CLOCK_MONOTONIC.
-class ThreadServo : public Servo {
-public:
-    ThreadServo(Device& device, const ServoSpec& spec);
-    ~ThreadServo() override;
-
-    void begin(const Scene& scene) override;
-    /// Does not wait: the caller waits for its own events.
-    ServoStatus advance() override;
-    void end() override;
-    [[nodiscard]] double elapsed_s() const noexcept override;
-
-private:
-    void run() noexcept;
-
-    std::thread thread_;
-    std::atomic<bool> enable_{false};
-    std::atomic<bool> quit_{false};
-    std::atomic<bool> faulted_{false};
-    std::int64_t start_ns_ = 0;
-};
-
-/// CLOCK_MONOTONIC, the one clock of palpate, ns.
-[[nodiscard]] std::int64_t monotonic_ns() noexcept;
 
 }  // namespace palpate::engine

@@ -1,5 +1,7 @@
 #include "engine/realtime/tick_loop.hpp"
 
+#include <cmath>
+
 namespace palpate::engine {
 namespace {
 
@@ -53,7 +55,7 @@ void TickLoop::begin(const Scene& scene, double rest) noexcept {
 }
 
 TickRecord TickLoop::tick(const TickOrder& order) noexcept {
-    const Reading reading = device_->read();
+    const Reading reading = usable(device_->read());
     const Contact contact = scene_->tick(state_, reading.hip);
     const Command command =
         make_safe(safety_, limits_,
@@ -96,8 +98,19 @@ TickRecord TickLoop::tick(const TickOrder& order) noexcept {
     return record;
 }
 
+Reading TickLoop::usable(Reading reading) noexcept {
+    if (reading.ok() && !(std::isfinite(reading.hip.x) && std::isfinite(reading.hip.y))) {
+        reading.fault = DeviceFault::garbage;
+    }
+    if (!reading.ok()) {
+        reading.hip = hip_;
+    }
+    hip_ = reading.hip;
+    return reading;
+}
+
 Reading TickLoop::idle() noexcept {
-    const Reading reading = device_->read();
+    const Reading reading = usable(device_->read());
     device_->write(Vec2{});
     return reading;
 }

@@ -30,10 +30,12 @@ public:
     /// @param rest  s since the last trial's last tick, in which the motors cooled; by default for ever
     void begin(const Scene& scene, double rest = std::numeric_limits<double>::infinity()) noexcept;
 
-    /// One tick of a trial.
+    /// One tick of a trial. A reading that is not to be used, or that is not finite, is a trip; the
+    /// tick then has the last HIP that was good, so that every recorded force follows from its HIP.
     TickRecord tick(const TickOrder& order) noexcept;
 
-    /// One tick between trials: the device is read and told to give no force.
+    /// One tick between trials: the device is read and told to give no force. The HIP of a reading
+    /// with a fault is the last good one.
     Reading idle() noexcept;
 
     /// Zero force now, whatever the ramp says.
@@ -43,12 +45,15 @@ public:
     [[nodiscard]] const FlightRecorder& flight() const noexcept { return flight_; }
 
 private:
+    [[nodiscard]] Reading usable(Reading reading) noexcept;
+
     Device* device_;
     SafetyLimits limits_;
     const Scene* scene_ = nullptr;
     ContactState state_{};
     SafetyState safety_{};
     Vec2 load_{};  ///< Applied::load of the last tick
+    Vec2 hip_{};   ///< the last one that could be used
     FlightRecorder flight_{};
     std::int64_t next_ = 0;
 };

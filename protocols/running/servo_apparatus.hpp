@@ -7,6 +7,7 @@
 #include "engine/device/pointer_device.hpp"
 #include "engine/device/replay_device.hpp"
 #include "engine/device/simulated_pantograph.hpp"
+#include "engine/realtime/thread_servo.hpp"
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/apparatus.hpp"
 #include "protocols/running/drawn_hand.hpp"
@@ -90,7 +91,10 @@ public:
     DeviceApparatus(const Protocol& protocol, std::unique_ptr<engine::Device> device);
 
     void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
-    [[nodiscard]] bool reconnect() override { return device_->reconnect(); }
+    [[nodiscard]] bool reconnect() override {
+        servo_.park();  // nobody else may use the device meanwhile
+        return device_->reconnect();
+    }
     [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
     [[nodiscard]] std::string device_name() const override { return device_->name(); }
 

@@ -21,6 +21,8 @@ int contact_command(const std::vector<std::string>& words);
 int scaling_command(const std::vector<std::string>& words);
 /// passivity [--csv FILE]
 int passivity_command(const std::vector<std::string>& words);
+/// servo [--rounds N] [--seconds S] [--spin SHARE] [--csv FILE]
+int servo_command(const std::vector<std::string>& words);
 
 /// The words after a command. Every word must be taken, or `finish` refuses.
 class Words {

@@ -7,48 +7,74 @@
 
 namespace {
 
-constexpr const char* kUsage =
-    "palpate bench COMMAND\n"
-    "  contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]\n"
-    "            closest points: time and error of every method on objects A to D\n"
-    "  nasty [--peers] [--csv FILE]\n"
-    "            wrong answers to 2223 queries that break closest-point solvers\n"
-    "  scaling [--csv FILE]\n"
-    "            time of a tick on outlines of 2 to 100,000 curves\n"
-    "  passivity [--csv FILE]\n"
-    "            the stiffest wall on which the simulated pantograph rests, against the bound\n";
+using namespace palpate::bench;
+
+struct Command {
+    const char* name;
+    int (*run)(const std::vector<std::string>& words);
+    const char* usage;
+};
+
+constexpr Command kCommands[] = {
+    {"contact", contact_command,
+     "  contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]\n"
+     "            closest points: time and error of every method on objects A to D\n"},
+    {"nasty", nasty_command,
+     "  nasty [--peers] [--csv FILE]\n"
+     "            wrong answers to 2223 queries that break closest-point solvers\n"},
+    {"scaling", scaling_command,
+     "  scaling [--csv FILE]\n"
+     "            time of a tick on outlines of 2 to 100,000 curves\n"},
+    {"passivity", passivity_command,
+     "  passivity [--csv FILE]\n"
+     "            the stiffest wall on which the simulated pantograph rests, against the bound\n"},
+    {"servo", servo_command,
+     "  servo [--rounds N] [--seconds S] [--spin SHARE] [--csv FILE]\n"
+     "            how late the servo thread wakes, against cyclictest if it is installed;\n"
+     "            what logging costs it; late ticks at 1, 4 and 10 kHz\n"},
+};
+
+std::string usage() {
+    std::string text = "palpate bench COMMAND\n";
+    for (const Command& command : kCommands) {
+        text += command.usage;
+    }
+    return text;
+}
+
+std::string names() {
+    std::string text;
+    for (const Command& command : kCommands) {
+        text += text.empty() ? command.name : std::string(", ") + command.name;
+    }
+    return text;
+}
+
+int run(std::vector<std::string> words) {
+    if (words.empty()) {
+        throw WrongWord("say which: " + names());
+    }
+    const std::string name = words.front();
+    words.erase(words.begin());
+    if (name == "--help" || name == "-h") {
+        std::cout << usage();
+        return 0;
+    }
+    for (const Command& command : kCommands) {
+        if (name == command.name) {
+            return command.run(words);
+        }
+    }
+    throw WrongWord("there is no benchmark \"" + name + "\": there are " + names());
+}
 
 }  // namespace
 
 int main(int count, char** arguments) {
-    using namespace palpate::bench;
-    std::vector<std::string> words(arguments + 1, arguments + count);
     try {
-        if (words.empty()) {
-            throw WrongWord("say which: contact, nasty, scaling or passivity");
-        }
-        const std::string command = words.front();
-        words.erase(words.begin());
-        if (command == "--help" || command == "-h") {
-            std::cout << kUsage;
-            return 0;
-        }
-        if (command == "contact") {
-            return contact_command(words);
-        }
-        if (command == "nasty") {
-            return nasty_command(words);
-        }
-        if (command == "scaling") {
-            return scaling_command(words);
-        }
-        if (command == "passivity") {
-            return passivity_command(words);
-        }
-        throw WrongWord("there is no benchmark \"" + command +
-                        "\": there are contact, nasty, scaling and passivity");
+        return run(std::vector<std::string>(arguments + 1, arguments + count));
     } catch (const WrongWord& wrong) {
-        std::cerr << "palpate bench: " << wrong.what() << "\n" << kUsage;
+        std::cerr << "palpate bench: " << wrong.what() << "\n" << usage();
         return 2;
     } catch (const std::exception& error) {
         std::cerr << "palpate bench: " << error.what() << "\n";

@@ -2,7 +2,7 @@
 #include <thread>
 
 #include "engine/device/simulated_pantograph.hpp"
-#include "engine/realtime/servo.hpp"
+#include "engine/realtime/thread_servo.hpp"
 #include "stimuli/two_curve.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
@@ -138,7 +138,8 @@ TEST_CASE("the real-time servo runs on its own thread, keeps order and ends with
         std::string name() const override { return "steady"; }
         Vec2 last_{1.0, 1.0};
     } steady;
-    ThreadServo servo(steady, {.limits = {.ramp_step = ramp_step(0.02, 1e-3)}});
+    ThreadServo servo(steady, {.limits = {.ramp_step = ramp_step(0.02, 1e-3)},
+                               .realtime = RealtimeWish::nothing()});
     const Scene felt = scene();
     std::int64_t ticks = 0;
     for (int trial = 0; trial < 2; ++trial) {

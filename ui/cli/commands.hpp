@@ -13,6 +13,8 @@ namespace palpate::ui {
 [[nodiscard]] int closest_command(const SceneOptions& options);
 [[nodiscard]] int figures_command(const FigureOptions& options);
 [[nodiscard]] int calibrate_command(const CalibrateOptions& options);
+/// 0 when no check failed, else kExitFailure.
+[[nodiscard]] int doctor_command(const DoctorOptions& options);
 
 /// The words or files given are wrong: exit code 2, nothing was created.
 inline constexpr int kExitUsage = 2;

@@ -24,6 +24,7 @@ int dispatch(const Options& options) {
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }
         int operator()(const FigureOptions& figures) const { return figures_command(figures); }
         int operator()(const CalibrateOptions& words) const { return calibrate_command(words); }
+        int operator()(const DoctorOptions& doctor) const { return doctor_command(doctor); }
     };
     return std::visit(Visitor{}, options);
 }

@@ -73,6 +73,27 @@ void add_calibrate(CLI::App& app, CalibrateOptions& calibrate) {
         ->required();
 }
 
+void add_doctor(CLI::App& app, DoctorOptions& doctor) {
+    CLI::App* command = app.add_subcommand(
+        "doctor", "Is this machine ready? Device, timing, rights, screen, sound, disk");
+    command->add_option("--device", doctor.device, std::string(kDeviceWords))
+        ->capture_default_str();
+    command->add_option("--protocol", doctor.protocol,
+                        "The protocol to be run: its rate and its force are asked for");
+    command
+        ->add_option(
+            "--db", doctor.database,
+            "Where the data will go: room and speed of its disk; nothing is written into it")
+        ->capture_default_str();
+    command->add_option("--font", doctor.font, "A TrueType font for the subject's screen");
+    command
+        ->add_option("--seconds", doctor.seconds,
+                     "How long to measure the jitter; as long again with cyclictest installed")
+        ->check(CLI::Range(0.05, 3600.0))
+        ->capture_default_str();
+    command->add_flag("--json", doctor.json, "One JSON object instead of lines");
+}
+
 /// A command that reads a scene and a table of points.
 void add_scene_command(CLI::App& app,
                        const std::string& name,
@@ -107,7 +128,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     CalibrateOptions calibrate;
     add_demo(app, demo);
     add_run(app, run);
+    DoctorOptions doctor;
     add_calibrate(app, calibrate);
+    add_doctor(app, doctor);
     add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
                       "TRAJECTORY", render);
     add_scene_command(app, "closest", "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS",
@@ -159,6 +182,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     }
     if (app.got_subcommand("figures")) {
         return figures;
+    }
+    if (app.got_subcommand("doctor")) {
+        return doctor;
     }
     return shots;
 }

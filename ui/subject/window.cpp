@@ -21,22 +21,6 @@ constexpr const char* kFonts[] = {
     "/usr/share/fonts/TTF/DejaVuSans.ttf",
 };
 
-std::string find_font(const std::string& asked) {
-    if (!asked.empty()) {
-        if (!std::filesystem::exists(asked)) {
-            throw std::runtime_error(fmt::format("--font {}: there is no such file", asked));
-        }
-        return asked;
-    }
-    for (const char* file : kFonts) {
-        if (std::filesystem::exists(file)) {
-            return file;
-        }
-    }
-    throw std::runtime_error(
-        "the font DejaVu Sans is not installed: install fonts-dejavu-core, or give --font FILE");
-}
-
 struct Delete {
     void operator()(SDL_Window* window) const { SDL_DestroyWindow(window); }
     void operator()(SDL_Renderer* renderer) const { SDL_DestroyRenderer(renderer); }
@@ -58,6 +42,22 @@ T* checked(T* made, std::string_view what) {
 }
 
 }  // namespace
+
+std::string find_font(const std::string& asked) {
+    if (!asked.empty()) {
+        if (!std::filesystem::exists(asked)) {
+            throw std::runtime_error(fmt::format("--font {}: there is no such file", asked));
+        }
+        return asked;
+    }
+    for (const char* file : kFonts) {
+        if (std::filesystem::exists(file)) {
+            return file;
+        }
+    }
+    throw std::runtime_error(
+        "the font DejaVu Sans is not installed: install fonts-dejavu-core, or give --font FILE");
+}
 
 struct Window::Parts {
     Own<SDL_Window> window;

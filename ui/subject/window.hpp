@@ -78,6 +78,10 @@ private:
     std::unique_ptr<Parts> parts_;
 };
 
+/// `asked` if it is there; for an empty one DejaVu Sans where Linux systems keep it.
+/// @throws std::runtime_error with the remedy
+[[nodiscard]] std::string find_font(const std::string& asked);
+
 /// A real display is there to open a window on (SDL_VIDEODRIVER=dummy counts as one when set).
 [[nodiscard]] bool display_available();
 

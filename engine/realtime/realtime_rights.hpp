@@ -1,0 +1,90 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace palpate::engine {
+
+/// What a servo thread asks of the system to be woken in time.
+struct RealtimeWish {
+    bool fifo = true;     ///< SCHED_FIFO: before every ordinary program
+    bool memory = true;   ///< mlockall: no page fault in a tick
+    bool latency = true;  ///< /dev/cpu_dma_latency held at 0: processors do not sleep deeply
+    bool slack = true;    ///< timer slack 1 ns instead of 50 us
+    int priority = 80;    ///< of SCHED_FIFO, 1 to 99
+
+    [[nodiscard]] static RealtimeWish everything() { return {}; }
+    [[nodiscard]] static RealtimeWish nothing() {
+        return {.fifo = false, .memory = false, .latency = false, .slack = false};
+    }
+    /// For devices that give no force: what costs nothing and can hurt nobody.
+    [[nodiscard]] static RealtimeWish pointer() {
+        return {.fifo = false, .memory = false, .latency = false};
+    }
+};
+
+/// In the order of RealtimeRights::grants.
+enum class Right : std::uint8_t { fifo, memory, latency, slack };
+inline constexpr std::size_t kRights = 4;
+
+enum class Grant : std::uint8_t {
+    not_asked,
+    given,
+    partly,   ///< memory: what was there at the start is locked, what comes later is not
+    refused,  ///< see Granted::error
+};
+
+struct Granted {
+    Grant grant = Grant::not_asked;
+    int error = 0;  ///< errno of a refusal
+};
+
+/// What the system granted. A plain value.
+struct RealtimeRights {
+    std::array<Granted, kRights> grants{};
+    int priority = 0;  ///< of SCHED_FIFO, where given
+
+    [[nodiscard]] const Granted& of(Right right) const {
+        return grants[static_cast<std::size_t>(right)];
+    }
+    [[nodiscard]] Granted& of(Right right) { return grants[static_cast<std::size_t>(right)]; }
+    /// Everything that was asked for was given.
+    [[nodiscard]] bool complete() const noexcept;
+};
+
+/// "scheduling", "memory", "processor sleep", "timer slack".
+[[nodiscard]] std::string_view name_of(Right right) noexcept;
+/// What came of it, for people: "SCHED_FIFO, priority 80", "refused: Operation not permitted".
+[[nodiscard]] std::string describe(Right right, const RealtimeRights& rights);
+/// What to do about a refusal, a sentence; empty when nothing was refused.
+[[nodiscard]] std::string remedy(Right right, const RealtimeRights& rights);
+/// One row a right, for the record of a session: {"realtime scheduling", "SCHED_FIFO, priority 80"}.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> provenance(
+    const RealtimeRights& rights);
+
+/// The rights that belong to the whole program, memory and latency, for as long as this lives.
+/// Taken outside the servo thread.
+class ProgramRights {
+public:
+    /// Writes what was granted into `rights`.
+    ProgramRights(const RealtimeWish& wish, RealtimeRights& rights) noexcept;
+    ProgramRights(const ProgramRights&) = delete;
+    ProgramRights& operator=(const ProgramRights&) = delete;
+    /// Gives them back; memory when the last of several lets go.
+    ~ProgramRights();
+
+private:
+    bool locked_ = false;
+    int latency_file_ = -1;
+};
+
+/// The rights of the calling thread, scheduling and slack, until it ends. Touches its stack as well,
+/// so that no tick is the first to reach a page of it.
+void take_thread_rights(const RealtimeWish& wish, RealtimeRights& rights) noexcept;
+
+}  // namespace palpate::engine

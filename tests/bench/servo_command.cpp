@@ -1,0 +1,284 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <iostream>
+#include <thread>
+
+#include "engine/device/simulated_pantograph.hpp"
+#include "engine/realtime/thread_servo.hpp"
+#include "stimuli/two_curve.hpp"
+#include "ui/doctor/cyclictest.hpp"
+#include "ui/doctor/wake_up.hpp"
+#include "tests/bench/commands.hpp"
+#include "tests/bench/logging_cost.hpp"
+#include "tests/bench/report.hpp"
+#include "tests/bench/timing.hpp"
+
+namespace palpate::bench {
+namespace {
+
+using engine::LatenessHistogram;
+using engine::RealtimeWish;
+
+constexpr const char* kUsage =
+    "servo takes --rounds N, --seconds S, --spin SHARE (0 to 0.5), --csv FILE";
+
+struct Plan {
+    int rounds = 5;
+    double seconds = 10.0;
+    double spin = 0.3;
+};
+
+double number(Words& words, const std::string& name, double otherwise, double least, double most) {
+    const std::string text = words.value(name, std::to_string(otherwise));
+    std::size_t end = 0;
+    double value = 0.0;
+    try {
+        value = std::stod(text, &end);
+    } catch (const std::exception&) {
+        end = 0;
+    }
+    if (end == 0 || end != text.size() || !(value >= least && value <= most)) {
+        throw WrongWord(name + " " + text + " is not a number from " + std::to_string(least) +
+                        " to " + std::to_string(most));
+    }
+    return value;
+}
+
+/// One line of the table and of the CSV.
+struct Line {
+    std::string part;
+    std::string method;
+    double rate_hz = 1000.0;
+    int round = 0;
+    std::int64_t ticks = 0;
+    double p50_us = 0.0;
+    double p99_us = 0.0;
+    double p999_us = 0.0;
+    double max_us = 0.0;
+    std::int64_t late = -1;    ///< ticks more than half a period late; -1: not counted
+    std::int64_t missed = -1;  ///< deadlines slept through
+    double processor_share = -1.0;
+};
+
+double us(std::int64_t ns) {
+    return static_cast<double>(ns) * 1e-3;
+}
+
+Line line_of(const LatenessHistogram& lateness, double processor_share) {
+    return {.part = {},
+            .method = {},
+            .ticks = lateness.count(),
+            .p50_us = us(lateness.quantile_ns(0.50)),
+            .p99_us = us(lateness.quantile_ns(0.99)),
+            .p999_us = us(lateness.quantile_ns(0.999)),
+            .max_us = us(lateness.max_ns()),
+            .late = lateness.late(),
+            .missed = lateness.missed(),
+            .processor_share = processor_share};
+}
+
+Line line_of(const ui::Cyclictest& theirs) {
+    return {.part = {},
+            .method = {},
+            .ticks = theirs.total(),
+            .p50_us = theirs.quantile_us(0.50),
+            .p99_us = theirs.quantile_us(0.99),
+            .p999_us = theirs.quantile_us(0.999),
+            .max_us = theirs.max_us};
+}
+
+Line line_of(std::vector<double> ns) {
+    return {.part = {},
+            .method = {},
+            .ticks = static_cast<std::int64_t>(ns.size()),
+            .p50_us = 1e-3 * percentile(ns, 0.50),
+            .p99_us = 1e-3 * percentile(ns, 0.99),
+            .p999_us = 1e-3 * percentile(ns, 0.999),
+            .max_us = 1e-3 * percentile(ns, 1.0)};
+}
+
+class Table {
+public:
+    explicit Table(std::ofstream& csv) : csv_(csv) {
+        if (csv_.is_open()) {
+            csv_ << "machine,part,method,rate_hz,round,ticks,p50_us,p99_us,p999_us,max_us,late,"
+                    "missed,"
+                    "processor_share\n";
+        }
+    }
+
+    void heading(const char* text) {
+        std::printf("\n%s\n%-26s %6s %5s %8s %9s %9s %9s %10s %6s %6s %6s\n", text, "", "Hz",
+                    "round", "ticks", "p50 us", "p99 us", "p99.9", "max", "late", "missed",
+                    "cpu %");
+    }
+
+    void add(Line line, const char* part, const char* method, double rate_hz, int round) {
+        line.part = part;
+        line.method = method;
+        line.rate_hz = rate_hz;
+        line.round = round;
+        std::printf("%-26s %6.0f %5d %8lld %9.3f %9.3f %9.3f %10.1f", method, rate_hz, round,
+                    static_cast<long long>(line.ticks), line.p50_us, line.p99_us, line.p999_us,
+                    line.max_us);
+        if (line.late >= 0) {
+            std::printf(" %6lld %6lld %6.1f", static_cast<long long>(line.late),
+                        static_cast<long long>(line.missed), 100.0 * line.processor_share);
+        }
+        std::printf("\n");
+        std::fflush(stdout);
+        write(line);
+    }
+
+private:
+    void write(const Line& line) {
+        if (!csv_.is_open()) {
+            return;
+        }
+        std::array<char, 320> text{};
+        std::snprintf(text.data(), text.size(),
+                      "\"%s\",%s,\"%s\",%.0f,%d,%lld,%.4f,%.4f,%.4f,%.4f,", machine().c_str(),
+                      line.part.c_str(), line.method.c_str(), line.rate_hz, line.round,
+                      static_cast<long long>(line.ticks), line.p50_us, line.p99_us, line.p999_us,
+                      line.max_us);
+        csv_ << text.data();
+        if (line.late >= 0) {
+            csv_ << line.late << ',' << line.missed << ',' << line.processor_share << '\n';
+        } else {
+            csv_ << ",,\n";
+        }
+    }
+
+    std::ofstream& csv_;
+};
+
+struct Ratios {
+    std::vector<double> p50;
+    std::vector<double> p99;
+
+    void add(const Line& ours, const Line& theirs) {
+        p50.push_back(ours.p50_us / std::max(theirs.p50_us, 1e-3));
+        p99.push_back(ours.p99_us / std::max(theirs.p99_us, 1e-3));
+    }
+    void print(const char* what) const {
+        std::printf("%s / cyclictest, median of %zu rounds: p50 %.2f, p99 %.2f\n", what, p50.size(),
+                    percentile(p50, 0.5), percentile(p99, 0.5));
+    }
+};
+
+void wake_ups(const Plan& plan, Table& table) {
+    constexpr double kRate = 1000.0;
+    table.heading("Wake-up lateness, in turns");
+    const bool installed = ui::cyclictest_installed();
+    Ratios sleeping;
+    Ratios spinning;
+    for (int round = 1; round <= plan.rounds; ++round) {
+        const auto ours = ui::measure_wake_ups(kRate, plan.seconds, RealtimeWish::everything());
+        const Line slept = line_of(ours.lateness, ours.processor_share);
+        if (round == 1) {
+            for (const auto& [right, granted] : engine::provenance(ours.rights)) {
+                std::printf("  %s: %s\n", right.c_str(), granted.c_str());
+            }
+        }
+        table.add(slept, "wake-up", "ours", kRate, round);
+        const bool fifo = ours.rights.of(engine::Right::fifo).grant == engine::Grant::given;
+        const auto theirs =
+            installed ? ui::run_cyclictest(kRate, plan.seconds, fifo) : std::nullopt;
+        if (theirs) {
+            table.add(line_of(*theirs), "wake-up", "cyclictest", kRate, round);
+            sleeping.add(slept, line_of(*theirs));
+        }
+        const auto spun =
+            ui::measure_wake_ups(kRate, plan.seconds, RealtimeWish::everything(), plan.spin);
+        const Line watched = line_of(spun.lateness, spun.processor_share);
+        table.add(watched, "wake-up", "ours, spinning", kRate, round);
+        if (theirs) {
+            spinning.add(watched, line_of(*theirs));
+        }
+    }
+    if (sleeping.p50.empty()) {
+        std::printf("cyclictest (package rt-tests) is not there, or may not run: no ratios\n");
+        return;
+    }
+    sleeping.print("ours");
+    spinning.print("ours, spinning");
+}
+
+void logging(const Plan& plan, Table& table) {
+    table.heading("Cost of logging a tick on the servo thread");
+    const LoggingCost cost = measure_logging(plan.seconds);
+    table.add(line_of(cost.logging_ns), "logging", "logging alone, 1 kHz", 1000.0, 1);
+    table.add(line_of(cost.bare_ns), "logging", "tick without, warm", 0.0, 1);
+    table.add(line_of(cost.logged_ns), "logging", "tick with, warm", 0.0, 1);
+    std::printf("logging p99 %.3f us; warm ticks with - without: p50 %+.0f ns, p99 %+.0f ns\n",
+                1e-3 * percentile(cost.logging_ns, 0.99),
+                percentile(cost.logged_ns, 0.5) - percentile(cost.bare_ns, 0.5),
+                percentile(cost.logged_ns, 0.99) - percentile(cost.bare_ns, 0.99));
+}
+
+double processor_s() {
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return static_cast<double>(used.tv_sec) + static_cast<double>(used.tv_nsec) * 1e-9;
+}
+
+Line simulated(double rate_hz, double seconds, double spin) {
+    engine::SimulatedPantograph device({}, 1.0 / rate_hz);
+    device.begin({});
+    const engine::Scene scene(stimuli::make_outline({.curvature = 5.0}),
+                              {.period = 1.0 / rate_hz, .friction = {.mu_s = 0.7, .mu_d = 0.5}});
+    engine::ThreadServo servo(device,
+                              {.rate_hz = rate_hz,
+                               .limits = {.ramp_step = engine::ramp_step(0.2, 1.0 / rate_hz)},
+                               .realtime = RealtimeWish::everything(),
+                               .spin_share = spin});
+    servo.begin(scene);
+    const double before = processor_s();
+    std::array<engine::TickRecord, 256> some{};
+    while (servo.elapsed_s() < seconds && servo.advance() == engine::ServoStatus::running) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+        while (servo.ring().pop(some) > 0) {
+        }
+    }
+    const double share = (processor_s() - before) / servo.elapsed_s();
+    servo.end();
+    if (servo.trip() != engine::Trip::none || servo.dropped() > 0) {
+        throw std::runtime_error("the simulated session tripped (" +
+                                 std::string(to_string(servo.trip())) + ") or lost ticks");
+    }
+    return line_of(servo.lateness(), share);
+}
+
+void rates(const Plan& plan, Table& table) {
+    table.heading("Simulated pantograph in real time");
+    for (const double rate : {1000.0, 4000.0, 10000.0}) {
+        table.add(simulated(rate, plan.seconds, 0.0), "rate", "sleeping", rate, 1);
+        table.add(simulated(rate, plan.seconds, plan.spin), "rate", "spinning", rate, 1);
+    }
+}
+
+}  // namespace
+
+int servo_command(const std::vector<std::string>& arguments) {
+    Words words(arguments);
+    const std::string csv_name = words.value("--csv");
+    const Plan plan{.rounds = static_cast<int>(number(words, "--rounds", 5, 1, 1000)),
+                    .seconds = number(words, "--seconds", 10.0, 0.1, 3600.0),
+                    .spin = number(words, "--spin", 0.3, 0.0, 0.5)};
+    words.finish(kUsage);
+    std::ofstream csv = open_output(csv_name);
+    std::cout << machine() << std::endl;
+    Table table(csv);
+    wake_ups(plan, table);
+    logging(plan, table);
+    rates(plan, table);
+    if (csv.is_open()) {
+        close_output(csv, csv_name);
+    }
+    return 0;
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,130 @@
+#include <cstdio>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/device/pointer_device.hpp"
+#include "engine/device/replay_device.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+#include "ui/cli/commands.hpp"
+#include "ui/cli/device_choice.hpp"
+#include "ui/cli/load_study.hpp"
+#include "ui/cli/rig.hpp"
+#include "ui/cli/version.hpp"
+#include "ui/doctor/checks.hpp"
+#include "ui/doctor/report.hpp"
+
+namespace palpate::ui {
+namespace {
+
+/// What the checks need to know of the study; the program's defaults without a protocol.
+struct Plan {
+    DeviceChoice device;
+    DeviceDemand demand{};
+    double rate_hz = 1000.0;
+};
+
+Plan plan_of(const DoctorOptions& options) {
+    Plan plan{.device = parse_device(options.device)};
+    if (!options.protocol.empty()) {
+        const protocols::ApparatusSpec apparatus = load_study(options.protocol).protocol.apparatus;
+        plan.demand = {.force_n = apparatus.force_limit, .start = apparatus.start};
+        plan.rate_hz = apparatus.rate_hz;
+    }
+    return plan;
+}
+
+/// @throws what opening a device throws
+std::unique_ptr<engine::Device> open_device(const Plan& plan) {
+    switch (plan.device.kind) {
+        case DeviceChoice::Kind::mouse:
+            return std::make_unique<engine::PointerDevice>();
+        case DeviceChoice::Kind::replay: {
+            auto recordings = load_recordings(plan.device);
+            if (recordings.empty()) {
+                throw std::invalid_argument(plan.device.file +
+                                            " holds no recorded trial to replay");
+            }
+            auto device = std::make_unique<engine::ReplayDevice>();
+            device->begin(std::move(recordings.front()));
+            return device;
+        }
+        case DeviceChoice::Kind::simulated:
+            break;
+    }
+    return std::make_unique<engine::SimulatedPantograph>(engine::PantographModel{},
+                                                         1.0 / plan.rate_hz);
+}
+
+std::vector<Linkage> linkages() {
+    const engine::PantographModel simulated;
+    return {{.name = "mk2", .bars = simulated.linkage, .centre = simulated.origin}};
+}
+
+/// Keeps the checks in order, and prints each as soon as it is there: some take seconds.
+class Report {
+public:
+    explicit Report(bool print) : print_(print) {}
+
+    void add(Check check) {
+        if (print_) {
+            fmt::print("{}", as_text(check));
+            std::fflush(stdout);
+        }
+        checks_.push_back(std::move(check));
+    }
+    void look(const std::string& name, const std::function<Check()>& look) {
+        add(guarded(name, look));
+    }
+    [[nodiscard]] const std::vector<Check>& checks() const { return checks_; }
+
+private:
+    bool print_;
+    std::vector<Check> checks_;
+};
+
+void look_at_timing(Report& report, double rate_hz, double seconds) {
+    JitterRun jitter;
+    Check failed = guarded("jitter", [&] {
+        jitter = run_jitter(rate_hz, seconds);
+        return check_jitter(jitter);
+    });
+    if (jitter.all.lateness.count() > 0) {
+        for (Check& check : check_rights(jitter.all.rights)) {
+            report.add(std::move(check));
+        }
+    }
+    report.add(std::move(failed));
+    report.look("cyclictest", [&] { return check_cyclictest(jitter); });
+}
+
+}  // namespace
+
+int doctor_command(const DoctorOptions& options) {
+    const Plan plan = plan_of(options);
+    Report report(!options.json);
+    const auto before = processor_time();
+    report.look("device", [&] {
+        return check_device(
+            options.device, [&] { return open_device(plan); }, plan.demand);
+    });
+    report.look("kinematics", [] { return check_kinematics(linkages()); });
+    report.look("clock", check_clock);
+    report.look("kernel", check_kernel);
+    look_at_timing(report, plan.rate_hz, options.seconds);
+    report.look("host", [&] { return check_host(before); });
+    report.look("display", check_display);
+    report.look("audio", check_audio);
+    report.look("font", [&] { return check_font(options.font); });
+    report.look("disk", [&] { return check_disk(options.database); });
+    if (options.json) {
+        fmt::print("{}", as_json(kVersion, report.checks()));
+    } else {
+        fmt::print("{}", verdict(report.checks()));
+    }
+    return any_fails(report.checks()) ? kExitFailure : 0;
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "engine/device/device.hpp"
+#include "engine/device/five_bar.hpp"
+#include "engine/geometry/vec.hpp"
+#include "engine/realtime/realtime_rights.hpp"
+#include "ui/doctor/check.hpp"
+#include "ui/doctor/cyclictest.hpp"
+#include "ui/doctor/wake_up.hpp"
+
+/// Each looks at one thing and returns what it found. They print nothing.
+namespace palpate::ui {
+
+// --- device_checks.cpp
+
+/// What a protocol will ask of the device.
+struct DeviceDemand {
+    double force_n = 0.0;  ///< the protocol's force limit; 0: not known
+    engine::Vec2 start{};  ///< where the handle starts, object frame, m
+};
+
+using OpenDevice = std::function<std::unique_ptr<engine::Device>()>;
+
+/// Opens the device, writes zero force, reads it for 0.2 s, writes zero force again.
+/// @param word  as --device has it, for the text
+/// @param open  may throw: what it says becomes the remedy
+[[nodiscard]] Check check_device(const std::string& word,
+                                 const OpenDevice& open,
+                                 const DeviceDemand& demand);
+
+/// A linkage and where its handle works.
+struct Linkage {
+    std::string name;
+    engine::FiveBar bars{};
+    engine::Vec2 centre{};          ///< of the workspace, linkage frame, m
+    engine::Vec2 half{0.04, 0.03};  ///< half of its width and height, m
+};
+
+/// inverse then forward over a grid of the workspace, and the Jacobian against central differences.
+[[nodiscard]] Check check_kinematics(std::span<const Linkage> linkages);
+
+// --- timing_checks.cpp
+
+/// Resolution, steps back and the cost of CLOCK_MONOTONIC, and what the kernel reads it from.
+[[nodiscard]] Check check_clock();
+
+/// One check a right, as granted to a servo thread.
+[[nodiscard]] std::vector<Check> check_rights(const engine::RealtimeRights& rights);
+
+/// Our loop and cyclictest in turns: five rounds of each.
+struct JitterRun {
+    double rate_hz = 0.0;
+    WakeUps all;                     ///< of ours, the rounds together
+    std::vector<double> p50_ratios;  ///< ours / cyclictest, a round each; empty without cyclictest
+    std::vector<double> p99_ratios;
+    bool installed = false;  ///< cyclictest
+};
+/// @param seconds  of ours altogether, > 0; cyclictest takes as long again
+[[nodiscard]] JitterRun run_jitter(double rate_hz, double seconds);
+[[nodiscard]] Check check_jitter(const JitterRun& run);
+[[nodiscard]] Check check_cyclictest(const JitterRun& run);
+
+/// Counts of a histogram in bars, for people.
+[[nodiscard]] std::vector<std::string> bars(const engine::LatenessHistogram& histogram);
+
+// --- host_checks.cpp
+
+/// Processor time since boot, in ticks of the kernel.
+struct ProcessorTime {
+    double all = 0.0;
+    double stolen = 0.0;  ///< taken by other guests of a virtual machine's host
+};
+/// None where there is no /proc/stat.
+[[nodiscard]] std::optional<ProcessorTime> processor_time();
+
+[[nodiscard]] Check check_kernel();
+/// @param before  processor_time() some seconds ago
+[[nodiscard]] Check check_host(const std::optional<ProcessorTime>& before);
+/// Room and sync time of the folder that `database` is in, or would be.
+[[nodiscard]] Check check_disk(const std::string& database);
+
+// --- screen_checks.cpp: the only ones with SDL
+
+[[nodiscard]] Check check_display();
+[[nodiscard]] Check check_audio();
+/// @param asked  a TrueType file; empty: the system's
+[[nodiscard]] Check check_font(const std::string& asked);
+
+}  // namespace palpate::ui

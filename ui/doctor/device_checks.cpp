@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engine/realtime/clock.hpp"
+#include "ui/doctor/checks.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using engine::JointAngles;
+using engine::Vec2;
+
+constexpr int kReadings = 200;
+constexpr std::int64_t kReadingNs = 1'000'000;
+
+struct Readings {
+    int good = 0;
+    int fresh = 0;
+    engine::Reading last{};
+    double slowest_us = 0.0;  ///< of a read and a write together
+};
+
+Readings read_for_a_while(engine::Device& device) {
+    Readings readings;
+    std::int64_t due = engine::monotonic_ns();
+    for (int i = 0; i < kReadings; ++i) {
+        const std::int64_t before = engine::monotonic_ns();
+        readings.last = device.read();
+        device.write(Vec2{});
+        const auto took = static_cast<double>(engine::monotonic_ns() - before) * 1e-3;
+        readings.slowest_us = std::max(readings.slowest_us, took);
+        readings.good += readings.last.ok() ? 1 : 0;
+        readings.fresh += readings.last.ok() && readings.last.fresh ? 1 : 0;
+        due += kReadingNs;
+        engine::sleep_until(due);
+    }
+    return readings;
+}
+
+/// Worst errors over a workspace.
+struct Worst {
+    int places = 0;
+    double distance = 0.0;  ///< of forward(inverse(p)) from p, m
+    double jacobian =
+        0.0;  ///< of the Jacobian from central differences, relative to its largest entry
+};
+
+/// Central difference of the handle by joint `joint`; none where a pose is missing.
+std::optional<Vec2> slope(const engine::FiveBar& bars,
+                          const JointAngles& angles,
+                          std::size_t joint) {
+    constexpr double kStep = 1e-5;  // rad: cuts off 1e-10 of the slope, rounds off 1e-11
+    JointAngles more = angles;
+    JointAngles less = angles;
+    more[joint] += kStep;
+    less[joint] -= kStep;
+    const auto ahead = bars.forward(more);
+    const auto behind = bars.forward(less);
+    if (!ahead || !behind) {
+        return std::nullopt;
+    }
+    return (ahead->handle - behind->handle) / (more[joint] - less[joint]);
+}
+
+void look_at(const engine::FiveBar& bars, const Vec2& place, Worst& worst) {
+    const auto angles = bars.inverse(place);
+    const auto pose = angles ? bars.forward(*angles) : std::nullopt;
+    const auto jacobian = pose ? bars.jacobian(*angles, *pose) : std::nullopt;
+    const auto by_1 = jacobian ? slope(bars, *angles, 0) : std::nullopt;
+    const auto by_2 = jacobian ? slope(bars, *angles, 1) : std::nullopt;
+    if (!by_1 || !by_2) {
+        return;  // outside the reach
+    }
+    ++worst.places;
+    worst.distance = std::max(worst.distance, glm::length(pose->handle - place));
+    const Vec2 off_1 = Vec2{jacobian->row_x.x, jacobian->row_y.x} - *by_1;
+    const Vec2 off_2 = Vec2{jacobian->row_x.y, jacobian->row_y.y} - *by_2;
+    const double size = std::max(glm::length(*by_1), glm::length(*by_2));
+    worst.jacobian =
+        std::max(worst.jacobian, std::max(glm::length(off_1), glm::length(off_2)) / size);
+}
+
+Worst worst_of(const Linkage& linkage) {
+    constexpr int kSteps = 20;
+    Worst worst;
+    for (int i = 0; i <= kSteps; ++i) {
+        for (int j = 0; j <= kSteps; ++j) {
+            const Vec2 share{2.0 * i / kSteps - 1.0, 2.0 * j / kSteps - 1.0};
+            look_at(linkage.bars, linkage.centre + share * linkage.half, worst);
+        }
+    }
+    return worst;
+}
+
+}  // namespace
+
+Check check_device(const std::string& word, const OpenDevice& open, const DeviceDemand& demand) {
+    Check check{.name = "device", .detail = word, .remedy = "", .numbers = {}, .picture = {}};
+    std::unique_ptr<engine::Device> device;
+    try {
+        device = open();
+    } catch (const std::exception& e) {
+        check.status = CheckStatus::fail;
+        check.remedy = e.what();
+        return check;
+    }
+    device->write(Vec2{});
+    const Readings readings = read_for_a_while(*device);
+    device->write(Vec2{});
+    const engine::DeviceTraits traits = device->traits();
+    check.detail = fmt::format(
+        "{} ({}): {} of {} readings good, slowest {:.0f} us, handle at "
+        "({:.1f}, {:.1f}) mm",
+        word, device->name(), readings.good, kReadings, readings.slowest_us,
+        1e3 * readings.last.hip.x, 1e3 * readings.last.hip.y);
+    check.numbers = {{"readings", kReadings},
+                     {"good", readings.good},
+                     {"fresh", readings.fresh},
+                     {"slowest_us", readings.slowest_us},
+                     {"x_mm", 1e3 * readings.last.hip.x},
+                     {"y_mm", 1e3 * readings.last.hip.y}};
+    if (!traits.gives_force) {
+        check.detail += "; it gives no force";
+    }
+    const auto weakest = device->weakest_force(demand.start);
+    if (weakest) {
+        check.detail += fmt::format("; at least {:.1f} N at the start", *weakest);
+        check.numbers.emplace_back("weakest_force_n", *weakest);
+    }
+    if (readings.good < kReadings) {
+        check.status = CheckStatus::fail;
+        check.remedy = device->trouble();
+        if (check.remedy.empty()) {
+            check.remedy = "check its cable and power, and that the handle is in the workspace";
+        }
+    } else if (weakest && demand.force_n > *weakest) {
+        check.status = CheckStatus::warn;
+        check.remedy = fmt::format(
+            "the protocol allows {:.1f} N: forces above {:.1f} N will be "
+            "weaker than rendered; lower the protocol's force limit",
+            demand.force_n, *weakest);
+    }
+    return check;
+}
+
+Check check_kinematics(std::span<const Linkage> linkages) {
+    constexpr double kDistance = 1e-9;  // m: a thousandth of an encoder count at the handle
+    constexpr double kJacobian = 1e-6;
+    Check check{.name = "kinematics", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    for (const Linkage& linkage : linkages) {
+        const Worst worst = worst_of(linkage);
+        check.detail += fmt::format(
+            "{}{}: {} places, round trip within {:.1e} m, Jacobian within "
+            "{:.1e} of differences",
+            check.detail.empty() ? "" : "; ", linkage.name, worst.places, worst.distance,
+            worst.jacobian);
+        check.numbers.emplace_back(linkage.name + "_places", worst.places);
+        check.numbers.emplace_back(linkage.name + "_round_trip_m", worst.distance);
+        check.numbers.emplace_back(linkage.name + "_jacobian_error", worst.jacobian);
+        if (worst.places == 0 || !(worst.distance <= kDistance) || !(worst.jacobian <= kJacobian)) {
+            check.status = CheckStatus::fail;
+            check.remedy = "check the link lengths and the origin in the calibration file";
+        }
+    }
+    return check;
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,160 @@
+#include "ui/doctor/report.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include <fmt/format.h>
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::size_t kNameWidth = 16;
+/// Where detail, remedy and picture begin.
+constexpr std::size_t kIndent = 6 + kNameWidth + 1;
+constexpr std::size_t kWidth = 100;
+
+/// `text` in lines of at most kWidth - `indent` characters, the later ones indented.
+std::string wrapped(std::string_view text, std::size_t indent) {
+    std::string out;
+    std::size_t column = indent;
+    while (!text.empty()) {
+        const std::size_t space = text.find(' ');
+        const std::string_view word = text.substr(0, space);
+        if (column > indent && column + 1 + word.size() > kWidth) {
+            out += '\n' + std::string(indent, ' ');
+            column = indent;
+        } else if (column > indent) {
+            out += ' ';
+            ++column;
+        }
+        out += word;
+        column += word.size();
+        text.remove_prefix(space == std::string_view::npos ? text.size() : space + 1);
+    }
+    return out;
+}
+
+/// Bytes of the UTF-8 character at the start of `text`; 0 if there is none.
+std::size_t utf8_length(std::string_view text) {
+    const auto byte = [&](std::size_t i) {
+        return static_cast<unsigned>(static_cast<unsigned char>(text[i]));
+    };
+    const unsigned first = byte(0);
+    const std::size_t length = first < 0x80U                    ? 1
+                             : first >= 0xC2U && first < 0xE0U  ? 2
+                             : first >= 0xE0U && first < 0xF0U  ? 3
+                             : first >= 0xF0U && first <= 0xF4U ? 4
+                                                                : 0;
+    if (length == 0 || length > text.size()) {
+        return 0;
+    }
+    for (std::size_t i = 1; i < length; ++i) {
+        if ((byte(i) & 0xC0U) != 0x80U) {
+            return 0;
+        }
+    }
+    const bool overlong =
+        (first == 0xE0U && byte(1) < 0xA0U) || (first == 0xF0U && byte(1) < 0x90U);
+    const bool beyond =
+        (first == 0xEDU && byte(1) >= 0xA0U) || (first == 0xF4U && byte(1) >= 0x90U);
+    return overlong || beyond ? 0 : length;
+}
+
+std::string quoted(std::string_view text) {
+    std::string out = "\"";
+    while (!text.empty()) {
+        const std::size_t length = utf8_length(text);
+        const char c = text.front();
+        if (length == 0) {
+            out += '?';
+        } else if (c == '"' || c == '\\') {
+            out += fmt::format("\\{}", c);
+        } else if (static_cast<unsigned char>(c) < 0x20U) {
+            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+        } else {
+            out += text.substr(0, length);
+        }
+        text.remove_prefix(std::max<std::size_t>(1, length));
+    }
+    return out + '"';
+}
+
+std::string number(double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : "null";
+}
+
+std::string object(const Check& check) {
+    std::string numbers;
+    for (const auto& [name, value] : check.numbers) {
+        numbers +=
+            fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", quoted(name), number(value));
+    }
+    return fmt::format(
+        "{{\"name\": {}, \"status\": {}, \"detail\": {}, \"remedy\": {}, \"numbers\": {{{}}}}}",
+        quoted(check.name), quoted(to_string(check.status)), quoted(check.detail),
+        quoted(check.remedy), numbers);
+}
+
+}  // namespace
+
+Check guarded(const std::string& name, const std::function<Check()>& look) noexcept {
+    try {
+        return look();
+    } catch (const std::exception& e) {
+        return {.name = name,
+                .status = CheckStatus::fail,
+                .detail = e.what(),
+                .remedy = "",
+                .numbers = {},
+                .picture = {}};
+    }
+}
+
+bool any_fails(const std::vector<Check>& checks) noexcept {
+    return std::any_of(checks.begin(), checks.end(),
+                       [](const Check& check) { return check.status == CheckStatus::fail; });
+}
+
+std::string_view to_string(CheckStatus status) noexcept {
+    switch (status) {
+        case CheckStatus::ok:
+            return "ok";
+        case CheckStatus::warn:
+            return "warn";
+        case CheckStatus::fail:
+            break;
+    }
+    return "fail";
+}
+
+std::string as_text(const Check& check) {
+    std::string out = fmt::format("{:<6}{:<{}} {}\n", to_string(check.status), check.name,
+                                  kNameWidth, wrapped(check.detail, kIndent));
+    if (!check.remedy.empty()) {
+        out += fmt::format("{:{}}-> {}\n", "", kIndent, wrapped(check.remedy, kIndent + 3));
+    }
+    for (const std::string& line : check.picture) {
+        out += fmt::format("{:{}}{}\n", "", kIndent, line);
+    }
+    return out;
+}
+
+std::string verdict(const std::vector<Check>& checks) {
+    const auto count = [&](CheckStatus status) {
+        return std::count_if(checks.begin(), checks.end(),
+                             [&](const Check& check) { return check.status == status; });
+    };
+    return fmt::format("{} ok, {} to look at, {} failed\n", count(CheckStatus::ok),
+                       count(CheckStatus::warn), count(CheckStatus::fail));
+}
+
+std::string as_json(std::string_view version, const std::vector<Check>& checks) {
+    std::string list;
+    for (const Check& check : checks) {
+        list += (list.empty() ? "\n  " : ",\n  ") + object(check);
+    }
+    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", quoted(version), list);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,148 @@
+#include <cstring>
+
+#include <SDL.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "ui/doctor/checks.hpp"
+#include "ui/subject/window.hpp"
+
+namespace palpate::ui {
+namespace {
+
+/// A part of SDL, for as long as this lives.
+class Subsystem {
+public:
+    explicit Subsystem(Uint32 flag) : flag_(flag), works_(SDL_InitSubSystem(flag) == 0) {}
+    Subsystem(const Subsystem&) = delete;
+    Subsystem& operator=(const Subsystem&) = delete;
+    ~Subsystem() {
+        if (works_) {
+            SDL_QuitSubSystem(flag_);
+        }
+    }
+    [[nodiscard]] bool works() const { return works_; }
+
+private:
+    Uint32 flag_;
+    bool works_;
+};
+
+/// Sends standard error nowhere while it lives: sound libraries write pages there when there is no sound,
+/// and what matters of it is in SDL's error.
+class Hush {
+public:
+    Hush() : saved_(dup(STDERR_FILENO)), nowhere_(open("/dev/null", O_WRONLY | O_CLOEXEC)) {
+        if (saved_ >= 0 && nowhere_ >= 0) {
+            dup2(nowhere_, STDERR_FILENO);
+        }
+    }
+    Hush(const Hush&) = delete;
+    Hush& operator=(const Hush&) = delete;
+    ~Hush() {
+        if (saved_ >= 0) {
+            dup2(saved_, STDERR_FILENO);
+            close(saved_);
+        }
+        if (nowhere_ >= 0) {
+            close(nowhere_);
+        }
+    }
+
+private:
+    int saved_;
+    int nowhere_;
+};
+
+bool is_real(const char* driver) {
+    return driver != nullptr && std::strcmp(driver, "dummy") != 0 &&
+           std::strcmp(driver, "disk") != 0;
+}
+
+}  // namespace
+
+Check check_display() {
+    Check check{.name = "display",
+                .status = CheckStatus::warn,
+                .detail = "none",
+                .remedy =
+                    "participants need a screen: run this in the desktop session that will "
+                    "show it (DISPLAY or WAYLAND_DISPLAY set)",
+                .numbers = {},
+                .picture = {}};
+    if (!display_available()) {
+        return check;
+    }
+    const Subsystem video(SDL_INIT_VIDEO);
+    SDL_DisplayMode mode{};
+    if (!video.works() || SDL_GetDesktopDisplayMode(0, &mode) != 0) {
+        check.detail = fmt::format("cannot be opened: {}", SDL_GetError());
+        return check;
+    }
+    const char* driver = SDL_GetCurrentVideoDriver();
+    const int displays = SDL_GetNumVideoDisplays();
+    check.detail = fmt::format(
+        "{} x {} pixels, {}, driver {}{}", mode.w, mode.h,
+        mode.refresh_rate > 0 ? fmt::format("{} Hz", mode.refresh_rate) : "refresh rate not known",
+        driver == nullptr ? "none" : driver,
+        displays > 1 ? fmt::format(", {} displays", displays) : "");
+    check.numbers = {{"width", mode.w}, {"height", mode.h}, {"refresh_hz", mode.refresh_rate}};
+    if (is_real(driver)) {
+        check.status = CheckStatus::ok;
+        check.remedy.clear();
+    }
+    return check;
+}
+
+Check check_audio() {
+    Check check{.name = "audio",
+                .status = CheckStatus::warn,
+                .detail = "none",
+                .remedy =
+                    "masking noise will need it: connect headphones, and see that ALSA, "
+                    "PulseAudio or PipeWire runs for this user",
+                .numbers = {},
+                .picture = {}};
+    const Hush hush;
+    const Subsystem audio(SDL_INIT_AUDIO);
+    if (!audio.works()) {
+        return check;
+    }
+    SDL_AudioSpec wanted{};
+    wanted.freq = 48000;
+    wanted.format = AUDIO_F32SYS;
+    wanted.channels = 2;
+    wanted.samples = 1024;
+    SDL_AudioSpec got{};
+    const SDL_AudioDeviceID device =
+        SDL_OpenAudioDevice(nullptr, 0, &wanted, &got, SDL_AUDIO_ALLOW_ANY_CHANGE);
+    if (device == 0) {
+        check.detail = fmt::format("cannot be opened: {}", SDL_GetError());
+        return check;
+    }
+    SDL_CloseAudioDevice(device);
+    const char* driver = SDL_GetCurrentAudioDriver();
+    check.detail = fmt::format("{} Hz, {} channels, driver {}", got.freq,
+                               static_cast<int>(got.channels), driver == nullptr ? "none" : driver);
+    check.numbers = {{"rate_hz", got.freq}, {"channels", got.channels}};
+    if (is_real(driver)) {
+        check.status = CheckStatus::ok;
+        check.remedy.clear();
+    }
+    return check;
+}
+
+Check check_font(const std::string& asked) {
+    Check check{.name = "font", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    try {
+        check.detail = find_font(asked);
+    } catch (const std::exception& e) {
+        check.status = CheckStatus::fail;
+        check.detail = "none";
+        check.remedy = e.what();
+    }
+    return check;
+}
+
+}  // namespace palpate::ui
