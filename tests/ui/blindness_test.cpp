@@ -110,7 +110,8 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
     SimulatedApparatus apparatus(protocol, hash, key, protocol.seed);
     WatchedScreen screen;
     Forgetful recorder;
-    const SessionEnd end = run_session(protocol, plan, {}, 0, {apparatus, screen, recorder});
+    const SessionEnd end =
+        run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, screen, recorder});
     CHECK(end.why == SessionEnd::Why::finished);
     CHECK(recorder.conditions.size() == 10);
     CHECK(screen.frames_ >= 100);
