@@ -113,6 +113,20 @@ std::string shares_text(Database& database, const Group& group) {
     return text;
 }
 
+/// Trials that a fault cut short; nothing as long as there are none.
+std::string faults_text(Database& database, const Group& group) {
+    Statement row = database.prepare(
+        "SELECT count(*) FROM trial JOIN session ON session.id = trial.session"
+        " JOIN study ON study.id = session.study"
+        " WHERE name = ?1 AND kind = ?2 AND outcome = 'faulted'");
+    row.bind(1, group.study).bind(2, group.kind).step();
+    const std::int64_t n = row.integer(0);
+    return n == 0
+             ? std::string()
+             : fmt::format("\n  {} trial{} ended by a fault and not counted: SELECT * FROM fault\n",
+                           n, n == 1 ? "" : "s");
+}
+
 /// For a POSIX shell.
 std::string quoted(const std::string& word) {
     std::string text = "'";
@@ -128,8 +142,8 @@ std::string summary_text(Database& database) {
     const Snapshot now(database);
     std::string text;
     for (const Group& group : groups(database)) {
-        text +=
-            title(group) + confusion_text(database, group) + shares_text(database, group) + '\n';
+        text += title(group) + confusion_text(database, group) + shares_text(database, group) +
+                faults_text(database, group) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";

@@ -1,13 +1,15 @@
 #include "data/store/schema.hpp"
 
-namespace palpate::data {
+#include <string>
 
-std::string_view schema_sql() noexcept {
-    return R"sql(
--- palpate, schema 1. SI units, in the column names. Times *_utc are wall clock and for people;
+namespace palpate::data {
+namespace {
+
+constexpr const char* kTables = R"sql(
+-- palpate, schema 3. SI units, in the column names. Times *_utc are wall clock and for people;
 -- every duration comes from the servo's monotonic clock.
 PRAGMA application_id = 1885432944;
-PRAGMA user_version = 2;
+PRAGMA user_version = 3;
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
@@ -44,7 +46,8 @@ CREATE TABLE session (
 ) STRICT;
 
 CREATE TABLE session_provenance (
-    -- What shaped the session besides its protocol: versions, compiler, kernel.
+    -- What shaped the session besides its protocol: versions, compiler, kernel, the device's calibration,
+    -- what the force loop was allowed (scheduling, memory).
     session INTEGER NOT NULL REFERENCES session,
     key     TEXT NOT NULL,
     value   TEXT NOT NULL,
@@ -75,7 +78,8 @@ CREATE TABLE picture (
 ) STRICT;
 
 CREATE TABLE trial (
-    -- One attempt at a planned trial. Attempts that were not answered stay, and the position is run again.
+    -- One attempt at a planned trial. Attempts that were not answered stay, and the position is run again:
+    -- after a fault at the end of its block (practice, or main and catch), else at once.
     id                  INTEGER PRIMARY KEY,
     session             INTEGER NOT NULL,
     position            INTEGER NOT NULL,
@@ -101,6 +105,9 @@ CREATE TABLE trial (
     contact_episodes    INTEGER,                    -- times that HIP came into contact
     worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
     skipped_ticks       INTEGER,                    -- out of reach: nothing was computed
+    fault               TEXT CHECK (fault IS NULL OR outcome = 'faulted'),  -- why the force went off, e.g. over_speed
+    slewed_ticks        INTEGER,                    -- the slew limit held the force back
+    stale_ticks         INTEGER,                    -- without a new reading
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
@@ -170,16 +177,83 @@ SELECT study, kind, friction, object, choice, count(*) AS n
 FROM trial_result WHERE phase = 'main'
 GROUP BY study, kind, friction, object, choice;
 )sql";
-}
 
-std::string_view migration_sql([[maybe_unused]] std::int64_t from) noexcept {
-    return R"sql(
+/// Since schema 3: why forces went off.
+constexpr const char* kFaults = R"sql(
+CREATE TABLE fault_tick (
+    -- The last ticks before the force went off by itself, at most 100, the last one the fault's own. Here
+    -- also when the trace lost them; named as in trace_column, NULL for what was not a number.
+    -- flags: 1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 held, 64 slewed (the force changed as
+    -- fast as it may), 128 stale (no new reading: the last HIP again).
+    -- mode: 0 free, 1 stuck, 2 slip, 3 transition. feature: >= 0 a segment, -1 - j vertex j.
+    trial       INTEGER NOT NULL REFERENCES trial,
+    tick        INTEGER NOT NULL,
+    time_ns     INTEGER NOT NULL,
+    count_1     INTEGER NOT NULL,
+    count_2     INTEGER NOT NULL,
+    code_1      INTEGER NOT NULL,
+    code_2      INTEGER NOT NULL,
+    lateness_us REAL,
+    flags       INTEGER NOT NULL,
+    mode        INTEGER NOT NULL,
+    feature     INTEGER NOT NULL,
+    parameter   REAL,
+    hip_x_m     REAL,
+    hip_y_m     REAL,
+    cp_x_m      REAL,
+    cp_y_m      REAL,
+    go_x_m      REAL,
+    go_y_m      REAL,
+    fx_n        REAL,
+    fy_n        REAL,
+    command_x_n REAL,
+    command_y_n REAL,
+    fn_n        REAL,
+    ft_n        REAL,
+    mu          REAL,
+    PRIMARY KEY (trial, tick)
+) STRICT;
+
+CREATE VIEW fault AS
+-- One row per faulted trial: whose, which, why, and when.
+SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
+       session.kind AS kind, trial.position AS position, trial.attempt AS attempt, plan.phase AS phase,
+       trial.fault AS cause, trial.done_s AS at_s, trial.ended_utc AS ended_utc,
+       (SELECT count(*) FROM fault_tick WHERE fault_tick.trial = trial.id) AS ticks_kept
+FROM trial
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.outcome = 'faulted';
+)sql";
+
+constexpr const char* kFrom1 = R"sql(
 -- 1 -> 2: the energy ledger of every trial. Trials recorded before stay NULL.
 ALTER TABLE trial ADD COLUMN contact_episodes INTEGER;
 ALTER TABLE trial ADD COLUMN worst_episode_j REAL;
 ALTER TABLE trial ADD COLUMN skipped_ticks INTEGER;
 PRAGMA user_version = 2;
 )sql";
+
+constexpr const char* kFrom2 = R"sql(
+-- 2 -> 3: faults. Trials that faulted before have no cause.
+ALTER TABLE trial ADD COLUMN fault TEXT CHECK (fault IS NULL OR outcome = 'faulted');
+ALTER TABLE trial ADD COLUMN slewed_ticks INTEGER;
+ALTER TABLE trial ADD COLUMN stale_ticks INTEGER;
+PRAGMA user_version = 3;
+)sql";
+
+}  // namespace
+
+std::string_view schema_sql() noexcept {
+    static const std::string all = std::string(kTables) + kFaults;
+    return all;
+}
+
+std::string_view migration_sql(std::int64_t from) noexcept {
+    static const std::string from_2 = std::string(kFrom2) + kFaults;
+    return from == 1 ? std::string_view(kFrom1) : from_2;
 }
 
 }  // namespace palpate::data

@@ -221,14 +221,23 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
     return found;
 }
 
-std::size_t next_position(Database& database, std::int64_t session) {
+/// What is left, by what became of every attempt so far. An answer is a row of its own: it decides.
+protocols::PendingTrials pending_trials(Database& database,
+                                        std::int64_t session,
+                                        const protocols::Plan& plan) {
+    protocols::PendingTrials pending(plan);
     Statement row = database.prepare(
-        "SELECT coalesce(min(position), (SELECT count(*) FROM plan WHERE session = ?1)) FROM plan"
-        " WHERE session = ?1 AND position NOT IN"
-        " (SELECT position FROM trial JOIN response ON response.trial = trial.id WHERE session = "
-        "?1)");
-    row.bind(1, session).step();
-    return static_cast<std::size_t>(row.integer(0));
+        "SELECT position, outcome, response.trial IS NOT NULL FROM trial"
+        " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 ORDER BY trial.id");
+    row.bind(1, session);
+    while (row.step()) {
+        const bool answered = row.integer(2) != 0;
+        if (answered || row.text(1) == to_string(protocols::Outcome::faulted)) {
+            pending.note(static_cast<std::size_t>(row.integer(0)),
+                         answered ? protocols::Outcome::complete : protocols::Outcome::faulted);
+        }
+    }
+    return pending;
 }
 
 std::optional<SessionState> state_of(Statement& row) {
@@ -285,7 +294,8 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
         opened.finished = there->finished;
         opened.interrupted = mark_interrupted(database, id);
     }
-    opened.next = next_position(database, id);
+    opened.pending = pending_trials(database, id, spec.plan);
+    opened.next = opened.pending.next();
     all.commit();
     return opened;
 }

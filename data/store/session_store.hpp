@@ -9,6 +9,7 @@
 
 #include "protocols/design/plan.hpp"
 #include "protocols/design/protocol.hpp"
+#include "protocols/running/pending_trials.hpp"
 #include "data/store/database.hpp"
 
 namespace palpate::data {
@@ -48,8 +49,9 @@ struct OpenedSession {
     std::int64_t id = 0;
     bool resumed = false;
     bool finished = false;
-    std::size_t next = 0;         ///< first position without an answer
-    std::size_t interrupted = 0;  ///< attempts found running and marked so
+    std::size_t next = 0;  ///< position to run first; as many as planned: nothing is left
+    protocols::PendingTrials pending{};  ///< all that is left, in its order
+    std::size_t interrupted = 0;         ///< attempts found running and marked so
 };
 
 struct SessionState {

@@ -1,14 +1,48 @@
 #include "data/store/sqlite_recorder.hpp"
 
+#include <cstring>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 #include <fmt/format.h>
+
+#include "protocols/running/pending_trials.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
 
-bool is_answered(protocols::Outcome outcome) {
-    return outcome == protocols::Outcome::complete || outcome == protocols::Outcome::timed_out;
+/// A value of a tick as SQL has it, by the type of its column.
+void bind_value(Statement& row, int parameter, const TraceColumn& column, const std::byte* at) {
+    const auto value = [at](auto sample) {
+        std::memcpy(&sample, at, sizeof sample);
+        return sample;
+    };
+    if (column.type == "f64le") {
+        row.bind(parameter, value(double{}));
+    } else if (column.type == "f32le") {
+        row.bind(parameter, static_cast<double>(value(float{})));
+    } else if (column.type == "i64le") {
+        row.bind(parameter, value(std::int64_t{}));
+    } else if (column.type == "i32le") {
+        row.bind(parameter, std::int64_t{value(std::int32_t{})});
+    } else if (column.type == "i16le") {
+        row.bind(parameter, std::int64_t{value(std::int16_t{})});
+    } else {
+        row.bind(parameter, std::int64_t{value(std::uint8_t{})});
+    }
+}
+
+std::string insert_fault_tick() {
+    std::string names = "trial";
+    std::string places = "?1";
+    int place = 1;
+    for (const TraceColumn& column : trace_columns()) {
+        names += fmt::format(", {}", column.name);
+        places += fmt::format(", ?{}", ++place);
+    }
+    return fmt::format("INSERT INTO fault_tick ({}) VALUES ({})", names, places);
 }
 
 }  // namespace
@@ -84,14 +118,24 @@ void SqliteRecorder::write_chunk(TrialId trial) {
 
 void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
     require_running(trial);
-    if (is_answered(result.outcome) != result.response.has_value()) {
+    if (protocols::is_answered(result.outcome) != result.response.has_value()) {
         throw std::logic_error(fmt::format("trial {} is {} {} an answer", trial,
                                            to_string(result.outcome),
                                            result.response ? "with" : "without"));
     }
+    if (result.fault && result.outcome != protocols::Outcome::faulted) {
+        throw std::logic_error(
+            fmt::format("trial {} is {} with a fault", trial, to_string(result.outcome)));
+    }
     Transaction all(database_);
     write_chunk(trial);
     write_result(trial, result);
+    if (result.response) {
+        write_response(trial, *result.response);
+    }
+    if (result.fault) {
+        write_fault(trial, *result.fault);
+    }
     all.commit();  // what fails before leaves the ticks for another try
     pending_.clear();
     running_ = 0;
@@ -108,9 +152,9 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
             "?10,"
             " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
             "?14,"
-            " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17, skipped_ticks = ?18 "
-            "WHERE id = ?1 AND "
-            "outcome = 'running'")
+            " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17, skipped_ticks = ?18,"
+            " slewed_ticks = ?19, stale_ticks = ?20, fault = ?21"
+            " WHERE id = ?1 AND outcome = 'running'")
         .bind(1, trial)
         .bind(2, to_string(result.outcome))
         .bind(3, result.done_s)
@@ -129,21 +173,38 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
         .bind(16, sum.contact_episodes)
         .bind(17, sum.worst_episode_j)
         .bind(18, sum.skipped_ticks)
+        .bind(19, sum.slewed_ticks)
+        .bind(20, sum.stale_ticks)
+        .bind(21, result.fault ? std::optional(to_string(result.fault->cause)) : std::nullopt)
         .run();
     if (database_.changes() != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",
                                      database_.file(), trial));
     }
-    if (result.response) {
-        database_.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
-            .bind(1, trial)
-            .bind(2, static_cast<std::int64_t>(result.response->place))
-            .bind(3, protocol_.objects.at(result.response->object).name)
-            .bind(4, std::int64_t{result.response->correct ? 1 : 0})
-            .bind(5, result.response->reaction_s)
-            .bind(6, result.response->uncertainty_s)
-            .bind(7, to_string(result.response->input))
-            .run();
+}
+
+void SqliteRecorder::write_response(TrialId trial, const protocols::Response& response) {
+    database_.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
+        .bind(1, trial)
+        .bind(2, static_cast<std::int64_t>(response.place))
+        .bind(3, protocol_.objects.at(response.object).name)
+        .bind(4, std::int64_t{response.correct ? 1 : 0})
+        .bind(5, response.reaction_s)
+        .bind(6, response.uncertainty_s)
+        .bind(7, to_string(response.input))
+        .run();
+}
+
+void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
+    Statement row = database_.prepare(insert_fault_tick());
+    for (const engine::TickRecord& tick : fault.last) {
+        row.bind(1, trial);
+        int parameter = 1;
+        for (const TraceColumn& column : trace_columns()) {
+            bind_value(row, ++parameter, column,
+                       reinterpret_cast<const std::byte*>(&tick) + column.offset);
+        }
+        row.run();
     }
 }
 

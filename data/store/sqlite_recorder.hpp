@@ -33,6 +33,8 @@ private:
     void require_running(protocols::TrialId trial) const;
     void write_chunk(protocols::TrialId trial);
     void write_result(protocols::TrialId trial, const protocols::TrialResult& result);
+    void write_response(protocols::TrialId trial, const protocols::Response& response);
+    void write_fault(protocols::TrialId trial, const protocols::Fault& fault);
 
     Database& database_;
     const protocols::Protocol& protocol_;

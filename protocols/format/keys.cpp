@@ -7,6 +7,15 @@
 namespace palpate::protocols {
 namespace {
 
+/// N/ms: at 10 kHz this lets the largest force come in one tick; a higher limit would limit nothing.
+constexpr double kMostSlew = 500;
+/// m/s: a hand throws a ball like this. Faster, and the next reading counts as a jump anyway.
+constexpr double kMostSpeed = 10;
+/// J: 1 kg fallen from 1 m, no longer something to call passive.
+constexpr double kMostEnergy = 10;
+/// Ticks that are looked back on: more of them cannot be late.
+constexpr double kLateWindow = 100;
+
 constexpr double kMostSeed = 9223372036854775807.0;  // TOML integers have 63 bits and a sign
 
 using enum Need;
@@ -71,6 +80,21 @@ constexpr std::array kFriction{
                       .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
     Key<FrictionSpec>{.name = "tau_heal_ms", .member = &FrictionSpec::tau_heal, .need = gos_optional, .highest = 10000, .per_si = 1000,
                       .meaning = "time constant back to mu_s while stuck; 0: at once"},
+};
+
+constexpr std::array kSafety{
+    Key<SafetySpec>{.name = "slew_limit_n_per_ms", .member = &SafetySpec::slew_limit, .highest = kMostSlew, .above = true, .per_si = 0.001,
+                    .meaning = "how fast the force may change"},
+    Key<SafetySpec>{.name = "speed_limit_m_per_s", .member = &SafetySpec::speed_limit, .highest = kMostSpeed, .above = true,
+                    .meaning = "a faster handle switches the force off"},
+    Key<SafetySpec>{.name = "late_in_a_row", .member = &SafetySpec::late_run, .highest = kLateWindow,
+                    .meaning = "late ticks in a row that switch the force off; 0: none do"},
+    Key<SafetySpec>{.name = "late_of_100", .member = &SafetySpec::late_share, .highest = kLateWindow,
+                    .meaning = "late ticks among the last 100 that switch it off; 0: none do"},
+    Key<SafetySpec>{.name = "energy_limit_j", .member = &SafetySpec::energy_limit, .highest = kMostEnergy, .above = true,
+                    .meaning = "energy that the object may give beyond what it took"},
+    Key<SafetySpec>{.name = "dead_man", .member = &SafetySpec::dead_man,
+                    .meaning = "force only while the participant holds Space; Enter then ends the exploration"},
 };
 
 constexpr std::array kDesign{
@@ -167,6 +191,10 @@ std::span<const Key<FrictionSpec>> keys_of() {
     return kFriction;
 }
 template <>
+std::span<const Key<SafetySpec>> keys_of() {
+    return kSafety;
+}
+template <>
 std::span<const Key<DesignSpec>> keys_of() {
     return kDesign;
 }
@@ -198,6 +226,7 @@ template std::string range_of(const Key<ApparatusSpec>&);
 template std::string range_of(const Key<OutlineSpec>&);
 template std::string range_of(const Key<ObjectSpec>&);
 template std::string range_of(const Key<FrictionSpec>&);
+template std::string range_of(const Key<SafetySpec>&);
 template std::string range_of(const Key<DesignSpec>&);
 template std::string range_of(const Key<TimingSpec>&);
 template std::string range_of(const Key<ObserverSpec>&);
@@ -208,6 +237,8 @@ std::string key_reference() {
            section<ObjectSpec>(fmt::format("[[object]]  once each, {} to {} of them pictured",
                                            kMinPictures, kMaxPictures)) +
            section<FrictionSpec>(fmt::format("[[friction]]  once each, 1 to {}", kMaxFrictions)) +
+           section<SafetySpec>(
+               "[safety]  left out of the study's hash as long as all are default") +
            section<DesignSpec>("[design]") + section<TimingSpec>("[timing]") +
            section<ObserverSpec>("[observer]  of simulated sessions");
 }

@@ -37,7 +37,7 @@ struct Key {
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
     double highest = 0.0;
     bool above = false;   ///< `lowest` itself is refused
-    double per_si = 1.0;  ///< file value = SI value * per_si: 1000 for mm and ms
+    double per_si = 1.0;  ///< file value = SI value * per_si: 1000 for mm and ms, 0.001 for 1/ms
     Text text = Text::name;
     std::string_view meaning;
 };
@@ -58,6 +58,8 @@ template <>
 std::span<const Key<ObjectSpec>> keys_of();
 template <>
 std::span<const Key<FrictionSpec>> keys_of();
+template <>
+std::span<const Key<SafetySpec>> keys_of();
 template <>
 std::span<const Key<DesignSpec>> keys_of();
 template <>

@@ -16,9 +16,9 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 9> kTables{"format",  "study",  "apparatus",
-                                                  "outline", "object", "friction",
-                                                  "design",  "timing", "observer"};
+constexpr std::array<std::string_view, 10> kTables{"format", "study",    "apparatus", "outline",
+                                                   "object", "friction", "safety",    "design",
+                                                   "timing", "observer"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -43,6 +43,7 @@ public:
         for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
             law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
         }
+        table("safety", protocol.safety, false);
         table("design", protocol.design, true);
         table("timing", protocol.timing, false);
         table("observer", protocol.observer, false);

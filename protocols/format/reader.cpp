@@ -251,6 +251,7 @@ template void Reader::read(const Table&, const std::string&, const Position&, Ap
 template void Reader::read(const Table&, const std::string&, const Position&, OutlineSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, ObjectSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, FrictionSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, SafetySpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, DesignSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, TimingSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, ObserverSpec&);

@@ -53,6 +53,9 @@ std::string to_toml(const Protocol& protocol) {
     for (const FrictionSpec& friction : protocol.frictions) {
         append(text, "[[friction]]", friction, friction.law != "frictionless");
     }
+    if (protocol.safety != SafetySpec{}) {  // studies are older than this table: their hashes stay
+        append(text, "[safety]", protocol.safety);
+    }
     append(text, "[design]", protocol.design);
     append(text, "[timing]", protocol.timing);
     append(text, "[observer]", protocol.observer);

@@ -23,8 +23,8 @@ namespace palpate::protocols {
 /// Reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986): 0.8 s + 0.15 s N(0, 1) + an
 /// exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
 ///
-/// Every trial draws from a stream of its own, keyed by its position: a resumed session, or a trial that
-/// is run again, answers as the unbroken one.
+/// Every trial draws from a stream of its own, keyed by its number: a resumed session, or a trial that
+/// was aborted and is run again, answers as the unbroken one.
 class SimulatedObserver : public Observer {
 public:
     /// @param key            of the session; block and purpose are set here, trial by trial

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -20,7 +21,7 @@ struct SessionView {
     std::string title;
     std::string participant;
     std::size_t trials = 0;  ///< in the whole plan
-    std::size_t next = 0;    ///< first position to run, > 0 on resume
+    std::size_t next = 0;    ///< how many are answered, > 0 on resume
     bool simulated = false;  ///< the run kind is simulated: the screen says so
     std::string device;      ///< e.g. "simulated pantograph"
 };
@@ -35,10 +36,25 @@ struct TrialView {
     double explore_timeout_s = 0.0;
 };
 
+/// What is wrong with the device, for whoever can mend it. Nothing of the condition, ever.
+struct TroubleView {
+    std::string sentence;      ///< what happened and what to do
+    bool solved = false;       ///< the device works: the next trial may be asked for
+    std::size_t tries = 0;     ///< how often the device was asked to come back, in vain
+    std::size_t in_a_row = 1;  ///< faulted trials since the last good one
+
+    friend bool operator==(const TroubleView&, const TroubleView&) = default;
+};
+
+/// When nobody is there to mend anything: failed tries, and faults in a row, after which to give up.
+inline constexpr std::size_t kMostTries = 10;
+inline constexpr std::size_t kMostFaults = 3;
+
 enum class Signal : std::uint8_t {
     go_on,
-    done,   ///< explore: the participant pressed done
-    abort,  ///< the experimenter (two steps) or the operating system ends the session
+    done,     ///< explore: the participant pressed done
+    abort,    ///< the experimenter (two steps) or the operating system ends the session
+    give_up,  ///< trouble: nobody will mend it
 };
 
 /// How an answer was given.
@@ -88,6 +104,11 @@ public:
     [[nodiscard]] virtual Signal gap(double seconds) = 0;
     /// A break of at least `seconds`; returns when the participant goes on. go_on or abort.
     [[nodiscard]] virtual Signal rest(double seconds, const TrialView& next) = 0;
+    /// After a fault, again and again, with the device asked in between; must return within a few ms.
+    /// go_on (taken only when solved), abort, give_up, or nothing: still waiting.
+    /// The default has nobody to wait for: it goes on at once when solved, and gives up after kMostTries
+    /// or kMostFaults.
+    [[nodiscard]] virtual std::optional<Signal> trouble(const TroubleView& view);
     /// The plan is finished.
     virtual void finish(const SessionView& session) = 0;
 };

@@ -6,8 +6,10 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/realtime/tick_record.hpp"
+#include "engine/safety/trip.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/running/observer.hpp"
 
@@ -19,7 +21,7 @@ enum class Outcome : std::uint8_t {
     timed_out,    ///< exploration reached the time-out, then answered
     aborted,      ///< ended by the experimenter or a signal; run again on resume
     interrupted,  ///< found unfinished when the session was opened again; run again
-    faulted,      ///< device or guard fault; run again on resume
+    faulted,      ///< the force went off by itself; run again at the end of its block
 };
 
 [[nodiscard]] std::string_view to_string(Outcome outcome) noexcept;
@@ -33,6 +35,8 @@ struct TrialSummary {
     std::int64_t late_ticks = 0;
     std::int64_t saturated_ticks = 0;
     std::int64_t skipped_ticks = 0;    ///< HIP was out of reach: a comparison instead of a tick
+    std::int64_t slewed_ticks = 0;     ///< the slew limit held the force back
+    std::int64_t stale_ticks = 0;      ///< without a new reading
     double path_length_m = 0.0;        ///< of HIP
     double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
     double max_normal_force_n = 0.0;
@@ -52,12 +56,20 @@ struct Response {
     InputKind input = InputKind::simulated;
 };
 
+/// The force went off by itself.
+struct Fault {
+    engine::Trip cause = engine::Trip::none;
+    std::string text;                      ///< what happened and what to do, a sentence
+    std::vector<engine::TickRecord> last;  ///< up to the trip, oldest first, at most 100
+};
+
 struct TrialResult {
     Outcome outcome = Outcome::complete;
     double done_s = 0.0;  ///< first tick -> done (or time-out)
     double done_uncertainty_s = 0.0;
     TrialSummary summary{};
     std::optional<Response> response;  ///< none unless complete or timed_out
+    std::optional<Fault> fault;        ///< none unless faulted
 };
 
 /// Constants of the compiled scene that needed exp, kept because exp differs between machines.
@@ -81,7 +93,7 @@ public:
     /// The next ticks of the running trial, in order and without gaps.
     virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
     virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
-    /// Something that happened: "break", "resume", "abort", "fault", ... with a sentence.
+    /// Something that happened: "break", "abort", "fault", "reconnect", "go on", ... with a sentence.
     virtual void event(std::string_view kind, std::string_view text) = 0;
     /// All planned trials are done.
     virtual void finish_session() = 0;

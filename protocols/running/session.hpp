@@ -1,42 +1,35 @@
 #pragma once
 
-#include <functional>
-#include <string>
+#include <cstdint>
 
 #include "protocols/design/protocol.hpp"
-#include "protocols/running/apparatus.hpp"
-#include "protocols/running/observer.hpp"
-#include "protocols/running/recorder.hpp"
+#include "protocols/running/pending_trials.hpp"
+#include "protocols/running/ports.hpp"
 
 namespace palpate::protocols {
 
-/// The three ports of a session, and how to interrupt it. All outlive the run.
-struct Ports {
-    Apparatus& apparatus;
-    Observer& observer;
-    Recorder& recorder;
-    std::function<bool()> interrupted = [] {
-        return false;
-    };  ///< e.g. a signal arrived
-    std::function<void(const PlannedTrial&, const TrialResult&)> progress = [](const PlannedTrial&,
-                                                                               const TrialResult&) {
-    };
-};
-
 struct SessionEnd {
-    enum class Why : std::uint8_t { finished, aborted, faulted } why = Why::finished;
+    enum class Why : std::uint8_t {
+        finished,
+        aborted,
+        faulted,  ///< a fault that nobody mended
+    } why = Why::finished;
     std::size_t next = 0;  ///< first position that still has to run
 };
 
-/// Runs a plan from position `from` to its end, or until someone stops it.
+/// Runs what is pending of a plan to its end, or until someone stops it.
 ///
 /// A trial: ready -> force ramps in -> explore -> done or time-out -> force ramps out -> pictures ->
 /// choice -> durable. The force is off whenever anything else happens, also when an exception (a
 /// full disk) passes through.
+///
+/// A trial whose force went off by itself ends as faulted, with its cause and last ticks, and is set
+/// back (see PendingTrials); the session goes on when the device works and the observer agrees. Breaks
+/// come after as many answered trials as the plan says, whichever these were.
 [[nodiscard]] SessionEnd run_session(const Protocol& protocol,
                                      const Plan& plan,
                                      const SessionView& view,
-                                     std::size_t from,
+                                     PendingTrials pending,
                                      Ports ports);
 
 }  // namespace palpate::protocols

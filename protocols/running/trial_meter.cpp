@@ -19,6 +19,8 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         sum_.late_ticks += (tick.flags & engine::tick_late) != 0 ? 1 : 0;
         sum_.saturated_ticks += (tick.flags & engine::tick_saturated) != 0 ? 1 : 0;
         sum_.skipped_ticks += (tick.flags & engine::tick_skipped) != 0 ? 1 : 0;
+        sum_.slewed_ticks += (tick.flags & engine::tick_slewed) != 0 ? 1 : 0;
+        sum_.stale_ticks += (tick.flags & engine::tick_stale) != 0 ? 1 : 0;
         if (tick.mode == engine::Mode::free) {
             continue;
         }

@@ -109,6 +109,10 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
         "started_utc) VALUES (1, 0, 1, 'lost', 0, 0, '')",
         "INSERT INTO response VALUES (77, 0, 'convex', 1, 1.0, 0.0, 'key')",
         "INSERT INTO trace_chunk VALUES (77, 0, 1, 1, 0, x'00')",
+        "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
+        "started_utc, fault) VALUES (1, 0, 1, 'complete', 0, 0, '', 'late')",
+        "INSERT INTO fault_tick (trial, tick, time_ns, count_1, count_2, code_1, code_2, flags, "
+        "mode, feature) VALUES (77, 0, 0, 0, 0, 0, 0, 0, 0, 0)",
         "INSERT INTO event (session, kind, text, at_utc) VALUES (99, 'a', 'b', 'c')",
         "DELETE FROM study",
         "INSERT INTO study (name, title, protocol_sha256, protocol_toml) VALUES ('x', 'y', "
@@ -121,31 +125,65 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
     }
 }
 
-TEST_CASE("a file of an older schema is brought up to date when it is opened for writing",
-          "[store]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("old.sqlite");
-    {
-        Database database(file, Access::write);
-        database.execute(
+namespace {
+
+/// Every table's columns and every view's text.
+std::string shape(const std::string& file) {
+    const auto ask = [&](const std::string& sql) {
+        return tests::Process({"sqlite3", file, sql}).wait().out;
+    };
+    return ask("SELECT m.name, c.cid, c.name, c.type, c.\"notnull\", c.pk FROM sqlite_master AS m,"
+               " pragma_table_info(m.name) AS c ORDER BY 1, 2") +
+           ask("SELECT name, sql FROM sqlite_master WHERE type = 'view' ORDER BY 1");
+}
+
+/// A file as palpate wrote it with schema `version`, with a session and a faulted trial in it.
+void write_old(const std::string& file, int version) {
+    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_2.sql");
+    std::string sql = "\n";  // or its first comment would look like an option
+    sql.append(std::istreambuf_iterator<char>(in), {});
+    if (version == 1) {
+        sql +=
             "ALTER TABLE trial DROP COLUMN skipped_ticks;"
             "ALTER TABLE trial DROP COLUMN worst_episode_j;"
-            "ALTER TABLE trial DROP COLUMN contact_episodes; PRAGMA user_version = 1;");
+            "ALTER TABLE trial DROP COLUMN contact_episodes; PRAGMA user_version = 1;";
     }
-    {
-        Database database(file, Access::read);  // as it is
-        data::Statement row = database.prepare(
-            "SELECT count(*) FROM pragma_table_info('trial')"
-            " WHERE name = 'worst_episode_j'");
-        REQUIRE(row.step());
-        CHECK(row.integer(0) == 0);
-    }
+    const std::string hash = "'" + std::string(64, 'a') + "'";
+    sql += "INSERT INTO study VALUES (1, 's', 't', " + hash +
+           ", ''); INSERT INTO participant VALUES (1, 'P1');"
+           "INSERT INTO session VALUES (1, 1, 1, 1, 'real', '7', " +
+           hash +
+           ", 1, 'd', 1000, 1000, '', NULL, 0);"
+           "INSERT INTO plan VALUES (1, 0, 'main', 'o', 0.0, 'f', 0.7, 0.5, 0);"
+           "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, ticks,"
+           " started_utc) VALUES (1, 0, 1, 'faulted', 0, 0, 5, '');";
+    REQUIRE(tests::Process({"sqlite3", file, sql}).wait().code == 0);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a file of an older schema is as a new one after it was opened for writing, its rows kept",
+    "[store][law]") {
+    const int version = GENERATE(1, 2);
+    CAPTURE(version);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("old.sqlite");
+    write_old(file, version);
+    const std::string before = shape(file);
+    { const Database as_it_is(file, Access::read); }
+    CHECK(shape(file) == before);
+
     Database database(file, Access::write);
+    { const Database fresh(folder.file("new.sqlite"), Access::write); }
+    CHECK(shape(file) == shape(folder.file("new.sqlite")));
     data::Statement row = database.prepare(
-        "SELECT (SELECT user_version FROM pragma_user_version), count(*) FROM "
-        "pragma_table_info('trial')"
-        " WHERE name IN ('worst_episode_j', 'contact_episodes')");
+        "SELECT (SELECT user_version FROM pragma_user_version), trial, cause, ticks_kept FROM "
+        "fault");
     REQUIRE(row.step());
     CHECK(row.integer(0) == data::kSchemaVersion);
-    CHECK(row.integer(1) == 2);
+    CHECK(row.integer(1) == 1);
+    CHECK(row.null(2));  // nobody knew then
+    CHECK(row.integer(3) == 0);
+    CHECK_FALSE(row.step());
 }

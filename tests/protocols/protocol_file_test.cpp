@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
@@ -42,6 +43,13 @@ std::string random_file(Random& random) {
     text += "[[friction]]\nname = \"on\"\nlaw = \"gos\"\nmu_s = " + n(0.6, 0.9) +
             "\nmu_d = " + n(0.1, 0.5) + "\ntau_slip_ms = " + n(0, 900) +
             "\ntau_heal_ms = " + n(0, 900) + "\n";
+    text += random.coin() ? "[safety]\nslew_limit_n_per_ms = " + n(0.01, 499) +
+                                "\nspeed_limit_m_per_s = " + n(0.1, 9.9) +
+                                "\nlate_in_a_row = " + std::to_string(random.below(101)) +
+                                "\nlate_of_100 = " + std::to_string(random.below(101)) +
+                                "\nenergy_limit_j = " + n(0.001, 9.9) +
+                                "\ndead_man = " + (random.coin() ? "true" : "false") + "\n"
+                          : "";
     text +=
         "[design]\nrepetitions = 2\nmax_run_object = 0\nmax_run_friction = 0\ncatch_trials = 0\n";
     text += "[timing]\ngap_s = " + n(0, 9) + "\n[observer]\nnoise_per_m = " + n(0, 9) + "\n";
@@ -59,6 +67,7 @@ TEST_CASE("the default study is the one that is described", "[protocol]") {
     // The structs' default members are this study's.
     CHECK(protocol.outline == OutlineSpec{});
     CHECK(protocol.apparatus == ApparatusSpec{});
+    CHECK(protocol.safety == SafetySpec{});
     CHECK(protocol.design == DesignSpec{});
     CHECK(protocol.timing == TimingSpec{});
     CHECK(protocol.observer == ObserverSpec{});
@@ -116,6 +125,35 @@ TEST_CASE("numbers are written as short as they can be", "[protocol]") {
     CHECK_THAT(text, Catch::Matchers::ContainsSubstring("noise_per_m = 2.62\n"));
 }
 
+// The two hashes are those of the program before there was a table [safety], read from its databases.
+TEST_CASE("a study of default safety keeps the hash that it had before the table was there",
+          "[protocol][law]") {
+    const auto hash = [](const char* name) {
+        return protocol_hash(load_protocol(library(name)));
+    };
+    CHECK(hash("shape_friction.toml") ==
+          "a85f9e66f16d22ccaa04e89772cb908411bf3e23d126b620662df517f6ca33ea");
+    CHECK(hash("shape_friction_demo.toml") ==
+          "c2506b2e4e5888084832ccdc30c14cf6278418a42be4e0de08c2273f6b281d23");
+    // Each of its keys is part of the hash as soon as it differs.
+    Protocol study = load_protocol(library("shape_friction.toml"));
+    std::set<std::string> hashes{protocol_hash(study)};
+    const SafetySpec usual = study.safety;
+    const auto with = [&](auto member, auto value) {
+        study.safety = usual;
+        study.safety.*member = value;
+        hashes.insert(protocol_hash(study));
+        CHECK(parse_protocol(to_toml(study), "a") == study);
+    };
+    with(&SafetySpec::slew_limit, 1000.0);
+    with(&SafetySpec::speed_limit, 1.0);
+    with(&SafetySpec::late_run, std::size_t{0});
+    with(&SafetySpec::late_share, std::size_t{51});
+    with(&SafetySpec::energy_limit, 0.2);
+    with(&SafetySpec::dead_man, true);
+    CHECK(hashes.size() == 7);
+}
+
 TEST_CASE("the hash sees values, not spelling", "[protocol]") {
     std::ifstream stream(library("shape_friction.toml"));
     std::string text{std::istreambuf_iterator<char>(stream), {}};
@@ -143,7 +181,9 @@ TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]")
 
 TEST_CASE("the reference for people names every key of the canonical text", "[protocol]") {
     const std::string reference = key_reference();
-    std::istringstream lines(to_toml(load_protocol(library("shape_friction.toml"))));
+    Protocol study = load_protocol(library("shape_friction.toml"));
+    study.safety.dead_man = true;  // or the table would be left out
+    std::istringstream lines(to_toml(study));
     for (std::string line; std::getline(lines, line);) {
         if (const auto equals = line.find(" = "); equals != std::string::npos) {
             CHECK_THAT(reference, Catch::Matchers::ContainsSubstring(line.substr(0, equals)));

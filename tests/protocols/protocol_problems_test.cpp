@@ -81,6 +81,13 @@ const Change kChanges[] = {
     {"seed = 20260114", "seed = -1", "-1", "seed is -1: give 0 to 9223372036854775807"},
     {"lapse = 0.02", "lapse = 1.01", "1.01", "lapse is 1.01: give 0 to 1"},
     {"start_mm = [0, 60]", "start_mm = [0, 6000]", "[0, 6000]", "start_mm is 6000"},
+    {"slew_limit_n_per_ms = 2", "slew_limit_n_per_ms = 0", "0  # stiff", "above 0, at most 500"},
+    {"speed_limit_m_per_s = 1.5", "speed_limit_m_per_s = 10.5", "10.5", "above 0, at most 10"},
+    {"late_in_a_row = 20", "late_in_a_row = 101", "101", "late_in_a_row is 101: give 0 to 100"},
+    {"late_of_100 = 50", "late_of_100 = -1", "-1\nenergy", "late_of_100 is -1: give 0 to 100"},
+    {"energy_limit_j = 0.1", "energy_limit_j = inf", "inf", "energy_limit_j is inf"},
+    {"dead_man = false", "dead_man = 0", "0         # or", "give true or false"},
+    {"dead_man = false", "deadman = true", "deadman", "did you mean dead_man?"},
     // Rules.
     {"name = \"convex_5\"", "name = \"convex_10\"", "\"convex_10\"\ncurvature_per_m = 10",
      "as in [[object]] 4"},

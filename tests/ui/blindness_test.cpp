@@ -16,6 +16,7 @@
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/dummy_window.hpp"
+#include "tests/support/faulty.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
@@ -36,7 +37,12 @@ Protocol shipped() {
 class WatchedScreen : public Observer {
 public:
     WatchedScreen()
-        : screen_({.window = {.font = {}}, .watermark = {}, .interrupted = {}, .on_pointer = {}}) {}
+        : screen_({.window = {.font = {}},
+                   .watermark = {},
+                   .interrupted = {},
+                   .on_pointer = {},
+                   .on_hold = {},
+                   .on_stop = {}}) {}
 
     Signal welcome(const SessionView& /*session*/) override { return Signal::go_on; }
     Signal ready(const TrialView& trial) override {
@@ -110,7 +116,8 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
     SimulatedApparatus apparatus(protocol, DrawnHand(protocol, hash, key, protocol.seed));
     WatchedScreen screen;
     Forgetful recorder;
-    const SessionEnd end = run_session(protocol, plan, {}, 0, {apparatus, screen, recorder});
+    const SessionEnd end =
+        run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, screen, recorder});
     CHECK(end.why == SessionEnd::Why::finished);
     CHECK(recorder.conditions.size() == 10);
     CHECK(screen.frames_ >= 100);
@@ -123,8 +130,73 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
 TEST_CASE("nothing of the condition is among what the explore screen is drawn from",
           "[blind][law]") {
     // Whoever adds a member to the face must come here and say why it cannot tell the shape.
-    const auto [number, total, practice, may_finish, prompt] = ui::ExploreFace{};
+    const auto [number, total, practice, may_finish, prompt, dead_man] = ui::ExploreFace{};
     CHECK(std::is_same_v<std::remove_const_t<decltype(number)>, std::size_t>);
     CHECK(std::is_same_v<std::remove_const_t<decltype(total)>, std::size_t>);
-    CHECK_FALSE((practice || may_finish || prompt));
+    CHECK_FALSE((practice || may_finish || prompt || dead_man));
+}
+
+TEST_CASE(
+    "after a fault the screens are the same to the pixel for all conditions, dead-man key or not",
+    "[blind][fault][law]") {
+    /// Shows the real faces of a session whose every trial faults once.
+    class Shaken : public tests::Patient {
+    public:
+        explicit Shaken(bool dead_man)
+            : screen_({.window = {.font = {}},
+                       .watermark = {},
+                       .interrupted = {},
+                       .on_pointer = {},
+                       .dead_man = dead_man,
+                       .on_hold = {},
+                       .on_stop = {}}) {}
+        Exploring explore(const TrialView& trial, double elapsed_s) override {
+            TrialView view = trial;
+            view.number = 1;
+            view.practice = false;
+            static_cast<void>(screen_.explore(view, elapsed_s));
+            explored.insert(frame());
+            return Patient::explore(trial, elapsed_s);
+        }
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            static_cast<void>(screen_.trouble(view));
+            (view.solved ? solved : waiting).insert(frame());
+            return Patient::trouble(view);
+        }
+        std::set<std::string> explored, waiting, solved;
+
+    private:
+        std::string frame() {
+            const std::vector<std::uint8_t> pixels = screen_.stage().window().pixels();
+            return sha256_hex(std::string(pixels.begin(), pixels.end()));
+        }
+        ui::SubjectScreen screen_;
+    };
+    const bool dead_man = GENERATE(false, true);
+    tests::draw_into_memory();
+    const Protocol protocol = tests::short_protocol();
+    const Plan plan = tests::plan_of(protocol);
+    tests::World world{.fault_share = 1.0, .most_faults = 1, .away = 1};
+    tests::FaultyApparatus apparatus(world);
+    Shaken screen(dead_man);
+    Forgetful recorder;
+    const SessionEnd end = run_session(
+        protocol, plan, {}, PendingTrials(plan),
+        {.apparatus = apparatus, .observer = screen, .recorder = recorder, .pause = [](double) {
+         }});
+    CHECK(end.why == SessionEnd::Why::finished);
+    CHECK(recorder.conditions.size() >= 6);
+    CHECK(screen.explored.size() == 1);
+    CHECK(screen.waiting.size() == 1);
+    CHECK(screen.solved.size() == 1);
+    CHECK(screen.waiting != screen.solved);
+}
+
+TEST_CASE("nothing of the condition is among what the trouble screen is drawn from",
+          "[blind][fault][law]") {
+    // As above: what a new member says must be the same for every stimulus.
+    const auto [sentence, solved] = ui::TroubleFace{};
+    CHECK((sentence.empty() && !solved));
+    const auto [text, is_solved, tries, in_a_row] = TroubleView{};
+    CHECK((text.empty() && !is_solved && tries == 0 && in_a_row == 1));
 }

@@ -1,62 +1,15 @@
 #include <atomic>
-#include <chrono>
-#include <functional>
-#include <thread>
-
-#include <SDL.h>
 
 #include "stimuli/two_curve.hpp"
-#include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/dummy_window.hpp"
+#include "tests/ui/keys.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::ui;
+using namespace palpate::tests;
 
 namespace {
-
-void press(SDL_Keycode key, SDL_Keymod modifiers = KMOD_NONE, bool repeat = false) {
-    SDL_Event event{};
-    event.type = SDL_KEYDOWN;
-    event.key.keysym.sym = key;
-    event.key.keysym.mod = static_cast<Uint16>(modifiers);
-    event.key.repeat = repeat ? 1 : 0;
-    SDL_PushEvent(&event);
-}
-
-void click(const engine::Vec2& at) {
-    SDL_Event event{};
-    event.type = SDL_MOUSEBUTTONDOWN;
-    event.button.button = SDL_BUTTON_LEFT;
-    event.button.x = static_cast<int>(at.x);
-    event.button.y = static_cast<int>(at.y);
-    SDL_PushEvent(&event);
-}
-
-void move(const engine::Vec2& at) {
-    SDL_Event event{};
-    event.type = SDL_MOUSEMOTION;
-    event.motion.x = static_cast<int>(at.x);
-    event.motion.y = static_cast<int>(at.y);
-    SDL_PushEvent(&event);
-}
-
-/// Somebody who acts after the screen has appeared, also where drawing is slow (sanitizers, a busy machine).
-class Later {
-public:
-    explicit Later(std::function<void()> act, int after_ms = 500)
-        : thread_([act = std::move(act), after_ms] {
-              std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
-              act();
-          }) {}
-    Later(const Later&) = delete;
-    Later& operator=(const Later&) = delete;
-    ~Later() { thread_.join(); }
-
-private:
-    std::thread thread_;
-};
 
 std::vector<Picture> pictures(std::size_t n) {
     std::vector<Picture> all;
@@ -65,20 +18,6 @@ std::vector<Picture> pictures(std::size_t n) {
     }
     return all;
 }
-
-SubjectScreenOptions options() {
-    tests::draw_into_memory();
-    SubjectScreenOptions options;
-    options.window.width = 1024;
-    options.window.height = 768;
-    return options;
-}
-
-constexpr TrialView kTrial{.number = 3,
-                           .total = 10,
-                           .explore_min_s = 2.0,
-                           .explore_prompt_s = 30.0,
-                           .explore_timeout_s = 45.0};
 
 }  // namespace
 

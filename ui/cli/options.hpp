@@ -54,41 +54,43 @@ struct CalibrateOptions {
     std::vector<std::string> marks;  ///< X_MM,Y_MM each; none: the home pose, or the origin
     bool scale = false;              ///< counts per turn as well
     std::string output;
-    struct DoctorOptions {
-        std::string device = "sim";  ///< as RunOptions::device
-        std::string protocol;        ///< whose rate and force are asked for; empty: 1 kHz, no force
-        std::string database = "palpate.sqlite";  ///< whose folder is looked at; not made
-        std::string font;
-        double seconds = 5.0;  ///< of the jitter measurement
-        bool json = false;
-    };
+};
 
-    /// The offline tools: a scene and a table of points.
-    struct SceneOptions {
-        std::string scene;
-        std::string points;
-        std::string output;  ///< empty: standard output
-    };
-    struct RenderOptions : SceneOptions {};
-    struct ClosestOptions : SceneOptions {};
+struct DoctorOptions {
+    std::string device = "sim";  ///< as RunOptions::device
+    std::string protocol;        ///< whose rate and force are asked for; empty: 1 kHz, no force
+    std::string database = "palpate.sqlite";  ///< whose folder is looked at; not made
+    std::string font;
+    double seconds = 5.0;  ///< of the jitter measurement
+    bool json = false;
+};
 
-    /// The program is to end now with this exit code (help was shown, or the words were wrong).
-    struct Exit {
-        int code = 0;
-    };
+/// The offline tools: a scene and a table of points.
+struct SceneOptions {
+    std::string scene;
+    std::string points;
+    std::string output;  ///< empty: standard output
+};
+struct RenderOptions : SceneOptions {};
+struct ClosestOptions : SceneOptions {};
 
-    using Options = std::variant<Exit,
-                                 RunOptions,
-                                 DemoOptions,
-                                 SummaryOptions,
-                                 ScreenshotOptions,
-                                 RenderOptions,
-                                 ClosestOptions,
-                                 FigureOptions,
-                                 CalibrateOptions,
-                                 DoctorOptions>;
+/// The program is to end now with this exit code (help was shown, or the words were wrong).
+struct Exit {
+    int code = 0;
+};
 
-    /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
-    [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
+using Options = std::variant<Exit,
+                             RunOptions,
+                             DemoOptions,
+                             SummaryOptions,
+                             ScreenshotOptions,
+                             RenderOptions,
+                             ClosestOptions,
+                             FigureOptions,
+                             CalibrateOptions,
+                             DoctorOptions>;
+
+/// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
+[[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
 
 }  // namespace palpate::ui

@@ -1,5 +1,8 @@
 #include "ui/subject/faces.hpp"
 
+#include <sstream>
+#include <vector>
+
 #include <fmt/format.h>
 
 #include "ui/subject/stroke.hpp"
@@ -18,6 +21,25 @@ Vec2 at(const Window& window, double x, double y) {
 
 void line(Window& window, std::string_view text, double y, double height, Colour colour) {
     window.text(text, at(window, 0.5, y), height * type_size(window.size()), colour);
+}
+
+/// `text` in rows of at most `width` pixels, broken between words; a longer word has a row of its own.
+std::vector<std::string> wrapped(Window& window,
+                                 const std::string& text,
+                                 double height,
+                                 double width) {
+    std::vector<std::string> rows(1);
+    std::istringstream words(text);
+    for (std::string word; words >> word;) {
+        const std::string longer = rows.back().empty() ? word : rows.back() + ' ' + word;
+        if (rows.back().empty() ||
+            window.text_width(longer, height * type_size(window.size())) <= width) {
+            rows.back() = longer;
+        } else {
+            rows.push_back(word);
+        }
+    }
+    return rows;
 }
 
 void trial_number(Window& window, std::size_t number, std::size_t total, bool practice) {
@@ -47,7 +69,10 @@ void draw(Window& window, const ReadyFace& face) {
     trial_number(window, face.number, face.total, face.practice);
     line(window, "Ready?", 0.42, 2.4, kText);
     line(window, "Hold the handle. It starts above the tip of the object.", 0.54, 1.15, kText);
-    line(window, "Press Space to feel the object", 0.84, 1.3, kAccent);
+    line(window,
+         face.dead_man ? "Hold Space down as long as you feel the object"
+                       : "Press Space to feel the object",
+         0.84, 1.3, kAccent);
 }
 
 void draw(Window& window, const ExploreFace& face) {
@@ -57,8 +82,13 @@ void draw(Window& window, const ExploreFace& face) {
     if (face.prompt) {
         line(window, "Please decide soon", 0.70, 1.3, kAccent);
     }
-    line(window, "Press Space when you know its shape", 0.84, 1.3,
-         face.may_finish ? kAccent : kQuiet);
+    if (face.dead_man) {
+        line(window, "Keep Space down; without it there is no force.", 0.61, 1.15, kText);
+    }
+    line(window,
+         face.dead_man ? "Press Enter when you know its shape"
+                       : "Press Space when you know its shape",
+         0.84, 1.3, face.may_finish ? kAccent : kQuiet);
 }
 
 void draw(Window& window, const ChooseFace& face) {
@@ -83,6 +113,24 @@ void draw(Window& window, const BreakFace& face) {
         line(window, fmt::format("You can go on in {} s", face.seconds_left), 0.84, 1.3, kQuiet);
     } else {
         line(window, "Press Space to go on", 0.84, 1.3, kAccent);
+    }
+}
+
+void draw(Window& window, const TroubleFace& face) {
+    constexpr double kSmall = 0.75;
+    constexpr double kLine = 0.035;  // of the window's height
+    const double width = 0.8 * window.size().x;
+    line(window, face.solved ? "We can go on" : "One moment, please", 0.36, 2.2, kText);
+    line(window, face.solved ? "Thank you for waiting." : "The experimenter will help.", 0.48, 1.15,
+         kText);
+    if (face.solved) {
+        line(window, "Press Space to go on", 0.84, 1.3, kAccent);
+    }
+    double y = 0.62;
+    for (const std::string& row :
+         wrapped(window, "For the experimenter: " + face.sentence, kSmall, width)) {
+        line(window, row, y, kSmall, kQuiet);
+        y += kLine;
     }
 }
 

@@ -22,6 +22,7 @@ struct ReadyFace {
     std::size_t number = 0;
     std::size_t total = 0;
     bool practice = false;
+    bool dead_man = false;  ///< Space has to be held
 };
 void draw(Window& window, const ReadyFace& face);
 
@@ -33,6 +34,7 @@ struct ExploreFace {
     bool practice = false;
     bool may_finish = false;  ///< the least exploration time has passed
     bool prompt = false;      ///< time to decide
+    bool dead_man = false;    ///< Space is held, Enter is done
 
     friend bool operator==(const ExploreFace&, const ExploreFace&) = default;
 };
@@ -51,6 +53,15 @@ struct BreakFace {
     std::size_t total = 0;
 };
 void draw(Window& window, const BreakFace& face);
+
+/// After a fault. The sentence comes from device and safety chain, which know nothing of the condition.
+struct TroubleFace {
+    std::string sentence;  ///< for the experimenter: what happened and what to do
+    bool solved = false;   ///< the session can go on
+
+    friend bool operator==(const TroubleFace&, const TroubleFace&) = default;
+};
+void draw(Window& window, const TroubleFace& face);
 
 struct GapFace {};
 void draw(Window& window, const GapFace& face);

@@ -23,6 +23,8 @@ std::vector<std::string> write_screenshots(const std::string& directory,
     take("explore", ExploreFace{.number = 27, .total = 114, .may_finish = true});
     take("choose", ChooseFace{.pictures = pictures, .selected = std::size_t{1}});
     take("break", BreakFace{.seconds_left = 18, .next = 31, .total = 114});
+    take("trouble",
+         TroubleFace{.sentence = "the device stopped answering: check its cable and power"});
     take("end", EndFace{});
     return files;
 }

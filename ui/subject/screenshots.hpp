@@ -9,8 +9,8 @@
 
 namespace palpate::ui {
 
-/// Draws every subject screen off any display and writes welcome, ready, explore, choose, break and
-/// end as PNG files into `directory`, which must exist. Returns their names.
+/// Draws every subject screen off any display and writes welcome, ready, explore, choose, break,
+/// trouble and end as PNG files into `directory`, which must exist. Returns their names.
 /// @throws std::runtime_error if a file cannot be written
 std::vector<std::string> write_screenshots(const std::string& directory,
                                            std::span<const protocols::Picture> pictures,

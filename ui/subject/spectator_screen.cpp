@@ -28,7 +28,9 @@ Signal or_abort(bool aborted, Signal signal) {
 }  // namespace
 
 SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScreenOptions& options)
-    : observer_(observer), stage_(options.window, options.watermark, options.interrupted) {}
+    : observer_(observer),
+      on_stop_(options.on_stop),
+      stage_(options.window, options.watermark, options.interrupted) {}
 
 Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
     stage_.show(
@@ -38,7 +40,8 @@ Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
 
 Signal SpectatorScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
-    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice}));
+    in_trouble_.reset();
+    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice, false}));
     return or_abort(stage_.wait_or_abort(kLook), observer_.ready(trial));
 }
 
@@ -47,13 +50,18 @@ Exploring SpectatorScreen::explore(const protocols::TrialView& trial, double ela
                            .total = trial.total,
                            .practice = trial.practice,
                            .may_finish = elapsed_s >= trial.explore_min_s,
-                           .prompt = elapsed_s >= trial.explore_prompt_s};
+                           .prompt = elapsed_s >= trial.explore_prompt_s,
+                           .dead_man = false};
     if (exploring_ != face) {
         exploring_ = face;
         stage_.show(drawing(face));
     }
-    if (stage_.next(0).kind == Input::Kind::abort) {
+    const Input input = stage_.next(0);
+    if (input.kind == Input::Kind::abort) {
         return {.signal = Signal::abort};
+    }
+    if (input.kind == Input::Kind::stop && on_stop_) {
+        on_stop_();
     }
     return observer_.explore(trial, elapsed_s);
 }
@@ -84,6 +92,18 @@ Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
     stage_.show(drawing(BreakFace{0, next.number, next.total}));
     return or_abort(stage_.wait_or_abort(std::min(seconds, kLongestPause)),
                     observer_.rest(seconds, next));
+}
+
+std::optional<Signal> SpectatorScreen::trouble(const protocols::TroubleView& view) {
+    TroubleFace face{.sentence = view.sentence, .solved = view.solved};
+    if (in_trouble_ != face) {
+        stage_.show(drawing(face));
+        in_trouble_ = std::move(face);
+    }
+    if (stage_.wait_or_abort(view.solved ? 3.0 * kLook : 0.0)) {
+        return Signal::abort;
+    }
+    return stage_.next(0).kind == Input::Kind::abort ? Signal::abort : observer_.trouble(view);
 }
 
 void SpectatorScreen::finish(const protocols::SessionView& session) {

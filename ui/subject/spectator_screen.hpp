@@ -21,12 +21,16 @@ public:
                                            std::span<const protocols::Picture> pictures) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
+    [[nodiscard]] std::optional<protocols::Signal> trouble(
+        const protocols::TroubleView& view) override;
     void finish(const protocols::SessionView& session) override;
 
 private:
     protocols::Observer& observer_;
+    std::function<void()> on_stop_;
     Stage stage_;
     std::optional<ExploreFace> exploring_;
+    std::optional<TroubleFace> in_trouble_;
 };
 
 }  // namespace palpate::ui

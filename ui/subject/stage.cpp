@@ -16,6 +16,12 @@ using engine::monotonic_ns;
 
 constexpr std::int64_t kStopQuestionNs = 3'000'000'000;
 
+/// Nobody holds Space any more, or nobody can tell: keys go to another window now.
+bool is_release(const SDL_Event& event) {
+    return (event.type == SDL_KEYUP && event.key.keysym.sym == SDLK_SPACE) ||
+           (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_FOCUS_LOST);
+}
+
 }  // namespace
 
 Stage::Stage(const WindowOptions& window, std::string watermark, std::function<bool()> interrupted)
@@ -44,16 +50,31 @@ void Stage::redraw() {
     window_.present();
 }
 
-void Stage::forget_earlier() {
+Forgotten Stage::forget_earlier() {
     SDL_PumpEvents();
-    SDL_FlushEvents(SDL_KEYDOWN, SDL_KEYUP);
+    Forgotten forgotten;
+    SDL_Event event;
+    while (SDL_PeepEvents(&event, 1, SDL_GETEVENT, SDL_KEYDOWN, SDL_KEYUP) > 0) {
+        const SDL_Keycode symbol = event.key.keysym.sym;
+        forgotten.released |= event.type == SDL_KEYUP && symbol == SDLK_SPACE;
+        forgotten.stop |= event.type == SDL_KEYDOWN && symbol == SDLK_ESCAPE;
+    }
     SDL_FlushEvents(SDL_MOUSEBUTTONDOWN, SDL_MOUSEBUTTONUP);
     looked_ns_ = monotonic_ns();
+    return forgotten;
 }
 
 void Stage::ask_to_stop() {
     asked_until_ns_ = monotonic_ns() + kStopQuestionNs;
     redraw();
+}
+
+Input Stage::answer_question(std::int32_t symbol) {
+    asked_until_ns_ = 0;
+    redraw();
+    return {.kind = symbol == SDLK_y      ? Input::Kind::abort
+                  : symbol == SDLK_ESCAPE ? Input::Kind::stop
+                                          : Input::Kind::none};
 }
 
 Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
@@ -62,9 +83,7 @@ Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
     }
     const bool modifier_alone = symbol >= SDLK_LCTRL && symbol <= SDLK_RGUI;
     if (asked_until_ns_ != 0 && !modifier_alone) {
-        asked_until_ns_ = 0;
-        redraw();
-        return {.kind = symbol == SDLK_y ? Input::Kind::abort : Input::Kind::none};
+        return answer_question(symbol);
     }
     if (symbol == SDLK_q && (modifiers & KMOD_CTRL) != 0 && (modifiers & KMOD_SHIFT) != 0) {
         ask_to_stop();
@@ -76,6 +95,8 @@ Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
         case SDLK_RETURN:
         case SDLK_KP_ENTER:
             return {.kind = Input::Kind::enter};
+        case SDLK_ESCAPE:
+            return {.kind = Input::Kind::stop};
         case SDLK_LEFT:
             return {.kind = Input::Kind::left};
         case SDLK_RIGHT:
@@ -115,6 +136,8 @@ Input Stage::next(int wait_ms) {
         Input input;
         if (event.type == SDL_KEYDOWN) {
             input = key(event.key.keysym.sym, event.key.keysym.mod, event.key.repeat != 0);
+        } else if (is_release(event)) {
+            input = {.kind = Input::Kind::release};
         } else if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT) {
             input = {.kind = Input::Kind::click, .pixel = {event.button.x, event.button.y}};
         } else if (event.type == SDL_MOUSEMOTION) {

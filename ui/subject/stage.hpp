@@ -19,7 +19,9 @@ struct Input {
         right,
         click,
         motion,
-        abort,  ///< the experimenter's second step, or the operating system's signal
+        release,  ///< Space was let go, or the window lost the keyboard
+        stop,     ///< Escape: the force off, now
+        abort,    ///< the experimenter's second step, or the operating system's signal
     } kind = Kind::none;
     int digit = 0;         ///< 1 to 9
     engine::Vec2 pixel{};  ///< of click and motion
@@ -28,8 +30,15 @@ struct Input {
         0.0;  ///< time since the queue was last looked at: how late it may be seen
 };
 
+/// What was forgotten that must not be.
+struct Forgotten {
+    bool released = false;  ///< Space was let go
+    bool stop = false;      ///< Escape was pressed
+};
+
 /// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q or closing the
-/// window asks, Y within 3 s stops; nothing else can, Escape least of all.
+/// window asks, Y within 3 s stops; nothing else can end a session. Escape is one step, and ends no more
+/// than a trial.
 class Stage {
 public:
     /// @param interrupted  a signal asks the session to end
@@ -40,7 +49,7 @@ public:
     /// Waits up to `wait_ms` for something that matters.
     Input next(int wait_ms);
     /// Forgets presses and clicks that came before now: they were meant for another screen.
-    void forget_earlier();
+    Forgotten forget_earlier();
     /// Waits, still showing the face. True if the session is to end.
     bool wait_or_abort(double seconds);
 
@@ -51,6 +60,7 @@ public:
 private:
     void redraw();
     Input key(std::int32_t symbol, std::uint16_t modifiers, bool repeat);
+    Input answer_question(std::int32_t symbol);
     void ask_to_stop();
 
     Window window_;

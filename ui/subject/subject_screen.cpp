@@ -32,16 +32,28 @@ SubjectScreen::SubjectScreen(SubjectScreenOptions options)
     : options_(std::move(options)),
       stage_(options_.window, options_.watermark, options_.interrupted) {}
 
-Signal SubjectScreen::wait_for_go() {
+Signal SubjectScreen::wait_for_go(bool space_only) {
     stage_.forget_earlier();
     for (;;) {
         const Input input = stage_.next(kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {
             return Signal::abort;
         }
-        if (input.kind == Input::Kind::go || input.kind == Input::Kind::enter) {
+        if (input.kind == Input::Kind::go || (input.kind == Input::Kind::enter && !space_only)) {
             return Signal::go_on;
         }
+    }
+}
+
+void SubjectScreen::hold(bool held) {
+    if (options_.dead_man && options_.on_hold) {
+        options_.on_hold(held);
+    }
+}
+
+void SubjectScreen::stop() {
+    if (options_.on_stop) {
+        options_.on_stop();
     }
 }
 
@@ -54,13 +66,38 @@ Signal SubjectScreen::welcome(const protocols::SessionView& session) {
 
 Signal SubjectScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
-    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice}));
-    return wait_for_go();
+    in_trouble_.reset();
+    hold(false);
+    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice, options_.dead_man}));
+    const Signal signal = wait_for_go(options_.dead_man);
+    hold(signal == Signal::go_on);
+    return signal;
 }
 
-void SubjectScreen::follow_pointer(const Input& input) {
+void SubjectScreen::begin_exploring() {
+    in_trouble_.reset();
+    stage_.window().show_pointer(false);
+    const Forgotten forgotten = stage_.forget_earlier();
+    if (forgotten.released) {
+        hold(false);
+    }
+    if (forgotten.stop) {
+        stop();
+    }
+    if (options_.on_pointer) {
+        stage_.warp_pointer(PointerMap{stage_.window().size()}.to_pixel(options_.start));
+        options_.on_pointer(options_.start);
+    }
+}
+
+/// To the apparatus: where the pointer is, whether someone holds the key, whether to stop.
+void SubjectScreen::pass_on(const Input& input) {
     if (input.kind == Input::Kind::motion && options_.on_pointer) {
         options_.on_pointer(PointerMap{stage_.window().size()}.to_object(input.pixel));
+    } else if (input.kind == Input::Kind::release) {
+        hold(false);
+    } else if (input.kind == Input::Kind::stop) {
+        stop();
     }
 }
 
@@ -70,14 +107,10 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
                            .total = trial.total,
                            .practice = trial.practice,
                            .may_finish = elapsed_s >= trial.explore_min_s,
-                           .prompt = elapsed_s >= trial.explore_prompt_s};
+                           .prompt = elapsed_s >= trial.explore_prompt_s,
+                           .dead_man = options_.dead_man};
     if (!exploring_) {
-        stage_.window().show_pointer(false);
-        stage_.forget_earlier();
-        if (options_.on_pointer) {
-            stage_.warp_pointer(PointerMap{stage_.window().size()}.to_pixel(options_.start));
-            options_.on_pointer(options_.start);
-        }
+        begin_exploring();
     }
     if (exploring_ != face) {
         exploring_ = face;
@@ -85,17 +118,42 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
     }
     for (;;) {
         const Input input = stage_.next(kExploreWaitMs);
-        follow_pointer(input);
+        pass_on(input);
         if (input.kind == Input::Kind::abort) {
             return {.signal = Signal::abort};
         }
-        if (input.kind == Input::Kind::go || input.kind == Input::Kind::enter) {
+        // The key that is held cannot say done as well.
+        const bool space = input.kind == Input::Kind::go && !options_.dead_man;
+        if (space || input.kind == Input::Kind::enter) {
             return {.signal = Signal::done,
                     .at_s = elapsed_s + static_cast<double>(input.seen_ns - entered) * 1e-9,
                     .uncertainty_s = input.uncertainty_s};
         }
         if (input.kind != Input::Kind::motion || monotonic_ns() - entered > 4'000'000) {
             return {};
+        }
+    }
+}
+
+std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view) {
+    TroubleFace face{.sentence = view.sentence, .solved = view.solved};
+    if (in_trouble_ != face) {
+        exploring_.reset();
+        stage_.window().show_pointer(true);
+        stage_.show(drawing(face));
+        stage_.forget_earlier();  // a press while nothing worked asked for nothing
+        in_trouble_ = std::move(face);
+    }
+    for (;;) {
+        const Input input = stage_.next(0);
+        if (input.kind == Input::Kind::none) {
+            return std::nullopt;
+        }
+        if (input.kind == Input::Kind::abort) {
+            return Signal::abort;
+        }
+        if (view.solved && (input.kind == Input::Kind::go || input.kind == Input::Kind::enter)) {
+            return Signal::go_on;
         }
     }
 }

@@ -18,6 +18,13 @@ struct SubjectScreenOptions {
     /// The pointer is the handle: called with every position of it, object frame, m. Empty: it is not.
     std::function<void(const engine::Vec2&)> on_pointer;
     engine::Vec2 start{0.0, 0.060};  ///< where a pointer starts exploring, m
+    /// The participant holds Space while feeling, and Enter is done: protocol.safety.dead_man.
+    bool dead_man = false;
+    /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at latest
+    /// with the first explore() after the key was let go.
+    std::function<void(bool)> on_hold;
+    /// The experimenter's key, Escape, while an object is felt: the force off, now.
+    std::function<void()> on_stop;
 };
 
 /// A person at the subject's screen. Times are of CLOCK_MONOTONIC, taken when a press is seen; how late
@@ -34,17 +41,23 @@ public:
                                            std::span<const protocols::Picture> pictures) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
+    [[nodiscard]] std::optional<protocols::Signal> trouble(
+        const protocols::TroubleView& view) override;
     void finish(const protocols::SessionView& session) override;
 
     [[nodiscard]] Stage& stage() { return stage_; }
 
 private:
-    [[nodiscard]] protocols::Signal wait_for_go();
-    void follow_pointer(const Input& input);
+    [[nodiscard]] protocols::Signal wait_for_go(bool space_only = false);
+    void begin_exploring();
+    void pass_on(const Input& input);
+    void hold(bool held);
+    void stop();
 
     SubjectScreenOptions options_;
     Stage stage_;
     std::optional<ExploreFace> exploring_;  ///< what is shown while an object is felt
+    std::optional<TroubleFace> in_trouble_;
 };
 
 }  // namespace palpate::ui

@@ -1,0 +1,299 @@
+#include "engine/device/drivers/comedi_device.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <stdexcept>
+
+namespace palpate::engine {
+namespace {
+
+/// Bits below this wrap within a stroke.
+constexpr std::uint32_t kLeastCounter = 0xFFFF;
+
+ComediWiring wiring_of(const Calibration& calibration) {
+    if (!calibration.comedi) {
+        throw std::invalid_argument("the calibration " + calibration.pantograph.name +
+                                    " says nothing of a DAQ card: add its table [comedi]");
+    }
+    for (const double gain : calibration.comedi->volts_per_newton_metre) {
+        if (!(std::fabs(gain) > 0.0) || !std::isfinite(gain)) {
+            throw std::invalid_argument("volts_per_newton_metre is " + std::to_string(gain) +
+                                        ": give a number other than 0");
+        }
+    }
+    if (calibration.home && !Pantograph(calibration.pantograph).reach(*calibration.home)) {
+        throw std::invalid_argument("the home of " + calibration.pantograph.name +
+                                    " is out of its reach: calibrate again");
+    }
+    return *calibration.comedi;
+}
+
+DeviceFault fault_of(int error) noexcept {
+    switch (error) {
+        case EAGAIN:
+        case EBUSY:
+        case EINTR:
+        case ETIME:
+        case ETIMEDOUT:
+            return DeviceFault::silent;
+        default:
+            return DeviceFault::lost;
+    }
+}
+
+/// A counter's value around 0 as people count: 2^bits - 1 is -1.
+std::int64_t as_signed(std::uint32_t value, std::uint32_t top) noexcept {
+    const auto wide = static_cast<std::int64_t>(value);
+    return value > top / 2 ? wide - static_cast<std::int64_t>(top) - 1 : wide;
+}
+
+std::string volts(double value) {
+    std::string text = std::to_string(value);
+    text.erase(text.find_last_not_of('0') + 1);
+    return (text.ends_with('.') ? text.substr(0, text.size() - 1) : text) + " V";
+}
+
+}  // namespace
+
+ComediDevice::ComediDevice(std::unique_ptr<DaqCard> card, const Calibration& calibration)
+    : card_(std::move(card)),
+      calibration_(calibration),
+      wiring_(wiring_of(calibration)),
+      pantograph_(calibration.pantograph) {
+    const std::string problem = start();
+    if (!problem.empty()) {
+        shut();
+        throw std::runtime_error(problem);
+    }
+}
+
+ComediDevice::~ComediDevice() {
+    shut();
+}
+
+void ComediDevice::shut() noexcept {
+    if (open_) {
+        silence();
+        card_->close();
+        open_ = false;
+    }
+}
+
+std::string ComediDevice::start() {
+    shut();
+    fix_.reset();
+    channels_ = {};
+    if (const int error = card_->open(); error != 0) {
+        return refused(error);
+    }
+    open_ = true;
+    PantographSpec spec = calibration_.pantograph;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        if (std::string problem = prepare(axis); !problem.empty()) {
+            return problem;
+        }
+        const DaqCard::Output& output = channels_[axis].output;
+        const double most = std::fmin(output.most, -output.least);
+        spec.axes[axis].torque_limit = std::fmin(
+            spec.axes[axis].torque_limit, most / std::fabs(wiring_.volts_per_newton_metre[axis]));
+    }
+    pantograph_ = Pantograph(spec);
+    if (calibration_.home) {
+        const Pantograph::Counts home = pantograph_.counts(*pantograph_.reach(*calibration_.home));
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            channels_[axis].offset = home[axis] - counted(axis);
+        }
+    }
+    fault_ = DeviceFault::none;
+    error_ = 0;
+    return {};
+}
+
+/// Output first: whatever a program before us left there ends now.
+std::string ComediDevice::prepare(std::size_t axis) {
+    Channel& channel = channels_[axis];
+    DaqCard::Output output;
+    int error = card_->prepare_output(wiring_.output_subdevice, wiring_.output[axis], wiring_.range,
+                                      output);
+    if (error != 0) {
+        return refused(error);
+    }
+    if (!(output.least < 0.0 && output.most > 0.0) || output.top == 0) {
+        return card_->name() + ": range " + std::to_string(wiring_.range) + " of output " +
+               std::to_string(wiring_.output[axis]) + " goes from " + volts(output.least) + " to " +
+               volts(output.most) + ": choose one with both signs in the calibration";
+    }
+    channel.output = output;
+    channel.zero = code(axis, 0.0);
+    error = put(axis, channel.zero);
+    if (error == 0) {
+        error = card_->prepare_counter(wiring_.counter_subdevice, wiring_.counter[axis],
+                                       channel.counter_top);
+    }
+    if (error == 0) {
+        error = card_->read_counter(wiring_.counter_subdevice, wiring_.counter[axis], channel.last);
+    }
+    if (error != 0) {
+        return refused(error);
+    }
+    const std::uint32_t top = channel.counter_top;
+    if (top < kLeastCounter || (top & (top + 1U)) != 0 || channel.last > top) {
+        return card_->name() + ": counter " + std::to_string(wiring_.counter[axis]) +
+               " counts to " + std::to_string(top) + ": an encoder needs one of 16 to 32 bits";
+    }
+    channel.count = as_signed(channel.last, top);
+    return {};
+}
+
+std::string ComediDevice::refused(int error) const {
+    std::string remedy = "check that the card is there and its driver loaded";
+    if (error == EACCES || error == EPERM) {
+        remedy = "you may not open it: join the group that owns the file";
+    } else if (error == EBUSY) {
+        remedy = "another program uses it: end that one";
+    } else if (error == EINVAL) {
+        remedy = "check subdevices, channels and range in the calibration";
+    }
+    return card_->name() + ": " + card_->explain(error) + "; " + remedy;
+}
+
+void ComediDevice::silence() noexcept {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        if (channels_[axis].output.top != 0) {
+            static_cast<void>(put(axis, channels_[axis].zero));
+        }
+    }
+}
+
+void ComediDevice::fail(DeviceFault fault, int error) noexcept {
+    fault_ = fault;
+    error_ = error;
+    fix_.reset();
+    silence();
+}
+
+int ComediDevice::put(std::size_t axis, std::uint32_t code) noexcept {
+    return card_->write_output(wiring_.output_subdevice, wiring_.output[axis], wiring_.range, code);
+}
+
+std::uint32_t ComediDevice::code(std::size_t axis, double volts) const noexcept {
+    const DaqCard::Output& output = channels_[axis].output;
+    const double share = (volts - output.least) / (output.most - output.least);
+    const double nearest = std::floor(share * output.top + 0.5);
+    return static_cast<std::uint32_t>(
+        std::fmin(std::fmax(nearest, 0.0), static_cast<double>(output.top)));
+}
+
+std::int64_t ComediDevice::counted(std::size_t axis) const noexcept {
+    const Channel& channel = channels_[axis];
+    return (wiring_.counter_clockwise[axis] ? -channel.count : channel.count) + channel.offset;
+}
+
+/// Reads one counter and follows it around its end. False: a fault.
+bool ComediDevice::follow(std::size_t axis) noexcept {
+    Channel& channel = channels_[axis];
+    std::uint32_t value = 0;
+    const int error = card_->read_counter(wiring_.counter_subdevice, wiring_.counter[axis], value);
+    if (error != 0) {
+        fail(fault_of(error), error);
+        return false;
+    }
+    const std::uint32_t top = channel.counter_top;
+    const std::int64_t step = as_signed((value - channel.last) & top, top);
+    channel.last = value;
+    channel.count += step;
+    const std::int64_t now = counted(axis);
+    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+    // Over a quarter of the counter at once, nobody knows any more which way round it went.
+    if (value > top || std::abs(step) > static_cast<std::int64_t>(top / 4) ||
+        std::abs(now) > kMost) {
+        fail(DeviceFault::garbage, 0);
+        return false;
+    }
+    return true;
+}
+
+Reading ComediDevice::read() noexcept {
+    if (fault_ != DeviceFault::none || !follow(0) || !follow(1)) {
+        return {.fault = fault_};
+    }
+    Reading reading;
+    reading.counts = {static_cast<std::int32_t>(counted(0)), static_cast<std::int32_t>(counted(1))};
+    fix_ = pantograph_.locate(pantograph_.angles(reading.counts));
+    if (!fix_) {
+        silence();
+        reading.fault = DeviceFault::unreachable;
+        return reading;
+    }
+    reading.hip = fix_->hip;
+    return reading;
+}
+
+Applied ComediDevice::write(const Vec2& force) noexcept {
+    Applied applied;
+    std::array<std::uint32_t, 2> codes{channels_[0].zero, channels_[1].zero};
+    if (fix_) {
+        const Pantograph::Drive drive = pantograph_.drive(*fix_, force);
+        if (std::isfinite(drive.torque.x) && std::isfinite(drive.torque.y)) {
+            applied.saturated = drive.saturated;
+            applied.load = drive.load;
+            codes = {code(0, drive.torque.x * wiring_.volts_per_newton_metre[0]),
+                     code(1, drive.torque.y * wiring_.volts_per_newton_metre[1])};
+        }
+    }
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+        const int error = put(axis, codes[axis]);
+        if (error != 0 && fault_ == DeviceFault::none) {
+            fail(fault_of(error), error);
+            codes = {channels_[0].zero, channels_[1].zero};
+            applied.load = {};
+            break;
+        }
+    }
+    applied.codes = {static_cast<std::int32_t>(codes[0]), static_cast<std::int32_t>(codes[1])};
+    return applied;
+}
+
+std::string ComediDevice::name() const {
+    return "comedi " + card_->name() + " (" + calibration_.pantograph.name + ")";
+}
+
+DeviceTraits ComediDevice::traits() const noexcept {
+    return {.damping = calibration_.pantograph.damping,
+            .motor_time = calibration_.pantograph.motor_time};
+}
+
+std::optional<double> ComediDevice::weakest_force(const Vec2& hip) const noexcept {
+    return pantograph_.weakest_force(hip);
+}
+
+bool ComediDevice::reconnect() {
+    if (fault_ == DeviceFault::none) {
+        return true;
+    }
+    problem_ = start();
+    if (problem_.empty()) {
+        return true;
+    }
+    shut();
+    return false;
+}
+
+std::string ComediDevice::trouble() const {
+    const std::string rest = calibration_.home ? "; bring the handle to its rest pose" : "";
+    if (!problem_.empty()) {
+        return problem_ + rest;
+    }
+    switch (fault_) {
+        case DeviceFault::none:
+            return {};
+        case DeviceFault::garbage:
+            return card_->name() + ": a counter jumped: check the encoder cables" + rest;
+        default:
+            return refused(error_) + rest;
+    }
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,12 @@
+#include "protocols/running/observer.hpp"
+
+namespace palpate::protocols {
+
+std::optional<Signal> Observer::trouble(const TroubleView& view) {
+    if (view.tries >= kMostTries || view.in_a_row >= kMostFaults) {
+        return Signal::give_up;
+    }
+    return view.solved ? std::optional(Signal::go_on) : std::nullopt;
+}
+
+}  // namespace palpate::protocols

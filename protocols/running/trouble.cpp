@@ -1,0 +1,37 @@
+#include "protocols/running/trouble.hpp"
+
+#include <fmt/format.h>
+
+namespace palpate::protocols {
+
+Signal mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
+    TroubleView view{.sentence = fault.text, .in_a_row = in_a_row};
+    for (std::size_t slice = 0;; ++slice) {
+        if (!view.solved && slice % kSlicesPerTry == 0) {
+            view.solved = ports.apparatus.reconnect();
+            if (view.solved) {
+                ports.recorder.event(
+                    "reconnect",
+                    fmt::format("the device works, after {} tries in vain", view.tries));
+            } else {
+                ++view.tries;
+                const std::string trouble = ports.apparatus.trouble();
+                view.sentence = trouble.empty() ? fault.text : trouble;
+            }
+        }
+        if (ports.interrupted()) {
+            return Signal::abort;
+        }
+        const std::optional<Signal> said = ports.observer.trouble(view);
+        if (said == Signal::abort || said == Signal::give_up) {
+            return *said;
+        }
+        if (said == Signal::go_on && view.solved) {
+            ports.recorder.event("go on", fmt::format("after {}", to_string(fault.cause)));
+            return Signal::go_on;
+        }
+        ports.pause(kTroubleSlice);
+    }
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "protocols/running/ports.hpp"
+
+namespace palpate::protocols {
+
+/// Between two questions to the observer after a fault, s; the device is asked every tenth time.
+inline constexpr double kTroubleSlice = 0.05;
+inline constexpr std::size_t kSlicesPerTry = 10;
+
+/// After a faulted trial: asks the device to come back, at once and then every half second, and the
+/// observer whether to go on, until one of both settles it. What comes of it is an event.
+/// @param in_a_row  faulted trials since the last good one, this one too
+/// @return go_on, abort or give_up
+[[nodiscard]] Signal mend(Ports& ports, const Fault& fault, std::size_t in_a_row);
+
+}  // namespace palpate::protocols

@@ -1,0 +1,379 @@
+#include <algorithm>
+#include <deque>
+#include <set>
+
+#include "protocols/running/trouble.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/faulty.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using tests::FaultyApparatus;
+using tests::Killed;
+using tests::Patient;
+using tests::plan_of;
+using tests::Random;
+using tests::short_protocol;
+using tests::World;
+using Why = SessionEnd::Why;
+
+namespace {
+
+struct Attempt {
+    std::size_t position = 0;
+    bool running = true;
+    Outcome outcome = Outcome::interrupted;
+    TrialResult result{};
+};
+
+/// Keeps everything, and ends the program at a given call.
+class Ledger : public Recorder {
+public:
+    TrialId begin_trial(const PlannedTrial& planned, const SceneConstants& /*scene*/) override {
+        call();
+        attempts.push_back({.position = planned.position});
+        return static_cast<TrialId>(attempts.size());
+    }
+    void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {
+        call();
+    }
+    void end_trial(TrialId trial, const TrialResult& result) override {
+        call();
+        Attempt& attempt = attempts.at(static_cast<std::size_t>(trial) - 1);
+        attempt.running = false;
+        attempt.outcome = result.outcome;
+        attempt.result = result;
+    }
+    void event(std::string_view kind, std::string_view text) override {
+        call();
+        events.emplace_back(std::string(kind) + ": " + std::string(text));
+    }
+    void finish_session() override { finished = true; }
+
+    [[nodiscard]] PendingTrials pending(const Plan& plan) const {
+        PendingTrials pending(plan);
+        for (const Attempt& attempt : attempts) {
+            pending.note(attempt.position, attempt.outcome);
+        }
+        return pending;
+    }
+    [[nodiscard]] std::size_t count(const std::string& kind) const {
+        return static_cast<std::size_t>(std::count_if(
+            events.begin(), events.end(),
+            [&](const std::string& event) { return event.starts_with(kind + ": "); }));
+    }
+
+    std::vector<Attempt> attempts;
+    std::vector<std::string> events;
+    bool finished = false;
+    int calls_left = -1;  ///< < 0: never killed
+
+private:
+    void call() {
+        if (calls_left >= 0 && calls_left-- == 0) {
+            throw Killed{};
+        }
+    }
+};
+
+SessionEnd run(const Protocol& protocol,
+               const Plan& plan,
+               World& world,
+               Observer& observer,
+               Ledger& ledger,
+               int* pauses = nullptr) {
+    FaultyApparatus apparatus(world);
+    const SessionEnd end = run_session(protocol, plan, {}, ledger.pending(plan),
+                                       {.apparatus = apparatus,
+                                        .observer = observer,
+                                        .recorder = ledger,
+                                        .pause = [&](double seconds) {
+                                            CHECK(seconds == kTroubleSlice);
+                                            CHECK_FALSE(apparatus.force_on);
+                                            if (pauses != nullptr) {
+                                                ++*pauses;
+                                            }
+                                        }});
+    CHECK_FALSE(apparatus.force_on);
+    return end;
+}
+
+/// Positions and outcomes in order, without what a kill cut off.
+std::vector<std::pair<std::size_t, Outcome>> felt(const Ledger& ledger) {
+    std::vector<std::pair<std::size_t, Outcome>> all;
+    for (const Attempt& attempt : ledger.attempts) {
+        if (!attempt.running) {
+            all.emplace_back(attempt.position, attempt.outcome);
+        }
+    }
+    return all;
+}
+
+/// The rule again, as two queues: what faults goes to the end of its own.
+std::vector<std::pair<std::size_t, Outcome>> by_queues(const Plan& plan, World world) {
+    std::deque<std::size_t> practice;
+    std::deque<std::size_t> main;
+    for (const PlannedTrial& planned : plan.trials) {
+        (planned.phase == Phase::practice ? practice : main).push_back(planned.position);
+    }
+    std::vector<std::pair<std::size_t, Outcome>> all;
+    for (std::deque<std::size_t>* queue : {&practice, &main}) {
+        while (!queue->empty()) {
+            const std::size_t position = queue->front();
+            queue->pop_front();
+            const bool fault = world.faults_now(position);
+            all.emplace_back(position, fault ? Outcome::faulted : Outcome::complete);
+            if (fault) {
+                ++world.faults[position];
+                queue->push_back(position);
+            }
+        }
+    }
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "whatever faults, each position is answered once, and faulted ones come last in their part",
+    "[session][fault][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    CAPTURE(seed);
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.seed = seed, .fault_share = 0.1 * static_cast<double>(seed % 8)};
+    const auto expected = by_queues(plan, world);
+    Patient observer;
+    Ledger ledger;
+    const SessionEnd end = run(protocol, plan, world, observer, ledger);
+    CHECK(end.why == Why::finished);
+    CHECK(end.next == plan.trials.size());
+    CHECK(ledger.finished);
+    CHECK(felt(ledger) == expected);
+    std::multiset<std::size_t> answered;
+    std::set<std::size_t> repeated_at_once;
+    for (std::size_t i = 0; i < ledger.attempts.size(); ++i) {
+        if (is_answered(ledger.attempts[i].outcome)) {
+            answered.insert(ledger.attempts[i].position);
+        }
+        if (i > 0 && ledger.attempts[i].position == ledger.attempts[i - 1].position) {
+            repeated_at_once.insert(ledger.attempts[i].position);
+        }
+    }
+    CHECK(answered.size() == plan.trials.size());
+    CHECK(std::set(answered.begin(), answered.end()).size() == plan.trials.size());
+    CHECK(repeated_at_once.size() <= 2);  // only the last one of practice, and of the session
+    // Breaks after as many answers as planned, and the numbers on the screen never tell a repetition.
+    std::vector<std::size_t> rests;
+    for (const PlannedTrial& planned : plan.trials) {
+        if (planned.break_before && planned.position > 0) {
+            rests.push_back(planned.position + 1);
+        }
+    }
+    CHECK(observer.rests == rests);
+    CHECK(std::is_sorted(observer.numbers.begin(), observer.numbers.end()));
+}
+
+TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one",
+          "[session][fault][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    CAPTURE(seed);
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.seed = seed, .fault_share = 0.3};
+    const auto expected = by_queues(plan, world);
+    Random random(seed);
+    Ledger ledger;
+    Patient observer;
+    std::size_t kills = 0;
+    for (bool finished = false; !finished;) {
+        ledger.calls_left = random.below(kills < 20 ? 300 : 1'000'000);
+        try {
+            finished = run(protocol, plan, world, observer, ledger).why == Why::finished;
+        } catch (const Killed&) {
+            ++kills;
+            // A fault that no one wrote down before the kill happens to the same trial again.
+            world.faults.clear();
+            for (const auto& [position, outcome] : felt(ledger)) {
+                world.faults[position] += outcome == Outcome::faulted ? 1U : 0U;
+            }
+        }
+    }
+    CHECK(kills > 0);
+    CHECK(felt(ledger) == expected);
+}
+
+TEST_CASE("a fault reaches the recorder with cause, sentence and the last ticks, and is no answer",
+          "[session][fault]") {
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.fault_share = 1.0, .most_faults = 1, .away = 2};
+    Patient observer;
+    Ledger ledger;
+    CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
+    CHECK(ledger.attempts.size() == 2 * plan.trials.size());
+    for (const Attempt& attempt : ledger.attempts) {
+        if (attempt.outcome != Outcome::faulted) {
+            CHECK_FALSE(attempt.result.fault.has_value());
+            CHECK(attempt.result.response.has_value());
+            CHECK(attempt.result.summary.slewed_ticks == attempt.result.summary.ticks);
+            CHECK(attempt.result.summary.stale_ticks == attempt.result.summary.ticks);
+            continue;
+        }
+        REQUIRE(attempt.result.fault.has_value());
+        CHECK_FALSE(attempt.result.response.has_value());
+        const Fault& fault = *attempt.result.fault;
+        CHECK(fault.cause == engine::Trip::over_speed);
+        CHECK(fault.text ==
+              "the cable is out: put it in");  // the device knows better than the chain
+        REQUIRE(fault.last.size() == 100);
+        CHECK((fault.last.back().flags & engine::tick_fault) != 0);
+        CHECK((fault.last[98].flags & engine::tick_fault) == 0);
+    }
+    CHECK(ledger.count("fault") == plan.trials.size());
+    CHECK(ledger.count("reconnect") == plan.trials.size());
+    CHECK(ledger.count("go on") == plan.trials.size());
+    CHECK(ledger.count("gave up") == 0);
+}
+
+TEST_CASE("the device is asked at once, then at every tenth question, until it is back",
+          "[session][fault]") {
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.fault_share = 1.0, .most_faults = 1, .away = 3};
+    Patient observer;
+    Ledger ledger;
+    int pauses = 0;
+    CHECK(run(protocol, plan, world, observer, ledger, &pauses).why == Why::finished);
+    const std::size_t faults = plan.trials.size();
+    CHECK(world.asked == 4 * faults);
+    CHECK(static_cast<std::size_t>(pauses) == 3 * kSlicesPerTry * faults);
+    CHECK(kTroubleSlice * static_cast<double>(kSlicesPerTry) >= 0.5);
+    CHECK(observer.troubles.front() ==
+          TroubleView{.sentence = "the cable is out: put it in", .tries = 1});
+    CHECK(observer.troubles[30].solved);
+}
+
+TEST_CASE("with nobody there a session gives up after ten tries, or three faults in a row",
+          "[session][fault]") {
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    class Headless : public Patient {
+    public:
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            return Observer::trouble(view);
+        }
+    };
+    {
+        World world{.fault_share = 1.0, .most_faults = 1, .away = 1000};
+        Headless observer;
+        Ledger ledger;
+        const SessionEnd end = run(protocol, plan, world, observer, ledger);
+        CHECK(end.why == Why::faulted);
+        CHECK(end.next == 1);  // the first one has been set back
+        CHECK(world.asked == 10);
+        CHECK(ledger.count("gave up") == 1);
+        CHECK(ledger.attempts.size() == 1);
+    }
+    {
+        World world{.fault_share = 1.0, .most_faults = 99};
+        Headless observer;
+        Ledger ledger;
+        CHECK(run(protocol, plan, world, observer, ledger).why == Why::faulted);
+        CHECK(ledger.attempts.size() == 3);
+    }
+    {  // a good trial in between starts the count again
+        World world{.seed = 3, .fault_share = 0.3};
+        Headless observer;
+        Ledger ledger;
+        CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
+        CHECK(ledger.count("fault") > 3);
+    }
+}
+
+TEST_CASE("no session goes on before the device works, however often it is told to",
+          "[session][fault][law]") {
+    class Hasty : public Patient {
+    public:
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            static_cast<void>(Patient::trouble(view));
+            return Signal::go_on;
+        }
+    };
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.fault_share = 0.4, .away = 5};
+    Hasty observer;
+    Ledger ledger;
+    CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
+    CHECK(world.asked == 6 * ledger.count("fault"));
+}
+
+TEST_CASE("a stop or a signal ends a session in trouble as aborted", "[session][fault]") {
+    class Stopping : public Patient {
+    public:
+        std::optional<Signal> trouble(const TroubleView& /*view*/) override {
+            return Signal::abort;
+        }
+    };
+    const Protocol protocol = short_protocol();
+    const Plan plan = plan_of(protocol);
+    World world{.fault_share = 1.0, .away = 5};
+    Stopping observer;
+    Ledger ledger;
+    CHECK(run(protocol, plan, world, observer, ledger).why == Why::aborted);
+    CHECK(ledger.pending(plan).next() == 1);
+
+    FaultyApparatus apparatus(world);
+    Patient patient;
+    bool arrived = false;
+    const SessionEnd end = run_session(protocol, plan, {}, PendingTrials(plan),
+                                       {.apparatus = apparatus,
+                                        .observer = patient,
+                                        .recorder = ledger,
+                                        .interrupted = [&] { return arrived; },
+                                        .pause =
+                                            [&](double) {
+                                                arrived = true;
+                                            }});
+    CHECK(end.why == Why::aborted);
+}
+
+TEST_CASE(
+    "a trip before done spoils the trial although it was seen later, one in the ramp out does not",
+    "[session][fault]") {
+    const Protocol protocol = short_protocol();
+    Plan plan = plan_of(protocol);
+    plan.trials.resize(1);
+    World world;
+    Patient observer;
+    {
+        FaultyApparatus apparatus(world);
+        apparatus.trips_in_ramp = true;
+        Ledger ledger;
+        CHECK(run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, observer, ledger})
+                  .why == Why::finished);
+        REQUIRE(ledger.attempts.size() == 1);
+        CHECK(ledger.attempts[0].outcome == Outcome::complete);
+        CHECK_FALSE(ledger.attempts[0].result.fault.has_value());
+        REQUIRE(ledger.events.size() == 1);
+        CHECK_THAT(ledger.events[0], Catch::Matchers::ContainsSubstring("had ended: late"));
+    }
+    {
+        FaultyApparatus apparatus(world);
+        apparatus.hidden_trip_ms = 300;  // in the slice in which done is pressed
+        class Never : public Patient {
+        public:
+            std::optional<Signal> trouble(const TroubleView& /*v*/) override {
+                return Signal::abort;
+            }
+        } never;
+        Ledger ledger;
+        CHECK(
+            run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, never, ledger}).why ==
+            Why::aborted);
+        REQUIRE(ledger.attempts.size() == 1);
+        CHECK(ledger.attempts[0].outcome == Outcome::faulted);
+        CHECK(ledger.attempts[0].result.fault->cause == engine::Trip::energy);
+    }
+}

@@ -1,0 +1,172 @@
+#include <vector>
+
+#include "ui/cli/fault_text.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/ui/keys.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using namespace palpate::ui;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// A screen with a dead-man key, and what it told the apparatus.
+struct Rig {
+    explicit Rig(bool dead_man = true) : screen(with(dead_man)) {}
+
+    SubjectScreenOptions with(bool dead_man) {
+        SubjectScreenOptions all = options();
+        all.dead_man = dead_man;
+        all.on_hold = [this](bool held) {
+            holds.push_back(held);
+        };
+        all.on_stop = [this] {
+            ++stops;
+        };
+        return all;
+    }
+    Exploring explore_until_quiet(double elapsed_s) {
+        Exploring last;
+        for (int i = 0; i < 20; ++i) {
+            const Exploring now = screen.explore(kTrial, elapsed_s);
+            last = now.signal != Signal::go_on ? now : last;
+        }
+        return last;
+    }
+
+    std::vector<bool> holds;
+    int stops = 0;
+    SubjectScreen screen;
+};
+
+void lose_the_keyboard() {
+    SDL_Event event{};
+    event.type = SDL_WINDOWEVENT;
+    event.window.event = SDL_WINDOWEVENT_FOCUS_LOST;
+    SDL_PushEvent(&event);
+}
+
+}  // namespace
+
+TEST_CASE("a trial with a dead-man key begins when Space goes down, and not before",
+          "[screen][fault][law]") {
+    Rig rig;
+    {
+        const Later subject([] {
+            press(SDLK_RETURN);                  // Enter begins nothing here
+            press(SDLK_SPACE, KMOD_NONE, true);  // held since before: not a press
+            press(SDLK_SPACE);
+        });
+        CHECK(rig.screen.ready(kTrial) == Signal::go_on);
+    }
+    CHECK(rig.holds == std::vector<bool>{false, true});
+    CHECK(rig.explore_until_quiet(3.0).signal == Signal::go_on);
+    CHECK(rig.holds == std::vector<bool>{false, true});  // still held: nothing to say
+    press(SDLK_SPACE);                                   // done is another key
+    CHECK(rig.explore_until_quiet(3.5).signal == Signal::go_on);
+    press(SDLK_RETURN);
+    CHECK(rig.explore_until_quiet(4.0).signal == Signal::done);
+}
+
+TEST_CASE("whoever lets go of the dead-man key has let go, in whatever way and however early",
+          "[screen][fault][law]") {
+    const int way = GENERATE(0, 1, 2, 3);
+    CAPTURE(way);
+    Rig rig;
+    {
+        const Later subject([] { press(SDLK_SPACE); });
+        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
+    }
+    if (way == 0) {  // before the screen changed
+        let_go(SDLK_SPACE);
+    }
+    static_cast<void>(rig.screen.explore(kTrial, 0.0));
+    if (way == 1) {
+        let_go(SDLK_SPACE);
+    } else if (way == 2) {  // another window took the keyboard: nobody can tell any more
+        lose_the_keyboard();
+    } else if (way == 3) {  // while the stop question is open
+        press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+        let_go(SDLK_SPACE);
+    }
+    CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
+    CHECK(rig.holds == std::vector<bool>{false, true, false});
+    press(SDLK_SPACE);  // too late for this trial: the next one begins with a new press
+    static_cast<void>(rig.explore_until_quiet(1.5));
+    CHECK(rig.holds.back() == false);
+}
+
+TEST_CASE("without a dead-man key Space is done as ever, and nobody is told of it",
+          "[screen][fault]") {
+    Rig rig(false);
+    {
+        const Later subject([] { press(SDLK_SPACE); });
+        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
+    }
+    static_cast<void>(rig.screen.explore(kTrial, 0.0));
+    let_go(SDLK_SPACE);
+    CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
+    press(SDLK_SPACE);
+    CHECK(rig.explore_until_quiet(3.0).signal == Signal::done);
+    CHECK(rig.holds.empty());
+}
+
+TEST_CASE("Escape switches the force off at once, and only while there is one",
+          "[screen][fault][law]") {
+    Rig rig(false);
+    {
+        const Later subject([] {
+            press(SDLK_ESCAPE);  // no force yet
+            press(SDLK_SPACE);
+            press(SDLK_ESCAPE);  // by now there may be
+        });
+        REQUIRE(rig.screen.ready(kTrial) == Signal::go_on);
+    }
+    CHECK(rig.stops == 0);
+    CHECK(rig.screen.explore(kTrial, 0.0).signal == Signal::go_on);
+    CHECK(rig.stops == 1);
+    press(SDLK_ESCAPE);
+    CHECK(rig.explore_until_quiet(0.5).signal == Signal::go_on);
+    CHECK(rig.stops == 2);
+    press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+    press(SDLK_ESCAPE);  // also instead of an answer to the stop question, which it takes back
+    press(SDLK_y);
+    CHECK(rig.explore_until_quiet(1.0).signal == Signal::go_on);
+    CHECK(rig.stops == 3);
+    CHECK_FALSE(rig.screen.trouble({.sentence = "the device is gone"}).has_value());
+    press(SDLK_ESCAPE);
+    CHECK_FALSE(rig.screen.trouble({.sentence = "the device is gone"}).has_value());
+    CHECK(rig.stops == 3);
+}
+
+TEST_CASE("in trouble the screen waits, and goes on with a press after the device is back",
+          "[screen][fault]") {
+    Rig rig(false);
+    TroubleView view{.sentence = "the device is gone: check its cable and power"};
+    for (int i = 0; i < 3; ++i) {
+        press(SDLK_SPACE);
+        CHECK_FALSE(rig.screen.trouble(view).has_value());
+    }
+    press(SDLK_SPACE);  // seen only by the next screen: it was meant for this one
+    view.solved = true;
+    CHECK_FALSE(rig.screen.trouble(view).has_value());
+    press(SDLK_SPACE);
+    CHECK(rig.screen.trouble(view) == Signal::go_on);
+    view.solved = false;
+    press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+    press(SDLK_y);
+    CHECK_FALSE(rig.screen.trouble({.sentence = "another"}).has_value());  // too early
+    press(SDLK_q, static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT));
+    press(SDLK_y);
+    CHECK(rig.screen.trouble({.sentence = "another"}) == Signal::abort);
+}
+
+TEST_CASE("the console says what happened, what to do, and what follows", "[console][fault]") {
+    CHECK(fault_text({.cause = engine::Trip::over_speed, .text = {}, .last = {}}) ==
+          "  fault: the handle was faster than the limit: move more slowly; runs again at the end "
+          "of its block");
+    CHECK_THAT(fault_text({.cause = engine::Trip::device_lost, .text = "It is gone.", .last = {}}),
+               ContainsSubstring("fault: It is gone; runs again"));
+}
