@@ -71,7 +71,7 @@ TEST_CASE("a reset leaves the motors on, and they can no longer be zeroed", "[ha
     CHECK(host.board.torque() == given);
     host.torque(0.0, 0.0);
     CHECK(host.board.torque() == given);
-    CHECK(host.board.log().desyncs == 1);
+    CHECK(host.board.journal().desyncs == 1);
     host.set_up();
     CHECK(host.board.torque() == given);
     host.torque(0.0, 0.0);
@@ -82,11 +82,11 @@ TEST_CASE("torques for an id that owns no motor are read as commands", "[haply][
     Naive host;
     host.set_up();
     host.torque(0.05, 0.05);
-    const int resets = host.board.log().resets;
+    const int resets = host.board.journal().resets;
     // The bytes of 2.35e-38 are 00 00 00 01 in reverse: a reset, and the first byte of a set-up.
     host.send({2, 9, 0, 0, 0, 1, 0, 0, 0, 0});
-    CHECK(host.board.log().desyncs == 1);
-    CHECK(host.board.log().resets > resets);
+    CHECK(host.board.journal().desyncs == 1);
+    CHECK(host.board.journal().resets > resets);
     host.torque(0.0, 0.0);
     CHECK_FALSE(host.board.torque() == Vec2{});  // the addresses are gone, the force is not
 }
@@ -95,7 +95,7 @@ TEST_CASE("id 0 reaches every port that was not set up", "[haply][hazard]") {
     Naive host;
     host.send(std::vector<std::uint8_t>{2, 0, 0xCD, 0xCC, 0x4C, 0x3D, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
                                         0, 0});
-    CHECK(host.board.log().id_0 == 1);
+    CHECK(host.board.journal().id_0 == 1);
     CHECK_FALSE(host.board.torque() == Vec2{});
 }
 
@@ -105,8 +105,8 @@ TEST_CASE("a packet cut in two is filled with 0xFF, and its rest is read as comm
     host.set_up();
     host.torque(0.01, 0.01);
     host.send({2, 5, 0xCD, 0xCC});
-    CHECK(host.board.log().missing == 6);
-    CHECK(host.board.log().undefined_duty == 2);  // CD CC FF FF is a NaN, and FF FF FF FF
+    CHECK(host.board.journal().missing == 6);
+    CHECK(host.board.journal().undefined_duty == 2);  // CD CC FF FF is a NaN, and FF FF FF FF
     CHECK(std::fabs(host.board.torque().x) == kHaplyTorque);
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("a torque that is not a number gives an undefined duty", "[haply][haza
     Naive host;
     host.set_up();
     host.send({2, 5, 0, 0, 0xC0, 0x7F, 0, 0, 0, 0});
-    CHECK(host.board.log().undefined_duty == 1);
+    CHECK(host.board.journal().undefined_duty == 1);
     CHECK(std::fabs(host.board.torque().y) == kHaplyTorque);
 }
 
@@ -123,7 +123,7 @@ TEST_CASE("a set-up is not acknowledged, and each one leaks", "[haply][hazard]")
     host.set_up();
     host.set_up();
     CHECK(host.heard().empty());
-    CHECK(host.board.log().setups == 2);
+    CHECK(host.board.journal().setups == 2);
     host.torque(0.0, 0.0);
     CHECK(host.heard().size() == 9);
 }

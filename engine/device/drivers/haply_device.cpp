@@ -64,7 +64,8 @@ HaplyDevice::HaplyDevice(const Calibration& calibration,
 
 HaplyDevice::~HaplyDevice() {
     if (line_.is_set_up() && !line_.silence()) {
-        static_cast<void>(line_.set_up());  // it ends with zero torque
+        static_cast<void>(line_.set_up());
+        line_.silence();
     }
     guard_->release();
     link_->close();

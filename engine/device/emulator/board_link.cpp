@@ -1,5 +1,7 @@
 #include "engine/device/emulator/board_link.hpp"
 
+#include <algorithm>
+
 namespace palpate::engine {
 namespace {
 
@@ -7,39 +9,7 @@ constexpr std::int64_t kPollNs = 50'000;
 
 }  // namespace
 
-bool BoardLink::send(std::span<const std::uint8_t> packet) noexcept {
-    if (!open_ || !plugged_) {
-        return false;
-    }
-    const bool whole = cut_ < 0 || static_cast<std::size_t>(cut_) >= packet.size();
-    const auto part = whole ? packet : packet.first(static_cast<std::size_t>(cut_));
-    cut_ = -1;
-    sent_.emplace_back(part.begin(), part.end());
-    board_->receive(part);
-    return whole;
-}
-
-std::ptrdiff_t BoardLink::receive(std::span<std::uint8_t> into, std::int64_t wait_ns) noexcept {
-    const std::int64_t deadline = now_ns_ + wait_ns;
-    while (true) {
-        if (!open_ || !plugged_) {
-            return -1;
-        }
-        const std::size_t got = board_->transmit(into);
-        if (got > 0 || now_ns_ >= deadline) {
-            return static_cast<std::ptrdiff_t>(got);
-        }
-        pass(std::min(kPollNs, deadline - now_ns_));
-    }
-}
-
-void BoardLink::drain() noexcept {
-    std::array<std::uint8_t, 64> old{};
-    while (board_->transmit(old) > 0) {
-    }
-}
-
-void BoardLink::pass(std::int64_t ns) noexcept {
+void BoardCable::pass(std::int64_t ns) {
     now_ns_ += ns;
     while (polled_ns_ + kPollNs <= now_ns_) {
         polled_ns_ += kPollNs;
@@ -47,17 +17,52 @@ void BoardLink::pass(std::int64_t ns) noexcept {
     }
 }
 
-bool BoardLink::reopen() {
-    open_ = plugged_;
-    return open_;
-}
-
-void BoardLink::plug(bool in) {
+void BoardCable::plug(bool in) {
     if (plugged_ && !in) {
-        open_ = false;
+        ++pulls_;
+        sent_.emplace_back();
         board_->power_cycle();
     }
     plugged_ = in;
+}
+
+bool BoardCable::send(std::span<const std::uint8_t> packet) {
+    const std::size_t size = std::min(cut_.value_or(packet.size()), packet.size());
+    cut_.reset();
+    sent_.emplace_back(packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(size));
+    board_->receive(packet.first(size));
+    return size == packet.size();
+}
+
+bool BoardLink::send(std::span<const std::uint8_t> packet) noexcept {
+    return open() && cable_->send(packet);
+}
+
+std::ptrdiff_t BoardLink::receive(std::span<std::uint8_t> into, std::int64_t wait_ns) noexcept {
+    const std::int64_t deadline = now_ns() + wait_ns;
+    while (open()) {
+        const std::size_t got = cable_->receive(into);
+        if (got > 0 || now_ns() >= deadline) {
+            return static_cast<std::ptrdiff_t>(got);
+        }
+        cable_->pass(std::min(kPollNs, deadline - now_ns()));
+    }
+    return -1;
+}
+
+void BoardLink::drain() noexcept {
+    std::array<std::uint8_t, 64> old{};
+    while (open() && cable_->receive(old) > 0) {
+    }
+}
+
+bool BoardLink::reopen() {
+    opened_ = cable_->plugged() ? cable_->pulls() : -1;
+    return open();
+}
+
+std::string BoardLink::trouble() const {
+    return open() ? "" : "the cable is not plugged in: plug it in";
 }
 
 }  // namespace palpate::engine

@@ -87,7 +87,7 @@ void tell(Shared& shared, const BoardHand& hand, const HaplyBoard& board) noexce
         shared.since_ns.store(now_ns());
         ++shared.version;
     }
-    const BoardLog& log = board.log();
+    const BoardLog& log = board.journal();
     const std::array<int, 8> counts{log.setups,  log.resets,  log.exchanges,      log.desyncs,
                                     log.unknown, log.missing, log.undefined_duty, log.id_0};
     for (std::size_t i = 0; i < counts.size(); ++i) {
@@ -193,7 +193,7 @@ EmulatedBoard::Motors EmulatedBoard::motors() const noexcept {
     }
 }
 
-BoardLog EmulatedBoard::log() const noexcept {
+BoardLog EmulatedBoard::journal() const noexcept {
     const auto at = [&](std::size_t i) {
         return shared_->log[i].load();
     };

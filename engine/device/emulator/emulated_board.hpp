@@ -74,7 +74,7 @@ public:
 
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
     [[nodiscard]] Motors motors() const noexcept;
-    [[nodiscard]] BoardLog log() const noexcept;
+    [[nodiscard]] BoardLog journal() const noexcept;
     /// Tells the hand to explore. Returns when it has begun.
     /// @throws std::invalid_argument if the start is out of reach
     void begin(const Exploration& plan);

@@ -47,7 +47,7 @@ Calibration emulated_calibration(std::string_view preset) {
                         .port = {2, 1},
                         .motor_clockwise = {false, true},
                         .encoder_clockwise = {false, true},
-.grip_pin = {}});
+                        .grip_pin = {}});
     }
     if (preset == "haplet") {
         return machine("Haplet", linkage(0.05, 0.07, 0.02), 13824.0, {0.010, 0.035},
@@ -55,7 +55,7 @@ Calibration emulated_calibration(std::string_view preset) {
                         .port = {1, 2},
                         .motor_clockwise = {true, true},
                         .encoder_clockwise = {true, true},
-.grip_pin = {}});
+                        .grip_pin = {}});
     }
     throw std::invalid_argument("there is no emulated machine \"" + std::string(preset) +
                                 "\": there are gen3, gen2 and haplet");

@@ -197,7 +197,9 @@ void HaplyBoard::answer(std::uint8_t id) {
     }
     for (std::size_t port = 0; port < kPorts; ++port) {
         if (encoders_[port].address == id) {
-            put(angle(port));
+            put(angle(port) + (port == kPorts - 1 || encoders_[port + 1].address != id
+                                   ? faults_.turned_deg
+                                   : 0.0));
         }
     }
     if (faults_.not_finite && bytes.size() >= from + 5) {

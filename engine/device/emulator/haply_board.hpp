@@ -33,6 +33,7 @@ struct BoardFaults {
     double rest_delay = std::numeric_limits<double>::infinity();  ///< s until the others come
     std::vector<std::uint8_t> noise{};                            ///< comes before each answer
     bool wrong_id = false;    ///< the answer begins with another id
+    double turned_deg = 0.0;  ///< the answer's last angle is off by this
     bool not_finite = false;  ///< the answer's last angle is NaN
 };
 
@@ -84,7 +85,7 @@ public:
     [[nodiscard]] bool has_input() const noexcept { return !in_.empty(); }
     /// What the motors get, pivot 1 and 2, N m, anticlockwise.
     [[nodiscard]] Vec2 torque() const noexcept { return torque_; }
-    [[nodiscard]] const BoardLog& log() const noexcept { return log_; }
+    [[nodiscard]] const BoardLog& journal() const noexcept { return log_; }
     [[nodiscard]] double time() const noexcept { return static_cast<double>(polls_) * kPollPeriod; }
 
     void set_faults(const BoardFaults& faults) { faults_ = faults; }
