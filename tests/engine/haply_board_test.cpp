@@ -3,13 +3,12 @@
 
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/guided_hand.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/guided_plant.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
-using palpate::tests::GuidedPlant;
 using palpate::tests::Random;
 
 namespace {
@@ -17,7 +16,7 @@ namespace {
 /// A board and a naive host, who sends what it likes.
 struct Naive {
     Calibration machine = emulated_calibration();
-    GuidedPlant plant{machine};
+    GuidedHand plant{machine};
     HaplyBoard board{plant, machine.pantograph, *machine.haply};
 
     void send(std::span<const std::uint8_t> bytes, int polls = 20) {

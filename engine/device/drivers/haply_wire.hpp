@@ -40,9 +40,9 @@ struct HaplySetup {
     std::uint8_t id = 5;
     std::array<bool, 2> motor_clockwise{};
     std::array<bool, 2> encoder_clockwise{};
-    std::optional<std::uint8_t> sensor_pin{};   ///< 54 to 65: A0 to A11
-    std::array<double, 2> offset_deg{};       ///< angle that the board gives to the present pose
-    std::array<double, 2> counts_per_turn{};  ///< > 0
+    std::optional<std::uint8_t> sensor_pin{};  ///< 54 to 65: A0 to A11
+    std::array<double, 2> offset_deg{};        ///< angle that the board gives to the present pose
+    std::array<double, 2> counts_per_turn{};   ///< > 0
 };
 
 /// What a reply says, in the order of ports 1 and 2.
