@@ -12,6 +12,7 @@ namespace palpate::ui {
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);
 [[nodiscard]] int figures_command(const FigureOptions& options);
+[[nodiscard]] int emulator_command(const EmulatorOptions& options);
 
 /// The words or files given are wrong: exit code 2, nothing was created.
 inline constexpr int kExitUsage = 2;

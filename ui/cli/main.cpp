@@ -23,6 +23,7 @@ int dispatch(const Options& options) {
         int operator()(const RenderOptions& render) const { return render_command(render); }
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }
         int operator()(const FigureOptions& figures) const { return figures_command(figures); }
+        int operator()(const EmulatorOptions& board) const { return emulator_command(board); }
     };
     return std::visit(Visitor{}, options);
 }

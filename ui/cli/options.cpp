@@ -53,6 +53,14 @@ void add_demo(CLI::App& app, DemoOptions& demo) {
     add_screen(*command, demo.screen);
 }
 
+void add_emulator(CLI::App& app, EmulatorOptions& emulator) {
+    CLI::App* command = app.add_subcommand(
+        "haply-emulator", "A Haply board that is not there, on a pseudo-terminal, until Ctrl-C");
+    command->add_option("--link", emulator.link,
+                        "A symbolic link to its terminal, for --device haply:LINK");
+    command->add_option("--preset", emulator.preset, "gen3, gen2 or haplet")->capture_default_str();
+}
+
 /// A command that reads a scene and a table of points.
 void add_scene_command(CLI::App& app,
                        const std::string& name,
@@ -84,8 +92,10 @@ Options parse_command_line(int argc, const char* const* argv) {
     RenderOptions render;
     ClosestOptions closest;
     FigureOptions figures;
+    EmulatorOptions emulator;
     add_demo(app, demo);
     add_run(app, run);
+    add_emulator(app, emulator);
     add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
                       "TRAJECTORY", render);
     add_scene_command(app, "closest", "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS",
@@ -134,6 +144,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     }
     if (app.got_subcommand("figures")) {
         return figures;
+    }
+    if (app.got_subcommand("haply-emulator")) {
+        return emulator;
     }
     return shots;
 }

@@ -47,6 +47,11 @@ struct FigureOptions {
     std::string directory = "figures";  ///< made if it is not there
 };
 
+struct EmulatorOptions {
+    std::string link;             ///< a symbolic link to the terminal; empty: none
+    std::string preset = "gen3";  ///< gen3, gen2, haplet
+};
+
 /// The offline tools: a scene and a table of points.
 struct SceneOptions {
     std::string scene;
@@ -68,7 +73,8 @@ using Options = std::variant<Exit,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
-                             FigureOptions>;
+                             FigureOptions,
+                             EmulatorOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
 [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
