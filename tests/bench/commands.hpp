@@ -23,6 +23,8 @@ int scaling_command(const std::vector<std::string>& words);
 int passivity_command(const std::vector<std::string>& words);
 /// servo [--rounds N] [--seconds S] [--spin SHARE] [--csv FILE]
 int servo_command(const std::vector<std::string>& words);
+/// guard [--kills N] [--csv FILE]
+int guard_command(const std::vector<std::string>& words);
 
 /// The words after a command. Every word must be taken, or `finish` refuses.
 class Words {

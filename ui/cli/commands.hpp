@@ -15,6 +15,7 @@ namespace palpate::ui {
 [[nodiscard]] int calibrate_command(const CalibrateOptions& options);
 /// 0 when no check failed, else kExitFailure.
 [[nodiscard]] int doctor_command(const DoctorOptions& options);
+[[nodiscard]] int emulator_command(const EmulatorOptions& options);
 
 /// The words or files given are wrong: exit code 2, nothing was created.
 inline constexpr int kExitUsage = 2;

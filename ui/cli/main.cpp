@@ -25,6 +25,7 @@ int dispatch(const Options& options) {
         int operator()(const FigureOptions& figures) const { return figures_command(figures); }
         int operator()(const CalibrateOptions& words) const { return calibrate_command(words); }
         int operator()(const DoctorOptions& doctor) const { return doctor_command(doctor); }
+        int operator()(const EmulatorOptions& board) const { return emulator_command(board); }
     };
     return std::visit(Visitor{}, options);
 }

@@ -1,6 +1,7 @@
 #include "ui/cli/options.hpp"
 
 #include <cstdio>
+#include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -12,6 +13,14 @@ namespace palpate::ui {
 namespace {
 
 constexpr int kWrongWords = 2;
+
+/// The values that `command` writes to, and which become `chosen` when it is the one given.
+template <class T>
+T& options_of(CLI::App* command, Options& chosen) {
+    auto options = std::make_shared<T>();
+    command->callback([options, &chosen] { chosen = *options; });
+    return *options;
+}
 
 void add_screen(CLI::App& command, ScreenOptions& screen) {
     command.add_flag("--headless", screen.headless,
@@ -25,8 +34,9 @@ void add_screen(CLI::App& command, ScreenOptions& screen) {
         ->check(CLI::NonNegativeNumber);
 }
 
-void add_run(CLI::App& app, RunOptions& run) {
+void add_run(CLI::App& app, Options& chosen) {
     CLI::App* command = app.add_subcommand("run", "Run or resume a session of a protocol");
+    auto& run = options_of<RunOptions>(command, chosen);
     command->add_option("PROTOCOL", run.protocol, "A protocol file, or the name of a shipped one")
         ->required();
     command
@@ -35,6 +45,8 @@ void add_run(CLI::App& app, RunOptions& run) {
     command->add_option("--db", run.database, "The study's database file; made if it is not there")
         ->required();
     command->add_option("--device", run.device, std::string(kDeviceWords))->capture_default_str();
+    command->add_option("--calibration", run.calibration,
+                        "A file by palpate calibrate, or haplet, 2diy_gen2, 2diy_gen3, mk2");
     command
         ->add_option("--kind", run.kind,
                      "pilot or real; what is simulated is recorded as simulated")
@@ -45,17 +57,26 @@ void add_run(CLI::App& app, RunOptions& run) {
     add_screen(*command, run.screen);
 }
 
-void add_demo(CLI::App& app, DemoOptions& demo) {
+void add_demo(CLI::App& app, Options& chosen) {
     CLI::App* command =
         app.add_subcommand("demo", "Ten trials of the study with a simulated hand and observer");
+    auto& demo = options_of<DemoOptions>(command, chosen);
     command->add_option("--db", demo.database, "Where the data goes")->capture_default_str();
+    command
+        ->add_option(
+            "--device", demo.device,
+            "sim, or haply-emulator: in real time over a serial port, with board and guard "
+            "as processes of their own")
+        ->check(CLI::IsMember({"sim", "haply-emulator"}))
+        ->capture_default_str();
     command->add_option("--seed", demo.seed, "Study seed instead of the protocol's");
     add_screen(*command, demo.screen);
 }
 
-void add_calibrate(CLI::App& app, CalibrateOptions& calibrate) {
+void add_calibrate(CLI::App& app, Options& chosen) {
     CLI::App* command = app.add_subcommand(
         "calibrate", "Find the encoders' zeros of a pantograph, and write its calibration file");
+    auto& calibrate = options_of<CalibrateOptions>(command, chosen);
     command->add_option("--device", calibrate.device, "The device to calibrate; sim to try it out")
         ->capture_default_str();
     command
@@ -73,9 +94,10 @@ void add_calibrate(CLI::App& app, CalibrateOptions& calibrate) {
         ->required();
 }
 
-void add_doctor(CLI::App& app, DoctorOptions& doctor) {
+void add_doctor(CLI::App& app, Options& chosen) {
     CLI::App* command = app.add_subcommand(
         "doctor", "Is this machine ready? Device, timing, rights, screen, sound, disk");
+    auto& doctor = options_of<DoctorOptions>(command, chosen);
     command->add_option("--device", doctor.device, std::string(kDeviceWords))
         ->capture_default_str();
     command->add_option("--protocol", doctor.protocol,
@@ -94,13 +116,48 @@ void add_doctor(CLI::App& app, DoctorOptions& doctor) {
     command->add_flag("--json", doctor.json, "One JSON object instead of lines");
 }
 
+void add_emulator(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "haply-emulator", "A Haply board that is not there, on a pseudo-terminal, until Ctrl-C");
+    auto& emulator = options_of<EmulatorOptions>(command, chosen);
+    command->add_option("--link", emulator.link,
+                        "A symbolic link to its terminal, for --device haply:LINK");
+    command->add_option("--preset", emulator.preset, "gen3, gen2 or haplet")->capture_default_str();
+}
+
+void add_summary(CLI::App& app, Options& chosen) {
+    CLI::App* command =
+        app.add_subcommand("summary", "Confusion matrix and shares correct of a database");
+    auto& summary = options_of<SummaryOptions>(command, chosen);
+    command->add_option("FILE", summary.database, "A palpate database")->required();
+}
+
+void add_screenshots(CLI::App& app, Options& chosen) {
+    CLI::App* command =
+        app.add_subcommand("screenshots", "Write a picture of every subject screen (PNG)");
+    auto& shots = options_of<ScreenshotOptions>(command, chosen);
+    command->add_option("-o,--output", shots.directory, "Folder for the pictures")
+        ->capture_default_str();
+    command->add_option("--font", shots.font, "A TrueType font");
+}
+
+void add_figures(CLI::App& app, Options& chosen) {
+    CLI::App* command =
+        app.add_subcommand("figures", "Compute the thesis' figures: SVG pictures and CSV tables");
+    auto& figures = options_of<FigureOptions>(command, chosen);
+    command->add_option("-o,--output", figures.directory, "Folder for the files; made if not there")
+        ->capture_default_str();
+}
+
 /// A command that reads a scene and a table of points.
+template <class T>
 void add_scene_command(CLI::App& app,
+                       Options& chosen,
                        const std::string& name,
                        const std::string& what,
-                       const std::string& points,
-                       SceneOptions& options) {
+                       const std::string& points) {
     CLI::App* command = app.add_subcommand(name, what);
+    auto& options = options_of<T>(command, chosen);
     command->add_option("SCENE", options.scene, "A scene file (TOML)")->required();
     command->add_option(points, options.points, "A CSV file with a head")->required();
     command->add_option("-o,--output", options.output,
@@ -118,36 +175,20 @@ Options parse_command_line(int argc, const char* const* argv) {
     app.set_version_flag("--version", std::string("palpate ") + kVersion);
     app.footer("Set-up and tests: ./palpate test. A first study: see README.md.");
 
-    RunOptions run;
-    DemoOptions demo;
-    SummaryOptions summary;
-    ScreenshotOptions shots;
-    RenderOptions render;
-    ClosestOptions closest;
-    FigureOptions figures;
-    CalibrateOptions calibrate;
-    add_demo(app, demo);
-    add_run(app, run);
-    DoctorOptions doctor;
-    add_calibrate(app, calibrate);
-    add_doctor(app, doctor);
-    add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
-                      "TRAJECTORY", render);
-    add_scene_command(app, "closest", "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS",
-                      closest);
-    CLI::App* summarise =
-        app.add_subcommand("summary", "Confusion matrix and shares correct of a database");
-    summarise->add_option("FILE", summary.database, "A palpate database")->required();
-    CLI::App* picture =
-        app.add_subcommand("screenshots", "Write a picture of every subject screen (PNG)");
-    picture->add_option("-o,--output", shots.directory, "Folder for the pictures")
-        ->capture_default_str();
-    picture->add_option("--font", shots.font, "A TrueType font");
-
-    CLI::App* draw =
-        app.add_subcommand("figures", "Compute the thesis' figures: SVG pictures and CSV tables");
-    draw->add_option("-o,--output", figures.directory, "Folder for the files; made if not there")
-        ->capture_default_str();
+    Options chosen = Exit{};
+    add_demo(app, chosen);
+    add_run(app, chosen);
+    add_summary(app, chosen);
+    add_calibrate(app, chosen);
+    add_doctor(app, chosen);
+    add_emulator(app, chosen);
+    add_scene_command<RenderOptions>(app, chosen, "render",
+                                     "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
+                                     "TRAJECTORY");
+    add_scene_command<ClosestOptions>(app, chosen, "closest",
+                                      "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS");
+    add_figures(app, chosen);
+    add_screenshots(app, chosen);
 
     try {
         app.parse(argc, argv);
@@ -162,31 +203,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& e) {
         return Exit{app.exit(e) == 0 ? 0 : kWrongWords};
     }
-    if (app.got_subcommand("run")) {
-        return run;
-    }
-    if (app.got_subcommand("demo")) {
-        return demo;
-    }
-    if (app.got_subcommand("summary")) {
-        return summary;
-    }
-    if (app.got_subcommand("render")) {
-        return render;
-    }
-    if (app.got_subcommand("closest")) {
-        return closest;
-    }
-    if (app.got_subcommand("calibrate")) {
-        return calibrate;
-    }
-    if (app.got_subcommand("figures")) {
-        return figures;
-    }
-    if (app.got_subcommand("doctor")) {
-        return doctor;
-    }
-    return shots;
+    return chosen;
 }
 
 }  // namespace palpate::ui

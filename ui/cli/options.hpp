@@ -22,8 +22,10 @@ struct RunOptions {
     std::string protocol;  ///< a file, or the name of a shipped protocol
     std::string participant;
     std::string database;
-    std::string device = "sim";  ///< sim, mouse, replay:FILE[:TRIAL]
-    std::string kind;            ///< pilot, real; empty: real
+    std::string device = "sim";  ///< see parse_device
+    std::string
+        calibration;   ///< a calibration file or a shipped machine's name; empty: the device's own
+    std::string kind;  ///< pilot, real; empty: real
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
     ScreenOptions screen{};
@@ -31,6 +33,7 @@ struct RunOptions {
 
 struct DemoOptions {
     std::string database = "palpate-demo.sqlite";
+    std::string device = "sim";  ///< sim or haply-emulator
     std::optional<std::uint64_t> seed;
     ScreenOptions screen{};
 };
@@ -63,34 +66,38 @@ struct DoctorOptions {
     std::string font;
     double seconds = 5.0;  ///< of the jitter measurement
     bool json = false;
-};
+    struct EmulatorOptions {
+        std::string link;             ///< a symbolic link to the terminal; empty: none
+        std::string preset = "gen3";  ///< gen3, gen2, haplet
+    };
 
-/// The offline tools: a scene and a table of points.
-struct SceneOptions {
-    std::string scene;
-    std::string points;
-    std::string output;  ///< empty: standard output
-};
-struct RenderOptions : SceneOptions {};
-struct ClosestOptions : SceneOptions {};
+    /// The offline tools: a scene and a table of points.
+    struct SceneOptions {
+        std::string scene;
+        std::string points;
+        std::string output;  ///< empty: standard output
+    };
+    struct RenderOptions : SceneOptions {};
+    struct ClosestOptions : SceneOptions {};
 
-/// The program is to end now with this exit code (help was shown, or the words were wrong).
-struct Exit {
-    int code = 0;
-};
+    /// The program is to end now with this exit code (help was shown, or the words were wrong).
+    struct Exit {
+        int code = 0;
+    };
 
-using Options = std::variant<Exit,
-                             RunOptions,
-                             DemoOptions,
-                             SummaryOptions,
-                             ScreenshotOptions,
-                             RenderOptions,
-                             ClosestOptions,
-                             FigureOptions,
-                             CalibrateOptions,
-                             DoctorOptions>;
+    using Options = std::variant<Exit,
+                                 RunOptions,
+                                 DemoOptions,
+                                 SummaryOptions,
+                                 ScreenshotOptions,
+                                 RenderOptions,
+                                 ClosestOptions,
+                                 FigureOptions,
+                                 CalibrateOptions,
+                                 DoctorOptions,
+                                 EmulatorOptions>;
 
-/// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
-[[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
+    /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
+    [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
 
 }  // namespace palpate::ui

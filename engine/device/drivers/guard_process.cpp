@@ -1,0 +1,166 @@
+#include "engine/device/drivers/guard_process.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <ctime>
+#include <new>
+#include <stdexcept>
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/device/drivers/guard_watch.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr int kAcknowledgeMs = 1000;
+constexpr std::int64_t kMillisecond = 1'000'000;
+
+static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
+                  std::atomic<std::int64_t>::is_always_lock_free &&
+                  std::atomic<bool>::is_always_lock_free,
+              "two processes share them");
+
+std::int64_t now_ns() noexcept {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+bool send_message(int socket, const GuardMessage& message, int port) noexcept {
+    GuardMessage copy = message;
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> beside{};
+    iovec body{.iov_base = &copy, .iov_len = sizeof copy};
+    msghdr head{};
+    head.msg_iov = &body;
+    head.msg_iovlen = 1;
+    if (port >= 0) {
+        head.msg_control = beside.data();
+        head.msg_controllen = beside.size();
+        cmsghdr* rights = CMSG_FIRSTHDR(&head);
+        rights->cmsg_level = SOL_SOCKET;
+        rights->cmsg_type = SCM_RIGHTS;
+        rights->cmsg_len = CMSG_LEN(sizeof(int));
+        std::memcpy(CMSG_DATA(rights), &port, sizeof port);
+    }
+    return sendmsg(socket, &head, MSG_NOSIGNAL) == static_cast<ssize_t>(sizeof copy);
+}
+
+}  // namespace
+
+GuardProcess::GuardProcess(const GuardTiming& timing) : timing_(timing) {
+    void* memory =
+        mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) {
+        throw std::runtime_error("no memory to share with the guard process: end some programs");
+    }
+    shared_ = new (memory) Shared{};
+    static_cast<void>(start());
+}
+
+GuardProcess::~GuardProcess() {
+    end();
+    munmap(shared_, sizeof(Shared));
+}
+
+bool GuardProcess::start() noexcept {
+    std::array<int, 2> ends{};
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+        return false;
+    }
+    shared_->seen_ns.store(now_ns());
+    const pid_t owner = getpid();
+    pid_ = fork();
+    if (pid_ == 0) {
+        close(ends[0]);
+        guard_motors(ends[1], owner, *shared_, timing_);
+    }
+    close(ends[1]);
+    socket_ = ends[0];
+    if (pid_ < 0) {
+        end();
+    }
+    return pid_ > 0;
+}
+
+void GuardProcess::end() noexcept {
+    if (pid_ > 0) {
+        release();
+    }
+    if (socket_ >= 0) {
+        close(socket_);  // the guard, which holds no port, ends
+        socket_ = -1;
+    }
+    if (pid_ > 0) {
+        for (int waited = 0; waitpid(pid_, nullptr, WNOHANG) == 0; ++waited) {
+            if (waited == kAcknowledgeMs) {  // it was stopped: nothing else ends it
+                kill(pid_, SIGKILL);
+            }
+            poll(nullptr, 0, 1);
+        }
+    }
+    pid_ = -1;
+}
+
+bool GuardProcess::acknowledged() const noexcept {
+    pollfd answer{.fd = socket_, .events = POLLIN, .revents = 0};
+    char received = 0;
+    return poll(&answer, 1, kAcknowledgeMs) == 1 && recv(socket_, &received, 1, MSG_DONTWAIT) == 1;
+}
+
+bool GuardProcess::watch(int port,
+                         std::span<const std::uint8_t> zero,
+                         std::span<const std::uint8_t> setup) {
+    GuardMessage message{.what = GuardMessage::What::watch};
+    if (zero.size() < 2 || zero.size() > message.zero.size() ||
+        setup.size() > message.setup.size() || port < 0) {
+        return false;
+    }
+    message.zero_size = static_cast<std::uint8_t>(zero.size());
+    message.setup_size = static_cast<std::uint8_t>(setup.size());
+    std::copy(zero.begin(), zero.end(), message.zero.begin());
+    std::copy(setup.begin(), setup.end(), message.setup.begin());
+    force_off();
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        shared_->tripped.store(false);
+        if (pid_ > 0 && send_message(socket_, message, port) && acknowledged()) {
+            return true;
+        }
+        end();
+        if (!start()) {
+            break;
+        }
+    }
+    return false;
+}
+
+void GuardProcess::release() noexcept {
+    if (pid_ > 0 && !(send_message(socket_, GuardMessage{}, -1) && acknowledged())) {
+        kill(pid_, SIGKILL);  // it would keep the port's name taken
+    }
+}
+
+void GuardProcess::force_on() noexcept {
+    beats_ += 2;
+    shared_->beat.store(beats_ + 1);
+}
+
+void GuardProcess::force_off() noexcept {
+    beats_ += 2;
+    shared_->beat.store(beats_);
+}
+
+bool GuardProcess::alive() const noexcept {
+    return pid_ > 0 && now_ns() - shared_->seen_ns.load() < timing_.alive_ms * kMillisecond;
+}
+
+bool GuardProcess::tripped() const noexcept {
+    return shared_->tripped.load();
+}
+
+}  // namespace palpate::engine

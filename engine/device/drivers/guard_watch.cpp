@@ -1,0 +1,200 @@
+#include "engine/device/drivers/guard_watch.hpp"
+
+#include <cstring>
+#include <ctime>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sched.h>
+#include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <termios.h>
+#include <unistd.h>
+
+namespace palpate::engine {
+namespace {
+
+constexpr int kZeros = 5;
+constexpr int kPriority =
+    90;  ///< above the servo: a servo that spins must not keep its guard waiting
+constexpr int kAnswerMs = 20;
+
+/// State of the one guard in this process.
+struct Guarded {
+    int port = -1;
+    GuardMessage packets{};
+};
+
+void close_between(unsigned first, unsigned last) noexcept {
+#ifdef SYS_close_range
+    if (first > last || syscall(SYS_close_range, first, last, 0U) == 0) {
+        return;
+    }
+#endif
+    for (unsigned fd = first; fd <= last && fd < 1024U; ++fd) {
+        close(static_cast<int>(fd));
+    }
+}
+
+void stay_out_of_the_way(int keep) noexcept {
+    setsid();
+    for (const int number :
+         {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP, SIGTTIN, SIGTTOU, SIGUSR1, SIGUSR2}) {
+        signal(number, SIG_IGN);
+    }
+    prctl(PR_SET_NAME, "palpate-guard");
+    prctl(PR_SET_TIMERSLACK, 1000UL);
+    const sched_param urgent{.sched_priority = kPriority};
+    sched_setscheduler(0, SCHED_FIFO, &urgent);  // where it is permitted
+
+    const int nowhere = open("/dev/null", O_RDWR);  // a pipe behind palpate must see its end
+    for (int fd = 0; nowhere >= 0 && fd <= 2; ++fd) {
+        dup2(nowhere, fd);
+    }
+    close_between(3, static_cast<unsigned>(keep) - 1U);
+    close_between(static_cast<unsigned>(keep) + 1U, ~0U);
+}
+
+void wait_ms(int ms) noexcept {
+    poll(nullptr, 0, ms);
+}
+
+/// Never blocks: the port is non-blocking, and what cannot be written soon is given up.
+void write_packet(int port, const std::uint8_t* packet, std::size_t size) noexcept {
+    for (int i = 0; i < 3; ++i) {
+        if (write(port, packet, size) >= 0) {
+            return;
+        }
+        pollfd room{.fd = port, .events = POLLOUT, .revents = 0};
+        if (poll(&room, 1, 1) > 0 && (room.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) {
+            return;
+        }
+    }
+}
+
+void zero(const Guarded& guarded) noexcept {
+    for (int i = 0; i < kZeros; ++i) {
+        write_packet(guarded.port, guarded.packets.zero.data(), guarded.packets.zero_size);
+        wait_ms(1);
+    }
+}
+
+/// Palpate is no more: nobody else reads.
+bool board_answers(const Guarded& guarded) noexcept {
+    for (int waited = 0; waited < kAnswerMs; ++waited) {
+        std::array<std::uint8_t, 64> answer{};
+        const ssize_t got = read(guarded.port, answer.data(), answer.size());
+        if (got > 1 && answer[0] == guarded.packets.zero[1]) {
+            return true;
+        }
+        wait_ms(1);
+    }
+    return false;
+}
+
+/// The last thing a guard does.
+void zero_for_good(const Guarded& guarded) noexcept {
+    if (guarded.port < 0) {
+        return;
+    }
+    tcflush(guarded.port, TCIFLUSH);
+    zero(guarded);
+    if (!board_answers(guarded)) {  // it has no address, or half a packet was before ours
+        write_packet(guarded.port, guarded.packets.setup.data(), guarded.packets.setup_size);
+        wait_ms(2);
+        zero(guarded);
+    }
+    ioctl(guarded.port, TIOCNXCL);
+    close(guarded.port);
+}
+
+/// @return false when palpate has closed the socket
+bool take_message(int socket, Guarded& guarded) noexcept {
+    GuardMessage message;
+    alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> beside{};
+    iovec body{.iov_base = &message, .iov_len = sizeof message};
+    msghdr head{};
+    head.msg_iov = &body;
+    head.msg_iovlen = 1;
+    head.msg_control = beside.data();
+    head.msg_controllen = beside.size();
+    if (recvmsg(socket, &head, MSG_DONTWAIT) != static_cast<ssize_t>(sizeof message)) {
+        return false;
+    }
+    int port = -1;
+    if (const cmsghdr* rights = CMSG_FIRSTHDR(&head); rights != nullptr) {
+        std::memcpy(&port, CMSG_DATA(rights), sizeof port);
+    }
+    if (guarded.port >= 0) {
+        close(guarded.port);
+    }
+    guarded = {.port = port, .packets = message};
+    const char received = 'k';
+    return send(socket, &received, 1, MSG_NOSIGNAL) == 1;
+}
+
+std::int64_t now_ns() noexcept {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+/// Counts the looks at a driver that is silent with the force on.
+class Patience {
+public:
+    /// @return true if the driver counts as hung
+    bool lost(std::uint64_t beat, int patience) noexcept {
+        const bool silent = beat == last_ && beat % 2 == 1;
+        looks_ = silent ? looks_ + 1 : 0;
+        last_ = beat;
+        return looks_ >= patience;
+    }
+
+private:
+    std::uint64_t last_ = 0;
+    int looks_ = 0;
+};
+
+}  // namespace
+
+void guard_motors(int socket,
+                  pid_t owner,
+                  GuardProcess::Shared& shared,
+                  const GuardTiming& timing) noexcept {
+    stay_out_of_the_way(socket);
+    const int life = static_cast<int>(syscall(SYS_pidfd_open, owner, 0));  // -1: an old kernel
+    Guarded guarded;
+    Patience patience;
+    while (true) {
+        std::array<pollfd, 2> ends{pollfd{.fd = socket, .events = POLLIN, .revents = 0},
+                                   pollfd{.fd = life, .events = POLLIN, .revents = 0}};
+        const int woken = poll(ends.data(), ends.size(), timing.wait_ms);
+        shared.seen_ns.store(now_ns());
+        const bool message = ends[0].revents != 0;
+        if (ends[1].revents != 0 || getppid() != owner ||
+            (message && !take_message(socket, guarded))) {
+            zero_for_good(guarded);
+            _exit(0);
+        }
+        if (message) {
+            patience = {};
+        }
+        const std::uint64_t beat = shared.beat.load();
+        if (guarded.port < 0 || woken != 0) {
+            continue;
+        }
+        if (!shared.tripped.load()) {
+            if (patience.lost(beat, timing.patience)) {
+                shared.tripped.store(true);  // first: the driver must see it before its next packet
+                zero(guarded);
+            }
+        } else if (beat % 2 == 1) {  // a packet may have slipped through before the driver saw it
+            write_packet(guarded.port, guarded.packets.zero.data(), guarded.packets.zero_size);
+        }
+    }
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,324 @@
+#include "engine/device/drivers/haply_device.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "engine/math/number_text.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kStale = 100 * kMillisecond;  ///< an answer from before a rest
+constexpr std::int64_t kFirstWait = 10 * kMillisecond;
+constexpr int kZeros = 5;
+constexpr int kStillCounts = 1;  ///< an encoder at rest may flicker by one
+
+std::int64_t nanoseconds(double seconds) noexcept {
+    return static_cast<std::int64_t>(std::floor(seconds * 1e9 + 0.5));
+}
+
+const HaplyWiring& wiring_of(const Calibration& calibration) {
+    if (!calibration.haply) {
+        throw std::invalid_argument("the calibration of " + calibration.pantograph.name +
+                                    " does not say how a Haply board is wired: add [haply]");
+    }
+    return *calibration.haply;
+}
+
+Pantograph::Counts home_counts(const Calibration& calibration) {
+    if (!calibration.home) {
+        return {};
+    }
+    const Pantograph pantograph(calibration.pantograph);
+    const auto angles = pantograph.reach(*calibration.home);
+    if (!angles || !pantograph.locate(*angles)) {
+        throw std::invalid_argument(
+            "the linkage of " + calibration.pantograph.name + " does not reach its home pose (" +
+            number_text(1e3 * calibration.home->x) + ", " + number_text(1e3 * calibration.home->y) +
+            ") mm: correct home, the link lengths or the origin");
+    }
+    return pantograph.counts(*angles);
+}
+
+}  // namespace
+
+HaplyDevice::HaplyDevice(const Calibration& calibration,
+                         std::unique_ptr<ByteLink> link,
+                         std::unique_ptr<MotorGuard> guard,
+                         const HaplyTiming& timing)
+    : calibration_(calibration),
+      wiring_(wiring_of(calibration)),
+      pantograph_(calibration.pantograph),
+      home_(home_counts(calibration)),
+      timing_(timing),
+      link_(std::move(link)),
+      guard_(std::move(guard)),
+      line_(*link_, haply_setup(wiring_, calibration.pantograph)) {
+    if (!open_board()) {
+        throw std::runtime_error(trouble_);
+    }
+    bias_ = home_;
+}
+
+HaplyDevice::~HaplyDevice() {
+    if (line_.is_set_up() && !line_.silence()) {
+        static_cast<void>(line_.set_up());
+        line_.silence();
+    }
+    guard_->release();
+    link_->close();
+}
+
+std::string HaplyDevice::name() const {
+    return "Haply " + calibration_.pantograph.name + " at " + link_->name();
+}
+
+DeviceTraits HaplyDevice::traits() const noexcept {
+    return {.gives_force = true,
+            .damping = calibration_.pantograph.damping,
+            .delay_ticks = 1.0,
+            .motor_time = calibration_.pantograph.motor_time};
+}
+
+/// Port, guard and set-up; the position is lost.
+bool HaplyDevice::open_board() {
+    guard_->release();  // its copy of a port that is gone would keep the port's name taken
+    line_.start_over();
+    if (!link_->reopen()) {
+        trouble_ = link_->trouble();
+        return false;
+    }
+    if (!guard_->watch(link_->descriptor(), line_.zero().view(), line_.introduction().view())) {
+        link_->close();
+        trouble_ =
+            "no guard process can be started, so nobody would switch the motors off if palpate "
+            "died: end some programs and try again";
+        return false;
+    }
+    if (!line_.set_up()) {
+        trouble_ = "the board at " + link_->name() +
+                   " does not answer: is it a Haply board, and has it power? Unplug it, plug it in "
+                   "again";
+        return false;
+    }
+    ask_anew_ = true;
+    return true;
+}
+
+Pantograph::Counts HaplyDevice::raw_counts(const HaplyReply& reply) const noexcept {
+    Pantograph::Counts counts{};
+    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        const double turns = reply.angle_deg[wiring_.port[pivot] - 1U] / 360.0;
+        const double per_turn = calibration_.pantograph.axes[pivot].counts_per_turn;
+        counts[pivot] = static_cast<std::int32_t>(std::floor(turns * per_turn + 0.5));
+    }
+    return counts;
+}
+
+Reading HaplyDevice::take(const HaplyReply& reply) noexcept {
+    const Pantograph::Counts raw = raw_counts(reply);
+    Reading reading;
+    reading.counts = {raw[0] + bias_[0], raw[1] + bias_[1]};
+    fix_ = pantograph_.locate(pantograph_.angles(reading.counts));
+    if (fix_) {
+        reading.hip = fix_->hip;
+    } else {
+        reading.fault = DeviceFault::unreachable;
+    }
+    if (reply.sensor) {
+        reading.grip = *reply.sensor >= wiring_.grip_threshold ? Grip::held : Grip::released;
+    }
+    return reading;
+}
+
+/// The answer still to come is from before a rest, or there is none.
+HaplyLine::Answer HaplyDevice::prime() noexcept {
+    ask_anew_ = false;
+    line_.forget();
+    return send_zero() ? line_.hear(kFirstWait) : HaplyLine::Answer::lost;
+}
+
+Reading HaplyDevice::read() noexcept {
+    if (fault_ == DeviceFault::none && guard_->tripped()) {
+        fail(DeviceFault::silent);
+    }
+    if (fault_ == DeviceFault::none && !guard_->alive()) {
+        fail(DeviceFault::unguarded);
+    }
+    if (fault_ != DeviceFault::none) {
+        return {.fault = fault_, .fresh = false};
+    }
+    const bool rested =
+        ask_anew_ || !line_.awaiting() || link_->now_ns() - line_.asked_ns() > kStale;
+    const auto answer =
+        rested ? prime() : line_.hear(nanoseconds(timing_.patience * timing_.period));
+    switch (answer) {
+        case HaplyLine::Answer::complete:
+            last_ = take(line_.reply());
+            return last_;
+        case HaplyLine::Answer::pending:
+            if (link_->now_ns() - line_.asked_ns() > nanoseconds(timing_.silence)) {
+                fail(DeviceFault::silent);
+            }
+            break;
+        case HaplyLine::Answer::garbage:
+            fail(DeviceFault::garbage);
+            break;
+        case HaplyLine::Answer::lost:
+            fail(DeviceFault::lost);
+            break;
+    }
+    Reading stale = last_;
+    stale.fresh = false;
+    if (fault_ != DeviceFault::none) {
+        stale.fault = fault_;
+    }
+    return stale;
+}
+
+bool HaplyDevice::send_zero() noexcept {
+    applied_ = {};
+    const bool sent = line_.ask({0.0, 0.0});
+    if (sent) {  // otherwise the guard stays on its toes
+        guard_->force_off();
+    }
+    return sent;
+}
+
+void HaplyDevice::fail(DeviceFault fault) noexcept {
+    fault_ = fault;
+    zeros_left_ = kZeros;
+    static_cast<void>(hold_off({}));
+}
+
+/// A fault is latched: nothing but zero torque.
+Applied HaplyDevice::hold_off(const Vec2& force) noexcept {
+    if (zeros_left_ > 0) {
+        --zeros_left_;
+        static_cast<void>(send_zero());
+    }
+    return {.saturated = force != Vec2{}};
+}
+
+Applied HaplyDevice::write(const Vec2& force) noexcept {
+    if (fault_ != DeviceFault::none) {
+        return hold_off(force);
+    }
+    const Pantograph::Drive drive =
+        fix_ && last_.ok() ? pantograph_.drive(*fix_, force) : Pantograph::Drive{};
+    const bool finite = std::isfinite(drive.torque.x) && std::isfinite(drive.torque.y);
+    if (!finite || drive.torque == Vec2{}) {
+        if (!send_zero()) {
+            fail(DeviceFault::lost);
+        }
+        return {.saturated = force != Vec2{}};
+    }
+    guard_->force_on();
+    if (line_.awaiting()) {  // one question at a time: the torques stay
+        return applied_;
+    }
+    if (guard_->tripped() || !guard_->alive()) {
+        fail(guard_->tripped() ? DeviceFault::silent : DeviceFault::unguarded);
+        return {.saturated = true};
+    }
+    std::array<double, 2> by_port{};
+    by_port[wiring_.port[0] - 1U] = drive.torque.x;
+    by_port[wiring_.port[1] - 1U] = drive.torque.y;
+    if (!line_.ask(by_port)) {
+        fail(DeviceFault::lost);
+        return {.saturated = true};
+    }
+    const auto code = [&](std::size_t pivot, double torque) {
+        const Axis& axis = pantograph_.spec().axes[pivot];
+        return static_cast<std::int32_t>(
+            std::floor(torque / axis.torque_limit * axis.codes_full_scale + 0.5));
+    };
+    applied_ = {.codes = {code(0, drive.torque.x), code(1, drive.torque.y)},
+                .saturated = drive.saturated,
+                .load = drive.load};
+    return applied_;
+}
+
+bool HaplyDevice::rests() {
+    Pantograph::Counts least{};
+    Pantograph::Counts most{};
+    bool first = true;
+    const std::int64_t end = link_->now_ns() + nanoseconds(timing_.still);
+    while (link_->now_ns() < end) {
+        if (!line_.ask({0.0, 0.0}) ||
+            line_.hear(100 * kMillisecond) != HaplyLine::Answer::complete) {
+            homeless_ = false;  // and back to the port
+            return false;
+        }
+        const Pantograph::Counts raw = raw_counts(line_.reply());
+        for (std::size_t i = 0; i < 2; ++i) {
+            least[i] = first ? raw[i] : std::min(least[i], raw[i]);
+            most[i] = first ? raw[i] : std::max(most[i], raw[i]);
+            if (most[i] - least[i] > kStillCounts) {
+                return false;
+            }
+            bias_[i] = home_[i] - raw[i];
+        }
+        first = false;
+        link_->pause(10 * kMillisecond);
+    }
+    return !first;
+}
+
+bool HaplyDevice::reconnect() {
+    if (fault_ == DeviceFault::none) {
+        return true;
+    }
+    trouble_ = explained(fault_);
+    bool back = false;
+    if (homeless_) {
+        back = rests();
+        homeless_ = homeless_ && !back;
+    } else if (fault_ != DeviceFault::lost && line_.silence() &&
+               guard_->watch(link_->descriptor(), line_.zero().view(),
+                             line_.introduction().view())) {
+        back = true;
+    } else if (open_board()) {
+        homeless_ = true;
+    }
+    if (homeless_) {
+        trouble_ = explained(DeviceFault::unreachable);
+    }
+    if (back) {
+        trouble_.clear();
+        fault_ = DeviceFault::none;
+        zeros_left_ = 0;
+        ask_anew_ = true;
+    }
+    return back;
+}
+
+std::string HaplyDevice::explained(DeviceFault fault) const {
+    const std::string board = "the board at " + link_->name();
+    switch (fault) {
+        case DeviceFault::none:
+        case DeviceFault::ended:
+            return {};
+        case DeviceFault::lost:
+            return board + " is gone: plug it in again and check its power";
+        case DeviceFault::silent:
+            return board + " stopped to answer in time: check its power and cable";
+        case DeviceFault::garbage:
+            return board + " sent what cannot be: end other programs that use it, check the cable";
+        case DeviceFault::unguarded:
+            return "the guard process of the motors is gone: it is started again";
+        case DeviceFault::unreachable:
+            break;
+    }
+    std::string pose = "its home pose";
+    if (calibration_.home) {
+        pose += " (" + number_text(1e3 * calibration_.home->x) + ", " +
+                number_text(1e3 * calibration_.home->y) + ") mm";
+    }
+    return board + " is back, but where the handle was is lost: put the handle at " + pose +
+           " and let it rest there for " + number_text(timing_.still) + " s";
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "engine/device/device.hpp"
+#include "engine/device/drivers/haply_line.hpp"
+#include "engine/device/drivers/motor_guard.hpp"
+#include "engine/device/pantograph.hpp"
+
+namespace palpate::engine {
+
+/// How long a Haply driver waits, s.
+struct HaplyTiming {
+    double period = 1e-3;    ///< between ticks
+    double patience = 0.5;   ///< share of the period that read() waits for an answer
+    double silence = 0.020;  ///< without an answer for this long the board counts as silent
+    double still = 1.0;      ///< the handle rests for this long before its pose is taken for home
+};
+
+/// A pantograph on a Haply board.
+///
+/// One exchange a tick: write() sends the torques, and the next read() collects the angles that the
+/// board measured when it took them. So a reading is one period old (traits().delay_ticks). If the
+/// answer is late, the reading is not fresh and the torques stay as they are, but zero torque is always
+/// sent. The first read() after a rest asks once more, with zero torque.
+///
+/// A fault is latched until reconnect(): from then on only zero torque is sent. No torque goes out
+/// before the board has answered an exchange after its set-up, nor without a guard. Every way out,
+/// the destructor's too, ends with zero torque, five times.
+///
+/// The board knows counts since its set-up and nothing else. The pose at set-up is taken for
+/// Calibration::home (without one, for count 0), so the handle must be there.
+class HaplyDevice : public Device {
+public:
+    /// Opens the link, gives it to the guard and sets the board up with the handle at home.
+    /// @throws std::invalid_argument if the calibration does not describe a Haply board
+    /// @throws std::runtime_error    if there is no port, no answer or no guard, with the remedy
+    HaplyDevice(const Calibration& calibration,
+                std::unique_ptr<ByteLink> link,
+                std::unique_ptr<MotorGuard> guard,
+                const HaplyTiming& timing = {});
+    ~HaplyDevice() override;
+
+    [[nodiscard]] Reading read() noexcept override;
+    Applied write(const Vec2& force) noexcept override;
+    [[nodiscard]] std::string name() const override;
+    [[nodiscard]] DeviceTraits traits() const noexcept override;
+    [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override {
+        return pantograph_.weakest_force(hip);
+    }
+
+    /// Zero torque first. If the board acknowledges it, its counts are still good and that is all.
+    /// Otherwise the port is opened anew and the board set up again, which loses the position: then
+    /// trouble() asks for the handle at home, and a later call takes the pose of a handle that rested.
+    [[nodiscard]] bool reconnect() override;
+    [[nodiscard]] std::string trouble() const override { return trouble_; }
+
+    /// The handle may be elsewhere at the next read(): its first reading is asked for anew.
+    void expect_move() noexcept { ask_anew_ = true; }
+
+private:
+    [[nodiscard]] bool open_board();
+    [[nodiscard]] bool rests();
+    [[nodiscard]] HaplyLine::Answer prime() noexcept;
+    [[nodiscard]] Reading take(const HaplyReply& reply) noexcept;
+    [[nodiscard]] Pantograph::Counts raw_counts(const HaplyReply& reply) const noexcept;
+    void fail(DeviceFault fault) noexcept;
+    [[nodiscard]] bool send_zero() noexcept;
+    Applied hold_off(const Vec2& force) noexcept;
+    [[nodiscard]] std::string explained(DeviceFault fault) const;
+
+    Calibration calibration_;
+    HaplyWiring wiring_;
+    Pantograph pantograph_;
+    Pantograph::Counts home_{};  ///< counts with the handle at home
+    Pantograph::Counts bias_{};  ///< counts minus those of the board
+    HaplyTiming timing_;
+    std::unique_ptr<ByteLink> link_;
+    std::unique_ptr<MotorGuard> guard_;
+    HaplyLine line_;
+    std::string trouble_;
+
+    DeviceFault fault_ = DeviceFault::none;  ///< latched
+    int zeros_left_ = 0;                     ///< zero packets still to be sent after a fault
+    bool homeless_ = false;                  ///< set up, but where the handle was is not known
+    bool ask_anew_ = true;
+    Reading last_{};
+    std::optional<Pantograph::Fix> fix_;
+    Applied applied_{};
+};
+
+}  // namespace palpate::engine

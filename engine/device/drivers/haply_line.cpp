@@ -1,0 +1,129 @@
+#include "engine/device/drivers/haply_line.hpp"
+
+#include <algorithm>
+
+namespace palpate::engine {
+namespace {
+
+constexpr std::int64_t kMillisecond = 1'000'000;
+
+/// The board takes one command each 50 us and fills what is missing with 0xFF: after this pause it
+/// has finished whatever it was at, and the next byte begins a command.
+constexpr std::int64_t kSettle = 5 * kMillisecond;
+constexpr std::int64_t kPatience = 100 * kMillisecond;  ///< for an answer between trials
+constexpr int kSilences = 5;
+constexpr int kProofs = 3;
+
+}  // namespace
+
+HaplyLine::HaplyLine(ByteLink& link, const HaplySetup& setup)
+    : link_(&link),
+      setup_(setup),
+      reset_packet_(reset_packet(setup.id)),
+      setup_packet_(setup_packet(setup)),
+      zero_(*torque_packet(setup.id, {0.0, 0.0})),
+      reply_size_(reply_size(setup.sensor_pin.has_value())) {}
+
+void HaplyLine::forget() noexcept {
+    link_->drain();
+    held_size_ = 0;
+    owed_ = 0;
+}
+
+void HaplyLine::start_over() noexcept {
+    set_up_ = false;
+    held_size_ = 0;
+    owed_ = 0;
+}
+
+bool HaplyLine::ask(const std::array<double, 2>& torque) noexcept {
+    const auto packet = torque_packet(setup_.id, torque);
+    if (!set_up_ || !packet) {
+        return false;
+    }
+    asked_ns_ = link_->now_ns();
+    if (!link_->send(packet->view())) {
+        return false;
+    }
+    ++owed_;
+    return true;
+}
+
+HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns) noexcept {
+    const std::int64_t deadline = link_->now_ns() + wait_ns;
+    while (owed_ > 0) {
+        if (held_size_ > 0 && held_[0] != setup_.id) {
+            return Answer::garbage;
+        }
+        if (held_size_ >= reply_size_) {
+            const auto reply =
+                read_reply({held_.data(), reply_size_}, setup_.id, setup_.sensor_pin.has_value());
+            if (!reply) {
+                return Answer::garbage;
+            }
+            reply_ = *reply;
+            --owed_;
+            held_size_ -= reply_size_;
+            std::copy_n(held_.begin() + static_cast<std::ptrdiff_t>(reply_size_), held_size_,
+                        held_.begin());
+            continue;
+        }
+        const std::ptrdiff_t got =
+            link_->receive({held_.data() + held_size_, held_.size() - held_size_},
+                           std::max<std::int64_t>(deadline - link_->now_ns(), 0));
+        if (got < 0) {
+            return Answer::lost;
+        }
+        if (got == 0) {
+            return Answer::pending;
+        }
+        held_size_ += static_cast<std::size_t>(got);
+    }
+    return held_size_ == 0 ? Answer::complete : Answer::garbage;
+}
+
+bool HaplyLine::silence() noexcept {
+    if (!set_up_) {
+        return false;
+    }
+    link_->pause(kSettle);  // half a packet, if there is one, is taken and done with
+    forget();
+    bool sent = false;
+    for (int i = 0; i < kSilences; ++i) {
+        sent = ask({0.0, 0.0});
+        link_->pause(kMillisecond);
+    }
+    return sent && hear(kPatience) == Answer::complete;
+}
+
+bool HaplyLine::introduce() noexcept {
+    if (!link_->send(reset_packet_.view())) {
+        return false;
+    }
+    link_->pause(kSettle);
+    if (!link_->send(setup_packet_.view())) {
+        return false;
+    }
+    link_->pause(kSettle);
+    return true;
+}
+
+bool HaplyLine::set_up() noexcept {
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        if (set_up_) {  // a reset takes the motors' addresses and leaves their torque
+            silence();
+        }
+        set_up_ = introduce();
+        forget();
+        bool proven = set_up_;
+        for (int i = 0; i < kProofs && proven; ++i) {
+            proven = ask({0.0, 0.0}) && hear(kPatience) == Answer::complete;
+        }
+        if (proven) {
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace palpate::engine

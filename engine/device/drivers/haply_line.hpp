@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "engine/device/drivers/byte_link.hpp"
+#include "engine/device/drivers/haply_wire.hpp"
+
+namespace palpate::engine {
+
+/// The talk with one board over a link: set-up, exchanges, silence. It keeps these rules, whatever
+/// happens: no exchange before a set-up, zero torque before a reset, whole packets only.
+class HaplyLine {
+public:
+    enum class Answer : std::uint8_t {
+        pending,   ///< not all of it is here yet
+        complete,  ///< the answer to the latest exchange is in reply()
+        garbage,   ///< wrong id, impossible numbers, or more than was asked for
+        lost,      ///< the link is gone
+    };
+
+    /// @param link  outlives the line
+    HaplyLine(ByteLink& link, const HaplySetup& setup);
+
+    /// Reset, set-up, and three zero exchanges that must be answered: a set-up itself never is. Takes
+    /// up to a second. It makes the present pose count 0. @return false without a valid answer
+    [[nodiscard]] bool set_up() noexcept;
+
+    /// Zero torque five times, 1 ms apart, then listens. @return true if the board acknowledged
+    bool silence() noexcept;
+
+    /// Sends an exchange. @return false if it was not sent whole, before a set-up or for a torque that
+    /// is not finite
+    [[nodiscard]] bool ask(const std::array<double, 2>& torque) noexcept;
+
+    /// Collects what was asked for, waiting at most `wait_ns`. What has come so far is kept.
+    [[nodiscard]] Answer hear(std::int64_t wait_ns) noexcept;
+
+    /// Throws away answers that are still to come or have come.
+    void forget() noexcept;
+
+    [[nodiscard]] const HaplyReply& reply() const noexcept { return reply_; }
+    /// An answer is still to come.
+    [[nodiscard]] bool awaiting() const noexcept { return owed_ > 0; }
+    /// When the latest exchange was sent, ns on the link's clock.
+    [[nodiscard]] std::int64_t asked_ns() const noexcept { return asked_ns_; }
+    [[nodiscard]] bool is_set_up() const noexcept { return set_up_; }
+    /// The link was opened anew: nothing is known of the board behind it.
+    void start_over() noexcept;
+
+    [[nodiscard]] const HaplyPacket& zero() const noexcept { return zero_; }
+    [[nodiscard]] const HaplyPacket& introduction() const noexcept { return setup_packet_; }
+
+private:
+    [[nodiscard]] bool introduce() noexcept;
+
+    ByteLink* link_;
+    HaplySetup setup_;
+    HaplyPacket reset_packet_;
+    HaplyPacket setup_packet_;
+    HaplyPacket zero_;
+    std::size_t reply_size_;
+    HaplyReply reply_{};
+    std::array<std::uint8_t, 256> held_{};  ///< bytes of answers not yet complete
+    std::size_t held_size_ = 0;
+    std::size_t owed_ = 0;  ///< answers still to come
+    std::int64_t asked_ns_ = 0;
+    bool set_up_ = false;
+};
+
+}  // namespace palpate::engine

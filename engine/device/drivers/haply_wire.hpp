@@ -1,0 +1,89 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "engine/device/calibration.hpp"
+
+/// The bytes between palpate and a Haply board (hAPI, firmware of the dev kit, M0 and M3). Integers
+/// are one byte, floats IEEE-754 binary32, little-endian. There is no start byte, no length, no
+/// checksum and no sequence number, so a packet is whole or everything after it is misread.
+///
+///     reset     00 id                                                       no reply
+///     set-up    01 id mask dir* mask dir* nS pin* nP pin* {offset, res}*    no reply
+///     exchange  02 id torque*                                  reply: id sensor* angle_deg*
+///
+/// Directions, torques and angles stand in the order of the ports, which need not be the pivots'.
+namespace palpate::engine {
+
+/// The most that the board gives to a motor, N m; it clamps each torque for itself.
+inline constexpr double kHaplyTorque = 0.123;
+
+/// The largest angle of a reply that is believed, degrees.
+inline constexpr double kHaplyLargestAngle = 1e4;
+
+/// A packet to the board.
+struct HaplyPacket {
+    std::array<std::uint8_t, 64> bytes{};
+    std::size_t size = 0;
+
+    [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
+        return {bytes.data(), size};
+    }
+};
+
+/// What a set-up says, in the order of ports 1 and 2.
+struct HaplySetup {
+    std::uint8_t id = 5;
+    std::array<bool, 2> motor_clockwise{};
+    std::array<bool, 2> encoder_clockwise{};
+    std::optional<std::uint8_t> sensor_pin{};  ///< 54 to 65: A0 to A11
+    std::array<double, 2> offset_deg{};        ///< angle that the board gives to the present pose
+    std::array<double, 2> counts_per_turn{};   ///< > 0
+};
+
+/// What a reply says, in the order of ports 1 and 2.
+struct HaplyReply {
+    std::array<double, 2> angle_deg{};
+    std::optional<double> sensor;  ///< raw ADC value
+};
+
+/// The set-up of a calibrated pantograph. Offsets are 0: the present pose becomes count 0, small
+/// numbers keep their bits in a float, and where count 0 lies is the host's business.
+/// @throws std::invalid_argument for id 0, for ports other than 1 and 2, for a sensor pin that is not
+///         54 to 65, for a resolution or a torque limit that the board does not have
+[[nodiscard]] HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantograph);
+
+/// @throws std::invalid_argument for id 0, a pin outside 54 to 65, or numbers that are not finite
+[[nodiscard]] HaplyPacket setup_packet(const HaplySetup& setup);
+
+/// Clears the addresses of all motors and encoders. It leaves the motors as they are: send zero torque
+/// before. @throws std::invalid_argument for id 0
+[[nodiscard]] HaplyPacket reset_packet(std::uint8_t id);
+
+/// @param torque  of ports 1 and 2, N m
+/// @return none for id 0, which would match every motor that was not set up, and for a torque that is
+///         not finite, which the board turns into an undefined duty
+[[nodiscard]] std::optional<HaplyPacket> torque_packet(
+    std::uint8_t id, const std::array<double, 2>& torque) noexcept;
+
+/// Bytes of a reply.
+[[nodiscard]] constexpr std::size_t reply_size(bool sensor) noexcept {
+    return 1 + 4 * (sensor ? 3U : 2U);
+}
+
+/// None for another length, another id, a number that is not finite, or an angle beyond
+/// kHaplyLargestAngle.
+[[nodiscard]] std::optional<HaplyReply> read_reply(std::span<const std::uint8_t> bytes,
+                                                   std::uint8_t id,
+                                                   bool sensor) noexcept;
+
+/// binary32 at `bytes`, little-endian.
+[[nodiscard]] float wire_float(std::span<const std::uint8_t, 4> bytes) noexcept;
+/// The four bytes of a float.
+[[nodiscard]] std::array<std::uint8_t, 4> wire_bytes(float value) noexcept;
+
+}  // namespace palpate::engine

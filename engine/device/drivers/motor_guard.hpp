@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace palpate::engine {
+
+/// Whoever switches the motors off when this program no longer can: a process of its own, or, in tests
+/// without a port, nobody.
+class MotorGuard {
+public:
+    MotorGuard() = default;
+    MotorGuard(const MotorGuard&) = delete;
+    MotorGuard& operator=(const MotorGuard&) = delete;
+    virtual ~MotorGuard() = default;
+
+    /// From now on guards this port; a guard that was gone is started again. Between trials.
+    /// @param zero   the packet that zeroes the motors; its second byte begins the board's answer
+    /// @param setup  the packet without which the board may not understand `zero`
+    /// @return false if nobody took the port over
+    [[nodiscard]] virtual bool watch(int port,
+                                     std::span<const std::uint8_t> zero,
+                                     std::span<const std::uint8_t> setup) = 0;
+    /// Lets go of the port, whose motors are off. Between trials.
+    virtual void release() noexcept = 0;
+
+    /// Before a torque is sent: from now on a driver that falls silent is taken for hung.
+    virtual void force_on() noexcept = 0;
+    /// After a zero torque was sent.
+    virtual void force_off() noexcept = 0;
+
+    /// The guard is there and well. Cheap enough for every tick.
+    [[nodiscard]] virtual bool alive() const noexcept = 0;
+    /// The guard has zeroed the motors because the driver was silent with the force on; until watch().
+    [[nodiscard]] virtual bool tripped() const noexcept = 0;
+};
+
+}  // namespace palpate::engine

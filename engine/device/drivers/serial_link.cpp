@@ -1,0 +1,143 @@
+#include "engine/device/drivers/serial_link.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+namespace palpate::engine {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+timespec span_of(std::int64_t ns) noexcept {
+    return {.tv_sec = ns / kSecond, .tv_nsec = ns % kSecond};
+}
+
+}  // namespace
+
+std::string port_trouble(const std::string& path, int error) {
+    switch (error) {
+        case ENOENT:
+        case ENODEV:
+        case ENXIO:
+        case EIO:
+            return "there is no device at " + path +
+                   ": is the board plugged in and switched on? `ls /dev/ttyACM* /dev/ttyUSB*` "
+                   "lists "
+                   "the ports";
+        case EACCES:
+        case EPERM:
+            return "no permission to use " + path +
+                   ": join the group that owns it (`sudo usermod -aG dialout $USER`) and log in "
+                   "again";
+        case EBUSY:
+        case EWOULDBLOCK:
+            return path + " is in use by another program: end that one (`fuser -v " + path +
+                   "` names it) and try again";
+        case ENOTTY:
+        case EINVAL:
+            return path + " is not a serial port: give the board's, such as /dev/ttyACM0";
+        default:
+            return path + " cannot be used: " + std::strerror(error);
+    }
+}
+
+/// errno, or 0.
+int SerialLink::configure() const noexcept {
+    termios raw{};
+    if (tcgetattr(port_, &raw) != 0) {
+        return ENOTTY;
+    }
+    if (ioctl(port_, TIOCEXCL) != 0 || flock(port_, LOCK_EX | LOCK_NB) != 0) {
+        return errno;
+    }
+    cfmakeraw(&raw);
+    cfsetspeed(&raw, B115200);
+    raw.c_cflag |= CLOCAL | CREAD;
+    raw.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | HUPCL);
+    raw.c_cc[VMIN] = 1;  // nothing there is EAGAIN, so that 0 bytes mean a hang-up
+    raw.c_cc[VTIME] = 0;
+    return tcsetattr(port_, TCSANOW, &raw) == 0 ? 0 : errno;
+}
+
+bool SerialLink::reopen() {
+    close();
+    port_ = ::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    const int error = port_ < 0 ? errno : configure();
+    if (error == 0) {
+        trouble_.clear();
+        drain();
+        return true;
+    }
+    if (port_ >= 0) {  // not by close(): the port may be another's, whose TIOCEXCL stays
+        ::close(port_);
+        port_ = -1;
+    }
+    trouble_ = port_trouble(path_, error);
+    return false;
+}
+
+void SerialLink::close() noexcept {
+    if (port_ >= 0) {
+        ioctl(port_, TIOCNXCL);
+        ::close(port_);
+        port_ = -1;
+    }
+}
+
+bool SerialLink::send(std::span<const std::uint8_t> packet) noexcept {
+    ssize_t sent = -1;
+    do {
+        sent = ::write(port_, packet.data(), packet.size());
+    } while (sent < 0 && errno == EINTR);
+    return sent == static_cast<ssize_t>(packet.size());
+}
+
+std::ptrdiff_t SerialLink::receive(std::span<std::uint8_t> into, std::int64_t wait_ns) noexcept {
+    const std::int64_t deadline = now_ns() + wait_ns;
+    while (true) {
+        const ssize_t got = ::read(port_, into.data(), into.size());
+        if (got > 0) {
+            return got;
+        }
+        if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
+            return -1;
+        }
+        const std::int64_t left = deadline - now_ns();
+        if (left <= 0) {
+            return 0;
+        }
+        pollfd port{.fd = port_, .events = POLLIN, .revents = 0};
+        const timespec patience = span_of(left);
+        if (ppoll(&port, 1, &patience, nullptr) < 0 && errno != EINTR) {
+            return -1;
+        }
+    }
+}
+
+void SerialLink::drain() noexcept {
+    std::array<std::uint8_t, 256> old{};
+    for (int i = 0; i < 64 && receive(old, 0) > 0; ++i) {
+    }
+}
+
+void SerialLink::pause(std::int64_t ns) noexcept {
+    const timespec while_long = span_of(ns);
+    clock_nanosleep(CLOCK_MONOTONIC, 0, &while_long, nullptr);
+}
+
+std::int64_t SerialLink::now_ns() const noexcept {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * kSecond + now.tv_nsec;
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "engine/device/drivers/byte_link.hpp"
+
+namespace palpate::engine {
+
+/// A serial port of this machine: raw, 8N1, non-blocking, ours alone (TIOCEXCL, and a lock on the file
+/// so that another palpate is told as well). The baud rate means nothing to a board on USB.
+///
+/// A packet is one write(2). Less than the whole packet written means that the board would misread what
+/// follows: the link counts as lost.
+class SerialLink : public ByteLink {
+public:
+    /// Does not open it yet: reopen() does.
+    explicit SerialLink(std::string path) : path_(std::move(path)) {}
+    ~SerialLink() override { SerialLink::close(); }
+
+    [[nodiscard]] bool send(std::span<const std::uint8_t> packet) noexcept override;
+    [[nodiscard]] std::ptrdiff_t receive(std::span<std::uint8_t> into,
+                                         std::int64_t wait_ns) noexcept override;
+    void drain() noexcept override;
+    void pause(std::int64_t ns) noexcept override;
+    [[nodiscard]] std::int64_t now_ns() const noexcept override;
+    [[nodiscard]] bool reopen() override;
+    void close() noexcept override;
+    [[nodiscard]] std::string trouble() const override { return trouble_; }
+    [[nodiscard]] std::string name() const override { return path_; }
+    [[nodiscard]] int descriptor() const noexcept override { return port_; }
+
+private:
+    [[nodiscard]] int configure() const noexcept;
+
+    std::string path_;
+    std::string trouble_;
+    int port_ = -1;
+};
+
+/// Why a port could not be opened, as a sentence with the remedy.
+/// @param error  errno of the call that failed; EWOULDBLOCK: another program holds it
+[[nodiscard]] std::string port_trouble(const std::string& path, int error);
+
+}  // namespace palpate::engine

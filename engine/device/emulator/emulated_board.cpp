@@ -1,0 +1,235 @@
+#include "engine/device/emulator/emulated_board.hpp"
+
+#include <array>
+#include <atomic>
+#include <ctime>
+#include <exception>
+#include <new>
+#include <stdexcept>
+
+#include <poll.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/device/emulator/pty_board.hpp"
+
+namespace palpate::engine {
+
+struct EmulatedBoard::Shared {
+    enum class Life : std::uint8_t { starting, running, failed };
+
+    std::atomic<Life> life{Life::starting};
+    std::array<char, 256> path{};
+    std::atomic<bool> quit{false};
+
+    std::atomic<std::uint64_t> version{0};  ///< odd while the three below change
+    std::atomic<double> torque_1{0.0};
+    std::atomic<double> torque_2{0.0};
+    std::atomic<std::int64_t> since_ns{0};
+    std::array<std::atomic<int>, 8> log{};
+
+    Exploration plan{};
+    std::atomic<unsigned> ordered{0};  ///< explorations asked for
+    std::atomic<unsigned> begun{0};
+    std::atomic<bool> refused{false};
+    std::atomic<bool> done{false};
+
+    std::atomic<bool> plug_wanted{true};
+    std::atomic<bool> plugged{true};
+    std::atomic<bool> silent_wanted{false};
+    std::atomic<bool> silent{false};
+};
+
+namespace {
+
+using Shared = EmulatedBoard::Shared;
+
+constexpr int kStepUs = 250;
+constexpr int kPatienceMs = 20'000;  ///< for a process on a loaded machine
+
+std::int64_t now_ns() noexcept {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+void obey(Shared& shared, BoardHand& hand, HaplyBoard& board, PtyBoard& terminal) {
+    const unsigned ordered = shared.ordered.load();
+    if (ordered != shared.begun.load()) {
+        try {
+            hand.begin(shared.plan);
+            shared.refused.store(false);
+        } catch (const std::exception&) {
+            shared.refused.store(true);
+        }
+        shared.done.store(hand.hand_is_done());
+        shared.begun.store(ordered);
+    }
+    if (const bool in = shared.plug_wanted.load(); in != terminal.plugged()) {
+        terminal.plug(in);
+    }
+    shared.plugged.store(terminal.plugged());
+    if (const bool silent = shared.silent_wanted.load(); silent != shared.silent.load()) {
+        board.set_faults({.silent = silent});
+        shared.silent.store(silent);
+    }
+}
+
+void tell(Shared& shared, const BoardHand& hand, const HaplyBoard& board) noexcept {
+    const Vec2 torque = board.torque();
+    if (torque.x != shared.torque_1.load() || torque.y != shared.torque_2.load()) {
+        ++shared.version;
+        shared.torque_1.store(torque.x);
+        shared.torque_2.store(torque.y);
+        shared.since_ns.store(now_ns());
+        ++shared.version;
+    }
+    const BoardLog& log = board.journal();
+    const std::array<int, 8> counts{log.setups,  log.resets,  log.exchanges,      log.desyncs,
+                                    log.unknown, log.missing, log.undefined_duty, log.id_0};
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        shared.log[i].store(counts[i], std::memory_order_relaxed);
+    }
+    shared.done.store(hand.hand_is_done());
+}
+
+void live(Shared& shared,
+          pid_t owner,
+          const Calibration& machine,
+          const MakeHand& make_hand,
+          const std::string& link) {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
+        signal(number, SIG_IGN);  // a session that is interrupted still has to ramp its force out
+    }
+    prctl(PR_SET_NAME, "haply-emulator");
+    prctl(PR_SET_TIMERSLACK, 1000UL);
+    const std::unique_ptr<BoardHand> hand = make_hand();
+    HaplyBoard board(*hand, machine.pantograph, *machine.haply);
+    PtyBoard terminal(board, link);
+    terminal.path().copy(shared.path.data(), shared.path.size() - 1);
+    shared.life.store(Shared::Life::running);
+    while (!shared.quit.load() && getppid() == owner) {
+        terminal.step(kStepUs);
+        tell(shared, *hand, board);
+        obey(shared, *hand, board, terminal);
+    }
+}
+
+}  // namespace
+
+EmulatedBoard::EmulatedBoard(const Calibration& machine,
+                             const MakeHand& hand,
+                             const std::string& link) {
+    if (!machine.haply) {
+        throw std::invalid_argument("the emulated machine has no Haply board");
+    }
+    void* memory =
+        mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) {
+        throw std::runtime_error("no memory to share with the emulator: end some programs");
+    }
+    shared_ = new (memory) Shared{};
+    const pid_t owner = getpid();
+    pid_ = fork();
+    if (pid_ == 0) {
+        try {
+            live(*shared_, owner, machine, hand, link);
+        } catch (const std::exception&) {
+            shared_->life.store(Shared::Life::failed);
+        }
+        _exit(0);
+    }
+    try {
+        await([&] { return shared_->life.load() != Shared::Life::starting; }, "start");
+        if (shared_->life.load() == Shared::Life::failed) {
+            throw std::runtime_error(
+                "the board emulator found no pseudo-terminal, or cannot make " +
+                (link.empty() ? "one" : link));
+        }
+    } catch (...) {
+        end();
+        throw;
+    }
+    path_ = shared_->path.data();
+}
+
+EmulatedBoard::~EmulatedBoard() {
+    end();
+}
+
+void EmulatedBoard::end() noexcept {
+    if (pid_ > 0) {
+        shared_->quit.store(true);
+        for (int waited = 0; waitpid(pid_, nullptr, WNOHANG) == 0; ++waited) {
+            if (waited == 2000) {
+                kill(pid_, SIGKILL);
+            }
+            poll(nullptr, 0, 1);
+        }
+    }
+    munmap(shared_, sizeof(Shared));
+}
+
+void EmulatedBoard::await(const std::function<bool()>& done, const char* what) const {
+    for (int waited = 0; !done(); ++waited) {
+        if (pid_ < 0 || waited == kPatienceMs || kill(pid_, 0) != 0) {
+            throw std::runtime_error(std::string("the board emulator did not ") + what);
+        }
+        poll(nullptr, 0, 1);
+    }
+}
+
+EmulatedBoard::Motors EmulatedBoard::motors() const noexcept {
+    while (true) {
+        const std::uint64_t before = shared_->version.load();
+        const Motors motors{.torque = Vec2{shared_->torque_1.load(), shared_->torque_2.load()},
+                            .since_ns = shared_->since_ns.load()};
+        if (before % 2 == 0 && shared_->version.load() == before) {
+            return motors;
+        }
+    }
+}
+
+BoardLog EmulatedBoard::journal() const noexcept {
+    const auto at = [&](std::size_t i) {
+        return shared_->log[i].load();
+    };
+    return {.setups = at(0),
+            .resets = at(1),
+            .exchanges = at(2),
+            .desyncs = at(3),
+            .unknown = at(4),
+            .missing = at(5),
+            .undefined_duty = at(6),
+            .id_0 = at(7)};
+}
+
+void EmulatedBoard::begin(const Exploration& plan) {
+    shared_->plan = plan;
+    const unsigned order = shared_->ordered.load() + 1;
+    shared_->ordered.store(order);
+    await([&] { return shared_->begun.load() == order; }, "begin to explore");
+    if (shared_->refused.load()) {
+        throw std::invalid_argument(
+            "the emulated device cannot reach the start pose: move the start closer to the object");
+    }
+}
+
+bool EmulatedBoard::hand_is_done() const noexcept {
+    return shared_->done.load();
+}
+
+void EmulatedBoard::plug(bool in) {
+    shared_->plug_wanted.store(in);
+    await([&] { return shared_->plugged.load() == in; }, in ? "come back" : "go away");
+}
+
+void EmulatedBoard::hush(bool silent) {
+    shared_->silent_wanted.store(silent);
+    await([&] { return shared_->silent.load() == silent; }, "obey");
+}
+
+}  // namespace palpate::engine

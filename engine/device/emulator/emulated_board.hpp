@@ -1,0 +1,99 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include <sys/types.h>
+
+#include "engine/device/calibration.hpp"
+#include "engine/device/emulator/haply_board.hpp"
+#include "engine/device/hand_path.hpp"
+
+namespace palpate::engine {
+
+/// A plant whose handle a simulated hand holds.
+class BoardHand : public BoardPlant {
+public:
+    /// Puts the handle at the start and explores. Until the first one the handle rests at its start.
+    /// @throws std::invalid_argument if the start is out of reach
+    virtual void begin(const Exploration& plan) = 0;
+    [[nodiscard]] virtual bool hand_is_done() const noexcept = 0;
+};
+
+/// Any plant with begin, set_torque, advance, angles and hand_is_done as the hand on a board.
+template <class Plant>
+class HandOf : public BoardHand {
+public:
+    template <class... Arguments>
+    explicit HandOf(const Arguments&... arguments) : plant_(arguments...) {}
+
+    void begin(const Exploration& plan) override {
+        plant_.begin(plan);
+        begun_ = true;
+    }
+    void set_torque(const Vec2& newton_metres) noexcept override {
+        plant_.set_torque(newton_metres);
+    }
+    void advance(double seconds) noexcept override {
+        if (begun_) {
+            plant_.advance(seconds);
+        }
+    }
+    [[nodiscard]] JointAngles angles() const noexcept override { return plant_.angles(); }
+    [[nodiscard]] bool hand_is_done() const noexcept override { return plant_.hand_is_done(); }
+
+private:
+    Plant plant_;
+    bool begun_ = false;
+};
+
+using MakeHand = std::function<std::unique_ptr<BoardHand>()>;
+
+/// The board emulator as a process of its own on a pseudo-terminal: it outlives a host that is killed,
+/// and shows what its motors do. Make it before threads (it is forked without exec). It ends with this
+/// object, or with the process that made it.
+class EmulatedBoard {
+public:
+    /// @param machine  the calibration that is true of the emulated machine; has [haply]
+    /// @param hand     makes the plant, in the new process
+    /// @param link     see PtyBoard; needed for plug()
+    /// @throws std::runtime_error if it does not start
+    EmulatedBoard(const Calibration& machine, const MakeHand& hand, const std::string& link = {});
+    EmulatedBoard(const EmulatedBoard&) = delete;
+    EmulatedBoard& operator=(const EmulatedBoard&) = delete;
+    ~EmulatedBoard();
+
+    /// What the motors get now, N m, and since when, CLOCK_MONOTONIC ns.
+    struct Motors {
+        Vec2 torque{};
+        std::int64_t since_ns = 0;
+        [[nodiscard]] bool off() const noexcept { return torque == Vec2{}; }
+    };
+
+    [[nodiscard]] const std::string& path() const noexcept { return path_; }
+    [[nodiscard]] Motors motors() const noexcept;
+    [[nodiscard]] BoardLog journal() const noexcept;
+    /// Tells the hand to explore. Returns when it has begun.
+    /// @throws std::invalid_argument if the start is out of reach
+    void begin(const Exploration& plan);
+    [[nodiscard]] bool hand_is_done() const noexcept;
+    /// Returns when the plug is out or in. @throws std::runtime_error if that takes too long
+    void plug(bool in);
+    /// From now on the board answers nothing, or answers again.
+    void hush(bool silent);
+    [[nodiscard]] pid_t id() const noexcept { return pid_; }
+
+    struct Shared;
+
+private:
+    void end() noexcept;
+    void await(const std::function<bool()>& done, const char* what) const;
+
+    Shared* shared_ = nullptr;
+    std::string path_;
+    pid_t pid_ = -1;
+};
+
+}  // namespace palpate::engine

@@ -1,0 +1,275 @@
+#include "engine/device/emulator/haply_board.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "engine/device/drivers/haply_wire.hpp"
+#include "engine/math/elementary.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr std::uint8_t kMissing = 0xFF;
+constexpr double kFullDuty = 4095.0;
+constexpr std::size_t kMostPins = 14;  ///< a real board would write beyond its tables
+
+}  // namespace
+
+HaplyBoard::HaplyBoard(BoardPlant& plant, const PantographSpec& machine, const HaplyWiring& wired)
+    : plant_(&plant), machine_(machine), wired_(wired) {}
+
+void HaplyBoard::receive(std::span<const std::uint8_t> bytes) {
+    in_.insert(in_.end(), bytes.begin(), bytes.end());
+}
+
+std::uint8_t HaplyBoard::take() noexcept {
+    if (in_.empty()) {
+        ++log_.missing;
+        return kMissing;
+    }
+    const std::uint8_t byte = in_.front();
+    in_.pop_front();
+    return byte;
+}
+
+float HaplyBoard::take_float() noexcept {
+    const std::uint8_t first = take();
+    const std::uint8_t second = take();
+    const std::uint8_t third = take();
+    return wire_float(std::array<std::uint8_t, 4>{first, second, third, take()});
+}
+
+void HaplyBoard::pass() {
+    ++polls_;
+    plant_->advance(kPollPeriod);
+}
+
+void HaplyBoard::poll() {
+    pass();
+    if (in_.empty()) {
+        return;
+    }
+    switch (take()) {
+        case 0:
+            take();  // the id; every address goes
+            reset();
+            break;
+        case 1:
+            set_up();
+            break;
+        case 2:
+            exchange();
+            break;
+        default:
+            ++log_.unknown;
+    }
+}
+
+void HaplyBoard::reset() {
+    ++log_.resets;
+    motors_ = {};
+    for (Encoder& encoder : encoders_) {
+        encoder.address = 0;
+    }
+    sensors_.clear();
+    pwm_.clear();
+}
+
+void HaplyBoard::set_up() {
+    ++log_.setups;
+    const std::uint8_t id = take();
+    const std::uint8_t motor_mask = take();
+    std::size_t slot = 0;
+    for (std::size_t port = 0; port < kPorts; ++port) {
+        if ((motor_mask >> port & 1U) != 0) {
+            motors_[port].address = id;
+            motors_[slot++].clockwise = take() == 0;
+        }
+    }
+    const std::uint8_t encoder_mask = take();
+    for (std::size_t port = 0; port < kPorts; ++port) {
+        if ((encoder_mask >> port & 1U) != 0) {
+            encoders_[port].address = id;
+            encoders_[port].clockwise = take() == 0;
+        }
+    }
+    for (std::vector<std::uint8_t>* pins : {&sensors_, &pwm_}) {
+        pins->clear();
+        const std::uint8_t count = take();
+        for (std::uint8_t i = 0; i < count; ++i) {
+            const std::uint8_t pin = take();
+            if (pins->size() < kMostPins) {
+                pins->push_back(pin);
+            }
+        }
+    }
+    for (std::size_t port = 0; port < kPorts; ++port) {
+        if ((encoder_mask >> port & 1U) != 0) {
+            const double offset = static_cast<double>(take_float());
+            encoders_[port].resolution = static_cast<double>(take_float());
+            encoders_[port].preset = offset * encoders_[port].resolution / 360.0;
+            encoders_[port].zero = true_count(port);
+        }
+    }
+}
+
+void HaplyBoard::exchange() {
+    ++log_.exchanges;
+    const std::uint8_t id = take();
+    for (std::size_t i = 0; i < pwm_.size(); ++i) {
+        take();
+    }
+    bool found = false;
+    for (std::size_t port = 0; port < kPorts; ++port) {
+        if (motors_[port].address == id) {
+            found = true;
+            drive(port, take_float());
+        }
+    }
+    log_.desyncs += found ? 0 : 1;
+    log_.id_0 += found && id == 0 ? 1 : 0;
+    answer(id);
+}
+
+int HaplyBoard::pivot_at(std::size_t port) const noexcept {
+    for (int pivot = 0; pivot < 2; ++pivot) {
+        if (wired_.port[static_cast<std::size_t>(pivot)] == port + 1) {
+            return pivot;
+        }
+    }
+    return -1;
+}
+
+void HaplyBoard::drive(std::size_t port, float torque) noexcept {
+    double duty = kFullDuty;
+    double sign = 1.0;
+    if (std::isnan(torque)) {
+        ++log_.undefined_duty;
+    } else {
+        const double asked = static_cast<double>(torque);
+        sign = asked < 0.0 ? -1.0 : 1.0;
+        duty = std::floor(kFullDuty * std::fmin(std::fabs(asked), kHaplyTorque) / kHaplyTorque);
+    }
+    const int pivot = pivot_at(port);
+    if (pivot < 0) {
+        return;
+    }
+    const bool wired = wired_.motor_clockwise[static_cast<std::size_t>(pivot)];
+    const double torque_given =
+        sign * duty / kFullDuty * kHaplyTorque * (motors_[port].clockwise == wired ? 1.0 : -1.0);
+    (pivot == 0 ? torque_.x : torque_.y) = torque_given;
+    plant_->set_torque(torque_);
+}
+
+std::int64_t HaplyBoard::true_count(std::size_t port) const noexcept {
+    const int pivot = pivot_at(port);
+    if (pivot < 0) {
+        return 0;
+    }
+    const auto at = static_cast<std::size_t>(pivot);
+    const double turns = plant_->angles()[at] / (2.0 * kPi);
+    return static_cast<std::int64_t>(std::floor(turns * machine_.axes[at].counts_per_turn + 0.5));
+}
+
+double HaplyBoard::angle(std::size_t port) const noexcept {
+    const Encoder& encoder = encoders_[port];
+    const int pivot = pivot_at(port);
+    const bool right =
+        pivot < 0 || encoder.clockwise == wired_.encoder_clockwise[static_cast<std::size_t>(pivot)];
+    const auto turned = static_cast<double>(true_count(port) - encoder.zero);
+    return 360.0 * (encoder.preset + (right ? turned : -turned)) / encoder.resolution;
+}
+
+void HaplyBoard::answer(std::uint8_t id) {
+    if (faults_.silent) {
+        return;
+    }
+    std::vector<std::uint8_t> bytes = faults_.noise;
+    const std::size_t from = bytes.size();
+    const auto put = [&](double value) {
+        for (const std::uint8_t byte : wire_bytes(static_cast<float>(value))) {
+            bytes.push_back(byte);
+        }
+    };
+    bytes.push_back(faults_.wrong_id ? static_cast<std::uint8_t>(id ^ 0x40U) : id);
+    for (std::size_t i = 0; i < sensors_.size(); ++i) {
+        put(sensor_);
+    }
+    for (std::size_t port = 0; port < kPorts; ++port) {
+        if (encoders_[port].address == id) {
+            put(angle(port) + (port == kPorts - 1 || encoders_[port + 1].address != id
+                                   ? faults_.turned_deg
+                                   : 0.0));
+        }
+    }
+    if (faults_.not_finite && bytes.size() >= from + 5) {
+        bytes.resize(bytes.size() - 4);
+        put(std::numeric_limits<double>::quiet_NaN());
+    }
+    const auto due = [&](double delay) {  // a day is never
+        return polls_ + static_cast<std::int64_t>(std::fmin(delay, 86400.0) / kPollPeriod);
+    };
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        const bool late = faults_.at_once >= 0 && i >= static_cast<std::size_t>(faults_.at_once);
+        out_.push_back({due(faults_.delay + (late ? faults_.rest_delay : 0.0)), bytes[i]});
+    }
+}
+
+std::size_t HaplyBoard::transmit(std::span<std::uint8_t> into) {
+    std::size_t sent = 0;
+    while (sent < into.size() && !out_.empty() && out_.front().poll <= polls_) {
+        into[sent++] = out_.front().byte;
+        out_.pop_front();
+    }
+    return sent;
+}
+
+bool HaplyBoard::command_is_cut() const noexcept {
+    const std::size_t size = in_.size();
+    if (size == 0) {
+        return false;
+    }
+    if (in_[0] == 0) {
+        return size < 2;
+    }
+    if (in_[0] == 2 && size >= 2) {
+        std::size_t need = 2 + pwm_.size();
+        for (const Motor& motor : motors_) {
+            need += motor.address == in_[1] ? 4U : 0U;
+        }
+        return size < need;
+    }
+    if (in_[0] == 1) {
+        std::size_t at = 2;  // of the mask, then of each count
+        const auto skip = [&](std::size_t items) {
+            at += 1 + items;
+        };
+        std::size_t encoders = 0;
+        for (int list = 0; list < 4; ++list) {
+            if (at >= size) {
+                return true;
+            }
+            std::size_t items = in_[at];
+            if (list < 2) {
+                items = static_cast<std::size_t>(__builtin_popcount(in_[at] & 0xFU));
+                encoders = items;
+            }
+            skip(items);
+        }
+        return size < at + 8 * encoders;
+    }
+    return in_[0] == 2;
+}
+
+void HaplyBoard::power_cycle() {
+    motors_ = {};
+    encoders_ = {};
+    sensors_.clear();
+    pwm_.clear();
+    in_.clear();
+    out_.clear();
+    torque_ = {};
+    plant_->set_torque(torque_);
+}
+
+}  // namespace palpate::engine

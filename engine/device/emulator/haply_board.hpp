@@ -1,0 +1,143 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "engine/device/calibration.hpp"
+
+namespace palpate::engine {
+
+/// What hangs on the board: motors and encoders of pivot 1 and pivot 2.
+class BoardPlant {
+public:
+    BoardPlant() = default;
+    BoardPlant(const BoardPlant&) = delete;
+    BoardPlant& operator=(const BoardPlant&) = delete;
+    virtual ~BoardPlant() = default;
+
+    /// What the motors get, N m, anticlockwise.
+    virtual void set_torque(const Vec2& newton_metres) noexcept = 0;
+    virtual void advance(double seconds) noexcept = 0;
+    [[nodiscard]] virtual JointAngles angles() const noexcept = 0;
+};
+
+/// What can go wrong between a board and its host.
+struct BoardFaults {
+    bool silent = false;  ///< no command is answered
+    double delay = 0.0;   ///< s from a command to its answer
+    int at_once = -1;     ///< bytes of an answer that come at once; -1: all
+    double rest_delay = std::numeric_limits<double>::infinity();  ///< s until the others come
+    std::vector<std::uint8_t> noise{};                            ///< comes before each answer
+    bool wrong_id = false;    ///< the answer begins with another id
+    double turned_deg = 0.0;  ///< the answer's last angle is off by this
+    bool not_finite = false;  ///< the answer's last angle is NaN
+};
+
+/// What a test wants to know of a board.
+struct BoardLog {
+    int setups = 0;  ///< the firmware allocates new encoders each time: leaked ones
+    int resets = 0;
+    int exchanges = 0;  ///< of which `desyncs` moved no motor
+    int desyncs = 0;    ///< exchanges whose id owns no motor: their torques are read as commands
+    int unknown = 0;    ///< bytes that are no command
+    int missing = 0;    ///< bytes that were not there yet and read as 0xFF
+    int undefined_duty = 0;  ///< torques that were not a number
+    int id_0 = 0;            ///< exchanges that reached ports which were not set up
+};
+
+/// The firmware of a Haply board as a machine of bytes, deterministic, on a clock that poll() drives.
+/// Written from the protocol's table; it does all that the firmware does wrong:
+///
+/// - no framing: one command a poll, and bytes that are not there yet read as 0xFF;
+/// - no watchdog: a motor keeps its torque until the next exchange that reaches it;
+/// - a reset clears the addresses and leaves the motors' duty on;
+/// - an exchange whose id owns no motor takes no torque bytes, so that they are read as commands;
+/// - id 0 reaches every port that was not set up;
+/// - a torque that is not a number gives full duty (on the real board: anything);
+/// - a set-up is not acknowledged, writes motor directions to slots 0, 1, ... whatever the ports are,
+///   and leaks an encoder object each time;
+/// - torques are clamped at 0.123 N m and cut to 12 bits of duty.
+class HaplyBoard {
+public:
+    static constexpr double kPollPeriod = 50e-6;  ///< s
+
+    /// @param plant    outlives the board
+    /// @param machine  resolution of the encoders as they are
+    /// @param wired    how motors and encoders are wired in truth, whatever a set-up says
+    HaplyBoard(BoardPlant& plant, const PantographSpec& machine, const HaplyWiring& wired);
+
+    /// Bytes from the host.
+    void receive(std::span<const std::uint8_t> bytes);
+    /// 50 us pass: the plant moves, and one command is taken.
+    void poll();
+    /// 50 us pass while the bus is still at the rest of a command.
+    void pass();
+    /// Bytes to the host that are due. @return how many were put into `into`
+    std::size_t transmit(std::span<std::uint8_t> into);
+
+    /// The command at the front lacks bytes: a poll now would fill them with 0xFF.
+    [[nodiscard]] bool command_is_cut() const noexcept;
+    /// Bytes from the host wait to be taken.
+    [[nodiscard]] bool has_input() const noexcept { return !in_.empty(); }
+    /// What the motors get, pivot 1 and 2, N m, anticlockwise.
+    [[nodiscard]] Vec2 torque() const noexcept { return torque_; }
+    [[nodiscard]] const BoardLog& journal() const noexcept { return log_; }
+    [[nodiscard]] double time() const noexcept { return static_cast<double>(polls_) * kPollPeriod; }
+
+    void set_faults(const BoardFaults& faults) { faults_ = faults; }
+    void set_sensor(double adc) noexcept { sensor_ = adc; }
+    /// Power off and on: nothing is set up, motors are off.
+    void power_cycle();
+
+private:
+    static constexpr std::size_t kPorts = 4;
+
+    /// One of the four ports; two have a pivot.
+    struct Motor {
+        std::uint8_t address = 0;
+        bool clockwise = false;
+    };
+    struct Encoder {
+        std::uint8_t address = 0;
+        bool clockwise = false;
+        double resolution = 1.0;
+        double preset = 0.0;    ///< counts
+        std::int64_t zero = 0;  ///< true counts at set-up
+    };
+
+    std::uint8_t take() noexcept;
+    float take_float() noexcept;
+    void reset();
+    void set_up();
+    void exchange();
+    void drive(std::size_t port, float torque) noexcept;
+    [[nodiscard]] double angle(std::size_t port) const noexcept;
+    [[nodiscard]] int pivot_at(std::size_t port) const noexcept;
+    [[nodiscard]] std::int64_t true_count(std::size_t port) const noexcept;
+    void answer(std::uint8_t id);
+
+    BoardPlant* plant_;
+    PantographSpec machine_;
+    HaplyWiring wired_;
+    BoardFaults faults_{};
+    BoardLog log_{};
+    double sensor_ = 0.0;
+    std::array<Motor, kPorts> motors_{};
+    std::array<Encoder, kPorts> encoders_{};
+    std::vector<std::uint8_t> sensors_{};
+    std::vector<std::uint8_t> pwm_{};
+    Vec2 torque_{};
+    std::deque<std::uint8_t> in_{};
+    struct Due {
+        std::int64_t poll = 0;
+        std::uint8_t byte = 0;
+    };
+    std::deque<Due> out_{};
+    std::int64_t polls_ = 0;
+};
+
+}  // namespace palpate::engine

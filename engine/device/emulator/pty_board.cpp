@@ -1,0 +1,134 @@
+#include "engine/device/emulator/pty_board.hpp"
+
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <sys/ioctl.h>
+#include <termios.h>
+#include <unistd.h>
+
+namespace palpate::engine {
+namespace {
+
+/// A board that was kept from running for longer (a stopped process) has not lived meanwhile.
+constexpr double kLongestGap = 0.05;  ///< s
+/// After this long the rest of a cut command does not come.
+constexpr int kRestMs = 1;
+constexpr int kMostCommands = 64;  ///< a step
+
+std::int64_t now_ns() noexcept {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+bool readable(int fd, std::int64_t wait_ns) noexcept {
+    pollfd one{.fd = fd, .events = POLLIN, .revents = 0};
+    const timespec wait{.tv_sec = wait_ns / 1'000'000'000, .tv_nsec = wait_ns % 1'000'000'000};
+    return ppoll(&one, 1, &wait, nullptr) > 0 && (one.revents & POLLIN) != 0;
+}
+
+bool take(int fd, HaplyBoard& board) {
+    std::array<std::uint8_t, 512> bytes{};
+    const ssize_t got = read(fd, bytes.data(), bytes.size());
+    if (got > 0) {
+        board.receive({bytes.data(), static_cast<std::size_t>(got)});
+    }
+    return got > 0;
+}
+
+}  // namespace
+
+PtyBoard::PtyBoard(HaplyBoard& board, std::string link) : board_(&board), link_(std::move(link)) {
+    open();
+    start_ns_ = now_ns() - static_cast<std::int64_t>(board.time() * 1e9);
+}
+
+PtyBoard::~PtyBoard() {
+    close();
+}
+
+void PtyBoard::open() {
+    master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    std::array<char, 128> name{};
+    if (master_ < 0 || grantpt(master_) != 0 || unlockpt(master_) != 0 ||
+        ptsname_r(master_, name.data(), name.size()) != 0) {
+        close();
+        throw std::runtime_error("the system gives no pseudo-terminal: is /dev/pts mounted?");
+    }
+    terminal_ = name.data();
+    slave_ = ::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+    termios raw{};
+    tcgetattr(slave_, &raw);
+    cfmakeraw(&raw);
+    tcsetattr(slave_, TCSANOW, &raw);
+    if (!link_.empty()) {
+        unlink(link_.c_str());
+        if (symlink(terminal_.c_str(), link_.c_str()) != 0) {
+            close();
+            throw std::runtime_error("the link " + link_ +
+                                     " cannot be made: name a file in a folder that you may write");
+        }
+    }
+}
+
+void PtyBoard::close() noexcept {
+    if (!link_.empty() && master_ >= 0) {
+        unlink(link_.c_str());
+    }
+    for (int* fd : {&slave_, &master_}) {
+        if (*fd >= 0) {
+            ::close(*fd);
+            *fd = -1;
+        }
+    }
+}
+
+void PtyBoard::plug(bool in) {
+    if (in && master_ < 0) {
+        open();
+    } else if (!in && master_ >= 0) {
+        close();
+        board_->power_cycle();
+    }
+}
+
+void PtyBoard::catch_up() {
+    const double now = static_cast<double>(now_ns() - start_ns_) * 1e-9;
+    const double gap = now - board_->time() - kLongestGap;
+    if (gap > 0.0) {
+        start_ns_ += static_cast<std::int64_t>(gap * 1e9);
+    }
+    while (board_->time() + HaplyBoard::kPollPeriod <= now - std::fmax(gap, 0.0)) {
+        board_->pass();
+    }
+}
+
+void PtyBoard::step(int wait_us) {
+    if (master_ < 0) {
+        poll(nullptr, 0, 1);
+        catch_up();
+        return;
+    }
+    const bool something =
+        readable(master_, std::int64_t{wait_us} * 1000) && take(master_, *board_);
+    catch_up();
+    for (int i = 0; something && board_->has_input() && i < kMostCommands; ++i) {
+        while (board_->command_is_cut() && readable(master_, kRestMs * 1'000'000) &&
+               take(master_, *board_)) {
+        }
+        board_->poll();
+    }
+    std::array<std::uint8_t, 512> answer{};
+    const std::size_t size = board_->transmit(answer);
+    if (size > 0) {  // a host that does not listen loses the answer
+        static_cast<void>(write(master_, answer.data(), size) < 0);
+    }
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <charconv>
+#include <csignal>
+#include <cstdio>
+#include <ctime>
+#include <iostream>
+
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/guided_hand.hpp"
+#include "tests/bench/commands.hpp"
+#include "tests/bench/report.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/random.hpp"
+
+namespace palpate::bench {
+namespace {
+
+using namespace palpate::engine;
+
+std::int64_t now_ns() {
+    timespec now{};
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+}
+
+int number(const std::string& text, const std::string& name) {
+    int value = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || stop != end || value < 1) {
+        throw WrongWord(name + " " + text + ": give a whole number above 0");
+    }
+    return value;
+}
+
+/// ms from the signal to zero torque at the board, for each kill.
+std::vector<double> delays(const EmulatedBoard& board,
+                           const Calibration& machine,
+                           int kills,
+                           int signal) {
+    std::vector<double> ms;
+    tests::Random random(1);
+    for (int i = 0; i < kills; ++i) {
+        tests::Presser presser(board.path(), machine, {0.4, -0.5});
+        if (!tests::eventually([&] { return !board.motors().off(); })) {
+            throw std::runtime_error("the emulated board got no torque");
+        }
+        for (int wait = random.below(30); wait > 0; --wait) {
+            tests::wait_a_little();
+        }
+        const std::int64_t start = now_ns();
+        presser.signal(signal);
+        if (!tests::eventually([&] { return board.motors().off(); })) {
+            throw std::runtime_error("the motors stayed on");
+        }
+        ms.push_back(1e-6 * static_cast<double>(board.motors().since_ns - start));
+        presser.signal(SIGKILL);
+        presser.reap();
+        const pid_t guard = presser.guard();
+        tests::eventually([&] { return kill(guard, 0) != 0; });  // it lets go of the port
+    }
+    std::sort(ms.begin(), ms.end());
+    return ms;
+}
+
+}  // namespace
+
+int guard_command(const std::vector<std::string>& arguments) {
+    Words words(arguments);
+    const int kills = number(words.value("--kills", "100"), "--kills");
+    const std::string csv_name = words.value("--csv");
+    words.finish("guard takes --kills N and --csv FILE");
+    std::ofstream csv = open_output(csv_name);
+    if (csv.is_open()) {
+        csv << "machine,end,kills,p50_ms,p99_ms,worst_ms\n";
+    }
+    const Calibration machine_calibration = emulated_calibration();
+    const EmulatedBoard board(machine_calibration,
+                              [&] { return std::make_unique<GuidedHand>(machine_calibration); });
+    std::cout << machine() << "\nfrom a signal to zero torque at an emulated board, ms\n";
+    std::printf("%-34s %7s %9s %9s %9s\n", "palpate", "times", "p50", "p99", "worst");
+    for (const auto& [name, signal] : {std::pair{"killed (kill -9)", SIGKILL},
+                                       std::pair{"stopped with the force on", SIGSTOP}}) {
+        std::cout.flush();
+        std::fflush(stdout);
+        const std::vector<double> ms = delays(board, machine_calibration, kills, signal);
+        const auto at = [&](double share) {
+            return ms[static_cast<std::size_t>(share * static_cast<double>(ms.size() - 1))];
+        };
+        std::printf("%-34s %7d %9.3f %9.3f %9.3f\n", name, kills, at(0.5), at(0.99), ms.back());
+        csv << '"' << machine() << "\",\"" << name << "\"," << kills << ',' << at(0.5) << ','
+            << at(0.99) << ',' << ms.back() << '\n';
+    }
+    if (csv.is_open()) {
+        close_output(csv, csv_name);
+    }
+    return 0;
+}
+
+}  // namespace palpate::bench

@@ -1,0 +1,191 @@
+#include <csignal>
+#include <fstream>
+
+#include <unistd.h>
+
+#include "engine/device/drivers/guard_process.hpp"
+#include "engine/device/drivers/serial_link.hpp"
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/guided_hand.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/presser.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+
+// Real processes and a real port. Nothing here depends on how long things take: waits end when what
+// they wait for has happened, and only a wait of 20 s is a failure.
+
+namespace {
+
+constexpr Vec2 kForce{0.4, -0.5};
+
+const Calibration& machine() {
+    static const Calibration calibration = emulated_calibration();
+    return calibration;
+}
+
+MakeHand hand() {
+    return [] {
+        return std::make_unique<GuidedHand>(machine());
+    };
+}
+
+/// No such process, or one that ended and was not reaped by its parent.
+bool gone(pid_t pid) {
+    std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+    std::string skip;
+    std::string state;
+    file >> skip >> skip >> state;
+    return !file || state == "Z" || state == "X";
+}
+
+bool pressed(const EmulatedBoard& board) {
+    return eventually([&] { return !board.motors().off(); });
+}
+
+bool off(const EmulatedBoard& board) {
+    return eventually([&] { return board.motors().off(); });
+}
+
+/// They stay off: 200 ms of opportunity.
+bool stays_off(const EmulatedBoard& board) {
+    for (int i = 0; i < 200; ++i) {
+        if (!board.motors().off()) {
+            return false;
+        }
+        wait_a_little();
+    }
+    return true;
+}
+
+}  // namespace
+
+TEST_CASE("however palpate dies with the force on, its motors go to zero", "[guard][law]") {
+    EmulatedBoard board(machine(), hand());
+    const auto death = GENERATE(SIGKILL, SIGTERM, SIGINT, SIGSEGV, SIGABRT, SIGHUP);
+    CAPTURE(death);
+    Presser presser(board.path(), machine(), kForce);
+    REQUIRE(pressed(board));
+    const pid_t guard = presser.guard();
+    presser.signal(death);
+    presser.reap();
+    CHECK(off(board));
+    CHECK(stays_off(board));
+    CHECK(eventually([&] { return gone(guard); }));
+    CHECK(board.journal().undefined_duty == 0);
+    CHECK(board.journal().desyncs == 0);
+}
+
+TEST_CASE("an exception that ends palpate leaves the motors at zero", "[guard][law]") {
+    EmulatedBoard board(machine(), hand());
+    Presser presser(board.path(), machine(), kForce, Presser::End::exception);
+    REQUIRE(pressed(board));
+    const pid_t guard = presser.guard();
+    presser.end();
+    presser.reap();
+    CHECK(board.motors().off());  // by the driver, before the process ended
+    CHECK(stays_off(board));
+    CHECK(gone(guard));
+}
+
+TEST_CASE(
+    "a palpate that hangs or is stopped with the force on has its motors zeroed, and may not "
+    "press again",
+    "[guard][law]") {
+    EmulatedBoard board(machine(), hand());
+    const bool stopped = GENERATE(true, false);
+    Presser presser(board.path(), machine(), kForce,
+                    stopped ? Presser::End::signal : Presser::End::hang);
+    REQUIRE(pressed(board));
+    if (stopped) {
+        presser.signal(SIGSTOP);
+    } else {
+        presser.end();
+    }
+    CHECK(off(board));
+    CHECK(stays_off(board));
+    if (stopped) {
+        presser.signal(SIGCONT);
+        CHECK(eventually([&] { return presser.fault() != 0; }));
+        CHECK(presser.fault() == static_cast<int>(DeviceFault::silent));
+        CHECK(off(board));
+        CHECK(stays_off(board));
+    }
+    presser.signal(SIGKILL);
+    presser.reap();
+    CHECK(stays_off(board));
+}
+
+TEST_CASE("when its guard is killed or stopped the driver gives no more force", "[guard][law]") {
+    EmulatedBoard board(machine(), hand());
+    const int blow = GENERATE(SIGKILL, SIGSTOP);
+    Presser presser(board.path(), machine(), kForce);
+    REQUIRE(pressed(board));
+    const pid_t guard = presser.guard();
+    kill(guard, blow);
+    CHECK(off(board));
+    CHECK(stays_off(board));
+    CHECK(presser.fault() == static_cast<int>(DeviceFault::unguarded));
+    presser.signal(SIGKILL);
+    presser.reap();
+    CHECK(stays_off(board));
+    kill(guard, SIGCONT);
+    CHECK(eventually([&] { return gone(guard); }));
+}
+
+TEST_CASE("a guard outlives the terminal's signals and ends with its owner's object",
+          "[guard][law]") {
+    EmulatedBoard board(machine(), hand());
+    pid_t guard = -1;
+    {
+        auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 20'000});
+        guard = own->id();
+        HaplyDevice device(machine(), std::make_unique<SerialLink>(board.path()), std::move(own),
+                           {.silence = 5.0});
+        for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP}) {
+            kill(guard, number);
+        }
+        for (int i = 0; i < 50; ++i) {
+            CHECK(device.read().ok());
+            device.write({});
+            wait_a_little();
+        }
+        CHECK_FALSE(gone(guard));
+        CHECK(getsid(guard) == guard);
+    }
+    CHECK(kill(guard, 0) != 0);  // reaped: not even a zombie
+}
+
+TEST_CASE("a driver that is silent without force is left alone", "[guard]") {
+    EmulatedBoard board(machine(), hand());
+    auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 20'000});
+    const GuardProcess& guard = *own;
+    HaplyDevice device(machine(), std::make_unique<SerialLink>(board.path()), std::move(own),
+                       {.silence = 5.0});
+    REQUIRE(device.read().ok());
+    device.write({});
+    const int exchanges = board.journal().exchanges;
+    for (int i = 0; i < 100; ++i) {
+        wait_a_little();
+    }
+    CHECK_FALSE(guard.tripped());
+    CHECK(board.journal().exchanges <= exchanges + 1);
+    CHECK(device.read().ok());
+}
+
+TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law]") {
+    EmulatedBoard board(machine(), hand());
+    auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 300});
+    const GuardProcess& guard = *own;
+    HaplyDevice device(machine(), std::make_unique<SerialLink>(board.path()), std::move(own),
+                       {.silence = 5.0});
+    const pid_t first = guard.id();
+    kill(first, SIGKILL);
+    CHECK(eventually([&] { return device.read().fault == DeviceFault::unguarded; }));
+    CHECK(eventually([&] { return device.reconnect(); }));
+    CHECK(guard.id() != first);
+    CHECK(kill(first, 0) != 0);
+    CHECK_FALSE(gone(guard.id()));
+    CHECK(board.journal().setups == 1);
+}

@@ -1,0 +1,178 @@
+#include <cmath>
+#include <limits>
+
+#include "engine/device/drivers/haply_wire.hpp"
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/guided_hand.hpp"
+#include "engine/device/emulator/haply_board.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using palpate::tests::Random;
+
+namespace {
+
+/// A board and a naive host, who sends what it likes.
+struct Naive {
+    Calibration machine = emulated_calibration();
+    GuidedHand plant{machine};
+    HaplyBoard board{plant, machine.pantograph, *machine.haply};
+
+    void send(std::span<const std::uint8_t> bytes, int polls = 20) {
+        board.receive(bytes);
+        for (int i = 0; i < polls; ++i) {
+            board.poll();
+        }
+    }
+    void send(std::initializer_list<int> bytes, int polls = 20) {
+        std::vector<std::uint8_t> packet;
+        for (const int byte : bytes) {
+            packet.push_back(static_cast<std::uint8_t>(byte));
+        }
+        send(packet, polls);
+    }
+    void set_up() { send(setup_packet(haply_setup(*machine.haply, machine.pantograph)).view()); }
+    void torque(double one, double two) { send(torque_packet(5, {one, two})->view()); }
+    std::vector<std::uint8_t> heard() {
+        std::vector<std::uint8_t> bytes(256);
+        bytes.resize(board.transmit(bytes));
+        return bytes;
+    }
+};
+
+/// 12 bits of duty: the last step that does not exceed it.
+double duty(double torque) {
+    const double step = kHaplyTorque / 4095.0;
+    return std::copysign(std::floor(std::fabs(torque) / step * (1.0 + 1e-7)) * step, torque);
+}
+
+}  // namespace
+
+TEST_CASE("the board has no watchdog, so the last torque stays on for ever", "[haply][hazard]") {
+    Naive host;
+    host.set_up();
+    host.torque(0.05, -0.02);
+    const Vec2 given = host.board.torque();
+    CHECK(std::fabs(given.y - duty(0.05)) < 1e-9);  // port 1 drives pivot 2
+    CHECK(std::fabs(given.x - duty(-0.02)) < 1e-9);
+    host.send({}, 20 * 3600 * 20);
+    CHECK(host.board.torque() == given);
+    CHECK(host.plant.torque() == given);
+}
+
+TEST_CASE("a reset leaves the motors on, and they can no longer be zeroed", "[haply][hazard]") {
+    Naive host;
+    host.set_up();
+    host.torque(0.05, 0.05);
+    const Vec2 given = host.board.torque();
+    host.send({0, 0});  // as hAPI sends it
+    CHECK(host.board.torque() == given);
+    host.torque(0.0, 0.0);
+    CHECK(host.board.torque() == given);
+    CHECK(host.board.journal().desyncs == 1);
+    host.set_up();
+    CHECK(host.board.torque() == given);
+    host.torque(0.0, 0.0);
+    CHECK(host.board.torque() == Vec2{});
+}
+
+TEST_CASE("torques for an id that owns no motor are read as commands", "[haply][hazard]") {
+    Naive host;
+    host.set_up();
+    host.torque(0.05, 0.05);
+    const int resets = host.board.journal().resets;
+    // The bytes of 2.35e-38 are 00 00 00 01 in reverse: a reset, and the first byte of a set-up.
+    host.send({2, 9, 0, 0, 0, 1, 0, 0, 0, 0});
+    CHECK(host.board.journal().desyncs == 1);
+    CHECK(host.board.journal().resets > resets);
+    host.torque(0.0, 0.0);
+    CHECK_FALSE(host.board.torque() == Vec2{});  // the addresses are gone, the force is not
+}
+
+TEST_CASE("id 0 reaches every port that was not set up", "[haply][hazard]") {
+    Naive host;
+    host.send(std::vector<std::uint8_t>{2, 0, 0xCD, 0xCC, 0x4C, 0x3D, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+                                        0, 0});
+    CHECK(host.board.journal().id_0 == 1);
+    CHECK_FALSE(host.board.torque() == Vec2{});
+}
+
+TEST_CASE("a packet cut in two is filled with 0xFF, and its rest is read as commands",
+          "[haply][hazard]") {
+    Naive host;
+    host.set_up();
+    host.torque(0.01, 0.01);
+    host.send({2, 5, 0xCD, 0xCC});
+    CHECK(host.board.journal().missing == 6);
+    CHECK(host.board.journal().undefined_duty == 2);  // CD CC FF FF is a NaN, and FF FF FF FF
+    CHECK(std::fabs(host.board.torque().x) == kHaplyTorque);
+}
+
+TEST_CASE("a torque that is not a number gives an undefined duty", "[haply][hazard]") {
+    Naive host;
+    host.set_up();
+    host.send({2, 5, 0, 0, 0xC0, 0x7F, 0, 0, 0, 0});
+    CHECK(host.board.journal().undefined_duty == 1);
+    CHECK(std::fabs(host.board.torque().y) == kHaplyTorque);
+}
+
+TEST_CASE("a set-up is not acknowledged, and each one leaks", "[haply][hazard]") {
+    Naive host;
+    host.set_up();
+    host.set_up();
+    CHECK(host.heard().empty());
+    CHECK(host.board.journal().setups == 2);
+    host.torque(0.0, 0.0);
+    CHECK(host.heard().size() == 9);
+}
+
+TEST_CASE("motor directions go to the first slots, whatever the ports are", "[haply][hazard]") {
+    Naive host;
+    // Motors at ports 2 and 3: the directions land at slots 1 and 2, so port 3 keeps the default.
+    const auto f = wire_bytes(4880.0F);
+    std::vector<std::uint8_t> setup{1, 5, 0b110, 1, 1, 0b011, 1, 1, 0, 0};
+    for (int i = 0; i < 2; ++i) {
+        setup.insert(setup.end(), 4, 0);
+        setup.insert(setup.end(), f.begin(), f.end());
+    }
+    host.send(setup);
+    host.torque(0.05, 0.05);
+    CHECK(std::fabs(host.board.torque().x - duty(0.05)) < 1e-9);
+    CHECK(host.board.torque().y == 0.0);  // pivot 2 hangs at port 1
+}
+
+TEST_CASE("torques are clamped at 0.123 N m and cut to 12 bits", "[haply][law]") {
+    Naive host;
+    host.set_up();
+    Random random(3);
+    for (int i = 0; i < 2000; ++i) {
+        const double one = random.in(-0.2, 0.2);
+        host.torque(one, -one);
+        const double got = host.board.torque().y;
+        CHECK(host.board.torque().x == -got);
+        CHECK(std::fabs(got) <= kHaplyTorque);
+        const double wanted = std::copysign(std::fmin(std::fabs(one), kHaplyTorque), one);
+        CHECK(std::fabs(got) <= std::fabs(wanted) + 1e-7);
+        CHECK(std::fabs(got - wanted) <= kHaplyTorque / 4095.0 + 1e-7);
+    }
+}
+
+TEST_CASE("a counter starts at its offset and counts in the direction it was told",
+          "[haply][law]") {
+    Naive host;
+    HaplySetup setup = haply_setup(*host.machine.haply, host.machine.pantograph);
+    setup.offset_deg = {12.0, 168.0};
+    setup.encoder_clockwise[1] = true;  // against the wiring
+    host.send(setup_packet(setup).view());
+    const JointAngles before = host.plant.angles();
+    host.plant.lead({0.010, 0.030});
+    host.torque(0.0, 0.0);
+    const auto reply = read_reply(host.heard(), 5, false);
+    REQUIRE(reply);
+    const double count = 360.0 / 4880.0;
+    const double turned_1 = (host.plant.angles()[0] - before[0]) * 180.0 / M_PI;  // at port 2
+    const double turned_2 = (host.plant.angles()[1] - before[1]) * 180.0 / M_PI;  // at port 1
+    CHECK(std::fabs(reply->angle_deg[0] - (12.0 + turned_2)) <= 1.001 * count);
+    CHECK(std::fabs(reply->angle_deg[1] - (168.0 - turned_1)) <= 1.001 * count);
+}

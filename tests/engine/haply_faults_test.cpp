@@ -1,0 +1,280 @@
+#include <cmath>
+#include <limits>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/haply_bench.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
+    Bench bench;
+    bench.open();
+    bench.ticks({0.5, -0.4}, 20);
+    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    SECTION("the destructor") {}
+    SECTION("an exception") {
+        try {
+            auto device = std::move(bench.device);
+            throw std::runtime_error("the disk is full");
+        } catch (const std::runtime_error&) {
+        }
+    }
+    SECTION("silence, then the destructor") {
+        bench.board.set_faults({.silent = true});
+        bench.ticks({0.5, -0.4}, 50);
+    }
+    SECTION("garbage, then the destructor") {
+        bench.board.set_faults({.noise = {9, 9, 9}});
+        bench.ticks({0.5, -0.4}, 50);
+    }
+    SECTION("half a packet, then the destructor") {
+        bench.cable.cut_next(static_cast<std::size_t>(GENERATE(0, 1, 2, 5, 7, 9)));
+        bench.ticks({0.5, -0.4}, 1);
+    }
+    SECTION("a reconnection") {
+        bench.board.set_faults({.wrong_id = true});
+        bench.ticks({0.5, -0.4}, 5);
+        bench.board.set_faults({});
+        CHECK(bench.device->reconnect());
+    }
+    const bool away = bench.device == nullptr;
+    bench.device.reset();
+    CHECK(ends_in_silence(bench.cable.sent()));
+    CHECK(bench.board.torque() == Vec2{});
+    CHECK((away || bench.guard.releases > 0));
+}
+
+TEST_CASE("a late answer is no fault but not fresh, and one that stays away is", "[haply][law]") {
+    Bench bench;
+    bench.open();
+    bench.ticks({0.1, 0.0}, 10);
+    bench.board.set_faults({.delay = 3.2e-3});
+    const int exchanges = bench.board.journal().exchanges;
+    int fresh = 0;
+    for (int i = 0; i < 400; ++i) {
+        const Reading reading = bench.tick({0.1, 0.0});
+        REQUIRE(reading.ok());
+        fresh += reading.fresh ? 1 : 0;
+    }
+    CHECK(fresh > 80);
+    CHECK(fresh < 140);
+    CHECK(bench.board.journal().exchanges - exchanges <= fresh + 2);  // one question at a time
+    CHECK_FALSE(bench.board.torque() == Vec2{});
+
+    bench.board.set_faults({.silent = true});
+    Reading reading;
+    int ticks = 0;
+    while (reading.ok() && ticks < 100) {
+        reading = bench.tick({0.1, 0.0});
+        ++ticks;
+    }
+    CHECK(reading.fault == DeviceFault::silent);
+    CHECK(ticks >= 18);
+    CHECK(ticks <= 26);
+    bench.ticks({0.1, 0.0}, 10);
+    CHECK(bench.board.torque() == Vec2{});
+}
+
+TEST_CASE("an answer in pieces is put together", "[haply][law]") {
+    Bench bench;
+    bench.open();
+    const int at_once = GENERATE(0, 1, 2, 5, 8);
+    bench.board.set_faults({.at_once = at_once, .rest_delay = 1.1e-3});
+    Random random(23);
+    int fresh = 0;
+    for (int i = 0; i < 300; ++i) {
+        bench.plant.lead({random.in(-0.02, 0.02), 0.05});
+        const Reading reading = bench.tick({0.1, 0.1});
+        REQUIRE(reading.ok());
+        fresh += reading.fresh ? 1 : 0;
+    }
+    CHECK(fresh > 90);
+    bench.board.set_faults({});
+    bench.ticks({}, 5);
+    CHECK(glm::length(bench.tick({}).hip - bench.pantograph.locate(bench.plant.angles())->hip) <
+          3e-4);
+}
+
+TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconnection mends it",
+          "[haply][law]") {
+    Bench bench;
+    bench.open();
+    bench.ticks({0.3, 0.3}, 10);
+    bench.plant.lead({0.02, 0.04});
+    bench.ticks({0.3, 0.3}, 3);
+    BoardFaults faults;
+    SECTION("wrong id") {
+        faults.wrong_id = true;
+    }
+    SECTION("not a number") {
+        faults.not_finite = true;
+    }
+    SECTION("noise before the answer") {
+        faults.noise = {7};
+    }
+    SECTION("an answer too many") {
+        faults.noise = {5, 0, 0, 0, 0, 0, 0, 0, 0};
+    }
+    bench.board.set_faults(faults);
+    const Reading bad = bench.ticks({0.3, 0.3}, 3);
+    CHECK(bad.fault == DeviceFault::garbage);
+    CHECK(bench.board.torque() == Vec2{});
+    bench.board.set_faults({});
+    CHECK(bench.ticks({0.3, 0.3}, 50).fault == DeviceFault::garbage);
+    CHECK(bench.board.torque() == Vec2{});
+
+    CHECK(bench.device->reconnect());
+    CHECK(bench.device->trouble().empty());
+    CHECK(bench.board.journal().setups == 1);  // the counts are still good
+    const Reading good = bench.tick({0.3, 0.3});
+    CHECK(good.ok());
+    CHECK(glm::length(good.hip - Vec2{0.02, 0.04}) < 3e-4);
+    CHECK_FALSE(bench.board.torque() == Vec2{});
+}
+
+TEST_CASE("unplugged and plugged in again it asks for the handle at home, then goes on",
+          "[haply][law]") {
+    Bench bench;
+    bench.open({.still = 0.5});
+    bench.ticks({0.3, 0.3}, 10);
+    bench.cable.plug(false);
+    CHECK(bench.ticks({0.3, 0.3}, 3).fault == DeviceFault::lost);
+    CHECK_FALSE(bench.device->reconnect());
+    CHECK_FALSE(bench.device->trouble().empty());
+    bench.cable.plug(true);
+    bench.plant.lead({0.02, 0.03});
+    CHECK_FALSE(bench.device->reconnect());
+    CHECK_THAT(bench.device->trouble(),
+               ContainsSubstring("put the handle at its home pose (0, 60) mm"));
+    CHECK(bench.tick({0.3, 0.3}).fault == DeviceFault::lost);  // still latched
+    CHECK(bench.board.torque() == Vec2{});
+
+    bench.plant.lead(*bench.machine.home);
+    CHECK(bench.device->reconnect());
+    CHECK(bench.device->trouble().empty());
+    bench.plant.lead({-0.01, 0.05});
+    const Reading reading = bench.tick({0.3, 0.3});
+    CHECK(reading.ok());
+    CHECK(glm::length(reading.hip - Vec2{-0.01, 0.05}) < 3e-4);
+    CHECK_FALSE(bench.board.torque() == Vec2{});
+    bench.device.reset();
+    CHECK(wrong_with(bench.cable.sent(), 5) == "");
+}
+
+TEST_CASE("a handle that moves is not taken for one at home", "[haply]") {
+    Bench bench;
+    bench.open();
+    bench.cable.plug(false);
+    bench.ticks({}, 2);
+    bench.cable.plug(true);
+    CHECK_FALSE(bench.device->reconnect());
+    bench.plant.begin({.start = {0.0, 0.06}});  // the hand explores
+    for (int i = 0; i < 3; ++i) {
+        CHECK_FALSE(bench.device->reconnect());
+    }
+}
+
+TEST_CASE("without a guard there is no force, and one that was started again gives it back",
+          "[haply][law]") {
+    Bench bench;
+    bench.open();
+    bench.ticks({0.3, 0.3}, 5);
+    CHECK(bench.guard.force);
+    DeviceFault expected = DeviceFault::unguarded;
+    SECTION("it died") {
+        bench.guard.alive = false;
+    }
+    SECTION("it took the driver for hung") {
+        bench.guard.tripped = true;
+        expected = DeviceFault::silent;
+    }
+    SECTION("it died between read and write") {
+        static_cast<void>(bench.device->read());
+        bench.guard.alive = false;
+        bench.device->write({0.3, 0.3});
+        bench.cable.pass(kPeriod);
+        CHECK(bench.board.torque() == Vec2{});
+    }
+    CHECK(bench.ticks({0.3, 0.3}, 3).fault == expected);
+    CHECK(bench.board.torque() == Vec2{});
+    CHECK_FALSE(bench.guard.force);
+    CHECK(bench.device->reconnect());
+    CHECK(bench.tick({0.3, 0.3}).ok());
+    CHECK_FALSE(bench.board.torque() == Vec2{});
+    bench.guard.there = false;
+    bench.device.reset();
+    CHECK_THROWS_WITH(bench.open(), ContainsSubstring("no guard process"));
+}
+
+TEST_CASE("in a thousand seconds of random faults the driver never sends what it must not",
+          "[haply][law]") {
+    const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, 100)));
+    CAPTURE(seed);
+    Random random(seed);
+    Bench bench;
+    bench.open({.still = 0.05});
+    int faults = 0;
+    for (int i = 0; i < 10'000;) {
+        const int span = 1 + random.below(200);
+        BoardFaults wild;
+        switch (random.below(9)) {
+            case 0:
+                wild.silent = true;
+                break;
+            case 1:
+                wild.delay = random.decade(-4.0, -1.5);
+                break;
+            case 2:
+                wild.at_once = random.below(9);
+                wild.rest_delay = random.coin() ? 1e9 : random.decade(-4.0, -1.5);
+                break;
+            case 3:
+                for (int k = random.below(20); k >= 0; --k) {
+                    wild.noise.push_back(static_cast<std::uint8_t>(random.below(256)));
+                }
+                break;
+            case 4:
+                wild.wrong_id = true;
+                break;
+            case 5:
+                wild.not_finite = true;
+                break;
+            case 6:
+                bench.cable.plug(random.coin());
+                break;
+            case 7:
+                bench.guard.alive = random.coin();
+                bench.guard.tripped = random.coin();
+                break;
+            default:
+                break;
+        }
+        bench.board.set_faults(wild);
+        for (int k = 0; k < span; ++k, ++i) {
+            const Vec2 force = random.below(50) == 0
+                                 ? Vec2{std::numeric_limits<double>::quiet_NaN(), 1.0}
+                                 : random.point(-3.0, 3.0);
+            const bool bad = !bench.tick(force).ok();
+            faults += bad ? 1 : 0;
+            if (bad && random.below(20) == 0) {
+                bench.guard.tripped = false;
+                static_cast<void>(bench.device->reconnect());
+            }
+        }
+    }
+    CHECK(faults > 0);
+    const bool in = random.coin();
+    bench.cable.plug(in);
+    bench.board.set_faults({});
+    bench.device.reset();
+    const Packets& sent = bench.cable.sent();
+    CHECK(wrong_with(sent, 5) == "");
+    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.journal().undefined_duty == 0);
+    CHECK(bench.board.journal().id_0 == 0);
+    CHECK(bench.board.journal().unknown == 0);
+    CHECK(bench.board.journal().missing == 0);
+}

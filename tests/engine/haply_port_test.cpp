@@ -1,0 +1,146 @@
+#include <cerrno>
+
+#include "engine/device/drivers/guard_process.hpp"
+#include "engine/device/drivers/serial_link.hpp"
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/guided_hand.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+// Over a real pseudo-terminal, with the board in a process of its own.
+
+namespace {
+
+const Calibration& machine() {
+    static const Calibration calibration = emulated_calibration();
+    return calibration;
+}
+
+MakeHand hand() {
+    return [] {
+        return std::make_unique<GuidedHand>(machine());
+    };
+}
+
+/// Patient with a busy machine.
+std::unique_ptr<HaplyDevice> patient(const std::string& path) {
+    return std::make_unique<HaplyDevice>(
+        machine(), std::make_unique<SerialLink>(path),
+        std::make_unique<GuardProcess>(GuardTiming{.patience = 2000, .alive_ms = 20'000}),
+        HaplyTiming{.patience = 200.0, .silence = 10.0, .still = 0.1});
+}
+
+}  // namespace
+
+TEST_CASE("over a real port HIP follows the hand and the motors the force", "[haply]") {
+    EmulatedBoard board(machine(), hand());
+    const auto device = patient(board.path());
+    board.begin({.start = {0.0, 0.06}, .speed = 0.5, .tremor = 0.0});
+    device->expect_move();
+    Vec2 low{1.0, 1.0};
+    Vec2 high{-1.0, -1.0};
+    while (!board.hand_is_done()) {
+        const Reading reading = device->read();
+        REQUIRE(reading.ok());
+        device->write({0.2, 0.2});
+        low = glm::min(low, reading.hip);
+        high = glm::max(high, reading.hip);
+    }
+    CHECK_FALSE(board.motors().off());
+    CHECK(low.x < -0.028);  // the hand was near A and near B
+    CHECK(high.x > 0.028);
+    device->write({});
+    CHECK(eventually([&] { return board.motors().off(); }));
+    CHECK(board.journal().setups == 1);
+    CHECK(board.journal().desyncs == 0);
+    CHECK(board.journal().missing == 0);
+    CHECK(board.journal().unknown == 0);
+}
+
+TEST_CASE("read and write over a real port allocate nothing", "[haply][law]") {
+    EmulatedBoard board(machine(), hand());
+    const auto device = patient(board.path());
+    const std::size_t before = allocations();
+    for (int i = 0; i < 200; ++i) {
+        static_cast<void>(device->read());
+        device->write({0.1, 0.1});
+    }
+    board.hush(true);  // faults allocate nothing either
+    const std::size_t between = allocations();
+    for (int i = 0; i < 5; ++i) {
+        static_cast<void>(device->read());
+        device->write({0.1, 0.1});
+    }
+    CHECK(allocations() - between == 0);
+    CHECK(between - before < 5);  // hush() itself
+    board.hush(false);
+}
+
+TEST_CASE("a board unplugged and plugged in again over a real port reads right again", "[haply]") {
+    const TemporaryFolder folder;
+    EmulatedBoard board(machine(), hand(), folder.file("ttyACM0"));
+    const auto device = patient(board.path());
+    REQUIRE(device->read().ok());
+    device->write({0.2, 0.2});
+    board.plug(false);
+    Reading reading;
+    CHECK(eventually([&] {
+        reading = device->read();
+        device->write({0.2, 0.2});
+        return !reading.ok();
+    }));
+    CHECK(reading.fault == DeviceFault::lost);
+    CHECK_FALSE(device->reconnect());
+    CHECK_THAT(device->trouble(), ContainsSubstring("there is no device at "));
+    board.plug(true);
+    CHECK_FALSE(device->reconnect());  // back, but where is the handle?
+    CHECK_THAT(device->trouble(), ContainsSubstring("put the handle at its home pose"));
+    CHECK(eventually([&] { return device->reconnect(); }));
+    CHECK(device->trouble().empty());
+    reading = device->read();
+    CHECK(reading.ok());
+    CHECK(glm::length(reading.hip - *machine().home) < 3e-4);
+    device->write({0.2, 0.2});
+    CHECK(eventually([&] { return !board.motors().off(); }));
+}
+
+TEST_CASE("a port that is absent, taken, or no port gives a sentence with the remedy", "[haply]") {
+    SerialLink absent("/dev/palpate-no-such-port");
+    CHECK_FALSE(absent.reopen());
+    CHECK_THAT(absent.trouble(), ContainsSubstring("is the board plugged in and switched on?"));
+    SerialLink null("/dev/null");
+    CHECK_FALSE(null.reopen());
+    CHECK_THAT(null.trouble(), ContainsSubstring("is not a serial port"));
+    CHECK_THROWS_WITH(open_haply("/dev/palpate-no-such-port", machine()),
+                      ContainsSubstring("there is no device at /dev/palpate-no-such-port"));
+
+    EmulatedBoard board(machine(), hand());
+    SerialLink first(board.path());
+    SerialLink second(board.path());
+    REQUIRE(first.reopen());
+    CHECK(first.trouble().empty());
+    CHECK_FALSE(second.reopen());
+    CHECK_THAT(second.trouble(), ContainsSubstring("is in use by another program"));
+    CHECK(first.send(std::array<std::uint8_t, 2>{0, 5}));  // the first one is none the worse
+    first.close();
+    CHECK(second.reopen());
+    CHECK_FALSE(first.send(std::array<std::uint8_t, 2>{0, 5}));
+
+    CHECK_THAT(port_trouble("/dev/ttyACM0", EACCES), ContainsSubstring("usermod -aG dialout"));
+    CHECK_THAT(port_trouble("/dev/ttyACM0", EBUSY), ContainsSubstring("fuser -v /dev/ttyACM0"));
+}
+
+TEST_CASE("a board that does not answer over a real port is refused, and the port is free again",
+          "[haply]") {
+    EmulatedBoard board(machine(), hand());
+    board.hush(true);
+    CHECK_THROWS_WITH(patient(board.path()), ContainsSubstring("does not answer"));
+    board.hush(false);
+    CHECK(patient(board.path())->read().ok());
+}

@@ -1,0 +1,137 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/device/drivers/haply_device.hpp"
+#include "engine/device/emulator/board_link.hpp"
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/guided_hand.hpp"
+
+namespace palpate::tests {
+
+/// A guard that only says what it is told to say, and counts what it hears.
+class ScriptedGuard : public engine::MotorGuard {
+public:
+    struct Script {
+        bool there = true;  ///< watch() works
+        bool alive = true;
+        bool tripped = false;
+        bool force = false;  ///< what the driver said last
+        int watches = 0;
+        int releases = 0;
+    };
+
+    explicit ScriptedGuard(Script& script) : script_(&script) {}
+
+    [[nodiscard]] bool watch(int /*port*/,
+                             std::span<const std::uint8_t> /*zero*/,
+                             std::span<const std::uint8_t> /*setup*/) override {
+        ++script_->watches;
+        script_->tripped = false;
+        script_->alive = script_->alive || script_->there;
+        return script_->there;
+    }
+    void release() noexcept override { ++script_->releases; }
+    void force_on() noexcept override { script_->force = true; }
+    void force_off() noexcept override { script_->force = false; }
+    [[nodiscard]] bool alive() const noexcept override { return script_->alive; }
+    [[nodiscard]] bool tripped() const noexcept override { return script_->tripped; }
+
+private:
+    Script* script_;
+};
+
+inline constexpr std::int64_t kPeriod = 1'000'000;  // ns
+using Packets = std::vector<engine::BoardCable::Packet>;
+
+/// A board in memory, its driver, and the clock that both live on.
+struct Bench {
+    explicit Bench(const engine::Calibration& calibration = engine::emulated_calibration())
+        : machine(calibration) {}
+
+    engine::Calibration machine;
+    engine::Pantograph pantograph{machine.pantograph};
+    engine::GuidedHand plant{machine};
+    engine::HaplyBoard board{plant, machine.pantograph, *machine.haply};
+    engine::BoardCable cable{board};
+    ScriptedGuard::Script guard;
+    std::unique_ptr<engine::HaplyDevice> device;
+
+    void open(const engine::HaplyTiming& timing = {}) {
+        device = std::make_unique<engine::HaplyDevice>(
+            machine, std::make_unique<engine::BoardLink>(cable),
+            std::make_unique<ScriptedGuard>(guard), timing);
+    }
+    engine::Reading tick(const engine::Vec2& force) {
+        const engine::Reading reading = device->read();
+        device->write(force);
+        next_ = std::max(next_ + kPeriod, cable.now_ns());
+        cable.pass(std::max(next_ - cable.now_ns(), kPeriod / 10));
+        return reading;
+    }
+    engine::Reading ticks(const engine::Vec2& force, int number) {
+        engine::Reading reading;
+        for (int i = 0; i < number; ++i) {
+            reading = tick(force);
+        }
+        return reading;
+    }
+
+private:
+    std::int64_t next_ = 0;  ///< deadline, ns
+};
+
+inline bool is_zero_torque(const engine::BoardCable::Packet& packet) {
+    return packet.size() == 10 && packet[0] == 2 &&
+           std::all_of(packet.begin() + 2, packet.end(), [](auto byte) { return byte == 0; });
+}
+
+/// What must hold of all bytes that a driver ever sends, whole packets from a list of sends.
+/// @return what is wrong with them, empty if nothing is
+inline std::string wrong_with(const Packets& sent, std::uint8_t id) {
+    bool set_up = false;
+    bool force = false;  // a torque may be on
+    for (const auto& packet : sent) {
+        if (packet.empty()) {  // the board lost its power
+            set_up = force = false;
+            continue;
+        }
+        if (packet.size() < 2 || packet[1] != id) {
+            return "a packet for another id, or cut";
+        }
+        const std::size_t whole = packet[0] == 0 ? 2 : packet[0] == 1 ? 26 : 10;
+        if (packet[0] > 2 || packet.size() != whole) {
+            return "not a whole packet";
+        }
+        if (packet[0] == 0) {
+            if (force) {
+                return "a reset while a torque may be on";
+            }
+            set_up = false;
+        } else if (packet[0] == 1) {
+            set_up = true;
+        } else if (!set_up) {
+            return "an exchange before the set-up";
+        } else {
+            force = !is_zero_torque(packet);
+            for (std::size_t at : {2U, 6U}) {
+                const float torque = engine::wire_float(std::span(packet).subspan(at).first<4>());
+                if (!(std::fabs(torque) <= 0.12300001F)) {
+                    return "a torque that is not finite, or too much";
+                }
+            }
+        }
+    }
+    return {};
+}
+
+/// The last five packets are zero torque.
+inline bool ends_in_silence(const Packets& sent) {
+    return sent.size() >= 5 && std::all_of(sent.end() - 5, sent.end(), is_zero_torque);
+}
+
+}  // namespace palpate::tests

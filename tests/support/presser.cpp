@@ -1,0 +1,118 @@
+#include "tests/support/presser.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <new>
+#include <stdexcept>
+
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "engine/device/drivers/guard_process.hpp"
+#include "engine/device/drivers/haply_device.hpp"
+#include "engine/device/drivers/serial_link.hpp"
+
+namespace palpate::tests {
+
+struct Presser::Shared {
+    std::atomic<bool> end{false};
+    std::atomic<int> fault{0};
+    std::atomic<pid_t> guard{0};
+};
+
+namespace {
+
+using namespace palpate::engine;
+
+void press(Presser::Shared& shared,
+           const std::string& path,
+           const Calibration& calibration,
+           const Vec2& force,
+           Presser::End end) {
+    auto guard = std::make_unique<GuardProcess>();
+    const GuardProcess& watcher = *guard;
+    // A machine under test may be busy: only the guard is in a hurry.
+    HaplyDevice device(calibration, std::make_unique<SerialLink>(path), std::move(guard),
+                       {.silence = 5.0});
+    while (true) {
+        shared.guard.store(watcher.id());
+        const Reading reading = device.read();
+        if (!reading.ok() && shared.fault.load() == 0) {
+            shared.fault.store(static_cast<int>(reading.fault));
+        }
+        device.write(force);
+        wait_a_little();
+        if (shared.end.load()) {
+            if (end == Presser::End::exception) {
+                throw std::runtime_error("the disk is full");
+            }
+            while (end == Presser::End::hang) {
+                wait_a_little();
+            }
+        }
+    }
+}
+
+}  // namespace
+
+Presser::Presser(const std::string& path,
+                 const Calibration& calibration,
+                 const Vec2& force,
+                 End end) {
+    void* memory =
+        mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    if (memory == MAP_FAILED) {
+        throw std::runtime_error("no shared memory");
+    }
+    shared_ = new (memory) Shared{};
+    pid_ = fork();
+    if (pid_ == 0) {
+        for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT}) {
+            std::signal(number, SIG_DFL);  // not the test framework's
+        }
+        try {
+            press(*shared_, path, calibration, force, end);
+        } catch (const std::exception&) {
+        }
+        _exit(0);
+    }
+}
+
+Presser::~Presser() {
+    signal(SIGKILL);
+    reap();
+    munmap(shared_, sizeof(Shared));
+}
+
+void Presser::signal(int number) const {
+    if (pid_ > 0) {
+        kill(pid_, number);
+    }
+}
+
+void Presser::end() {
+    shared_->end.store(true);
+}
+
+void Presser::reap() {
+    if (pid_ > 0) {
+        waitpid(pid_, nullptr, 0);
+        pid_ = -1;
+    }
+}
+
+int Presser::fault() const {
+    return shared_->fault.load();
+}
+
+pid_t Presser::guard() const {
+    return shared_->guard.load();
+}
+
+void wait_a_little() {
+    poll(nullptr, 0, 1);
+}
+
+}  // namespace palpate::tests
