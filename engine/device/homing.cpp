@@ -235,4 +235,24 @@ Homing find_home(const PantographSpec& spec, std::span<const MarkReading> marks,
     return homing;
 }
 
+Calibration calibrated(const Calibration& before, const Homing& homing) {
+    Calibration after = before;
+    after.pantograph.axes = homing.axes;
+    if (!before.home) {
+        return after;
+    }
+    const Pantograph machine(before.pantograph);
+    const Pantograph found(after.pantograph);
+    const auto rest = machine.reach(*before.home);
+    const auto fix = rest ? found.locate(found.angles(machine.counts(*rest))) : std::nullopt;
+    if (!fix) {
+        throw HomingRefused(
+            "with the zeros found the handle could not rest where the device is "
+            "switched on, home at " +
+            text_of(*before.home) + ": check home and the marks");
+    }
+    after.home = fix->hip;
+    return after;
+}
+
 }  // namespace palpate::engine

@@ -61,4 +61,9 @@ public:
                                std::span<const MarkReading> marks,
                                bool scale);
 
+/// `before` with the axes found. Its home, where there is one, is moved to where the handle truly
+/// rests at switch-on: a driver counts from there, so that the zeros alone would change nothing.
+/// @throws HomingRefused if the linkage could not rest there
+[[nodiscard]] Calibration calibrated(const Calibration& before, const Homing& homing);
+
 }  // namespace palpate::engine

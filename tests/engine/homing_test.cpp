@@ -194,3 +194,49 @@ TEST_CASE("the counts at a mark are averaged, and their span is kept", "[homing]
     CHECK(std::fabs(mark.counts.y - 2'000'000'001.0 - 1.0 / 3.0) < 1e-6);
     CHECK(mark.span == Vec2{3.0, 3.0});
 }
+
+TEST_CASE("a driver that counts from the home pose is right after a calibration too",
+          "[homing][law]") {
+    int moved = 0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        Random random(seed);
+        CAPTURE(seed);
+        const Desk desk = any_desk(random, seed % 2 == 1);
+        Calibration known{.pantograph = desk.known, .haply = {}, .comedi = {}, .home = Vec2{}};
+        known.home = Vec2{random.in(-0.01, 0.01), random.in(0.01, 0.03)};
+        // Where the handle truly rests at switch-on is 0 to 7 mm beside the home that is believed.
+        const Vec2 rest = *known.home + random.point(-0.005, 0.005);
+        PantographSpec real = desk.real;
+        const JointAngles at_rest = Pantograph(real).reach(rest).value();
+
+        // A driver: counts since switch-on, and those of the home pose.
+        const auto counts_with = [&](const Calibration& calibration, const Vec2& place) {
+            const Pantograph machine(calibration.pantograph);
+            const Pantograph::Counts home =
+                machine.counts(machine.reach(*calibration.home).value());
+            const JointAngles there = Pantograph(real).reach(place).value();
+            Pantograph::Counts counts{};
+            for (std::size_t i = 0; i < 2; ++i) {
+                const double turns = std::remainder(there[i] - at_rest[i], 2.0 * kPi) / (2.0 * kPi);
+                counts[i] = home[i] + static_cast<std::int32_t>(
+                                          std::floor(turns * real.axes[i].counts_per_turn + 0.5));
+            }
+            return counts;
+        };
+        std::vector<MarkReading> marks;
+        for (const Vec2& place : kTriangle) {
+            MarkCounts counts;
+            counts.add(counts_with(known, place));
+            marks.push_back(counts.at(place));
+        }
+        const Calibration after = calibrated(known, find_home(desk.known, marks, seed % 2 == 1));
+        CHECK(glm::length(*after.home - rest) < 40e-6);
+        moved += glm::length(*after.home - *known.home) > 1e-3 ? 1 : 0;
+        const Vec2 place{0.02, 0.01};
+        const Pantograph machine(after.pantograph);
+        const auto fix = machine.locate(machine.angles(counts_with(after, place)));
+        REQUIRE(fix);
+        CHECK(glm::length(fix->hip - place) < 60e-6);
+    }
+    CHECK(moved > 200);
+}

@@ -151,3 +151,46 @@ TEST_CASE("a simulated machine that cannot be is refused with its number", "[dev
     CHECK_THROWS_WITH(SimulatedPantograph({.plant = {}, .delay_ticks = 2}, 1e-3),
                       ContainsSubstring("delay is 2 ticks"));
 }
+
+TEST_CASE("from 1 to 10 kHz the hand explores and presses alike", "[device][law]") {
+    // On a soft wall a tick of delay matters little: at 80 mm/s the force of 200 N/m is 1.65 ms
+    // (132 um, 26 mN) old at 1 kHz, which hand (300 N/m) and wall turn into 53 um at most.
+    const int cuts = GENERATE(2, 4, 10);
+    SimulatedPantograph slow({}, 1e-3);
+    SimulatedPantograph fast({}, 1e-3 / cuts);
+    const auto wall = [](const Vec2& hip) {
+        return Vec2{0.0, std::fmax(0.0, 200.0 * (0.030 - hip.y))};
+    };
+    double worst = 0.0;
+    for (int tick = 0; tick < 4000; ++tick) {
+        const Reading a = slow.read();
+        slow.write(wall(a.hip));
+        Reading b;
+        for (int i = 0; i < cuts; ++i) {
+            const Reading now = fast.read();
+            fast.write(wall(now.hip));
+            b = i == 0 ? now : b;
+        }
+        REQUIRE((a.ok() && b.ok()));
+        worst = std::max(worst, glm::length(a.hip - b.hip));
+    }
+    CHECK(worst < 53e-6);
+}
+
+TEST_CASE("the hand holds against what is within its strength, and gives way to more", "[device]") {
+    const HandModel hand;
+    const auto pushed = [](double newtons) {
+        SimulatedPantograph device({}, 1e-3);
+        device.begin(still({0.0, 0.020}));
+        Vec2 hip{};
+        for (int i = 0; i < 2000; ++i) {
+            const Reading reading = device.read();
+            device.write({0.0, reading.ok() ? newtons : 0.0});
+            hip = reading.ok() ? reading.hip : hip;
+        }
+        return hip.y - 0.020;
+    };
+    // It gives by force over stiffness, less what dry friction holds of it.
+    CHECK(std::fabs(pushed(0.9 * hand.strength) - 0.9 * hand.strength / hand.stiffness) < 2e-4);
+    CHECK(pushed(1.2 * hand.strength) > 3.0 * hand.strength / hand.stiffness);
+}

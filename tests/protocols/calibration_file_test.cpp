@@ -157,6 +157,34 @@ TEST_CASE("a calibration that is written and read is the same, and has the same 
         CHECK(std::fabs(a.axes[0].zero - b.axes[0].zero) <= 1e-15);
         CHECK(std::fabs(a.origin.y - b.origin.y) <= 1e-16);
         CHECK(a.damping == b.damping);
+        CHECK(std::fabs(a.turn - b.turn) <= 1e-15);
+        CHECK(std::fabs(a.motor_time - b.motor_time) <= 1e-13);
+        CHECK(std::fabs(a.linkage.free_2 - b.linkage.free_2) <= 1e-16);
+        const Calibration& read = back.front();
+        REQUIRE(read.home.has_value() == calibration.home.has_value());
+        if (read.home) {
+            CHECK(glm::length(*read.home - *calibration.home) <= 1e-16);
+        }
+        REQUIRE(read.haply.has_value() == calibration.haply.has_value());
+        if (read.haply) {
+            CHECK(read.haply->id == calibration.haply->id);
+            CHECK(read.haply->port == calibration.haply->port);
+            CHECK(read.haply->motor_clockwise == calibration.haply->motor_clockwise);
+            CHECK(read.haply->encoder_clockwise == calibration.haply->encoder_clockwise);
+            CHECK(read.haply->grip_pin == calibration.haply->grip_pin);
+            CHECK(read.haply->grip_threshold == calibration.haply->grip_threshold);
+        }
+        REQUIRE(read.comedi.has_value() == calibration.comedi.has_value());
+        if (read.comedi) {
+            CHECK(read.comedi->counter_subdevice == calibration.comedi->counter_subdevice);
+            CHECK(read.comedi->counter == calibration.comedi->counter);
+            CHECK(read.comedi->output_subdevice == calibration.comedi->output_subdevice);
+            CHECK(read.comedi->output == calibration.comedi->output);
+            CHECK(read.comedi->range == calibration.comedi->range);
+            CHECK(read.comedi->volts_per_newton_metre ==
+                  calibration.comedi->volts_per_newton_metre);
+            CHECK(read.comedi->counter_clockwise == calibration.comedi->counter_clockwise);
+        }
     }
     const std::string id = calibration_id(load_calibration("mk2"));
     CHECK(std::regex_match(id, std::regex("[0-9a-f]{64}")));

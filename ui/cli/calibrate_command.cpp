@@ -144,7 +144,7 @@ int calibrate_command(const CalibrateOptions& options) {
     }
     const engine::Homing homing =
         engine::find_home(calibration.pantograph, readings, options.scale);
-    calibration.pantograph.axes = homing.axes;
+    calibration = engine::calibrated(calibration, homing);
     print_found(calibration, homing, readings);
 
     const std::string text = protocols::to_toml(calibration);
