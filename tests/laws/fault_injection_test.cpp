@@ -189,10 +189,10 @@ TickOrder order_at(const Fault& fault, int tick, double period) {
     return order;
 }
 
-/// May `trip` be what this fault is recorded as? An encoder that stands still can also lead HIP out of the
-/// workspace or, in a stroke along the other axis, into a jump when it is let go.
-bool fits(Kind kind, const Fault& fault, Trip trip) {
-    switch (kind) {
+/// May `trip` be what this fault is recorded as? An encoder that stands still can also lead HIP out of
+/// the workspace.
+bool fits(const Fault& fault, Trip trip) {
+    switch (fault.kind) {
         case Kind::nan_reading:
             return trip == Trip::scene_refused || trip == Trip::not_finite;
         case Kind::nan_load:
@@ -327,8 +327,7 @@ void run(std::uint64_t seed, Tally& tally) {
         if (trip == Trip::none && loop.trip() != Trip::none) {
             trip = loop.trip();
             tally.not_recorded += recorded(loop, record, tick) ? 0 : 1;
-            tally.false_trips +=
-                strong && tick >= fault.at && fits(fault.kind, fault, trip) ? 0 : 1;
+            tally.false_trips += strong && tick >= fault.at && fits(fault, trip) ? 0 : 1;
         }
         if (trip != Trip::none) {
             ++after;
