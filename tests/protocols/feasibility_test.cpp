@@ -1,0 +1,163 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "engine/device/pantograph.hpp"
+#include "engine/device/pointer_device.hpp"
+#include "stimuli/two_curve.hpp"
+#include "protocols/running/feasibility.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using Catch::Matchers::ContainsSubstring;
+using engine::Vec2;
+
+namespace {
+
+/// A device with the traits asked for and the force of a pantograph, of a disc, or none that is known.
+class FakeDevice : public engine::Device {
+public:
+    engine::DeviceTraits what{};
+    const engine::Pantograph* pantograph = nullptr;
+    double reach = 0.0;  ///< m around the origin; 0: knows nothing of its workspace
+    double force = 0.0;  ///< N within the reach
+
+    engine::Reading read() noexcept override { return {}; }
+    engine::Applied write(const Vec2& /*force*/) noexcept override { return {}; }
+    [[nodiscard]] std::string name() const override { return "fake"; }
+    [[nodiscard]] engine::DeviceTraits traits() const noexcept override { return what; }
+    [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override {
+        if (pantograph != nullptr) {
+            return pantograph->weakest_force(hip);
+        }
+        return glm::length(hip) < reach ? std::optional<double>(force) : std::nullopt;
+    }
+};
+
+Protocol study(double stiffness = 1000.0, double rate_hz = 1000.0) {
+    Protocol protocol;
+    protocol.objects = {{.name = "concave", .curvature = -10.0},
+                        {.name = "convex", .curvature = 10.0}};
+    protocol.frictions = {{.name = "off"}};
+    protocol.apparatus.stiffness = stiffness;
+    protocol.apparatus.rate_hz = rate_hz;
+    return protocol;
+}
+
+}  // namespace
+
+TEST_CASE("stiffness is refused just above the passivity bound", "[feasibility][law]") {
+    // deformation-and-passivity, section 7: b / (T (1/2 + d)) at T = 1 ms.
+    struct Row {
+        double damping, delay, bound, rate_hz;
+    };
+    const Row row = GENERATE(Row{0.1, 0.0, 200.0, 1000.0}, Row{0.5, 0.0, 1000.0, 1000.0},
+                             Row{2.0, 0.0, 4000.0, 1000.0}, Row{0.5, 1.0, 1000.0 / 3.0, 1000.0},
+                             Row{0.125, 0.0, 1000.0, 4000.0});
+    CAPTURE(row.damping, row.delay, row.rate_hz);
+    FakeDevice device;
+    device.what = {.damping = row.damping, .delay_ticks = row.delay};
+    CHECK(check_feasibility(study(row.bound, row.rate_hz), device).empty());
+    CHECK(check_feasibility(study(0.9 * row.bound, row.rate_hz), device).empty());
+    const auto findings = check_feasibility(study(1.001 * row.bound, row.rate_hz), device);
+    REQUIRE(findings.size() == 1);
+    CHECK((findings[0].verdict == Verdict::refuse));
+}
+
+TEST_CASE("a refusal names the stiffness and the rate that would do, and these are accepted",
+          "[feasibility][law]") {
+    FakeDevice device;
+    device.what = {.damping = 0.4, .delay_ticks = 1.0};
+    const auto findings = check_feasibility(study(), device);
+    REQUIRE(findings.size() == 1);
+    CHECK(findings[0].text ==
+          "the device damps 0.4 N s/m; 1000 N/m at 1000 Hz with one tick of delay needs 1.5 N s/m "
+          "at the handle: lower stiffness_n_per_m to 266 or raise rate_hz to 3750");
+    CHECK(check_feasibility(study(266.0), device).empty());
+    CHECK(check_feasibility(study(1000.0, 3750.0), device).empty());
+    CHECK_FALSE(check_feasibility(study(267.0), device).empty());
+    CHECK_FALSE(check_feasibility(study(1000.0, 3749.0), device).empty());
+
+    device.what.damping = 0.05;  // 30 kHz would do: no servo runs that
+    CHECK_THAT(check_feasibility(study(), device).at(0).text, !ContainsSubstring("rate_hz to"));
+    device.what.damping = 0.0;
+    CHECK_THAT(check_feasibility(study(), device).at(0).text, ContainsSubstring("some damping"));
+}
+
+TEST_CASE("an unknown damping is a warning with the damping needed", "[feasibility]") {
+    FakeDevice device;
+    const auto findings = check_feasibility(study(), device);
+    REQUIRE(findings.size() == 1);
+    CHECK((findings[0].verdict == Verdict::warn));
+    CHECK_THAT(findings[0].text, ContainsSubstring("needs 0.5 N s/m"));
+}
+
+TEST_CASE("a device that gives no force can render everything", "[feasibility]") {
+    const engine::PointerDevice mouse;
+    CHECK(check_feasibility(study(1e5), mouse).empty());
+}
+
+TEST_CASE("an object or a start pose out of reach is refused with the point", "[feasibility]") {
+    FakeDevice device;
+    device.what.damping = 1.0;
+    device.force = 20.0;
+    device.reach = 0.1;
+    CHECK(check_feasibility(study(), device).empty());
+
+    device.reach = 0.05;  // the object reaches to 40 mm and a bulge, the start pose is at 60 mm
+    auto findings = check_feasibility(study(), device);
+    REQUIRE(findings.size() == 1);
+    CHECK((findings[0].verdict == Verdict::refuse));
+    CHECK_THAT(findings[0].text, ContainsSubstring("start pose (0.0, 60.0) mm"));
+
+    device.reach = 0.0399;  // A, V and B are 40 mm away
+    findings = check_feasibility(study(), device);
+    REQUIRE(findings.size() == 2);
+    CHECK((findings[0].verdict == Verdict::refuse));
+    CHECK_THAT(findings[0].text,
+               ContainsSubstring("(-40.0, 0.0) mm") && ContainsSubstring("\"concave\""));
+}
+
+TEST_CASE("a weak device is a warning that says from where on the force clips", "[feasibility]") {
+    FakeDevice device;
+    device.what.damping = 1.0;
+    device.reach = 1.0;
+    device.force = 4.0;
+    const auto findings = check_feasibility(study(500.0), device);
+    REQUIRE(findings.size() == 1);
+    CHECK((findings[0].verdict == Verdict::warn));
+    CHECK_THAT(findings[0].text, ContainsSubstring("gives 4 N") &&
+                                     ContainsSubstring("a depth of 8 mm") &&
+                                     ContainsSubstring("force_limit_n = 10"));
+    device.force = 10.0;
+    CHECK(check_feasibility(study(500.0), device).empty());
+}
+
+TEST_CASE("the weakest point of a pantograph is found on the outline", "[feasibility]") {
+    const engine::Pantograph pantograph{engine::PantographSpec{}};
+    FakeDevice device;
+    device.what.damping = 1.0;
+    device.pantograph = &pantograph;
+    Protocol protocol = study();
+    // By hand: the least over both outlines, walked as polylines of 20 um.
+    double least = 1e9;
+    for (const ObjectSpec& object : protocol.objects) {
+        const auto points = stimuli::silhouette({.curvature = object.curvature}, 1e-7);
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const Vec2 next = points[(i + 1) % points.size()];
+            for (int k = 0; k < 100; ++k) {
+                const auto force =
+                    pantograph.weakest_force(points[i] + (next - points[i]) * (k / 100.0));
+                REQUIRE(force.has_value());
+                least = std::min(least, *force);
+            }
+        }
+    }
+    protocol.apparatus.force_limit = 0.99 * least;
+    CHECK(check_feasibility(protocol, device).empty());
+    protocol.apparatus.force_limit = 1.01 * least;
+    const auto findings = check_feasibility(protocol, device);
+    REQUIRE(findings.size() == 1);
+    CHECK((findings[0].verdict == Verdict::warn));
+}
