@@ -25,8 +25,10 @@ enum TickFlag : std::uint8_t {
 
 /// Everything that one servo tick read, decided and commanded. Frame: the object's, SI.
 struct TickRecord {
-    std::int64_t tick = 0;          ///< 0 at the first tick of the trial
-    std::int64_t time_ns = 0;       ///< since the trial's first deadline, on the servo's clock
+    std::int64_t tick = 0;  ///< 0 at the first tick of the trial
+    /// Since the trial's first deadline, on the servo's clock. Ticks are numbered without a gap; time
+    /// jumps where the servo slept through deadlines, and lateness_us says so.
+    std::int64_t time_ns = 0;
     Vec2 hip{};                     ///< haptic interaction point, m
     Vec2 cp{};                      ///< closest point of the outline, m
     Vec2 go{};                      ///< god-object, m

@@ -127,7 +127,6 @@ TEST_CASE("the servo's tick allocates nothing", "[servo][law]") {
 
 TEST_CASE("the real-time servo runs on its own thread, keeps order and ends with zero force",
           "[servo]") {
-    BrokenDevice device;
     class Steady : public Device {
     public:
         Reading read() noexcept override { return {.hip = {-0.021, 0.017}}; }
@@ -149,6 +148,7 @@ TEST_CASE("the real-time servo runs on its own thread, keeps order and ends with
             REQUIRE(servo.advance() == ServoStatus::running);
         }
         servo.end();
+        servo.park();  // the device is this thread's now
         CHECK(steady.last_ == Vec2{});
         const std::vector<TickRecord> all = drain(servo.ring());
         for (std::size_t i = 0; i < all.size(); ++i) {

@@ -132,17 +132,18 @@ Check check_jitter(const JitterRun& run) {
                             {"missed", static_cast<double>(lateness.missed())},
                             {"processor_share", run.all.processor_share}},
                 .picture = bars(lateness)};
+    const char* rights = run.all.rights.complete() ? "" : ", grant what was refused above";
     if (lateness.count() == 0 || late > 0.01) {
         check.status = CheckStatus::fail;
-        check.remedy =
-            "more than 1 % of the ticks are late: close other programs, grant the rights above, "
-            "run "
-            "on the machine itself instead of a virtual one, or lower the protocol's rate";
+        check.remedy = fmt::format(
+            "more than 1 % of the ticks are late: close other programs{}, run on the machine "
+            "itself "
+            "instead of a virtual one, or lower the protocol's rate",
+            rights);
     } else if (late > 0.0002 || lateness.missed() > 0) {
         check.status = CheckStatus::warn;
         check.remedy =
-            "close other programs and grant the rights above; every late tick is marked in the "
-            "data";
+            fmt::format("close other programs{}; every late tick is marked in the data", rights);
     }
     return check;
 }
