@@ -1,88 +1,21 @@
 #include <cerrno>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <vector>
+#include <memory>
 
 #include "engine/device/drivers/comedi_card.hpp"
 #include "engine/device/drivers/comedi_device.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/daq_bench.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 using Catch::Matchers::ContainsSubstring;
+using palpate::tests::Bench;
+using palpate::tests::FakeCard;
 using palpate::tests::Random;
 
 namespace {
-
-/// A card in memory. It lives on when the driver is gone, as a real one does.
-struct Bench {
-    std::array<std::uint32_t, 2> counter{};
-    std::uint32_t counter_top = 0xFFFFFF;
-    DaqCard::Output output{.least = -10.0, .most = 10.0, .top = 65535};
-    std::array<std::uint32_t, 2> code{12345, 54321};  ///< what a program before us left
-    std::vector<std::uint32_t> range_used;
-    bool is_open = false;
-    int opened = 0;
-    int open_error = 0;
-    int calls = 0;          ///< of a running driver: reads and writes
-    int failing_call = -1;  ///< this one and `failing_calls` from it on fail with `error`
-    int failing_calls = 1;
-    int error = ENODEV;
-
-    int step() {
-        const int call = calls++;
-        const bool fails =
-            failing_call >= 0 && call >= failing_call && call < failing_call + failing_calls;
-        return fails ? error : 0;
-    }
-};
-
-class FakeCard : public DaqCard {
-public:
-    explicit FakeCard(Bench& bench) : bench_(bench) {}
-    int open() noexcept override {
-        ++bench_.opened;
-        bench_.is_open = bench_.open_error == 0;
-        return bench_.open_error;
-    }
-    void close() noexcept override { bench_.is_open = false; }
-    int prepare_counter(std::uint32_t subdevice,
-                        std::uint32_t channel,
-                        std::uint32_t& top) noexcept override {
-        top = bench_.counter_top;
-        return subdevice == 4 && channel < 2 ? 0 : EINVAL;
-    }
-    int prepare_output(std::uint32_t subdevice,
-                       std::uint32_t channel,
-                       std::uint32_t /*range*/,
-                       Output& output) noexcept override {
-        output = bench_.output;
-        return subdevice == 1 && channel >= 2 && channel < 4 ? 0 : EINVAL;
-    }
-    int read_counter(std::uint32_t /*subdevice*/,
-                     std::uint32_t channel,
-                     std::uint32_t& value) noexcept override {
-        value = bench_.counter.at(channel);
-        return bench_.is_open ? bench_.step() : EBADF;
-    }
-    int write_output(std::uint32_t /*subdevice*/,
-                     std::uint32_t channel,
-                     std::uint32_t range,
-                     std::uint32_t code) noexcept override {
-        const int error = bench_.is_open ? bench_.step() : EBADF;
-        if (error == 0) {
-            bench_.code.at(channel - 2) = code;
-            bench_.range_used.push_back(range);
-        }
-        return error;
-    }
-    std::string name() const override { return "/dev/comedi7"; }
-    std::string explain(int error) const override { return "error " + std::to_string(error); }
-
-private:
-    Bench& bench_;
-};
 
 Calibration calibration() {
     Calibration all;
