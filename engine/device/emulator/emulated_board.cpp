@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -48,6 +49,7 @@ namespace {
 using Shared = EmulatedBoard::Shared;
 
 constexpr int kStepUs = 250;
+constexpr int kPriority = 40;        ///< a real board is never busy with something else
 constexpr int kPatienceMs = 20'000;  ///< for a process on a loaded machine
 
 std::int64_t now_ns() noexcept {
@@ -106,6 +108,8 @@ void live(Shared& shared,
     }
     prctl(PR_SET_NAME, "haply-emulator");
     prctl(PR_SET_TIMERSLACK, 1000UL);
+    const sched_param board_like{.sched_priority = kPriority};
+    sched_setscheduler(0, SCHED_FIFO, &board_like);  // where it is permitted
     const std::unique_ptr<BoardHand> hand = make_hand();
     HaplyBoard board(*hand, machine.pantograph, *machine.haply);
     PtyBoard terminal(board, link);
