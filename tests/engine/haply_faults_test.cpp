@@ -278,6 +278,7 @@ TEST_CASE("in a thousand seconds of random faults the driver never sends what it
     CHECK(bench.board.journal().id_0 == 0);
     CHECK(bench.board.journal().unknown == 0);
     CHECK(bench.board.journal().missing == 0);
+    CHECK(bench.board.journal().hot_resets == 0);
 }
 
 TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", "[haply][law]") {
@@ -298,6 +299,23 @@ TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", 
     bench.device.reset();
     CHECK(wrong_with(bench.cable.sent(), 5) == "");
     CHECK(ends_in_silence(bench.cable.sent()));
+    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.journal().hot_resets == 0);
+}
+
+TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
+    Bench bench;
+    bench.open();
+    bench.ticks({0.3, 0.3}, 3);
+    bench.board.set_faults({.delay = 10e-3});
+    bench.ticks({0.3, 0.3}, 3);
+    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    bench.tick({});
+    CHECK(bench.board.torque() == Vec2{});
+    const double bad = std::numeric_limits<double>::quiet_NaN();
+    bench.ticks({0.3, 0.3}, 30);
+    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    bench.tick({bad, bad});
     CHECK(bench.board.torque() == Vec2{});
 }
 

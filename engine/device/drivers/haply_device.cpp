@@ -195,7 +195,10 @@ bool HaplyDevice::send_zero() noexcept {
 void HaplyDevice::fail(DeviceFault fault) noexcept {
     fault_ = fault;
     zeros_left_ = kZeros;
-    static_cast<void>(hold_off({}));
+    if (fault !=
+        DeviceFault::lost) {  // behind half a packet a zero torque would be misread: a tick later
+        static_cast<void>(hold_off({}));
+    }
 }
 
 /// A fault is latched: nothing but zero torque.
