@@ -1,6 +1,7 @@
 #include <csignal>
 #include <fstream>
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "engine/device/drivers/guard_process.hpp"
@@ -188,4 +189,30 @@ TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law
     CHECK(kill(first, 0) != 0);
     CHECK_FALSE(gone(guard.id()));
     CHECK(board.journal().setups == 1);
+}
+
+TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then", "[guard][law]") {
+    EmulatedBoard board(machine(), hand());
+    const HaplyPacket setup = setup_packet(haply_setup(*machine().haply, machine().pantograph));
+    const pid_t careless = in_a_child([&] {
+        SerialLink link(board.path());
+        GuardProcess guard;
+        if (link.reopen() &&
+            guard.watch(link.descriptor(), torque_packet(5, {0.0, 0.0})->view(), setup.view())) {
+            for (const HaplyPacket& packet :
+                 {setup, *torque_packet(5, {0.05, -0.05}), reset_packet(5)}) {
+                link.pause(5'000'000);
+                static_cast<void>(link.send(packet.view()));
+            }
+        }
+        while (true) {
+            wait_a_little();
+        }
+    });
+    CHECK(eventually([&] { return board.journal().resets > 0; }));
+    CHECK_FALSE(board.motors().off());  // and a zero torque cannot reach them
+    kill(careless, SIGKILL);
+    waitpid(careless, nullptr, 0);
+    CHECK(off(board));
+    CHECK(stays_off(board));
 }

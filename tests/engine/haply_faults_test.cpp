@@ -65,10 +65,11 @@ TEST_CASE("a late answer is no fault but not fresh, and one that stays away is",
     CHECK_FALSE(bench.board.torque() == Vec2{});
 
     bench.board.set_faults({.silent = true});
+    const double force = GENERATE(0.1, 0.0);
     Reading reading;
     int ticks = 0;
     while (reading.ok() && ticks < 100) {
-        reading = bench.tick({0.1, 0.0});
+        reading = bench.tick({force, 0.0});
         ++ticks;
     }
     CHECK(reading.fault == DeviceFault::silent);
@@ -277,4 +278,50 @@ TEST_CASE("in a thousand seconds of random faults the driver never sends what it
     CHECK(bench.board.journal().id_0 == 0);
     CHECK(bench.board.journal().unknown == 0);
     CHECK(bench.board.journal().missing == 0);
+    CHECK(bench.board.journal().hot_resets == 0);
+}
+
+TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", "[haply][law]") {
+    const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, 200)));
+    CAPTURE(seed);
+    Random random(seed);
+    Bench bench;
+    bench.open({.still = 0.05});
+    for (int i = 0; i < 20; ++i) {
+        bench.ticks(random.point(-3.0, 3.0), 1 + random.below(20));
+        bench.cable.cut_next(static_cast<std::size_t>(random.below(26)));
+        if (random.coin()) {
+            bench.ticks(random.point(-3.0, 3.0), 1 + random.below(3));
+        }
+        for (int k = random.below(4); k > 0 && !bench.device->reconnect(); --k) {
+        }
+    }
+    bench.device.reset();
+    CHECK(wrong_with(bench.cable.sent(), 5) == "");
+    CHECK(ends_in_silence(bench.cable.sent()));
+    CHECK(bench.board.torque() == Vec2{});
+    CHECK(bench.board.journal().hot_resets == 0);
+}
+
+TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
+    Bench bench;
+    bench.open();
+    bench.ticks({0.3, 0.3}, 3);
+    bench.board.set_faults({.delay = 10e-3});
+    bench.ticks({0.3, 0.3}, 3);
+    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    bench.tick({});
+    CHECK(bench.board.torque() == Vec2{});
+    const double bad = std::numeric_limits<double>::quiet_NaN();
+    bench.ticks({0.3, 0.3}, 30);
+    REQUIRE_FALSE(bench.board.torque() == Vec2{});
+    bench.tick({bad, bad});
+    CHECK(bench.board.torque() == Vec2{});
+}
+
+TEST_CASE("what answers but is no Haply board is refused as that", "[haply]") {
+    Bench bench;
+    bench.board.set_faults({.wrong_id = true});
+    CHECK_THROWS_WITH(bench.open(), ContainsSubstring("not as a Haply board with id 5"));
+    CHECK(bench.board.torque() == Vec2{});
 }

@@ -1,4 +1,8 @@
 #include <cerrno>
+#include <cstdlib>
+
+#include <fcntl.h>
+#include <unistd.h>
 
 #include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/serial_link.hpp"
@@ -143,4 +147,27 @@ TEST_CASE("a board that does not answer over a real port is refused, and the por
     CHECK_THROWS_WITH(patient(board.path()), ContainsSubstring("does not answer"));
     board.hush(false);
     CHECK(patient(board.path())->read().ok());
+}
+
+TEST_CASE("a packet counts as sent only if all of it went out", "[haply][law]") {
+    const int board = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+    REQUIRE(board >= 0);
+    REQUIRE(grantpt(board) == 0);
+    REQUIRE(unlockpt(board) == 0);
+    SerialLink link(ptsname(board));
+    REQUIRE(link.reopen());
+    std::vector<std::uint8_t> packet(61, 7);  // the board reads nothing, and its buffer fills up
+    std::size_t whole = 0;
+    while (link.send(packet)) {
+        ++whole;
+    }
+    std::size_t arrived = 0;
+    std::array<std::uint8_t, 4096> bytes{};
+    CHECK(eventually([&] {
+        const ssize_t got = read(board, bytes.data(), bytes.size());
+        arrived += got > 0 ? static_cast<std::size_t>(got) : 0U;
+        return arrived >= whole * packet.size();
+    }));
+    close(board);
+    CHECK(whole > 10);
 }

@@ -67,17 +67,7 @@ Presser::Presser(const std::string& path,
         throw std::runtime_error("no shared memory");
     }
     shared_ = new (memory) Shared{};
-    pid_ = fork();
-    if (pid_ == 0) {
-        for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT}) {
-            std::signal(number, SIG_DFL);  // not the test framework's
-        }
-        try {
-            press(*shared_, path, calibration, force, end);
-        } catch (const std::exception&) {
-        }
-        _exit(0);
-    }
+    pid_ = in_a_child([&] { press(*shared_, path, calibration, force, end); });
 }
 
 Presser::~Presser() {
@@ -109,6 +99,21 @@ int Presser::fault() const {
 
 pid_t Presser::guard() const {
     return shared_->guard.load();
+}
+
+pid_t in_a_child(const std::function<void()>& work) {
+    const pid_t pid = fork();
+    if (pid == 0) {
+        for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT}) {
+            std::signal(number, SIG_DFL);  // not the test framework's
+        }
+        try {
+            work();
+        } catch (const std::exception&) {
+        }
+        _exit(0);
+    }
+    return pid;
 }
 
 void wait_a_little() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include <sys/types.h>
@@ -40,6 +41,9 @@ private:
     Shared* shared_ = nullptr;
     pid_t pid_ = -1;
 };
+
+/// Runs `work` in a child process, which ends after it. @return its id, to be killed and reaped
+[[nodiscard]] pid_t in_a_child(const std::function<void()>& work);
 
 /// Lets up to 20 s pass until `done`. @return done
 template <class Done>

@@ -82,17 +82,21 @@ void zero(const Guarded& guarded) noexcept {
     }
 }
 
-/// Palpate is no more: nobody else reads.
-bool board_answers(const Guarded& guarded) noexcept {
-    for (int waited = 0; waited < kAnswerMs; ++waited) {
-        std::array<std::uint8_t, 64> answer{};
-        const ssize_t got = read(guarded.port, answer.data(), answer.size());
-        if (got > 1 && answer[0] == guarded.packets.zero[1]) {
-            return true;
-        }
+/// One more zero torque has a whole answer. A board without an address says its id and no more. Palpate
+/// is gone: nobody else reads.
+bool board_obeys(const Guarded& guarded) noexcept {
+    constexpr ssize_t kLeastAnswer = 9;
+    tcflush(guarded.port, TCIFLUSH);
+    write_packet(guarded.port, guarded.packets.zero.data(), guarded.packets.zero_size);
+    std::array<std::uint8_t, 64> answer{};
+    ssize_t size = 0;
+    for (int waited = 0; waited < kAnswerMs && size < kLeastAnswer; ++waited) {
         wait_ms(1);
+        const auto at = static_cast<std::size_t>(size);
+        const ssize_t got = read(guarded.port, answer.data() + at, answer.size() - at);
+        size += got > 0 ? got : 0;
     }
-    return false;
+    return size >= kLeastAnswer && answer[0] == guarded.packets.zero[1];
 }
 
 /// The last thing a guard does.
@@ -100,9 +104,8 @@ void zero_for_good(const Guarded& guarded) noexcept {
     if (guarded.port < 0) {
         return;
     }
-    tcflush(guarded.port, TCIFLUSH);
     zero(guarded);
-    if (!board_answers(guarded)) {  // it has no address, or half a packet was before ours
+    if (!board_obeys(guarded)) {  // it has no address, or half a packet was before ours
         write_packet(guarded.port, guarded.packets.setup.data(), guarded.packets.setup_size);
         wait_ms(2);
         zero(guarded);

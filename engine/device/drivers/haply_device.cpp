@@ -97,10 +97,15 @@ bool HaplyDevice::open_board() {
             "died: end some programs and try again";
         return false;
     }
-    if (!line_.set_up()) {
-        trouble_ = "the board at " + link_->name() +
-                   " does not answer: is it a Haply board, and has it power? Unplug it, plug it in "
-                   "again";
+    const auto answer = line_.set_up();
+    if (answer != HaplyLine::Answer::complete) {
+        trouble_ = answer == HaplyLine::Answer::garbage
+                     ? "what is at " + link_->name() +
+                           " answers, but not as a Haply board with id " +
+                           std::to_string(wiring_.id) + ": is it another device's port?"
+                     : "the board at " + link_->name() +
+                           " does not answer: is it a Haply board, and has it power? Unplug it, "
+                           "plug it in again";
         return false;
     }
     ask_anew_ = true;
@@ -151,7 +156,7 @@ Reading HaplyDevice::read() noexcept {
         return {.fault = fault_, .fresh = false};
     }
     const bool rested =
-        ask_anew_ || !line_.awaiting() || link_->now_ns() - line_.asked_ns() > kStale;
+        ask_anew_ || !line_.awaiting() || link_->now_ns() - line_.owed_since_ns() > kStale;
     const auto answer =
         rested ? prime() : line_.hear(nanoseconds(timing_.patience * timing_.period));
     switch (answer) {
@@ -159,7 +164,7 @@ Reading HaplyDevice::read() noexcept {
             last_ = take(line_.reply());
             return last_;
         case HaplyLine::Answer::pending:
-            if (link_->now_ns() - line_.asked_ns() > nanoseconds(timing_.silence)) {
+            if (link_->now_ns() - line_.owed_since_ns() > nanoseconds(timing_.silence)) {
                 fail(DeviceFault::silent);
             }
             break;
@@ -190,7 +195,10 @@ bool HaplyDevice::send_zero() noexcept {
 void HaplyDevice::fail(DeviceFault fault) noexcept {
     fault_ = fault;
     zeros_left_ = kZeros;
-    static_cast<void>(hold_off({}));
+    if (fault !=
+        DeviceFault::lost) {  // behind half a packet a zero torque would be misread: a tick later
+        static_cast<void>(hold_off({}));
+    }
 }
 
 /// A fault is latched: nothing but zero torque.
@@ -272,11 +280,13 @@ bool HaplyDevice::reconnect() {
         return true;
     }
     trouble_ = explained(fault_);
+    const bool quiet =
+        !homeless_ && line_.silence();  // a link that is gone may still let it through
     bool back = false;
     if (homeless_) {
         back = rests();
         homeless_ = homeless_ && !back;
-    } else if (fault_ != DeviceFault::lost && line_.silence() &&
+    } else if (fault_ != DeviceFault::lost && quiet &&
                guard_->watch(link_->descriptor(), line_.zero().view(),
                              line_.introduction().view())) {
         back = true;

@@ -41,7 +41,9 @@ bool HaplyLine::ask(const std::array<double, 2>& torque) noexcept {
     if (!set_up_ || !packet) {
         return false;
     }
-    asked_ns_ = link_->now_ns();
+    if (owed_ == 0) {
+        owed_since_ns_ = link_->now_ns();
+    }
     if (!link_->send(packet->view())) {
         return false;
     }
@@ -63,6 +65,7 @@ HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns) noexcept {
             }
             reply_ = *reply;
             --owed_;
+            owed_since_ns_ = link_->now_ns();
             held_size_ -= reply_size_;
             std::copy_n(held_.begin() + static_cast<std::ptrdiff_t>(reply_size_), held_size_,
                         held_.begin());
@@ -108,22 +111,20 @@ bool HaplyLine::introduce() noexcept {
     return true;
 }
 
-bool HaplyLine::set_up() noexcept {
-    for (int attempt = 0; attempt < 2; ++attempt) {
+HaplyLine::Answer HaplyLine::set_up() noexcept {
+    Answer answer = Answer::lost;
+    for (int attempt = 0; attempt < 2 && answer != Answer::complete; ++attempt) {
         if (set_up_) {  // a reset takes the motors' addresses and leaves their torque
             silence();
         }
         set_up_ = introduce();
         forget();
-        bool proven = set_up_;
-        for (int i = 0; i < kProofs && proven; ++i) {
-            proven = ask({0.0, 0.0}) && hear(kPatience) == Answer::complete;
-        }
-        if (proven) {
-            return true;
+        answer = set_up_ ? Answer::complete : Answer::lost;
+        for (int i = 0; i < kProofs && answer == Answer::complete; ++i) {
+            answer = ask({0.0, 0.0}) ? hear(kPatience) : Answer::lost;
         }
     }
-    return false;
+    return answer;
 }
 
 }  // namespace palpate::engine

@@ -24,8 +24,8 @@ public:
     HaplyLine(ByteLink& link, const HaplySetup& setup);
 
     /// Reset, set-up, and three zero exchanges that must be answered: a set-up itself never is. Takes
-    /// up to a second. It makes the present pose count 0. @return false without a valid answer
-    [[nodiscard]] bool set_up() noexcept;
+    /// up to a second. It makes the present pose count 0. @return complete if they were
+    [[nodiscard]] Answer set_up() noexcept;
 
     /// Zero torque five times, 1 ms apart, then listens. @return true if the board acknowledged
     bool silence() noexcept;
@@ -43,8 +43,8 @@ public:
     [[nodiscard]] const HaplyReply& reply() const noexcept { return reply_; }
     /// An answer is still to come.
     [[nodiscard]] bool awaiting() const noexcept { return owed_ > 0; }
-    /// When the latest exchange was sent, ns on the link's clock.
-    [[nodiscard]] std::int64_t asked_ns() const noexcept { return asked_ns_; }
+    /// Since when the next answer is due, ns on the link's clock.
+    [[nodiscard]] std::int64_t owed_since_ns() const noexcept { return owed_since_ns_; }
     [[nodiscard]] bool is_set_up() const noexcept { return set_up_; }
     /// The link was opened anew: nothing is known of the board behind it.
     void start_over() noexcept;
@@ -65,7 +65,7 @@ private:
     std::array<std::uint8_t, 256> held_{};  ///< bytes of answers not yet complete
     std::size_t held_size_ = 0;
     std::size_t owed_ = 0;  ///< answers still to come
-    std::int64_t asked_ns_ = 0;
+    std::int64_t owed_since_ns_ = 0;
     bool set_up_ = false;
 };
 

@@ -29,7 +29,7 @@ void BoardCable::plug(bool in) {
 bool BoardCable::send(std::span<const std::uint8_t> packet) {
     const std::size_t size = std::min(cut_.value_or(packet.size()), packet.size());
     cut_.reset();
-    sent_.emplace_back(packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(size));
+    sent_.emplace_back(packet.begin(), packet.end());
     board_->receive(packet.first(size));
     return size == packet.size();
 }

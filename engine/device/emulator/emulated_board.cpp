@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include <poll.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
@@ -29,7 +30,7 @@ struct EmulatedBoard::Shared {
     std::atomic<double> torque_1{0.0};
     std::atomic<double> torque_2{0.0};
     std::atomic<std::int64_t> since_ns{0};
-    std::array<std::atomic<int>, 8> log{};
+    std::array<std::atomic<int>, 9> log{};
 
     Exploration plan{};
     std::atomic<unsigned> ordered{0};  ///< explorations asked for
@@ -48,6 +49,7 @@ namespace {
 using Shared = EmulatedBoard::Shared;
 
 constexpr int kStepUs = 250;
+constexpr int kPriority = 40;        ///< a real board is never busy with something else
 constexpr int kPatienceMs = 20'000;  ///< for a process on a loaded machine
 
 std::int64_t now_ns() noexcept {
@@ -88,8 +90,9 @@ void tell(Shared& shared, const BoardHand& hand, const HaplyBoard& board) noexce
         ++shared.version;
     }
     const BoardLog& log = board.journal();
-    const std::array<int, 8> counts{log.setups,  log.resets,  log.exchanges,      log.desyncs,
-                                    log.unknown, log.missing, log.undefined_duty, log.id_0};
+    const std::array<int, 9> counts{log.setups,         log.resets,  log.exchanges,
+                                    log.desyncs,        log.unknown, log.missing,
+                                    log.undefined_duty, log.id_0,    log.hot_resets};
     for (std::size_t i = 0; i < counts.size(); ++i) {
         shared.log[i].store(counts[i], std::memory_order_relaxed);
     }
@@ -106,6 +109,8 @@ void live(Shared& shared,
     }
     prctl(PR_SET_NAME, "haply-emulator");
     prctl(PR_SET_TIMERSLACK, 1000UL);
+    const sched_param board_like{.sched_priority = kPriority};
+    sched_setscheduler(0, SCHED_FIFO, &board_like);  // where it is permitted
     const std::unique_ptr<BoardHand> hand = make_hand();
     HaplyBoard board(*hand, machine.pantograph, *machine.haply);
     PtyBoard terminal(board, link);
@@ -199,6 +204,7 @@ BoardLog EmulatedBoard::journal() const noexcept {
     };
     return {.setups = at(0),
             .resets = at(1),
+            .hot_resets = at(8),
             .exchanges = at(2),
             .desyncs = at(3),
             .unknown = at(4),

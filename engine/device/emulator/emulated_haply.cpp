@@ -2,7 +2,6 @@
 
 #include <stdexcept>
 
-#include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/serial_link.hpp"
 
 namespace palpate::engine {
@@ -63,9 +62,10 @@ Calibration emulated_calibration(std::string_view preset) {
 
 std::unique_ptr<HaplyDevice> open_haply(const std::string& path,
                                         const Calibration& calibration,
-                                        const HaplyTiming& timing) {
+                                        const HaplyTiming& timing,
+                                        const GuardTiming& guard) {
     return std::make_unique<HaplyDevice>(calibration, std::make_unique<SerialLink>(path),
-                                         std::make_unique<GuardProcess>(), timing);
+                                         std::make_unique<GuardProcess>(guard), timing);
 }
 
 }  // namespace palpate::engine

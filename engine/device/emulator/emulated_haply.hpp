@@ -3,6 +3,7 @@
 #include <memory>
 #include <string_view>
 
+#include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/haply_device.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
 
@@ -20,7 +21,8 @@ namespace palpate::engine {
 /// @throws as HaplyDevice
 [[nodiscard]] std::unique_ptr<HaplyDevice> open_haply(const std::string& path,
                                                       const Calibration& calibration,
-                                                      const HaplyTiming& timing = {});
+                                                      const HaplyTiming& timing = {},
+                                                      const GuardTiming& guard = {});
 
 /// An emulated board with a simulated hand on it, and the driver that speaks to it over a real port:
 /// two processes beside this one, board and guard. Make it before threads.
@@ -30,8 +32,10 @@ public:
     ///              `calibration`
     EmulatedHaply(const Calibration& calibration,
                   const MakeHand& hand,
-                  const HaplyTiming& timing = {})
-        : board_(calibration, hand), device_(open_haply(board_.path(), calibration, timing)) {}
+                  const HaplyTiming& timing = {},
+                  const GuardTiming& guard = {})
+        : board_(calibration, hand),
+          device_(open_haply(board_.path(), calibration, timing, guard)) {}
 
     /// Before a trial: the handle is at the start, and the hand sets off.
     /// @throws std::invalid_argument if the start is out of reach

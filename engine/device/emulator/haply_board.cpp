@@ -67,6 +67,7 @@ void HaplyBoard::poll() {
 
 void HaplyBoard::reset() {
     ++log_.resets;
+    log_.hot_resets += torque_ == Vec2{} ? 0 : 1;
     motors_ = {};
     for (Encoder& encoder : encoders_) {
         encoder.address = 0;

@@ -41,10 +41,11 @@ struct BoardFaults {
 struct BoardLog {
     int setups = 0;  ///< the firmware allocates new encoders each time: leaked ones
     int resets = 0;
-    int exchanges = 0;  ///< of which `desyncs` moved no motor
-    int desyncs = 0;    ///< exchanges whose id owns no motor: their torques are read as commands
-    int unknown = 0;    ///< bytes that are no command
-    int missing = 0;    ///< bytes that were not there yet and read as 0xFF
+    int hot_resets = 0;  ///< resets with a torque on, which nobody can zero then
+    int exchanges = 0;   ///< of which `desyncs` moved no motor
+    int desyncs = 0;     ///< exchanges whose id owns no motor: their torques are read as commands
+    int unknown = 0;     ///< bytes that are no command
+    int missing = 0;     ///< bytes that were not there yet and read as 0xFF
     int undefined_duty = 0;  ///< torques that were not a number
     int id_0 = 0;            ///< exchanges that reached ports which were not set up
 };
