@@ -39,9 +39,9 @@ engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& dev
     return {.rate_hz = apparatus.rate_hz, .limits = limits};
 }
 
-SimulatedApparatus::SimulatedApparatus(const Protocol& protocol, DrawnHand hand, double pace)
+SimulatedApparatus::SimulatedApparatus(const Protocol& protocol, DrawnHand hand, double pace, const engine::PantographModel& model)
     : hand_(std::move(hand)),
-      device_(engine::PantographModel{}, 1.0 / protocol.apparatus.rate_hz),
+      device_(model, 1.0 / protocol.apparatus.rate_hz),
       servo_(device_, servo_spec(protocol, device_), pace) {}
 
 void SimulatedApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {

@@ -33,6 +33,12 @@ public:
         return servo().last_ticks();
     }
 
+    [[nodiscard]] virtual const engine::Device& device() const noexcept = 0;
+    /// What the system granted to its servo.
+    [[nodiscard]] const engine::RealtimeRights& rights() const noexcept {
+        return servo().rights();
+    }
+
 protected:
     [[nodiscard]] virtual engine::Servo& servo() noexcept = 0;
     [[nodiscard]] virtual const engine::Servo& servo() const noexcept = 0;
@@ -42,11 +48,15 @@ protected:
 class SimulatedApparatus : public ServoApparatus {
 public:
     /// @param pace  multiple of real time, 0: as fast as the machine
-    SimulatedApparatus(const Protocol& protocol, DrawnHand hand, double pace = 0.0);
+    SimulatedApparatus(const Protocol& protocol,
+                       DrawnHand hand,
+                       double pace = 0.0,
+                       const engine::PantographModel& model = {});
 
     void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
     [[nodiscard]] std::string device_name() const override { return device_.name(); }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
@@ -73,6 +83,7 @@ public:
     [[nodiscard]] bool hand_is_done() const noexcept override { return exhausted(); }
     [[nodiscard]] bool exhausted() const noexcept override;
     [[nodiscard]] std::string device_name() const override { return "replay of " + source_; }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
@@ -97,6 +108,7 @@ public:
     }
     [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
     [[nodiscard]] std::string device_name() const override { return device_->name(); }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return *device_; }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
@@ -115,6 +127,7 @@ public:
     void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
     [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }
     [[nodiscard]] std::string device_name() const override { return device_.name(); }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/device/simulated_pantograph.hpp"
+#include "ui/cli/open_device.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -25,8 +26,14 @@ std::unique_ptr<engine::Device> open_for_calibration(const std::string& device,
         }
         return std::make_unique<engine::SimulatedPantograph>(model, kPeriod);
     }
-    throw std::invalid_argument(
-        fmt::format("--device {}: no such device to calibrate; give sim", device));
+    const DeviceChoice choice = parse_device(device);
+    if (choice.kind != DeviceChoice::Kind::haply && choice.kind != DeviceChoice::Kind::comedi) {
+        throw std::invalid_argument(
+            fmt::format("--device {}: there is nothing to calibrate; give sim, haply:PORT or "
+                        "comedi:FILE",
+                        device));
+    }
+    return open_device(choice, calibration, kPeriod);
 }
 
 bool bring_handle(engine::Device& device, const engine::Vec2& place) {

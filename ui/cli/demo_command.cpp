@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "protocols/format/protocol_file.hpp"
 #include "data/analysis/summary.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/interrupt.hpp"
@@ -9,15 +10,32 @@ namespace palpate::ui {
 namespace {
 
 constexpr const char* kProtocol = "shape_friction_demo";
+constexpr const char* kHaplyProtocol = "shape_friction_haply";
 constexpr const char* kParticipant = "demo";
 /// In a window the hand moves at this multiple of real time: ten trials in about a minute.
 constexpr double kWindowSpeed = 3.0;
+
+/// Ten trials of a study: each object once without and once with friction.
+Study ten_trials_of(Study study) {
+    study.protocol.id += "_demo";
+    study.protocol.design.repetitions = 1;
+    study.protocol.design.practice_repetitions = 0;
+    study.protocol.design.catch_trials = 0;
+    study.protocol.design.break_every = 0;
+    study.protocol.timing.gap = 0.2;
+    std::erase_if(study.protocol.objects,
+                  [](const protocols::ObjectSpec& object) { return !object.pictured; });
+    study.hash = protocols::protocol_hash(study.protocol);
+    return study;
+}
 
 }  // namespace
 
 int demo_command(const DemoOptions& options) {
     RigSpec spec;
-    spec.study = load_study(kProtocol);
+    spec.device = parse_device(options.device);
+    const bool emulated = spec.device.kind == DeviceChoice::Kind::haply_emulator;
+    spec.study = emulated ? ten_trials_of(load_study(kHaplyProtocol)) : load_study(kProtocol);
     spec.screen = options.screen;
     spec.watch_only = true;
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
@@ -33,6 +51,9 @@ int demo_command(const DemoOptions& options) {
         options.seed.value_or(last && !last->finished ? last->seed : spec.study.protocol.seed);
 
     fmt::print("Ten trials of the study. The participant and the device are simulated.\n");
+    if (emulated) {
+        fmt::print("In real time, over a serial port to an emulated board: about two minutes.\n");
+    }
     catch_signals();
     const RigEnd end = run_rig(database, spec);
     if (end.session.why != protocols::SessionEnd::Why::finished) {

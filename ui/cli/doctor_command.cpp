@@ -5,12 +5,14 @@
 
 #include <fmt/format.h>
 
-#include "engine/device/pointer_device.hpp"
 #include "engine/device/replay_device.hpp"
 #include "engine/device/simulated_pantograph.hpp"
+#include "protocols/format/calibration_file.hpp"
+#include "protocols/library/shipped.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/device_choice.hpp"
 #include "ui/cli/load_study.hpp"
+#include "ui/cli/open_device.hpp"
 #include "ui/cli/rig.hpp"
 #include "ui/cli/version.hpp"
 #include "ui/doctor/checks.hpp"
@@ -22,12 +24,14 @@ namespace {
 /// What the checks need to know of the study; the program's defaults without a protocol.
 struct Plan {
     DeviceChoice device;
+    engine::Calibration calibration{};
     DeviceDemand demand{};
     double rate_hz = 1000.0;
 };
 
 Plan plan_of(const DoctorOptions& options) {
     Plan plan{.device = parse_device(options.device)};
+    plan.calibration = calibration_of(plan.device, options.calibration);
     if (!options.protocol.empty()) {
         const protocols::ApparatusSpec apparatus = load_study(options.protocol).protocol.apparatus;
         plan.demand = {.force_n = apparatus.force_limit, .start = apparatus.start};
@@ -38,9 +42,8 @@ Plan plan_of(const DoctorOptions& options) {
 
 /// @throws what opening a device throws
 std::unique_ptr<engine::Device> open_device(const Plan& plan) {
+    const double period = 1.0 / plan.rate_hz;
     switch (plan.device.kind) {
-        case DeviceChoice::Kind::mouse:
-            return std::make_unique<engine::PointerDevice>();
         case DeviceChoice::Kind::replay: {
             auto recordings = load_recordings(plan.device);
             if (recordings.empty()) {
@@ -51,16 +54,33 @@ std::unique_ptr<engine::Device> open_device(const Plan& plan) {
             device->begin(std::move(recordings.front()));
             return device;
         }
-        case DeviceChoice::Kind::simulated:
+        case DeviceChoice::Kind::simulated: {
+            engine::PantographModel model;
+            model.plant.machine = plan.calibration.pantograph;
+            return std::make_unique<engine::SimulatedPantograph>(model, period);
+        }
+        case DeviceChoice::Kind::haply_emulator:
+            throw std::invalid_argument(
+                "it lives inside a demo: run palpate haply-emulator and look at the haply:PORT that "
+                "it prints");
+        case DeviceChoice::Kind::mouse:
+        case DeviceChoice::Kind::haply:
+        case DeviceChoice::Kind::comedi:
             break;
     }
-    return std::make_unique<engine::SimulatedPantograph>(engine::PantographModel{},
-                                                         1.0 / plan.rate_hz);
+    return ui::open_device(plan.device, plan.calibration, period);
 }
 
+/// Of every machine that ships.
 std::vector<Linkage> linkages() {
-    const engine::PantographModel simulated;
-    return {{.name = "mk2", .bars = simulated.linkage, .centre = simulated.origin}};
+    std::vector<Linkage> all;
+    for (const engine::Calibration& one : protocols::parse_calibrations(
+             protocols::shipped_pantographs(), "pantographs.toml")) {
+        all.push_back({.name = one.pantograph.name,
+                       .bars = one.pantograph.linkage,
+                       .centre = one.pantograph.origin});
+    }
+    return all;
 }
 
 /// Keeps the checks in order, and prints each as soon as it is there: some take seconds.

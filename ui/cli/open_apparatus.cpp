@@ -1,27 +1,62 @@
 #include "ui/cli/open_apparatus.hpp"
 
-#include <stdexcept>
+#include "engine/device/pantograph_plant.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+#include "protocols/format/calibration_file.hpp"
+#include "protocols/running/emulated_haply_apparatus.hpp"
+#include "ui/cli/open_device.hpp"
 
 namespace palpate::ui {
+namespace {
 
-std::unique_ptr<protocols::Apparatus> open_apparatus(const RigSpec& spec) {
+using Kind = DeviceChoice::Kind;
+
+std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
+                                                          const engine::Calibration& calibration) {
     const protocols::Protocol& protocol = spec.study.protocol;
+    const auto hand = [&] {
+        return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed);
+    };
     switch (spec.device.kind) {
-        case DeviceChoice::Kind::simulated:
-            return std::make_unique<protocols::SimulatedApparatus>(
-                protocol, protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed),
-                spec.screen.speed);
-        case DeviceChoice::Kind::replay:
+        case Kind::simulated: {
+            engine::PantographModel model;
+            if (!spec.calibration.empty()) {
+                model.plant.machine = calibration.pantograph;
+            }
+            return std::make_unique<protocols::SimulatedApparatus>(protocol, hand(),
+                                                                   spec.screen.speed, model);
+        }
+        case Kind::haply_emulator:
+            return std::make_unique<protocols::EmulatedHaplyApparatus>(protocol, hand(),
+                                                                       calibration);
+        case Kind::replay:
             return std::make_unique<protocols::ReplayApparatus>(
                 protocol, spec.recordings, spec.device.file, spec.screen.speed);
-        case DeviceChoice::Kind::mouse:
+        case Kind::mouse:
             return std::make_unique<protocols::PointerApparatus>(protocol);
-        case DeviceChoice::Kind::haply:
-        case DeviceChoice::Kind::haply_emulator:
-        case DeviceChoice::Kind::comedi:
+        case Kind::haply:
+        case Kind::comedi:
             break;
     }
-    throw std::invalid_argument("this device cannot be opened yet");
+    return std::make_unique<protocols::DeviceApparatus>(
+        protocol, open_device(spec.device, calibration, 1.0 / protocol.apparatus.rate_hz));
+}
+
+}  // namespace
+
+OpenedApparatus open_apparatus(const RigSpec& spec) {
+    const engine::Calibration calibration = calibration_of(spec.device, spec.calibration);
+    auto apparatus = make_apparatus(spec, calibration);
+    OpenedApparatus opened;
+    opened.findings = check_feasibility(spec.study.protocol, apparatus->device());
+    opened.provenance = engine::provenance(apparatus->rights());
+    if (apparatus->device().traits().gives_force) {
+        opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
+        opened.provenance.emplace_back("calibration sha256", calibration_id(calibration));
+        opened.provenance.emplace_back("calibration", to_toml(calibration));
+    }
+    opened.port = std::move(apparatus);
+    return opened;
 }
 
 }  // namespace palpate::ui

@@ -1,13 +1,24 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "protocols/running/feasibility.hpp"
 #include "ui/cli/rig.hpp"
 
 namespace palpate::ui {
 
-/// The device and servo that a session is felt on.
+/// What a session is felt on, and what is to be known of it before the first trial.
+struct OpenedApparatus {
+    std::unique_ptr<protocols::Apparatus> port;
+    std::vector<protocols::Finding> findings;  ///< against device and protocol together
+    std::vector<std::pair<std::string, std::string>> provenance;  ///< calibration, real-time rights
+};
+
+/// Opens the device and its servo. Call it before windows: guard and emulated board are forked.
 /// @throws std::invalid_argument, std::runtime_error with the remedy if the device cannot be opened
-[[nodiscard]] std::unique_ptr<protocols::Apparatus> open_apparatus(const RigSpec& spec);
+[[nodiscard]] OpenedApparatus open_apparatus(const RigSpec& spec);
 
 }  // namespace palpate::ui

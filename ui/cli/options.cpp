@@ -13,6 +13,8 @@ namespace palpate::ui {
 namespace {
 
 constexpr int kWrongWords = 2;
+constexpr const char* kCalibrationWords =
+    "A file by palpate calibrate, or haplet, 2diy_gen2, 2diy_gen3, mk2";
 
 /// The values that `command` writes to, and which become `chosen` when it is the one given.
 template <class T>
@@ -45,8 +47,7 @@ void add_run(CLI::App& app, Options& chosen) {
     command->add_option("--db", run.database, "The study's database file; made if it is not there")
         ->required();
     command->add_option("--device", run.device, std::string(kDeviceWords))->capture_default_str();
-    command->add_option("--calibration", run.calibration,
-                        "A file by palpate calibrate, or haplet, 2diy_gen2, 2diy_gen3, mk2");
+    command->add_option("--calibration", run.calibration, kCalibrationWords);
     command
         ->add_option("--kind", run.kind,
                      "pilot or real; what is simulated is recorded as simulated")
@@ -100,6 +101,7 @@ void add_doctor(CLI::App& app, Options& chosen) {
     auto& doctor = options_of<DoctorOptions>(command, chosen);
     command->add_option("--device", doctor.device, std::string(kDeviceWords))
         ->capture_default_str();
+    command->add_option("--calibration", doctor.calibration, kCalibrationWords);
     command->add_option("--protocol", doctor.protocol,
                         "The protocol to be run: its rate and its force are asked for");
     command

@@ -61,11 +61,14 @@ struct CalibrateOptions {
 
 struct DoctorOptions {
     std::string device = "sim";  ///< as RunOptions::device
+    std::string calibration;     ///< as RunOptions::calibration
     std::string protocol;        ///< whose rate and force are asked for; empty: 1 kHz, no force
     std::string database = "palpate.sqlite";  ///< whose folder is looked at; not made
     std::string font;
     double seconds = 5.0;  ///< of the jitter measurement
     bool json = false;
+};
+
     struct EmulatorOptions {
         std::string link;             ///< a symbolic link to the terminal; empty: none
         std::string preset = "gen3";  ///< gen3, gen2, haplet

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -11,6 +12,7 @@
 #include "data/store/async_recorder.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
+#include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/provenance.hpp"
@@ -45,6 +47,13 @@ SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& a
                                                               : "";
     options.interrupted = [] {
         return interrupted();
+    };
+    options.dead_man = spec.study.protocol.safety.dead_man;
+    options.on_hold = [&apparatus](bool held) {
+        apparatus.hold(held);
+    };
+    options.on_stop = [&apparatus] {
+        apparatus.stop();
     };
     if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&apparatus)) {
         options.on_pointer = [pointer](const engine::Vec2& position) {
@@ -84,7 +93,9 @@ void print_trial(const RigSpec& spec,
                  const PlannedTrial& planned,
                  const TrialResult& result) {
     std::string line = fmt::format("trial {:>3} of {}", planned.position + 1, total);
-    if (!result.response) {
+    if (result.fault) {
+        line += fmt::format("  {}", fault_text(*result.fault));
+    } else if (!result.response) {
         line += fmt::format("  {}", to_string(result.outcome));
     } else if (spec.kind == data::RunKind::simulated) {
         const protocols::Protocol& protocol = spec.study.protocol;
@@ -122,6 +133,17 @@ void print_start(const RigSpec& spec,
     std::fflush(stdout);
 }
 
+/// Before anything is made: what stands against this device and this protocol.
+/// @throws std::invalid_argument for what nobody should hold
+void heed(const std::vector<protocols::Finding>& findings) {
+    for (const protocols::Finding& finding : findings) {
+        if (finding.verdict == protocols::Verdict::refuse) {
+            throw std::invalid_argument(finding.text);
+        }
+        fmt::print(stderr, "palpate: {}\n", finding.text);
+    }
+}
+
 }  // namespace
 
 std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceChoice& device) {
@@ -149,8 +171,12 @@ bool wants_window(const ScreenOptions& screen) {
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const protocols::Plan plan = make_plan(protocol, spec.study.hash, spec.key, spec.seed);
-    const auto apparatus = open_apparatus(spec);
+    const OpenedApparatus felt = open_apparatus(spec);
+    heed(felt.findings);
+    const auto& apparatus = felt.port;
     const Observers observers = make_observers(spec, plan, *apparatus);
+    auto shaped_by = provenance();
+    shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());
 
     const data::OpenedSession opened =
         data::open_session(database, {.protocol = protocol,
@@ -160,7 +186,7 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                                       .seed = spec.seed,
                                       .kind = spec.kind,
                                       .device = apparatus->device_name(),
-                                      .provenance = provenance()});
+                                      .provenance = std::move(shaped_by)});
     print_start(spec, plan, opened, *apparatus);
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};

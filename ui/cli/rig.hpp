@@ -22,6 +22,7 @@ struct RigSpec {
     std::uint64_t seed = 0;
     data::RunKind kind = data::RunKind::simulated;
     DeviceChoice device;
+    std::string calibration;  ///< a file or a shipped machine's name; empty: the device's own
     std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
     ScreenOptions screen;
     bool watch_only =

@@ -45,6 +45,7 @@ int run_command(const RunOptions& options) {
     RigSpec spec;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
+    spec.calibration = options.calibration;
     spec.screen = options.screen;
     spec.kind = kind_of(options, spec.device);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {

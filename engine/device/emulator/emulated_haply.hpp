@@ -45,6 +45,7 @@ public:
     }
     [[nodiscard]] bool hand_is_done() const noexcept { return board_.hand_is_done(); }
     [[nodiscard]] HaplyDevice& device() noexcept { return *device_; }
+    [[nodiscard]] const HaplyDevice& device() const noexcept { return *device_; }
     [[nodiscard]] EmulatedBoard& board() noexcept { return board_; }
 
 private:

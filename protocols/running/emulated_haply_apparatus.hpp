@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/realtime/thread_servo.hpp"
+#include "protocols/running/servo_apparatus.hpp"
+
+namespace palpate::protocols {
+
+/// An emulated Haply board with a simulated hand on it, in real time over a serial port: everything
+/// that a session on a real board does, without one. Board and guard are processes of their own; make it
+/// before threads.
+class EmulatedHaplyApparatus : public ServoApparatus {
+public:
+    /// @throws as engine::EmulatedHaply
+    EmulatedHaplyApparatus(const Protocol& protocol,
+                           DrawnHand hand,
+                           const engine::Calibration& machine);
+
+    /// The handle is at the start, the hand sets off.
+    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    [[nodiscard]] bool hand_is_done() const noexcept override { return haply_.hand_is_done(); }
+    [[nodiscard]] bool reconnect() override {
+        servo_.park();
+        return haply_.device().reconnect();
+    }
+    [[nodiscard]] std::string trouble() const override { return haply_.device().trouble(); }
+    [[nodiscard]] std::string device_name() const override;
+    [[nodiscard]] const engine::Device& device() const noexcept override {
+        return haply_.device();
+    }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    DrawnHand hand_;
+    engine::EmulatedHaply haply_;
+    engine::ThreadServo servo_;
+};
+
+}  // namespace palpate::protocols
