@@ -31,8 +31,14 @@ struct Plan {
     double spin = 0.3;
 };
 
+std::string short_text(double value) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%g", value);
+    return text.data();
+}
+
 double number(Words& words, const std::string& name, double otherwise, double least, double most) {
-    const std::string text = words.value(name, std::to_string(otherwise));
+    const std::string text = words.value(name, short_text(otherwise));
     std::size_t end = 0;
     double value = 0.0;
     try {
@@ -41,8 +47,8 @@ double number(Words& words, const std::string& name, double otherwise, double le
         end = 0;
     }
     if (end == 0 || end != text.size() || !(value >= least && value <= most)) {
-        throw WrongWord(name + " " + text + " is not a number from " + std::to_string(least) +
-                        " to " + std::to_string(most));
+        throw WrongWord(name + " " + text + " is not a number from " + short_text(least) + " to " +
+                        short_text(most));
     }
     return value;
 }
@@ -164,7 +170,7 @@ struct Ratios {
         p99.push_back(ours.p99_us / std::max(theirs.p99_us, 1e-3));
     }
     void print(const char* what) const {
-        std::printf("%s / cyclictest, median of %zu rounds: p50 %.2f, p99 %.2f\n", what, p50.size(),
+        std::printf("%s / cyclictest, median of %zu rounds: p50 %.3f, p99 %.3f\n", what, p50.size(),
                     percentile(p50, 0.5), percentile(p99, 0.5));
     }
 };
