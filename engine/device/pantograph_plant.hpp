@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/device/calibration.hpp"
-#include "engine/device/object_frame.hpp"
 #include "engine/device/hand_path.hpp"
+#include "engine/device/object_frame.hpp"
 
 namespace palpate::engine {
 
