@@ -13,7 +13,7 @@ namespace palpate::engine {
 struct Axis {
     double counts_per_turn = 65536.0;   ///< > 0
     double zero = 0.0;                  ///< angle at count 0, rad
-    double torque_limit = 0.6;          ///< N m, the most that the motor gives
+    double torque_limit = 0.7;          ///< N m, the most that the motor gives
     double torque_forever = 0.3;        ///< N m that it can give for ever, <= torque_limit
     double codes_full_scale = 32767.0;  ///< DAC code of the torque limit
 };

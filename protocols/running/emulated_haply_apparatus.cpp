@@ -31,9 +31,7 @@ EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
                                                DrawnHand hand,
                                                const engine::Calibration& machine)
     : hand_(std::move(hand)),
-      haply_(as_emulated(machine),
-             hand_on(machine),
-             {.period = 1.0 / protocol.apparatus.rate_hz}),
+      haply_(as_emulated(machine), hand_on(machine), {.period = 1.0 / protocol.apparatus.rate_hz}),
       servo_(haply_.device(), servo_spec(protocol, haply_.device())) {}
 
 void EmulatedHaplyApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {

@@ -27,9 +27,7 @@ public:
     }
     [[nodiscard]] std::string trouble() const override { return haply_.device().trouble(); }
     [[nodiscard]] std::string device_name() const override;
-    [[nodiscard]] const engine::Device& device() const noexcept override {
-        return haply_.device();
-    }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return haply_.device(); }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }

@@ -39,7 +39,10 @@ engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& dev
     return {.rate_hz = apparatus.rate_hz, .limits = limits};
 }
 
-SimulatedApparatus::SimulatedApparatus(const Protocol& protocol, DrawnHand hand, double pace, const engine::PantographModel& model)
+SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
+                                       DrawnHand hand,
+                                       double pace,
+                                       const engine::PantographModel& model)
     : hand_(std::move(hand)),
       device_(model, 1.0 / protocol.apparatus.rate_hz),
       servo_(device_, servo_spec(protocol, device_), pace) {}

@@ -35,9 +35,7 @@ public:
 
     [[nodiscard]] virtual const engine::Device& device() const noexcept = 0;
     /// What the system granted to its servo.
-    [[nodiscard]] const engine::RealtimeRights& rights() const noexcept {
-        return servo().rights();
-    }
+    [[nodiscard]] const engine::RealtimeRights& rights() const noexcept { return servo().rights(); }
 
 protected:
     [[nodiscard]] virtual engine::Servo& servo() noexcept = 0;

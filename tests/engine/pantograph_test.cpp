@@ -171,7 +171,7 @@ TEST_CASE("a machine that cannot be is refused with number and remedy", "[device
     CHECK_THROWS_WITH(Pantograph(spec), ContainsSubstring("counts per turn of axis 2 is 0: give"));
     spec = {};
     spec.axes[0].torque_forever = 1.0;
-    CHECK_THROWS_WITH(Pantograph(spec), ContainsSubstring("at most 0.6"));
+    CHECK_THROWS_WITH(Pantograph(spec), ContainsSubstring("at most 0.7"));
     spec = {};
     spec.linkage.free_2 = std::nan("");
     CHECK_THROWS_WITH(Pantograph(spec), ContainsSubstring("free link 2 is nan"));

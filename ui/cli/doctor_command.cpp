@@ -61,7 +61,8 @@ std::unique_ptr<engine::Device> open_device(const Plan& plan) {
         }
         case DeviceChoice::Kind::haply_emulator:
             throw std::invalid_argument(
-                "it lives inside a demo: run palpate haply-emulator and look at the haply:PORT that "
+                "it lives inside a demo: run palpate haply-emulator and look at the haply:PORT "
+                "that "
                 "it prints");
         case DeviceChoice::Kind::mouse:
         case DeviceChoice::Kind::haply:
@@ -74,8 +75,8 @@ std::unique_ptr<engine::Device> open_device(const Plan& plan) {
 /// Of every machine that ships.
 std::vector<Linkage> linkages() {
     std::vector<Linkage> all;
-    for (const engine::Calibration& one : protocols::parse_calibrations(
-             protocols::shipped_pantographs(), "pantographs.toml")) {
+    for (const engine::Calibration& one :
+         protocols::parse_calibrations(protocols::shipped_pantographs(), "pantographs.toml")) {
         all.push_back({.name = one.pantograph.name,
                        .bars = one.pantograph.linkage,
                        .centre = one.pantograph.origin});

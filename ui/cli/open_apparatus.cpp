@@ -20,9 +20,7 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
     switch (spec.device.kind) {
         case Kind::simulated: {
             engine::PantographModel model;
-            if (!spec.calibration.empty()) {
-                model.plant.machine = calibration.pantograph;
-            }
+            model.plant.machine = calibration.pantograph;
             return std::make_unique<protocols::SimulatedApparatus>(protocol, hand(),
                                                                    spec.screen.speed, model);
         }
@@ -52,8 +50,9 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     opened.provenance = engine::provenance(apparatus->rights());
     if (apparatus->device().traits().gives_force) {
         opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
-        opened.provenance.emplace_back("calibration sha256", calibration_id(calibration));
-        opened.provenance.emplace_back("calibration", to_toml(calibration));
+        opened.provenance.emplace_back("calibration sha256",
+                                       protocols::calibration_id(calibration));
+        opened.provenance.emplace_back("calibration", protocols::to_toml(calibration));
     }
     opened.port = std::move(apparatus);
     return opened;

@@ -69,38 +69,38 @@ struct DoctorOptions {
     bool json = false;
 };
 
-    struct EmulatorOptions {
-        std::string link;             ///< a symbolic link to the terminal; empty: none
-        std::string preset = "gen3";  ///< gen3, gen2, haplet
-    };
+struct EmulatorOptions {
+    std::string link;             ///< a symbolic link to the terminal; empty: none
+    std::string preset = "gen3";  ///< gen3, gen2, haplet
+};
 
-    /// The offline tools: a scene and a table of points.
-    struct SceneOptions {
-        std::string scene;
-        std::string points;
-        std::string output;  ///< empty: standard output
-    };
-    struct RenderOptions : SceneOptions {};
-    struct ClosestOptions : SceneOptions {};
+/// The offline tools: a scene and a table of points.
+struct SceneOptions {
+    std::string scene;
+    std::string points;
+    std::string output;  ///< empty: standard output
+};
+struct RenderOptions : SceneOptions {};
+struct ClosestOptions : SceneOptions {};
 
-    /// The program is to end now with this exit code (help was shown, or the words were wrong).
-    struct Exit {
-        int code = 0;
-    };
+/// The program is to end now with this exit code (help was shown, or the words were wrong).
+struct Exit {
+    int code = 0;
+};
 
-    using Options = std::variant<Exit,
-                                 RunOptions,
-                                 DemoOptions,
-                                 SummaryOptions,
-                                 ScreenshotOptions,
-                                 RenderOptions,
-                                 ClosestOptions,
-                                 FigureOptions,
-                                 CalibrateOptions,
-                                 DoctorOptions,
-                                 EmulatorOptions>;
+using Options = std::variant<Exit,
+                             RunOptions,
+                             DemoOptions,
+                             SummaryOptions,
+                             ScreenshotOptions,
+                             RenderOptions,
+                             ClosestOptions,
+                             FigureOptions,
+                             CalibrateOptions,
+                             DoctorOptions,
+                             EmulatorOptions>;
 
-    /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
-    [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
+/// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
+[[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
 
 }  // namespace palpate::ui

@@ -67,7 +67,7 @@ std::optional<Vec2> slope(const engine::FiveBar& bars,
 void look_at(const engine::FiveBar& bars, const Vec2& place, Worst& worst) {
     const auto angles = bars.inverse(place);
     const auto pose = angles ? bars.forward(*angles) : std::nullopt;
-    const auto jacobian = pose ? bars.jacobian(*angles, *pose) : std::nullopt;
+    const auto jacobian = pose ? bars.jacobian(*pose) : std::nullopt;
     const auto by_1 = jacobian ? slope(bars, *angles, 0) : std::nullopt;
     const auto by_2 = jacobian ? slope(bars, *angles, 1) : std::nullopt;
     if (!by_1 || !by_2) {
