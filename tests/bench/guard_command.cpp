@@ -5,6 +5,7 @@
 #include <ctime>
 #include <iostream>
 
+#include "engine/device/drivers/serial_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/emulator/guided_hand.hpp"
 #include "tests/bench/commands.hpp"
@@ -56,8 +57,8 @@ std::vector<double> delays(const EmulatedBoard& board,
         ms.push_back(1e-6 * static_cast<double>(board.motors().since_ns - start));
         presser.signal(SIGKILL);
         presser.reap();
-        const pid_t guard = presser.guard();
-        tests::eventually([&] { return kill(guard, 0) != 0; });  // it lets go of the port
+        SerialLink port(board.path());
+        tests::eventually([&] { return port.reopen(); });  // the guard has let go of it
     }
     std::sort(ms.begin(), ms.end());
     return ms;

@@ -114,9 +114,6 @@ bool HaplyLine::introduce() noexcept {
 HaplyLine::Answer HaplyLine::set_up() noexcept {
     Answer answer = Answer::lost;
     for (int attempt = 0; attempt < 2 && answer != Answer::complete; ++attempt) {
-        if (set_up_) {  // a reset takes the motors' addresses and leaves their torque
-            silence();
-        }
         set_up_ = introduce();
         forget();
         answer = set_up_ ? Answer::complete : Answer::lost;

@@ -10,7 +10,7 @@
 namespace palpate::engine {
 
 /// The talk with one board over a link: set-up, exchanges, silence. It keeps these rules, whatever
-/// happens: no exchange before a set-up, zero torque before a reset, whole packets only.
+/// happens: no exchange before a set-up, whole packets only, and one packet after the other.
 class HaplyLine {
 public:
     enum class Answer : std::uint8_t {
@@ -23,8 +23,9 @@ public:
     /// @param link  outlives the line
     HaplyLine(ByteLink& link, const HaplySetup& setup);
 
-    /// Reset, set-up, and three zero exchanges that must be answered: a set-up itself never is. Takes
-    /// up to a second. It makes the present pose count 0. @return complete if they were
+    /// Reset, set-up, and three zero exchanges that must be answered: a set-up itself never is. A reset
+    /// takes the motors' addresses and leaves their torque, so silence() comes before. Takes up to half
+    /// a second. It makes the present pose count 0. @return complete if they were
     [[nodiscard]] Answer set_up() noexcept;
 
     /// Zero torque five times, 1 ms apart, then listens. @return true if the board acknowledged
