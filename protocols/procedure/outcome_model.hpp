@@ -23,7 +23,7 @@ struct OutcomeModel {
     /// @throws std::invalid_argument if s is out of its range
     std::function<void(
         std::span<const double> x, std::span<const double> s, std::span<double> chances)>
-        chances;
+        chances{};
 };
 
 /// What the parameter of steepness in a model's grid means; its name says it.

@@ -15,8 +15,8 @@ namespace palpate::protocols {
 
 struct QuestPlusSpec {
     OutcomeModel model;
-    Grid stimuli;
-    Grid parameters;
+    Grid stimuli{};
+    Grid parameters{};
     std::vector<std::vector<double>>
         prior{};                          ///< weights an axis of the parameters; empty: uniform
     std::vector<std::string> nuisance{};  ///< parameters whose uncertainty does not count

@@ -38,6 +38,9 @@ double minus_log_rest(double share) noexcept {
 double core(Family family, double x, double threshold, double slope) noexcept {
     switch (family) {
         case Family::weibull:
+            if (x == kEnd) {
+                return 1.0;
+            }
             return x > 0.0 ? one_minus_exp(exponential(slope * natural_log(x / threshold))) : 0.0;
         case Family::weibull_log10:
             return one_minus_exp(power_of_ten(slope * (x - threshold)));

@@ -66,6 +66,23 @@ void add_scene_command(CLI::App& app,
                         "Where to write; standard output without it");
 }
 
+void add_procedure(CLI::App& app, ProcedureOptions& options) {
+    CLI::App* command = app.add_subcommand(
+        "procedure", "Replay an adaptive procedure: stimuli, estimates and entropy trial by trial");
+    CLI::Option* config = command->add_option("CONFIG", options.config, "A procedure file (TOML)");
+    CLI::Option* responses = command->add_option(
+        "RESPONSES", options.responses, "A CSV file with a column response (and stimulus)");
+    command->add_option("-o,--output", options.output,
+                        "Where to write; standard output without it");
+    CLI::Option* keys =
+        command->add_flag("--keys", options.keys, "Print what a procedure file may say");
+    command->callback([config, responses, keys] {
+        if (keys->count() == 0 && (config->count() == 0 || responses->count() == 0)) {
+            throw CLI::RequiredError(config->count() == 0 ? "CONFIG" : "RESPONSES");
+        }
+    });
+}
+
 }  // namespace
 
 Options parse_command_line(int argc, const char* const* argv) {
@@ -84,12 +101,14 @@ Options parse_command_line(int argc, const char* const* argv) {
     RenderOptions render;
     ClosestOptions closest;
     FigureOptions figures;
+    ProcedureOptions procedure;
     add_demo(app, demo);
     add_run(app, run);
     add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
                       "TRAJECTORY", render);
     add_scene_command(app, "closest", "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS",
                       closest);
+    add_procedure(app, procedure);
     CLI::App* summarise =
         app.add_subcommand("summary", "Confusion matrix and shares correct of a database");
     summarise->add_option("FILE", summary.database, "A palpate database")->required();
@@ -131,6 +150,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     }
     if (app.got_subcommand("closest")) {
         return closest;
+    }
+    if (app.got_subcommand("procedure")) {
+        return procedure;
     }
     if (app.got_subcommand("figures")) {
         return figures;

@@ -56,6 +56,14 @@ struct SceneOptions {
 struct RenderOptions : SceneOptions {};
 struct ClosestOptions : SceneOptions {};
 
+/// Replays a procedure over responses.
+struct ProcedureOptions {
+    std::string config;
+    std::string responses;
+    std::string output;  ///< empty: standard output
+    bool keys = false;   ///< only print what a configuration may say
+};
+
 /// The program is to end now with this exit code (help was shown, or the words were wrong).
 struct Exit {
     int code = 0;
@@ -68,7 +76,8 @@ using Options = std::variant<Exit,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
-                             FigureOptions>;
+                             FigureOptions,
+                             ProcedureOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
 [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);
