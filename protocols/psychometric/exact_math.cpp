@@ -12,42 +12,40 @@ namespace {
 constexpr double kLn2Hi = 0x1.62e42fee00000p-1;
 constexpr double kLn2Lo = 0x1.a39ef35793c76p-33;
 
-constexpr double kSqrtHalf = 0.707106781186547524400844362104849039;
-constexpr double kInverseSqrtPi = 0.564189583547756286948079451560772586;
 constexpr double kInverseSqrtTwoPi = 0.398942280401432677939946059934381868;
 
-/// e^-(x^2): x^2 has rounding errors that e enlarges by x^2, so its upper half is squared exactly.
-double gauss(double x) noexcept {
+/// e^(-z^2 / 2): z^2 has rounding errors that e enlarges by z^2, so its upper half is squared exactly.
+double gauss(double z) noexcept {
     constexpr double kSplit = 134217729.0;  // 2^27 + 1, Dekker 1971
-    const double c = kSplit * x;
-    const double upper = c - (c - x);
-    return exponential(-upper * upper) * exponential(-(x - upper) * (x + upper));
+    const double c = kSplit * z;
+    const double upper = c - (c - z);
+    return exponential(-0.5 * upper * upper) * exponential(-0.5 * (z - upper) * (z + upper));
 }
 
-/// erfc x for x >= 0.
-double erfc_upper(double x) noexcept {
-    constexpr double kBorder = 1.5;    // below it 1 - erf x loses at most a decimal and a half
-    constexpr int kLevels = 100;       // give 1e-16 at the border
-    constexpr double kNothing = 27.3;  // below the smallest number
-    if (x > kNothing) {
+/// Phi(-z) for z >= 0.
+double upper_tail(double z) noexcept {
+    constexpr double kBorder = 1.5;    // below it 1/2 - ... loses less than a decimal
+    constexpr double kNothing = 38.6;  // below the smallest number
+    if (z > kNothing) {
         return 0.0;
     }
-    if (x < kBorder) {
-        // erf x = 2/sqrt(pi) e^(-x^2) sum 2^k x^(2k+1) / (1 3 5 ... (2k+1))
-        double term = x;
-        double sum = x;
+    if (z < kBorder) {
+        // 1/2 - density(z) sum z^(2k+1) / (1 3 5 ... (2k+1))
+        double term = z;
+        double sum = z;
         for (int k = 1; term > sum * 1e-17; ++k) {
-            term *= 2.0 * x * x / static_cast<double>(2 * k + 1);
+            term *= z * z / static_cast<double>(2 * k + 1);
             sum += term;
         }
-        return 1.0 - 2.0 * kInverseSqrtPi * gauss(x) * sum;
+        return 0.5 - kInverseSqrtTwoPi * gauss(z) * sum;
     }
-    // erfc x = e^(-x^2)/sqrt(pi) / (x + (1/2)/(x + 1/(x + (3/2)/(x + ...)))).
-    double tail = x;
-    for (int k = kLevels; k >= 1; --k) {
-        tail = x + 0.5 * static_cast<double>(k) / tail;
+    // density(z) / (z + 1/(z + 2/(z + 3/(z + ...))))
+    const int levels = 20 + static_cast<int>(400.0 / (z * z));  // 1e-17, found by trying
+    double tail = z;
+    for (int k = levels; k >= 1; --k) {
+        tail = z + static_cast<double>(k) / tail;
     }
-    return gauss(x) * kInverseSqrtPi / tail;
+    return kInverseSqrtTwoPi * gauss(z) / tail;
 }
 
 /// The z <= 0 of 0 < p <= 1/2.
@@ -57,7 +55,7 @@ double lower_quantile(double p) noexcept {
                    (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308))) -
                t;
     for (int i = 0; i < 3; ++i) {
-        const double density = kInverseSqrtTwoPi * gauss(z * kSqrtHalf);
+        const double density = kInverseSqrtTwoPi * gauss(z);
         if (density <= 0.0) {
             break;  // so far out that the formula itself is as good as it gets
         }
@@ -106,7 +104,7 @@ double normal_cdf(double z) noexcept {
     if (std::isnan(z)) {
         return z;
     }
-    const double tail = 0.5 * erfc_upper(std::fabs(z) * kSqrtHalf);
+    const double tail = upper_tail(std::fabs(z));
     return z <= 0.0 ? tail : 1.0 - tail;
 }
 

@@ -24,7 +24,8 @@ inline constexpr double kLn10 = 2.302585092994045684017991454684364208;
 
 /// Phi(z), the share of a standard normal distribution below z. Relative error below 1e-14 in both
 /// tails, 0 below -38.5.
-/// |z| < 2.1: Abramowitz & Stegun 7.1.6, a series of positive terms; beyond: the continued fraction 7.1.14.
+/// |z| < 1.5: Abramowitz & Stegun 26.2.11, a series of positive terms; beyond: the continued fraction
+/// 26.2.14.
 [[nodiscard]] double normal_cdf(double z) noexcept;
 
 /// The z with Phi(z) = p, 0 < p < 1. -infinity at 0, infinity at 1, NaN outside.
