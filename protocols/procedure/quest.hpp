@@ -54,7 +54,7 @@ struct QuestSpec {
 /// * The quantile is interpolated on the sums of the table's weights, where a cell's weight counts as
 ///   lying below the cell: it stands about half a grain lower than that of a density.
 /// * The order of the quantile is not 1/2: it balances what a right and a wrong answer tell
-///   (quantile_order), .548 or so for the defaults.
+///   (quantile_order), .590 for the defaults.
 /// * e is computed in closed form; the toolbox interpolates it in its table, which is 1e-4 grain away.
 class Quest {
 public:

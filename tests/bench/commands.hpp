@@ -19,6 +19,8 @@ int nasty_command(const std::vector<std::string>& words);
 int contact_command(const std::vector<std::string>& words);
 /// scaling [--csv FILE]
 int scaling_command(const std::vector<std::string>& words);
+/// procedure [--csv FILE]
+int procedure_command(const std::vector<std::string>& words);
 
 /// The words after a command. Every word must be taken, or `finish` refuses.
 class Words {

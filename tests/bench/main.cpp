@@ -14,7 +14,9 @@ constexpr const char* kUsage =
     "  nasty [--peers] [--csv FILE]\n"
     "            wrong answers to 2223 queries that break closest-point solvers\n"
     "  scaling [--csv FILE]\n"
-    "            time of a tick on outlines of 2 to 100,000 curves\n";
+    "            time of a tick on outlines of 2 to 100,000 curves\n"
+    "  procedure [--csv FILE]\n"
+    "            time in which QUEST+ chooses from 20,000 parameter cells\n";
 
 }  // namespace
 
@@ -23,7 +25,7 @@ int main(int count, char** arguments) {
     std::vector<std::string> words(arguments + 1, arguments + count);
     try {
         if (words.empty()) {
-            throw WrongWord("say which: contact, nasty or scaling");
+            throw WrongWord("say which: contact, nasty, scaling or procedure");
         }
         const std::string command = words.front();
         words.erase(words.begin());
@@ -40,8 +42,11 @@ int main(int count, char** arguments) {
         if (command == "scaling") {
             return scaling_command(words);
         }
+        if (command == "procedure") {
+            return procedure_command(words);
+        }
         throw WrongWord("there is no benchmark \"" + command +
-                        "\": there are contact, nasty and scaling");
+                        "\": there are contact, nasty, scaling and procedure");
     } catch (const WrongWord& wrong) {
         std::cerr << "palpate bench: " << wrong.what() << "\n" << kUsage;
         return 2;

@@ -74,6 +74,7 @@ void add_procedure(CLI::App& app, ProcedureOptions& options) {
         "RESPONSES", options.responses, "A CSV file with a column response (and stimulus)");
     command->add_option("-o,--output", options.output,
                         "Where to write; standard output without it");
+    command->add_flag("--hashes", options.hashes, "Add the SHA-256 of the state after every trial");
     CLI::Option* keys =
         command->add_flag("--keys", options.keys, "Print what a procedure file may say");
     command->callback([config, responses, keys] {

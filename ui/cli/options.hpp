@@ -60,8 +60,9 @@ struct ClosestOptions : SceneOptions {};
 struct ProcedureOptions {
     std::string config;
     std::string responses;
-    std::string output;  ///< empty: standard output
-    bool keys = false;   ///< only print what a configuration may say
+    std::string output;   ///< empty: standard output
+    bool hashes = false;  ///< a column with the hash of the state after every trial
+    bool keys = false;    ///< only print what a configuration may say
 };
 
 /// The program is to end now with this exit code (help was shown, or the words were wrong).

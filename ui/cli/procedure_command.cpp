@@ -27,7 +27,7 @@ std::vector<std::string> stimulus_columns(const Procedure& procedure) {
     return columns;
 }
 
-std::string head(const Procedure& procedure, bool tracks) {
+std::string head(const Procedure& procedure, bool tracks, bool hashes) {
     const std::vector<std::string> stimulus = stimulus_columns(procedure);
     std::string text = fmt::format("trial,{},response", fmt::join(stimulus, ","));
     if (tracks) {
@@ -45,7 +45,7 @@ std::string head(const Procedure& procedure, bool tracks) {
     for (const std::string& column : stimulus) {
         text += ",next_" + column;
     }
-    return text + '\n';
+    return text + (hashes ? ",state_sha256\n" : "\n");
 }
 
 void add(std::string& line, std::optional<double> value) {
@@ -73,7 +73,6 @@ void add_state(std::string& line, const Procedure& procedure) {
             add(line, x);
         }
     }
-    line += '\n';
 }
 
 /// The response of a row as an outcome.
@@ -104,9 +103,12 @@ std::vector<double> shown_in(const Procedure& procedure,
     return shown;
 }
 
-std::string replayed(Procedure procedure, const data::NumberTable& table, const std::string& file) {
+std::string replayed(Procedure procedure,
+                     const data::NumberTable& table,
+                     const std::string& file,
+                     bool hashes) {
     const bool tracks = !procedure.track().empty();
-    std::string text = head(procedure, tracks);
+    std::string text = head(procedure, tracks, hashes);
     for (std::size_t row = 0; row < table.rows(); ++row) {
         if (procedure.finished()) {
             throw data::CsvError(fmt::format(
@@ -131,6 +133,10 @@ std::string replayed(Procedure procedure, const data::NumberTable& table, const 
         }
         add_state(line, procedure);
         text += line;
+        if (hashes) {
+            text += ',' + procedure.state_hash();
+        }
+        text += '\n';
     }
     return text;
 }
@@ -147,7 +153,8 @@ int procedure_command(const ProcedureOptions& options) {
     const std::vector<std::string_view> optional(shown.begin(), shown.end());
     const std::vector<std::string_view> wanted{"response"};
     const data::NumberTable table = data::read_numbers(options.responses, wanted, optional);
-    data::write_whole(options.output, replayed(file.procedure, table, options.responses));
+    data::write_whole(options.output,
+                      replayed(file.procedure, table, options.responses, options.hashes));
     return 0;
 }
 
