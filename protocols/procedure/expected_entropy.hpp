@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "protocols/procedure/likelihood_table.hpp"
@@ -18,13 +19,22 @@ namespace palpate::protocols {
 [[nodiscard]] std::vector<double> expected_entropies(const LikelihoodTable& table,
                                                      std::span<const double> weights);
 
+/// Which combination of the wanted parameters each cell has.
+struct CellGroups {
+    std::vector<std::uint32_t> of;  ///< of every cell, below `count`
+    std::size_t count = 0;
+    std::size_t run = 1;  ///< cells run * i ... run * i + run - 1 share one, for every i
+};
+
+/// Groups of the cells that differ in nothing but `nuisance`.
+/// @throws std::invalid_argument for a nuisance that is no axis, or if nothing else is left
+[[nodiscard]] CellGroups groups_of(const Grid& parameters, std::span<const std::string> nuisance);
+
 /// The same for the posterior of some parameters alone, the others (nuisance) summed out before the
 /// entropy is taken (Prins 2013, "the psi-marginal adaptive method").
-/// @param group   group[c]: which combination of the wanted parameters cell c has, below `groups`
 [[nodiscard]] std::vector<double> expected_marginal_entropies(const LikelihoodTable& table,
                                                               std::span<const double> weights,
-                                                              std::span<const std::uint32_t> group,
-                                                              std::size_t groups);
+                                                              const CellGroups& groups);
 
 /// The tie rule: the first of the stimuli whose expected entropy is within 1e-12 bit (of the entropy,
 /// where that is more than 1 bit) of the least. Symmetric problems have exact ties, which rounding would

@@ -60,9 +60,20 @@ OutcomeModel two_outcomes(Family family, LapseForm form, SlopeAs slope_as, bool 
     return model;
 }
 
-/// Phi(b) - Phi(a) for a <= b, taken in the tail where it loses no digits.
-double between(double a, double b) {
-    return a > 0.0 ? normal_cdf(-a) - normal_cdf(-b) : normal_cdf(b) - normal_cdf(a);
+/// How much of a percept's distribution lies on either side of a criterion.
+struct Sides {
+    double below = 0.0;
+    double above = 1.0;
+};
+
+Sides sides_of(double z) {
+    const double tail = normal_cdf(-std::fabs(z));
+    return z <= 0.0 ? Sides{tail, 1.0 - tail} : Sides{1.0 - tail, tail};
+}
+
+/// Share between two criteria, taken in the tail where the difference loses no digits.
+double between(const Sides& left, const Sides& right) {
+    return left.below > 0.5 ? left.above - right.above : right.below - left.below;
 }
 
 }  // namespace
@@ -103,12 +114,12 @@ OutcomeModel identification_model(std::vector<double> alternatives) {
                 lapse));
         }
         const double guess = lapse / static_cast<double>(chances.size());
-        double below = -HUGE_VAL;
+        Sides left;
         for (std::size_t j = 0; j < chances.size(); ++j) {
-            const double above =
-                j < criteria.size() ? (criteria[j] - x[0] - s[1]) / noise : HUGE_VAL;
-            chances[j] = guess + (1.0 - lapse) * between(below, above);
-            below = above;
+            const Sides right = j < criteria.size() ? sides_of((criteria[j] - x[0] - s[1]) / noise)
+                                                    : Sides{1.0, 0.0};
+            chances[j] = guess + (1.0 - lapse) * between(left, right);
+            left = right;
         }
     };
     return model;

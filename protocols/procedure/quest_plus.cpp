@@ -1,63 +1,19 @@
 #include "protocols/procedure/quest_plus.hpp"
 
-#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "protocols/procedure/expected_entropy.hpp"
 #include "protocols/procedure/state_bytes.hpp"
 
 namespace palpate::protocols {
-namespace {
-
-/// Numbers the combinations of the parameters that are no nuisance.
-std::vector<std::uint32_t> groups_of(const Grid& grid,
-                                     std::span<const std::string> nuisance,
-                                     std::size_t& groups) {
-    std::vector<std::size_t> wanted;
-    for (std::size_t k = 0; k < grid.dimensions(); ++k) {
-        if (std::find(nuisance.begin(), nuisance.end(), grid.axis(k).name) == nuisance.end()) {
-            wanted.push_back(k);
-        }
-    }
-    if (wanted.empty()) {
-        throw std::invalid_argument("every parameter is a nuisance: leave one out of the list");
-    }
-    groups = 1;
-    std::vector<std::uint32_t> group(grid.size());
-    for (const std::size_t k : wanted) {
-        const std::size_t size = grid.axis(k).values.size();
-        for (std::size_t cell = 0; cell < grid.size(); ++cell) {
-            group[cell] = static_cast<std::uint32_t>(group[cell] * size + grid.index(cell, k));
-        }
-        groups *= size;
-    }
-    return group;
-}
-
-void check_nuisance(const Grid& grid, std::span<const std::string> nuisance) {
-    for (const std::string& name : nuisance) {
-        const auto axes = grid.axes();
-        if (std::none_of(axes.begin(), axes.end(),
-                         [&name](const Axis& axis) { return axis.name == name; })) {
-            throw std::invalid_argument(
-                fmt::format("the nuisance {} is no parameter of the model: delete it", name));
-        }
-    }
-}
-
-}  // namespace
-
 QuestPlus::QuestPlus(const QuestPlusSpec& spec)
     : table_(std::make_shared<const LikelihoodTable>(spec.model, spec.stimuli, spec.parameters)),
       posterior_(spec.parameters, spec.prior),
       most_trials_(spec.trials),
       entropy_bits_(spec.entropy_bits) {
-    check_nuisance(spec.parameters, spec.nuisance);
     if (!spec.nuisance.empty()) {
-        group_ = std::make_shared<const std::vector<std::uint32_t>>(
-            groups_of(spec.parameters, spec.nuisance, groups_));
+        groups_ = std::make_shared<const CellGroups>(groups_of(spec.parameters, spec.nuisance));
     }
     if (spec.trials == 0) {
         throw std::invalid_argument("there are 0 trials: give at least 1");
@@ -65,9 +21,9 @@ QuestPlus::QuestPlus(const QuestPlusSpec& spec)
 }
 
 std::vector<double> QuestPlus::expected() const {
-    return group_ == nullptr
+    return groups_ == nullptr
              ? expected_entropies(*table_, posterior_.weights())
-             : expected_marginal_entropies(*table_, posterior_.weights(), *group_, groups_);
+             : expected_marginal_entropies(*table_, posterior_.weights(), *groups_);
 }
 
 std::vector<double> QuestPlus::next() const {

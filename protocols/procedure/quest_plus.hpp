@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "protocols/procedure/estimate.hpp"
+#include "protocols/procedure/expected_entropy.hpp"
 #include "protocols/procedure/likelihood_table.hpp"
 #include "protocols/procedure/posterior.hpp"
 
@@ -63,9 +63,7 @@ public:
 
 private:
     std::shared_ptr<const LikelihoodTable> table_;
-    std::shared_ptr<const std::vector<std::uint32_t>>
-        group_;  ///< of each cell; none: all parameters count
-    std::size_t groups_ = 0;
+    std::shared_ptr<const CellGroups> groups_;  ///< none: all parameters count
     Posterior posterior_;
     std::size_t most_trials_;
     double entropy_bits_;
