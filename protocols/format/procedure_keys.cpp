@@ -17,6 +17,7 @@ constexpr std::array<std::string_view, 5> kKinds{"constant", "staircase", "quest
                                                  "quest_plus"};
 constexpr std::array<std::string_view, 3> kModels{"psychometric", "covariate", "identification"};
 
+constexpr double kMostSeed = 9223372036854775807.0;  // TOML integers have 63 bits and a sign
 constexpr Range kPositive{.lowest = 0.0, .above = true};
 constexpr Range kShare{.lowest = 0.0, .highest = 1.0};
 constexpr Range kCount{.lowest = 1.0, .highest = 100'000.0};
@@ -32,7 +33,7 @@ constexpr std::array kKeys{
     ProcedureKey{.table = "procedure", .name = "nuisance", .kind = KeyKind::names,
                  .meaning = "psi, quest_plus: parameters whose uncertainty does not count (psi-marginal)"},
 
-    ProcedureKey{.table = "stream", .name = "seed", .kind = KeyKind::integer, .range = {.lowest = 0.0, .highest = 9223372036854775807.0}, .otherwise = 0.0,
+    ProcedureKey{.table = "stream", .name = "seed", .kind = KeyKind::integer, .range = {.lowest = 0.0, .highest = kMostSeed}, .otherwise = 0.0,
                  .meaning = "study seed of the random orders"},
     ProcedureKey{.table = "stream", .name = "protocol_hash", .kind = KeyKind::text,
                  .meaning = "of the run that is replayed; empty if left out"},
@@ -143,7 +144,7 @@ std::string kind_text(const ProcedureKey& key) {
         case KeyKind::names:
             return "list of names";
         case KeyKind::axis:
-            return "axis";
+            return "axis of numbers " + range_words(key.range);
         case KeyKind::prior:
             return "prior";
     }
@@ -169,6 +170,9 @@ std::string default_text(const ProcedureKey& key) {
 }  // namespace
 
 std::string range_words(const Range& range) {
+    if (range.highest == kMostSeed) {
+        return "0 to 9223372036854775807";
+    }
     const bool low = std::isfinite(range.lowest);
     const bool high = std::isfinite(range.highest);
     if (!low && !high) {

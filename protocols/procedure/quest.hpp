@@ -55,7 +55,7 @@ struct QuestSpec {
 ///   lying below the cell: it stands about half a grain lower than that of a density.
 /// * The order of the quantile is not 1/2: it balances what a right and a wrong answer tell
 ///   (quantile_order), .590 for the defaults.
-/// * e is computed in closed form; the toolbox interpolates it in its table, which is 1e-4 grain away.
+/// * e is computed in closed form; the toolbox interpolates it in its table, 4e-4 grain away.
 class Quest {
 public:
     /// @throws std::invalid_argument for a member out of range, a p_threshold that the function does not

@@ -18,9 +18,9 @@ namespace palpate::protocols {
 ///     normal         Phi(b (x - t))                1/2       any           1 / standard deviation
 ///     logistic       1 / (1 + e^(-b (x - t)))      1/2       any           1 / unit of x
 ///
-/// The three Weibull lines are one function on three axes with the same b (Watson 2017, eq. 5, writes the
-/// dB line). Kingdom & Prins (2016, ch. 4) call the log10 line "Gumbel or log-Weibull"; the gumbel here
-/// has e for 10, as Wichmann & Hill (2001) would on a natural axis: its b is ln 10 times theirs.
+/// The three Weibull lines are one function on three axes with the same b (Watson 2017 writes the dB
+/// line). Kingdom & Prins (2016, ch. 4) call the log10 line "Gumbel or log-Weibull"; the gumbel here has e
+/// for 10, so that its b is ln 10 times theirs.
 enum class Family : std::uint8_t { weibull, weibull_log10, weibull_db, gumbel, normal, logistic };
 inline constexpr std::array<std::string_view, 6> kFamilyWords{
     "weibull", "weibull_log10", "weibull_db", "gumbel", "normal", "logistic"};

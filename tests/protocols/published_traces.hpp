@@ -3,9 +3,8 @@
 #include <array>
 #include <string_view>
 
-/// Runs of QUEST+ that were published stimulus by stimulus: the examples of A. B. Watson, "QUEST+",
-/// Journal of Vision 17(3):10 (2017), as tabulated in the tests of two independent programs (questplus by
-/// R. Hoechenberger, 2019; jsQuestPlus by D. Kuroki, 2023). '1' is correct.
+/// Runs of QUEST+ stimulus by stimulus: the examples of A. B. Watson, "QUEST+", Journal of Vision 17(3):10
+/// (2017), as tabulated in the tests of the program questplus by R. Hoechenberger. '1' is correct.
 namespace palpate::tests {
 
 // clang-format off

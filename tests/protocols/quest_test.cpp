@@ -10,8 +10,8 @@ using namespace palpate::protocols;
 using palpate::tests::Random;
 
 TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
-    // Intensities and estimates tabulated in PsychoPy's test of its QuestHandler (2017), computed by the
-    // QUEST of the Vision Egg, a translation of D. Pelli's. Two right, two wrong, and again.
+    // Intensities and estimates tabulated in PsychoPy's test of its QuestHandler, whose QUEST is A. Straw's
+    // translation of D. Pelli's. Two right, two wrong, and again.
     Quest quest(
         {.guess = 50.0, .sd = 50.0, .range = 100.0, .lowest = 0.0, .highest = 100.0, .trials = 10});
     constexpr std::array kShown{50.0,
@@ -27,12 +27,12 @@ TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
     for (std::size_t i = 0; i < kShown.size(); ++i) {
         CAPTURE(i);
         const std::vector<double> x = i == 0 ? std::vector<double>{50.0} : quest.next();
-        CHECK(x[0] == Approx(kShown[i]).margin(1e-3));
+        CHECK(x[0] == Approx(kShown[i]).margin(1e-5));
         quest.update(std::vector<double>{kShown[i]}, i % 4 < 2 ? 1 : 0);
     }
-    CHECK(quest.mean() == Approx(86.0772169427).margin(1e-3));
+    CHECK(quest.mean() == Approx(86.0772169427).margin(1e-5));
     CHECK(quest.mode() == Approx(80.11).margin(1e-9));
-    CHECK(quest.quantile(quest.quantile_order()) == Approx(86.3849031085).margin(1e-3));
+    CHECK(quest.quantile(quest.quantile_order()) == Approx(86.3849031085).margin(1e-5));
     CHECK(quest.finished());
 }
 

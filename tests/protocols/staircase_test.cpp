@@ -48,7 +48,7 @@ double mean_level(StaircaseSpec spec, std::uint64_t seed) {
 
 }  // namespace
 
-// The answers and levels of these two are tabulated in PsychoPy's test of its StairHandler (2016): a
+// The answers and levels of these two are tabulated in PsychoPy's test of its StairHandler: a
 // 1-up-3-down staircase that moves by single answers until its first reversal. The answers: four right, four
 // wrong, and again.
 TEST_CASE("a staircase of linear steps runs a published sequence", "[staircase][golden]") {
@@ -113,7 +113,7 @@ TEST_CASE("the targets are Levitt's and Kaernbach's", "[staircase]") {
         CHECK(target({.down = down}) == Approx(kLevitt[down - 1]).margin(5e-4));
         CHECK(std::pow(target({.down = down}), double(down)) == Approx(0.5).epsilon(1e-14));
     }
-    // Kaernbach 1991: S_up p = ... S_down (1 - p) is for the step ratio (1 - p) / p; .75 wants 1 to 3.
+    // Kaernbach 1991: S_up (1 - p) = S_down p; p = .75 wants steps of 1 down and 3 up.
     CHECK(weighted_step_ratio(0.75) == Approx(1.0 / 3.0).epsilon(1e-15));
     for (const double p : {0.3, 0.6, 0.75, 0.9}) {
         CHECK(
