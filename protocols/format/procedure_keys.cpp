@@ -144,7 +144,7 @@ std::string kind_text(const ProcedureKey& key) {
         case KeyKind::names:
             return "list of names";
         case KeyKind::axis:
-            return "axis of numbers " + range_words(key.range);
+            return std::isfinite(key.range.lowest) ? "axis, " + range_words(key.range) : "axis";
         case KeyKind::prior:
             return "prior";
     }
@@ -176,7 +176,7 @@ std::string range_words(const Range& range) {
     const bool low = std::isfinite(range.lowest);
     const bool high = std::isfinite(range.highest);
     if (!low && !high) {
-        return "finite";
+        return "any finite number";
     }
     if (!high) {
         return range.above ? fmt::format("above {}", range.lowest)
