@@ -32,6 +32,9 @@ constexpr Command kCommands[] = {
      "  servo [--rounds N] [--seconds S] [--spin SHARE] [--csv FILE]\n"
      "            how late the servo thread wakes, against cyclictest if it is installed;\n"
      "            what logging costs it; late ticks at 1, 4 and 10 kHz\n"},
+    {"procedure", procedure_command,
+     "  procedure [--csv FILE]\n"
+     "            time in which QUEST+ chooses from 20,000 parameter cells\n"},
     {"guard", guard_command,
      "  guard [--kills N] [--csv FILE]\n"
      "            from palpate's death (kill -9) or stop to zero torque at an emulated board\n"},

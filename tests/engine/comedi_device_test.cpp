@@ -130,6 +130,9 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
     if (narrow) {
         spec.axes[0].torque_limit = 2.0 / 10.0;
         spec.axes[1].torque_limit = 2.0 / 8.0;
+        for (Axis& axis : spec.axes) {
+            axis.torque_forever = std::fmin(axis.torque_forever, axis.torque_limit);
+        }
     }
     const Pantograph pantograph(spec);
     for (int i = 0; i < 20; ++i) {

@@ -194,7 +194,7 @@ TickOrder order_at(const Fault& fault, int tick, double period) {
 bool fits(const Fault& fault, Trip trip) {
     switch (fault.kind) {
         case Kind::nan_reading:
-            return trip == Trip::scene_refused || trip == Trip::not_finite;
+            return trip == Trip::device_garbage;
         case Kind::nan_load:
             return trip == Trip::not_finite;
         case Kind::stuck_encoder:

@@ -11,6 +11,7 @@ namespace palpate::ui {
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);
+[[nodiscard]] int procedure_command(const ProcedureOptions& options);
 [[nodiscard]] int figures_command(const FigureOptions& options);
 [[nodiscard]] int calibrate_command(const CalibrateOptions& options);
 /// 0 when no check failed, else kExitFailure.

@@ -22,6 +22,9 @@ int dispatch(const Options& options) {
         int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
         int operator()(const RenderOptions& render) const { return render_command(render); }
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }
+        int operator()(const ProcedureOptions& procedure) const {
+            return procedure_command(procedure);
+        }
         int operator()(const FigureOptions& figures) const { return figures_command(figures); }
         int operator()(const CalibrateOptions& words) const { return calibrate_command(words); }
         int operator()(const DoctorOptions& doctor) const { return doctor_command(doctor); }

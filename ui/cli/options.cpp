@@ -151,6 +151,48 @@ void add_figures(CLI::App& app, Options& chosen) {
         ->capture_default_str();
 }
 
+void add_sequence(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "sequence", "Print the plan that run would carry out, without running it");
+    auto& sequence = options_of<SequenceOptions>(command, chosen);
+    command
+        ->add_option("PROTOCOL", sequence.protocol, "A protocol file, or the name of a shipped one")
+        ->required();
+    command
+        ->add_option("--participant", sequence.participant,
+                     "Pseudonymous id: letters, digits, - and _")
+        ->required();
+    command->add_option("--db", sequence.database,
+                        "The study's database: who already ran decides the order of the pictures");
+    command
+        ->add_option("--session", sequence.session,
+                     "Session number; without it the last one, or the first")
+        ->check(CLI::PositiveNumber);
+    command->add_option("--seed", sequence.seed, "Study seed instead of the protocol's");
+    command->add_flag("--csv", sequence.csv, "The trials alone, as CSV");
+}
+
+void add_procedure(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "procedure", "Replay an adaptive procedure: stimuli, estimates and entropy trial by trial");
+    auto options = std::make_shared<ProcedureOptions>();
+    CLI::Option* config = command->add_option("CONFIG", options->config, "A procedure file (TOML)");
+    CLI::Option* responses = command->add_option(
+        "RESPONSES", options->responses, "A CSV file with a column response (and stimulus)");
+    command->add_option("-o,--output", options->output,
+                        "Where to write; standard output without it");
+    command->add_flag("--hashes", options->hashes,
+                      "Add the SHA-256 of the state after every trial");
+    CLI::Option* keys =
+        command->add_flag("--keys", options->keys, "Print what a procedure file may say");
+    command->callback([options, config, responses, keys, &chosen] {
+        if (keys->count() == 0 && (config->count() == 0 || responses->count() == 0)) {
+            throw CLI::RequiredError(config->count() == 0 ? "CONFIG" : "RESPONSES");
+        }
+        chosen = *options;
+    });
+}
+
 /// A command that reads a scene and a table of points.
 template <class T>
 void add_scene_command(CLI::App& app,
@@ -180,6 +222,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     Options chosen = Exit{};
     add_demo(app, chosen);
     add_run(app, chosen);
+    add_sequence(app, chosen);
     add_summary(app, chosen);
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
@@ -190,6 +233,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     add_scene_command<ClosestOptions>(app, chosen, "closest",
                                       "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS");
     add_figures(app, chosen);
+    add_procedure(app, chosen);
     add_screenshots(app, chosen);
 
     try {

@@ -83,6 +83,23 @@ struct SceneOptions {
 struct RenderOptions : SceneOptions {};
 struct ClosestOptions : SceneOptions {};
 
+struct SequenceOptions {
+    std::string protocol;  ///< a file, or the name of a shipped protocol
+    std::string participant;
+    std::string database;  ///< empty: a study that nobody has run yet
+    std::optional<std::size_t> session;
+    std::optional<std::uint64_t> seed;
+    bool csv = false;
+};
+
+struct ProcedureOptions {
+    std::string config;
+    std::string responses;
+    std::string output;   ///< empty: standard output
+    bool hashes = false;  ///< a column with the hash of the state after every trial
+    bool keys = false;    ///< only print what a configuration may say
+};
+
 /// The program is to end now with this exit code (help was shown, or the words were wrong).
 struct Exit {
     int code = 0;
@@ -98,7 +115,9 @@ using Options = std::variant<Exit,
                              FigureOptions,
                              CalibrateOptions,
                              DoctorOptions,
-                             EmulatorOptions>;
+                             EmulatorOptions,
+                             SequenceOptions,
+                             ProcedureOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).
 [[nodiscard]] Options parse_command_line(int argc, const char* const* argv);

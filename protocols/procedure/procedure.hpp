@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "protocols/design/pcg32.hpp"
+#include "protocols/procedure/constant_stimuli.hpp"
+#include "protocols/procedure/psi.hpp"
+#include "protocols/procedure/quest.hpp"
+#include "protocols/procedure/quest_plus.hpp"
+#include "protocols/procedure/staircases.hpp"
+
+namespace palpate::protocols {
+
+/// What may choose stimuli, before it starts.
+using ProcedureSpec = std::
+    variant<ConstantStimuliSpec, std::vector<StaircaseSpec>, QuestSpec, PsiSpec, QuestPlusSpec>;
+
+/// What chooses the stimuli of a run of trials. A value: copying one copies its state.
+///
+///     while (!procedure.finished()) {
+///         const std::vector<double> x = procedure.next();
+///         procedure.update(x, answer_to(x));
+///     }
+///
+/// The state follows from the spec, the stream, and what was shown and answered, to the bit on every
+/// IEEE-754 machine. So a run that broke off is rebuilt by calling update() for each recorded trial, and
+/// state_hash() tells whether the rebuilt state is the one that was recorded.
+class Procedure {
+public:
+    /// @param random  draws the orders and the interleaving; QUEST, Psi and QUEST+ draw nothing
+    /// @throws std::invalid_argument with the value and the remedy
+    Procedure(const ProcedureSpec& spec, Pcg32 random);
+
+    /// The stimulus to show next, one number a dimension.
+    [[nodiscard]] std::vector<double> next() const;
+    /// @param shown    what was shown, recommended or not
+    /// @param outcome  0 ... outcomes() - 1; of two, 1 is correct or yes
+    /// @throws std::invalid_argument with the value and the remedy; the state is then as it was
+    void update(std::span<const double> shown, std::size_t outcome);
+
+    [[nodiscard]] bool finished() const;
+    [[nodiscard]] std::size_t trials() const;  ///< updates so far
+    [[nodiscard]] std::size_t outcomes() const;
+    /// Names of the dimensions; the first is "stimulus".
+    [[nodiscard]] std::vector<std::string> stimulus_names() const;
+    /// Which of several interleaved staircases the next trial belongs to; else empty.
+    [[nodiscard]] std::string_view track() const;
+    /// None for constant stimuli.
+    [[nodiscard]] std::vector<Estimate> estimates() const;
+    /// Of the posterior, bits; none for constant stimuli and staircases.
+    [[nodiscard]] std::optional<double> entropy() const;
+    /// SHA-256 of all that the next choice and the estimates depend on beside the spec: 64 hexadecimal
+    /// digits.
+    [[nodiscard]] std::string state_hash() const;
+
+private:
+    using State = std::variant<ConstantStimuli, Staircases, Quest, QuestPlus>;
+
+    static State start(const ProcedureSpec& spec, Pcg32 random);
+
+    State state_;
+};
+
+}  // namespace palpate::protocols

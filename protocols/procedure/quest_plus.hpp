@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "protocols/procedure/estimate.hpp"
+#include "protocols/procedure/expected_entropy.hpp"
+#include "protocols/procedure/likelihood_table.hpp"
+#include "protocols/procedure/posterior.hpp"
+
+namespace palpate::protocols {
+
+struct QuestPlusSpec {
+    OutcomeModel model;
+    Grid stimuli{};
+    Grid parameters{};
+    std::vector<std::vector<double>>
+        prior{};                          ///< weights an axis of the parameters; empty: uniform
+    std::vector<std::string> nuisance{};  ///< parameters whose uncertainty does not count
+    std::size_t trials = 64;              ///< then it ends; at least 1
+    double entropy_bits = 0.0;            ///< it ends below this posterior entropy, 0: never
+};
+
+/// QUEST+ (A. B. Watson, "QUEST+: A general multidimensional Bayesian adaptive psychometric method",
+/// Journal of Vision 17(3):10, 2017): the next stimulus is the one after which the posterior of the
+/// parameters is expected to have the least entropy.
+///
+/// Ties: first_of_least. The same responses give the same stimuli and the same posterior to the bit on
+/// every IEEE-754 machine: only + - * /, sqrt and this project's own logarithm and exponential are used,
+/// in a fixed order. There is no limit on the time of the search, since a limit would let a slow machine
+/// choose otherwise; the size of the grid is limited instead (LikelihoodTable).
+///
+/// A plain value; copies share the table, which never changes.
+class QuestPlus {
+public:
+    /// @throws std::invalid_argument as LikelihoodTable and Posterior, for a nuisance parameter that is
+    ///         not there, or if nothing but nuisance is left, and for trials = 0
+    explicit QuestPlus(const QuestPlusSpec& spec);
+
+    /// The stimulus to show next. Takes some ms on a large grid: ask once a trial.
+    [[nodiscard]] std::vector<double> next() const;
+    /// @param shown    the stimulus that was shown, on the grid, recommended or not
+    /// @param outcome  0 ... outcomes() - 1
+    /// @throws std::invalid_argument if `shown` is not on the grid or the outcome not there or impossible
+    void update(std::span<const double> shown, std::size_t outcome);
+
+    [[nodiscard]] bool finished() const noexcept;
+    [[nodiscard]] std::size_t trials() const noexcept { return trials_; }
+    [[nodiscard]] std::size_t outcomes() const noexcept { return table_->outcomes(); }
+    [[nodiscard]] std::vector<std::string> stimulus_names() const;
+    /// Of the parameters that have more than one value (of all, if none has).
+    [[nodiscard]] std::vector<Estimate> estimates() const;
+    [[nodiscard]] double entropy() const noexcept { return posterior_.entropy(); }
+    [[nodiscard]] std::string state_hash() const;
+
+    [[nodiscard]] const Posterior& posterior() const noexcept { return posterior_; }
+    [[nodiscard]] const LikelihoodTable& table() const noexcept { return *table_; }
+    /// Expected entropy after the next trial for every stimulus of the grid, bits.
+    [[nodiscard]] std::vector<double> expected() const;
+
+private:
+    std::shared_ptr<const LikelihoodTable> table_;
+    std::shared_ptr<const CellGroups> groups_;  ///< none: all parameters count
+    Posterior posterior_;
+    std::size_t most_trials_;
+    double entropy_bits_;
+    std::size_t trials_ = 0;
+};
+
+}  // namespace palpate::protocols

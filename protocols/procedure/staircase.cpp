@@ -1,0 +1,117 @@
+#include "protocols/procedure/staircase.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "engine/math/elementary.hpp"
+#include "protocols/psychometric/exact_math.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+void need(bool good, const std::string& what) {
+    if (!good) {
+        throw std::invalid_argument(what);
+    }
+}
+
+void check_steps(std::string_view name, const std::vector<double>& steps) {
+    need(!steps.empty(), fmt::format("{} is empty: give at least one step above 0", name));
+    for (const double step : steps) {
+        need(std::isfinite(step) && step > 0.0,
+             fmt::format("{} holds {}: give finite numbers above 0", name, step));
+    }
+}
+
+void check(const StaircaseSpec& s) {
+    check_steps("step_up", s.steps_up);
+    check_steps("step_down", s.steps_down);
+    need(s.up > 0 && s.down > 0,
+         fmt::format("up is {} and down {}: give 1 or more answers in a row", s.up, s.down));
+    need(s.lowest < s.highest,
+         fmt::format("lowest is {} and highest {}: give lowest < highest", s.lowest, s.highest));
+    need(s.start >= s.lowest && s.start <= s.highest,
+         fmt::format("start is {}: give a level from lowest ({}) to highest ({})", s.start,
+                     s.lowest, s.highest));
+    need(s.scale == StepScale::linear || s.start > 0.0,
+         fmt::format("start is {}: on a scale of factors give a level above 0", s.start));
+    need(s.trials > 0 || s.reversals > 0,
+         "the staircase would never end: give trials or reversals");
+}
+
+double moved(StepScale scale, double level, double step) {
+    switch (scale) {
+        case StepScale::linear:
+            return level + step;
+        case StepScale::db:
+            return level * power_of_ten(step / 20.0);
+        case StepScale::log10:
+            return level * power_of_ten(step);
+    }
+    return level;
+}
+
+}  // namespace
+
+double target(const StaircaseSpec& spec) noexcept {
+    if (spec.up != 1 || spec.steps_up.empty() || spec.steps_down.empty()) {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+    const double up = spec.steps_up.back();
+    const double share = up / (up + spec.steps_down.back());
+    return exponential(engine::natural_log(share) / static_cast<double>(spec.down));
+}
+
+Staircase::Staircase(StaircaseSpec spec) : spec_(std::move(spec)), level_(spec_.start) {
+    check(spec_);
+}
+
+void Staircase::update(double shown, bool right) {
+    in_a_row_ = in_a_row_ > 0 && right == last_right_ ? in_a_row_ + 1 : 1;
+    last_right_ = right;
+    const bool single = spec_.fast_start && reversals_.empty();
+    const std::size_t needed = single ? 1 : (right ? spec_.down : spec_.up);
+    level_ = std::clamp(shown, spec_.lowest, spec_.highest);
+    if (in_a_row_ >= needed) {
+        in_a_row_ = 0;
+        move(right ? -1 : 1, shown);
+    }
+    ++trials_;
+}
+
+void Staircase::move(int direction, double from) {
+    if (direction_ != 0 && direction != direction_) {
+        reversals_.push_back(from);
+        reversal_trials_.push_back(trials_);
+    }
+    direction_ = direction;
+    const std::vector<double>& steps = direction > 0 ? spec_.steps_up : spec_.steps_down;
+    const double step = steps[std::min(reversals_.size(), steps.size() - 1)];
+    level_ = std::clamp(moved(spec_.scale, from, direction > 0 ? step : -step), spec_.lowest,
+                        spec_.highest);
+}
+
+bool Staircase::finished() const noexcept {
+    return (spec_.trials > 0 && trials_ >= spec_.trials) ||
+           (spec_.reversals > 0 && reversals_.size() >= spec_.reversals);
+}
+
+std::optional<double> Staircase::estimate() const {
+    if (reversals_.empty()) {
+        return std::nullopt;
+    }
+    const std::size_t count =
+        spec_.average == 0 ? reversals_.size() : std::min(spec_.average, reversals_.size());
+    double sum = 0.0;
+    for (std::size_t i = reversals_.size() - count; i < reversals_.size(); ++i) {
+        sum += reversals_[i];
+    }
+    return sum / static_cast<double>(count);
+}
+
+}  // namespace palpate::protocols

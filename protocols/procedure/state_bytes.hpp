@@ -1,0 +1,47 @@
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/design/sha256.hpp"
+
+namespace palpate::protocols {
+
+/// The bytes by which the state of a procedure is named. Numbers are 8 bytes, the lowest first (doubles
+/// by their IEEE-754 bits); texts and lists carry their length, so that no state can pass for another.
+class StateBytes {
+public:
+    explicit StateBytes(std::string_view kind) { add(kind); }
+
+    void add(std::uint64_t word) {
+        for (unsigned shift = 0; shift < 64; shift += 8) {
+            bytes_.push_back(static_cast<std::byte>((word >> shift) & 0xFFU));
+        }
+    }
+    void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
+    void add(std::string_view text) {
+        add(std::uint64_t{text.size()});
+        for (const char c : text) {
+            bytes_.push_back(static_cast<std::byte>(c));
+        }
+    }
+    void add(std::span<const double> list) {
+        add(std::uint64_t{list.size()});
+        for (const double number : list) {
+            add(number);
+        }
+    }
+
+    /// SHA-256, 64 hexadecimal digits.
+    [[nodiscard]] std::string hash() const { return sha256_hex(std::span(bytes_)); }
+
+private:
+    std::vector<std::byte> bytes_;
+};
+
+}  // namespace palpate::protocols

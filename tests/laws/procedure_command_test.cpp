@@ -1,0 +1,177 @@
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "tests/protocols/published_traces.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+constexpr std::string_view kWatson = R"(format = 1
+[procedure]
+kind = "quest_plus"
+trials = 128
+[model]
+family = "weibull_db"
+[stimuli]
+stimulus = { from = -40, to = 0, count = 41 }
+[parameters]
+threshold = { from = -40, to = 0, count = 41 }
+slope = [2, 3, 4, 5]
+guess = 0.5
+lapse = [0.0, 0.01, 0.02, 0.03, 0.04]
+)";
+
+void write(const std::string& file, std::string_view text) {
+    std::ofstream(file) << text;
+}
+
+std::string read(const std::string& file) {
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
+}
+
+std::vector<std::string> fields(const std::string& line) {
+    std::vector<std::string> fields{""};
+    for (const char c : line) {
+        if (c == ',') {
+            fields.emplace_back();
+        } else {
+            fields.back() += c;
+        }
+    }
+    return fields;
+}
+
+std::vector<std::vector<std::string>> rows(const std::string& text) {
+    std::istringstream lines(text);
+    std::vector<std::vector<std::string>> rows;
+    for (std::string line; std::getline(lines, line);) {
+        rows.push_back(fields(line));
+    }
+    return rows;
+}
+
+}  // namespace
+
+TEST_CASE("palpate procedure replays Watson's run of threshold, slope and lapse",
+          "[cli][procedure][golden]") {
+    const TemporaryFolder folder;
+    write(folder.file("c.toml"), kWatson);
+    // The published stimuli are given, since two of them tie with others.
+    std::string responses = "stimulus,response\n";
+    for (std::size_t i = 0; i < tests::kLapseStimuli.size(); ++i) {
+        responses += fmt::format("{},{}\n", tests::kLapseStimuli[i], tests::kLapseAnswers[i]);
+    }
+    write(folder.file("r.csv"), responses);
+    const Finished run = palpate_command(
+        {"procedure", folder.file("c.toml"), folder.file("r.csv"), "-o", folder.file("o.csv")});
+    REQUIRE(run.error.empty());
+    REQUIRE(run.code == 0);
+    const auto table = rows(read(folder.file("o.csv")));
+    REQUIRE(table.size() == 129);
+    CHECK(table[0] == std::vector<std::string>{"trial", "stimulus", "response",
+                                               "estimate_mean_threshold", "estimate_mode_threshold",
+                                               "estimate_mean_slope", "estimate_mode_slope",
+                                               "estimate_mean_lapse", "estimate_mode_lapse",
+                                               "entropy_bits", "next_stimulus"});
+    int other = 0;
+    for (std::size_t i = 1; i < 128; ++i) {
+        CHECK(table[i][0] == std::to_string(i));
+        CHECK(table[i][1] == std::to_string(tests::kLapseStimuli[i - 1]));
+        other += table[i][10] == std::to_string(tests::kLapseStimuli[i]) ? 0 : 1;
+    }
+    CHECK(other == 2);
+    CHECK(table[128][4] == "-20");
+    CHECK(table[128][6] == "5");
+    CHECK(table[128][8] == "0.04");
+    CHECK(table[128][10].empty());  // it has ended
+}
+
+TEST_CASE(
+    "without a stimulus column the recommended stimuli are taken, and written to standard output",
+    "[cli][procedure]") {
+    const TemporaryFolder folder;
+    std::string config(kWatson);
+    config.replace(config.find("[2, 3, 4, 5]"), 12, "3.5");
+    const std::size_t lapse = config.find("lapse = [");
+    config.replace(lapse, config.size() - lapse, "lapse = 0.02\n");
+    write(folder.file("c.toml"), config);
+    std::string responses = "response\n";
+    for (const char answer : tests::kThresholdAnswers) {
+        responses += std::string(1, answer) + "\n";
+    }
+    write(folder.file("r.csv"), responses);
+    const Finished run =
+        palpate_command({"procedure", folder.file("c.toml"), folder.file("r.csv")});
+    REQUIRE(run.code == 0);
+    const auto table = rows(run.out);
+    CHECK(fmt::format("{}", fmt::join(table[0], ",")) ==
+          "trial,stimulus,response,estimate_mean,estimate_mode,entropy_bits,next_stimulus");
+    for (std::size_t i = 0; i < tests::kThresholdStimuli.size(); ++i) {
+        CAPTURE(i);
+        CHECK(table.at(i + 1)[1] == std::to_string(tests::kThresholdStimuli[i]));
+    }
+    CHECK(table[32][4] == "-20");
+    // What it said is next is what it then took.
+    for (std::size_t i = 1; i < 32; ++i) {
+        CHECK(table[i][6] == table[i + 1][1]);
+    }
+    const Finished again =
+        palpate_command({"procedure", folder.file("c.toml"), folder.file("r.csv"), "--hashes"});
+    const auto hashes = rows(again.out);
+    CHECK(hashes[0].back() == "state_sha256");
+    CHECK(hashes[1].back().size() == 64);
+    CHECK(hashes[1].back() != hashes[2].back());
+}
+
+TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
+          "[cli][procedure]") {
+    const TemporaryFolder folder;
+    const std::string config = folder.file("c.toml");
+    const std::string responses = folder.file("r.csv");
+    write(config, kWatson);
+    const auto refused = [&](std::string_view text, const std::string& what) {
+        write(responses, text);
+        const Finished run =
+            palpate_command({"procedure", config, responses, "-o", folder.file("o.csv")});
+        CAPTURE(text);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error, ContainsSubstring(what));
+        CHECK(folder.names() == std::vector<std::string>{"c.toml", "r.csv"});
+    };
+    refused("answer\n1\n", "r.csv:1: there is no column response");
+    refused("response\n2\n", "r.csv:2: response is 2: give a whole number from 0 to 1");
+    refused("response\n1\n0.5\n", "r.csv:3: response is 0.5");
+    refused("response\nyes\n", "r.csv:2: response is \"yes\", not a finite number");
+    refused("response,stimulus\n1,-18\n1,-18.5\n", "r.csv:3: stimulus is -18.5, which is none of");
+    std::string many = "response\n";
+    for (int i = 0; i < 130; ++i) {
+        many += "1\n";
+    }
+    refused(many, "r.csv:130: response 129 comes after the end: the procedure ends with trial 128");
+    refused("", "the file is empty");
+
+    CHECK(palpate_command({"procedure"}).code == 2);
+    CHECK(palpate_command({"procedure", config}).code == 2);
+    CHECK(palpate_command({"procedure", folder.file("no.toml"), responses}).code == 2);
+    CHECK_THAT(palpate_command({"procedure", config, folder.file("no.csv")}).error,
+               ContainsSubstring("cannot be read"));
+    write(config, "format = 1\n[procedure]\nkind = \"best\"\n");
+    const Finished bad = palpate_command({"procedure", config, responses});
+    CHECK(bad.code == 2);
+    CHECK_THAT(bad.error, ContainsSubstring("c.toml:3:8: kind is \"best\""));
+    const Finished keys = palpate_command({"procedure", "--keys"});
+    CHECK(keys.code == 0);
+    CHECK_THAT(keys.out, ContainsSubstring("[quest]"));
+}

@@ -1,0 +1,343 @@
+#include <array>
+#include <regex>
+#include <sstream>
+
+#include "protocols/format/procedure_file.hpp"
+#include "protocols/format/procedure_keys.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "tests/protocols/published_traces.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::protocols;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+constexpr std::string_view kQuestPlus = R"(format = 1
+[procedure]
+kind = "quest_plus"
+trials = 128
+nuisance = ["lapse"]
+entropy_bits = 0.5
+[model]
+kind = "psychometric"
+family = "weibull_db"
+lapse_form = "upper"
+slope_as = "slope"
+[stimuli]
+stimulus = { from = -40, to = 0, step = 1 }
+[parameters]
+threshold = { from = -40, to = 0, count = 41 }
+slope = [2, 3, 4, 5]
+guess = 0.5
+lapse = [0.0, 0.02, 0.04]
+[prior]
+threshold = { mean = -20, sd = 10 }
+lapse = [2, 1, 1]
+)";
+
+constexpr std::string_view kStaircases = R"(format = 1
+[procedure]
+kind = "staircase"
+[stream]
+seed = 11
+protocol_hash = "3f"
+participant = "p01"
+session = 2
+[[staircase]]
+name = "low"
+start = 4.0
+up = 1
+down = 2
+step_up = [2.0, 1.0]
+step_down = [2.0, 1.0]
+scale = "linear"
+fast_start = true
+lowest = 0.0
+highest = 20.0
+reversals = 8
+average = 6
+[[staircase]]
+start = 16
+step_up = 1
+target = 0.75
+trials = 30
+)";
+
+constexpr std::string_view kQuest = R"(format = 1
+[procedure]
+kind = "quest"
+trials = 10
+[quest]
+guess = 50
+sd = 50
+p_threshold = 0.82
+beta = 3.5
+delta = 0.01
+gamma = 0.5
+grain = 0.01
+range = 100
+rule = "quantile"
+lowest = 0
+highest = 100
+)";
+
+constexpr std::string_view kPsi = R"(format = 1
+[procedure]
+kind = "psi"
+[model]
+family = "normal"
+lapse_form = "two_sided"
+[stimuli]
+stimulus = { from = -3, to = 3, count = 13 }
+[parameters]
+threshold = { from = -2, to = 2, count = 17 }
+log10_slope = { from = -0.5, to = 1.0, count = 7 }
+lapse = 0.02
+)";
+
+constexpr std::string_view kIdentification = R"(format = 1
+[procedure]
+kind = "quest_plus"
+[model]
+kind = "identification"
+alternatives = [-10, -5, 0, 5, 10]
+[stimuli]
+stimulus = [-10, -5, 0, 5, 10]
+[parameters]
+noise = { from = 1, to = 7, count = 13 }
+bias = { from = -3, to = 3, count = 13 }
+lapse = 0.02
+)";
+
+constexpr std::string_view kCovariate = R"(format = 1
+[procedure]
+kind = "quest_plus"
+[model]
+kind = "covariate"
+family = "logistic"
+[stimuli]
+stimulus = { from = -3, to = 3, count = 7 }
+covariate = [0.0, 0.5]
+[parameters]
+threshold = { from = -2, to = 2, count = 9 }
+tilt = { from = -1, to = 1, count = 5 }
+slope = [1, 2]
+guess = 0.5
+lapse = 0.02
+)";
+
+constexpr std::string_view kConstant = R"(format = 1
+[procedure]
+kind = "constant"
+[constant]
+stimuli = [1, 2, 3, 4]
+repetitions = 5
+in_blocks = true
+outcomes = 3
+)";
+
+constexpr std::array kAll{kQuestPlus,      kStaircases, kQuest,   kPsi,
+                          kIdentification, kCovariate,  kConstant};
+
+std::string problems(std::string_view text) {
+    try {
+        static_cast<void>(parse_procedure(text, "p.toml"));
+    } catch (const ProtocolError& error) {
+        return error.what();
+    }
+    return {};
+}
+
+/// `text` with one piece in place of another.
+std::string with(std::string_view text, std::string_view piece, std::string_view other) {
+    std::string changed(text);
+    const std::size_t at = changed.find(piece);
+    REQUIRE(at != std::string::npos);
+    return changed.replace(at, piece.size(), other);
+}
+
+}  // namespace
+
+TEST_CASE("every kind of procedure file is read", "[procedure_file]") {
+    for (const std::string_view text : kAll) {
+        CAPTURE(text);
+        CHECK(problems(text).empty());
+    }
+    const ProcedureFile file = parse_procedure(kStaircases, "p.toml");
+    CHECK(file.stream.seed == 11);
+    CHECK(file.stream.participant == "p01");
+    CHECK(file.stream.session == 2);
+    CHECK(file.stream.purpose == "procedure");
+    CHECK(file.procedure.estimates()[0].name == "low");
+    CHECK(file.procedure.estimates()[1].name == "staircase_2");
+    CHECK(parse_procedure(kIdentification, "p.toml").procedure.outcomes() == 5);
+    CHECK(parse_procedure(kCovariate, "p.toml").procedure.stimulus_names() ==
+          std::vector<std::string>{"stimulus", "covariate"});
+    CHECK(parse_procedure(kPsi, "p.toml").procedure.estimates()[1].name == "log10_slope");
+}
+
+TEST_CASE("a procedure file gives what the same spec gives", "[procedure_file][law]") {
+    const ProcedureFile file = parse_procedure(kStaircases, "p.toml");
+    Procedure read = file.procedure;
+    Procedure made(std::vector<StaircaseSpec>{{.name = "low",
+                                               .start = 4.0,
+                                               .steps_up = {2.0, 1.0},
+                                               .steps_down = {2.0, 1.0},
+                                               .fast_start = true,
+                                               .lowest = 0.0,
+                                               .highest = 20.0,
+                                               .reversals = 8,
+                                               .average = 6},
+                                              {.name = "staircase_2",
+                                               .start = 16.0,
+                                               .down = 1,
+                                               .steps_down = {(1.0 - 0.75) / 0.75},
+                                               .trials = 30}},
+                   stream({.protocol_hash = "3f",
+                           .participant = "p01",
+                           .session = 2,
+                           .purpose = "procedure",
+                           .seed = 11}));
+    for (std::size_t i = 0; i < 30; ++i) {
+        REQUIRE(read.state_hash() == made.state_hash());
+        REQUIRE(read.next() == made.next());
+        read.update(read.next(), i * i % 3 == 1 ? 0 : 1);
+        made.update(made.next(), i * i % 3 == 1 ? 0 : 1);
+    }
+}
+
+TEST_CASE("every key of the reference is read by some file, and each other one refused",
+          "[procedure_file][law]") {
+    std::string all;
+    for (const std::string_view text : kAll) {
+        all += text;
+    }
+    const std::string reference = procedure_key_reference();
+    for (const ProcedureKey& key : procedure_keys()) {
+        CAPTURE(key.table, key.name);
+        CHECK(reference.find(std::string(key.name) + " ") != std::string::npos);
+        CHECK_FALSE(key.meaning.empty());
+        const bool used = all.find(std::string(key.name) + " =") != std::string::npos;
+        CHECK((used || key.name == "sd"));  // slope_as = "sd": tested below
+    }
+    std::string text = with(kPsi, "kind = \"psi\"", "kind = \"quest_plus\"");
+    text = with(text, "family = \"normal\"", "family = \"normal\"\nslope_as = \"sd\"");
+    CHECK(problems(with(text, "log10_slope = { from = -0.5,", "sd = { from = 0.5,")).empty());
+    // An unknown key in every table of every file.
+    for (const std::string_view file : kAll) {
+        for (std::size_t at = file.find("\n["); at != std::string_view::npos;
+             at = file.find("\n[", at + 1)) {
+            const std::size_t end = file.find('\n', at + 1);
+            const std::string changed =
+                std::string(file.substr(0, end)) + "\nbogus = 1" + std::string(file.substr(end));
+            CAPTURE(changed);
+            CHECK_THAT(problems(changed), ContainsSubstring("has no key \"bogus\""));
+        }
+    }
+}
+
+TEST_CASE("what is wrong with a procedure file is said with place and remedy", "[procedure_file]") {
+    const auto said = [](std::string_view text, std::string_view piece, std::string_view other,
+                         const std::string& what) {
+        CAPTURE(piece, other);
+        CHECK_THAT(problems(with(text, piece, other)), ContainsSubstring(what));
+    };
+    said(kQuestPlus, "format = 1", "format = 2", "p.toml:1:10: format is 2: give format = 1");
+    said(kQuestPlus, "format = 1\n", "", "p.toml:1:1: format is missing: give format = 1");
+    said(kQuestPlus, "\"quest_plus\"", "\"questplus\"",
+         "p.toml:3:8: kind is \"questplus\", give one of");
+    said(kQuestPlus, "trials = 128", "trials = 0", "p.toml:4:10: trials is 0: give 1 to 100000");
+    said(kQuestPlus, "[\"lapse\"]", "[\"laps\"]",
+         "nuisance laps is no parameter of the model: delete");
+    said(kQuestPlus, "\"weibull_db\"", "\"weibul_db\"", "did you mean weibull_db?");
+    said(kQuestPlus, "step = 1", "step = 0.7", "p.toml:13:12: stimulus goes from -40 to 0 by 0.7");
+    said(kQuestPlus, "count = 41", "count = 1", "p.toml:15:13: threshold goes from");
+    said(kQuestPlus, "[2, 3, 4, 5]", "[2, 0]", "p.toml:16:9: slope holds 0: give numbers above 0");
+    said(kQuestPlus, "[2, 3, 4, 5]", "[2, 2]", "slope has the value 2 at place 2");
+    said(kQuestPlus, "[2, 3, 4, 5]", "\"steep\"", "give a number, a list");
+    said(kQuestPlus, "guess = 0.5", "guess = 1.5", "guess is 1.5: give 0 to 1");
+    said(kQuestPlus, "guess = 0.5", "guess = 0.97", "give smaller rates");
+    said(kQuestPlus, "[2, 1, 1]", "[2, 1]",
+         "p.toml:21:9: the prior of lapse has 2 weights: give 3");
+    said(kQuestPlus, "[2, 1, 1]", "[2, 1, -1]", "lapse holds -1");
+    said(kQuestPlus, "[2, 1, 1]", "[0, 0, 0]", "not all of them 0");
+    said(kQuestPlus, "sd = 10", "sd = 0", "sd is 0: give above 0");
+    said(kQuestPlus, "step = 1 ", "step = 0.0005 ", "MB of tables");
+    said(kQuestPlus, "[prior]", "[quest]\n[prior]", "this kind of procedure has no \"quest\"");
+    said(kStaircases, "[2.0, 1.0]", "[]", "step_up");
+    said(kStaircases, "reversals = 8\n", "", "give trials or reversals");
+    said(kStaircases, "target = 0.75", "target = 0.75\ndown = 2",
+         "target is for up = 1 and down = 1");
+    said(kStaircases, "fast_start = true", "fast_start = 1", "give true or false");
+    said(kStaircases, "seed = 11", "seed = -1", "p.toml:5:8: seed is -1");
+    said(kStaircases, "name = \"low\"", "name = \"staircase_2\"", "two staircases are called");
+    said(kQuest, "p_threshold = 0.82", "p_threshold = 0.3",
+         "p_threshold is 0.3: give a chance above");
+    said(kPsi, "family = \"normal\"", "family = \"normal\"\nslope_as = \"slope\"",
+         "psi has a psychometric");
+    said(kIdentification, "[-10, -5, 0, 5, 10]", "[-10]", "at least two");
+    said(kConstant, "outcomes = 3", "outcomes = 1", "outcomes is 1: give 2 to 100");
+    said(kConstant, "repetitions = 5", "repetitions = 50000", "give fewer repetitions");
+    CHECK_THAT(problems("format = 1\n[procedure]\nkind = \"staircase\"\n"),
+               ContainsSubstring("write each as a table [[staircase]]"));
+    CHECK_THAT(problems("format = 1\nprocedure = 3\n"), ContainsSubstring("write it as a table"));
+    CHECK_THAT(problems("format = \n"), ContainsSubstring("not TOML"));
+}
+
+TEST_CASE("no procedure file, however broken, does more than be refused line by line",
+          "[procedure_file][fuzz]") {
+    constexpr std::array<std::string_view, 20> kSplinters{
+        "-",   "[",   "]",     "\"",  "=", "#", "\n",   ".",    ",",  "nan",
+        "inf", "1e9", "1e999", "0.5", "{", "}", "true", "\xff", "[[", "1979-05-27"};
+    const std::regex form("^[^:]+:[0-9]+:[0-9]+: .+");
+    int accepted = 0;
+    for (std::uint64_t seed = 0; seed < 1000; ++seed) {
+        Random random(seed);
+        std::string text(kAll[seed % kAll.size()]);
+        const auto somewhere = [&] {
+            return static_cast<std::size_t>(random.below(static_cast<int>(text.size())));
+        };
+        for (int i = 1 + random.below(3); i > 0; --i) {
+            switch (random.below(5)) {
+                case 0:
+                    text[somewhere()] = static_cast<char>(random.below(256));
+                    break;
+                case 1:
+                    text.erase(somewhere(), static_cast<std::size_t>(random.below(30)));
+                    break;
+                case 2:
+                    text.insert(somewhere(),
+                                kSplinters[static_cast<std::size_t>(random.below(20))]);
+                    break;
+                default: {
+                    const std::size_t digit = text.find_first_of("0123456789", somewhere());
+                    if (digit != std::string::npos) {
+                        text[digit] = static_cast<char>('0' + random.below(10));
+                    }
+                }
+            }
+        }
+        CAPTURE(seed, text);
+        try {
+            Procedure procedure = parse_procedure(text, "p.toml").procedure;
+            ++accepted;
+            if (!procedure.finished()) {
+                procedure.update(procedure.next(), 1);
+            }
+        } catch (const ProtocolError& error) {
+            std::istringstream lines(error.what());
+            for (std::string line; std::getline(lines, line);) {
+                CAPTURE(line);
+                CHECK(std::regex_search(line, form));
+            }
+        } catch (const std::invalid_argument& error) {
+            // A response that a strange but possible model forbids.
+            CHECK_THAT(error.what(), ContainsSubstring("impossible"));
+        }
+    }
+    CHECK(accepted > 100);
+    CHECK(accepted < 900);
+}

@@ -1,0 +1,308 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "protocols/procedure/procedure.hpp"
+#include "tests/protocols/simulated_answers.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace palpate::protocols;
+using Catch::Matchers::ContainsSubstring;
+using palpate::tests::answer_of;
+using palpate::tests::Random;
+
+namespace {
+
+QuestPlusSpec yes_no() {
+    return {.model = psychometric_model(Family::normal, LapseForm::upper, SlopeAs::sd),
+            .stimuli = Grid({{"stimulus", evenly(-6, 6, 25)}}),
+            .parameters = Grid({{"threshold", evenly(-4, 4, 33)},
+                                {"sd", evenly(0.5, 3.5, 7)},
+                                {"guess", {0.02}},
+                                {"lapse", {0.0, 0.02, 0.04}}}),
+            .trials = 120};
+}
+
+QuestPlusSpec identification() {
+    return {.model = identification_model({-10, -5, 0, 5, 10}),
+            .stimuli = Grid({{"stimulus", {-10, -5, 0, 5, 10}}}),
+            .parameters =
+                Grid({{"noise", evenly(1, 7, 13)}, {"bias", evenly(-3, 3, 13)}, {"lapse", {0.02}}}),
+            .trials = 150};
+}
+
+struct Spread {
+    double mean = 0.0;
+    double deviation = 0.0;
+};
+
+Spread spread_of(const std::vector<double>& values) {
+    const double n = static_cast<double>(values.size());
+    Spread spread{std::accumulate(values.begin(), values.end(), 0.0) / n, 0.0};
+    for (const double v : values) {
+        spread.deviation += (v - spread.mean) * (v - spread.mean) / (n - 1.0);
+    }
+    spread.deviation = std::sqrt(spread.deviation);
+    return spread;
+}
+
+/// Errors of the posterior mean of parameter k over seeded runs.
+std::vector<double> errors(const QuestPlusSpec& spec, std::size_t k, int runs) {
+    const QuestPlus fresh(spec);
+    std::vector<double> errors;
+    for (int run = 0; run < runs; ++run) {
+        Random random(static_cast<std::uint64_t>(run) + 77);
+        std::vector<double> truth;
+        for (const Axis& axis : spec.parameters.axes()) {
+            // Inside, so that the grid's ends do not pull.
+            const double lo = axis.values.front();
+            const double hi = axis.values.back();
+            truth.push_back(random.in(lo + 0.25 * (hi - lo), hi - 0.25 * (hi - lo)));
+        }
+        QuestPlus quest = fresh;
+        while (!quest.finished()) {
+            const std::vector<double> x = quest.next();
+            quest.update(x, answer_of(spec.model, x, truth, random));
+        }
+        errors.push_back(quest.posterior().mean(spec.parameters)[k] - truth[k]);
+    }
+    return errors;
+}
+
+}  // namespace
+
+TEST_CASE("QUEST+ finds the threshold of a simulated observer without bias", "[quest_plus][law]") {
+    const Spread error = spread_of(errors(yes_no(), 0, 60));
+    // The best stimulus gives about .64 / sd^2 of Fisher information a trial on the threshold of a yes/no
+    // task (at F = 1/2): with sd 2 and 120 trials no unbiased estimate spreads less than .23.
+    CHECK(std::fabs(error.mean) < 3.0 * error.deviation / std::sqrt(60.0));
+    CHECK(error.deviation < 2.0 * 0.23);
+}
+
+TEST_CASE("QUEST+ finds noise and bias from five alternatives", "[quest_plus][law]") {
+    const QuestPlusSpec spec = identification();
+    const Spread noise = spread_of(errors(spec, 0, 50));
+    const Spread bias = spread_of(errors(spec, 1, 50));
+    CHECK(std::fabs(noise.mean) < 0.3);
+    CHECK(noise.deviation < 0.7);
+    CHECK(std::fabs(bias.mean) < 3.0 * bias.deviation / std::sqrt(50.0));
+    CHECK(bias.deviation < 0.7);  // noise 4: at least .33 from 150 percepts themselves
+}
+
+TEST_CASE("the identification model is counted out by its percepts", "[quest_plus][law]") {
+    const std::vector<double> items{-10, -5, 0, 5, 10};
+    const OutcomeModel model = identification_model(items);
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        Random random(seed);
+        const std::vector<double> s{random.in(1, 8), random.in(-3, 3), random.in(0, 0.2)};
+        const std::vector<double> x{random.in(-12, 12)};
+        std::vector<double> chances(5);
+        model.chances(x, s, chances);
+        CHECK(std::accumulate(chances.begin(), chances.end(), 0.0) == Approx(1.0).epsilon(1e-14));
+        std::array<int, 5> counts{};
+        std::mt19937_64 words(seed);
+        constexpr int kDraws = 100'000;
+        for (int i = 0; i < kDraws; ++i) {
+            const double u = random.in(1e-12, 1.0);
+            const double percept = x[0] + s[1] +
+                                   s[0] * std::sqrt(-2.0 * std::log(u)) *
+                                       std::cos(6.283185307179586 * random.in(0, 1));
+            std::size_t nearest = 0;
+            for (std::size_t j = 1; j < 5; ++j) {
+                if (std::fabs(percept - items[j]) < std::fabs(percept - items[nearest])) {
+                    nearest = j;
+                }
+            }
+            if (random.in(0, 1) < s[2]) {
+                nearest = static_cast<std::size_t>(random.below(5));
+            }
+            ++counts[nearest];
+        }
+        for (std::size_t j = 0; j < 5; ++j) {
+            const double deviation = std::sqrt(chances[j] * (1.0 - chances[j]) / kDraws);
+            CAPTURE(seed, j);
+            CHECK(std::fabs(counts[j] / double(kDraws) - chances[j]) < 5.0 * deviation + 1e-5);
+        }
+    }
+}
+
+TEST_CASE("the order of the responses does not matter to the posterior", "[quest_plus][law]") {
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+        Random random(seed);
+        const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
+        std::vector<std::pair<std::vector<double>, std::size_t>> trials;
+        for (int i = 0; i < 40; ++i) {
+            const auto x =
+                static_cast<std::size_t>(random.below(static_cast<int>(spec.stimuli.size())));
+            const auto r =
+                static_cast<std::size_t>(random.below(static_cast<int>(spec.model.outcomes)));
+            trials.emplace_back(spec.stimuli.point(x), r);
+        }
+        QuestPlus forward(spec);
+        QuestPlus backward = forward;
+        for (std::size_t i = 0; i < trials.size(); ++i) {
+            forward.update(trials[i].first, trials[i].second);
+            const auto& other = trials[trials.size() - 1 - i];
+            backward.update(other.first, other.second);
+        }
+        const auto a = forward.posterior().weights();
+        const auto b = backward.posterior().weights();
+        for (std::size_t c = 0; c < a.size(); ++c) {
+            CAPTURE(seed, c);
+            REQUIRE(b[c] == Approx(a[c]).epsilon(1e-11).margin(1e-300));
+        }
+    }
+}
+
+TEST_CASE("a run that is rebuilt from its responses has the hash of the run", "[procedure][law]") {
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+        Random random(seed);
+        const QuestPlusSpec spec = seed % 2 == 0 ? yes_no() : identification();
+        Procedure run(spec, Pcg32(1, 1));
+        std::vector<std::vector<double>> shown;
+        std::vector<std::size_t> answers;
+        std::vector<std::string> hashes{run.state_hash()};
+        for (int i = 0; i < 15; ++i) {
+            shown.push_back(run.next());
+            answers.push_back(static_cast<std::size_t>(random.below(2)));
+            run.update(shown.back(), answers.back());
+            hashes.push_back(run.state_hash());
+        }
+        Procedure rebuilt(spec, Pcg32(1, 1));
+        for (std::size_t i = 0; i < shown.size(); ++i) {
+            CHECK(rebuilt.state_hash() == hashes[i]);
+            CHECK(rebuilt.next() == shown[i]);
+            rebuilt.update(shown[i], answers[i]);
+        }
+        CHECK(rebuilt.state_hash() == hashes.back());
+        std::sort(hashes.begin(), hashes.end());
+        CHECK(std::unique(hashes.begin(), hashes.end()) == hashes.end());
+    }
+}
+
+TEST_CASE("the state of a run is the same to the bit with every compiler and C library",
+          "[procedure][golden]") {
+    // Computed by this program on x86-64 with gcc 12 -O0, gcc 12 -O3 -march=native and clang 14 -O2, which
+    // agree: the arithmetic uses nothing of libm that is not exact, so any other IEEE-754 machine must too.
+    QuestPlus quest(yes_no());
+    QuestPlus five(identification());
+    Quest threshold({.guess = 0.3});
+    for (std::size_t i = 0; i < 40; ++i) {
+        quest.update(quest.next(), i * i % 3 == 1 ? 1 : 0);
+        five.update(five.next(), i * i % 5);
+        threshold.update(threshold.next(), i * i % 3 == 1 ? 1 : 0);
+    }
+    CHECK(quest.state_hash() == "7a3512fd89d836535070ebf091961d620bf46abd4e520e90c081a461211e4bcf");
+    CHECK(five.state_hash() == "39a2222fb2d4304d9d6c82fab87a4d2509dc1f3a673cb7d48c9aab0ba3dbab89");
+    CHECK(threshold.state_hash() ==
+          "7f730dd12d5471d885e6cb30d5299c535f72c632815e2b3dc2b85dc50da162cd");
+}
+
+TEST_CASE("QUEST+ ends by trials or by entropy", "[quest_plus]") {
+    QuestPlusSpec spec = yes_no();
+    spec.trials = 7;
+    QuestPlus quest(spec);
+    for (int i = 0; i < 7; ++i) {
+        CHECK_FALSE(quest.finished());
+        quest.update(quest.next(), 1);
+    }
+    CHECK(quest.finished());
+    spec.trials = 500;
+    spec.entropy_bits = 5.0;
+    QuestPlus sharp(spec);
+    Random random(1);
+    while (!sharp.finished()) {
+        const std::vector<double> x = sharp.next();
+        sharp.update(x,
+                     answer_of(spec.model, x, std::vector<double>{1.0, 1.0, 0.02, 0.02}, random));
+    }
+    CHECK(sharp.entropy() < 5.0);
+    CHECK(sharp.trials() < 500);
+}
+
+TEST_CASE("a prior pulls as a hundred equal trials would", "[quest_plus]") {
+    QuestPlusSpec spec = yes_no();
+    const QuestPlus uniform(spec);
+    CHECK(uniform.entropy() == Approx(std::log2(33.0 * 7.0 * 3.0)).epsilon(1e-12));
+    spec.prior = {std::vector<double>(33, 0.0), {}, {}, {2.0, 1.0, 1.0}};
+    spec.prior[0][8] = 3.0;
+    const QuestPlus sure(spec);
+    CHECK(sure.posterior().mean(spec.parameters)[0] == Approx(-2.0).epsilon(1e-12));
+    CHECK(sure.posterior().mean(spec.parameters)[3] == Approx(0.015).epsilon(1e-12));
+    CHECK(sure.estimates()[0].mode == -2.0);
+    CHECK(sure.estimates().size() == 3);  // the guess rate is fixed
+}
+
+TEST_CASE("what QUEST+ cannot do is refused with the remedy", "[quest_plus]") {
+    QuestPlusSpec spec = yes_no();
+    QuestPlus quest(spec);
+    CHECK_THROWS_WITH(quest.update(std::vector<double>{0.1}, 1),
+                      ContainsSubstring("stimulus is 0.1, which is none of its 25 values"));
+    CHECK_THROWS_WITH(quest.update(std::vector<double>{0.0}, 2), ContainsSubstring("give 0 to 1"));
+    CHECK_THROWS_WITH(quest.update(std::vector<double>{0.0, 1.0}, 1), ContainsSubstring("give 1"));
+    CHECK_NOTHROW(quest.update(std::vector<double>{0.5 + 1e-10}, 1));
+
+    spec.nuisance = {"slope"};
+    CHECK_THROWS_WITH(QuestPlus(spec), ContainsSubstring("no parameter of the model"));
+    spec.nuisance = {"threshold", "sd", "guess", "lapse"};
+    CHECK_THROWS_WITH(QuestPlus(spec), ContainsSubstring("every parameter is a nuisance"));
+    spec = yes_no();
+    spec.parameters = Grid({{"threshold", {0.0}}});
+    CHECK_THROWS_WITH(QuestPlus(spec), ContainsSubstring("give threshold, sd, guess, lapse"));
+    spec = yes_no();
+    spec.parameters = Grid({{"threshold", evenly(-4, 4, 10001)},
+                            {"sd", evenly(0.5, 3, 101)},
+                            {"guess", {0.02}},
+                            {"lapse", {0.02}}});
+    CHECK_THROWS_WITH(QuestPlus(spec), ContainsSubstring("MB of tables"));
+    CHECK_THROWS_WITH(Grid({{"a", evenly(0, 1, 5000)}, {"b", evenly(0, 1, 5000)}}),
+                      ContainsSubstring("more than 10000000 cells"));
+    CHECK_THROWS_WITH(Grid({{"a", {1.0, 1.0}}}), ContainsSubstring("each above the one before"));
+    CHECK_THROWS_WITH(identification_model({1.0}), ContainsSubstring("at least two"));
+}
+
+TEST_CASE("a response that no parameter allows is refused and changes nothing", "[quest_plus]") {
+    QuestPlusSpec spec = yes_no();
+    spec.parameters =
+        Grid({{"threshold", {0.0, 1.0}}, {"sd", {0.001}}, {"guess", {0.0}}, {"lapse", {0.0}}});
+    QuestPlus quest(spec);
+    const std::string before = quest.state_hash();
+    CHECK_THROWS_WITH(quest.update(std::vector<double>{-6.0}, 1),
+                      ContainsSubstring("impossible under every parameter"));
+    CHECK(quest.state_hash() == before);
+}
+
+TEST_CASE("psi is QUEST+ on a grid of log10 slopes", "[psi][law]") {
+    const PsiSpec psi{.family = Family::logistic,
+                      .stimuli = evenly(-3, 3, 13),
+                      .thresholds = evenly(-2, 2, 17),
+                      .log10_slopes = evenly(-0.5, 1.0, 7),
+                      .guesses = {0.5},
+                      .lapses = {0.02}};
+    std::vector<double> slopes;
+    for (const double s : psi.log10_slopes) {
+        slopes.push_back(std::pow(10.0, s));
+    }
+    const QuestPlusSpec plain{.model = psychometric_model(Family::logistic, LapseForm::upper),
+                              .stimuli = Grid({{"stimulus", psi.stimuli}}),
+                              .parameters = Grid({{"threshold", psi.thresholds},
+                                                  {"slope", slopes},
+                                                  {"guess", {0.5}},
+                                                  {"lapse", {0.02}}})};
+    Procedure a(psi, Pcg32(1, 1));
+    Procedure b(plain, Pcg32(1, 1));
+    Random random(5);
+    for (int i = 0; i < 40; ++i) {
+        CAPTURE(i);
+        const std::vector<double> x = a.next();
+        REQUIRE(b.next() == x);
+        const std::size_t r =
+            answer_of(plain.model, x, std::vector<double>{0.4, 2.0, 0.5, 0.02}, random);
+        a.update(x, r);
+        b.update(x, r);
+        REQUIRE(a.entropy().value() == Approx(b.entropy().value()).epsilon(1e-10));
+    }
+    // Estimates: the mean of the logarithms, not the logarithm of the mean.
+    CHECK(a.estimates()[1].name == "log10_slope");
+    CHECK(std::pow(10.0, a.estimates()[1].mean.value()) < b.estimates()[1].mean.value());
+}

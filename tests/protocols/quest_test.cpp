@@ -1,0 +1,162 @@
+#include <array>
+#include <cmath>
+
+#include "protocols/procedure/quest.hpp"
+#include "protocols/psychometric/psychometric_function.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::protocols;
+using palpate::tests::Random;
+
+TEST_CASE("QUEST runs a published sequence", "[quest][golden]") {
+    // Intensities and estimates tabulated in PsychoPy's test of its QuestHandler, whose QUEST is A. Straw's
+    // translation of D. Pelli's. Two right, two wrong, and again.
+    Quest quest(
+        {.guess = 50.0, .sd = 50.0, .range = 100.0, .lowest = 0.0, .highest = 100.0, .trials = 10});
+    constexpr std::array kShown{50.0,
+                                45.139710407074872,
+                                37.291086503930742,
+                                58.297413127139947,
+                                80.182967131096547,
+                                75.295251409003527,
+                                71.57627192423783,
+                                79.881680484036906,
+                                90.712313302815517,
+                                88.265808957695796};
+    for (std::size_t i = 0; i < kShown.size(); ++i) {
+        CAPTURE(i);
+        const std::vector<double> x = i == 0 ? std::vector<double>{50.0} : quest.next();
+        CHECK(x[0] == Approx(kShown[i]).margin(1e-5));
+        quest.update(std::vector<double>{kShown[i]}, i % 4 < 2 ? 1 : 0);
+    }
+    CHECK(quest.mean() == Approx(86.0772169427).margin(1e-5));
+    CHECK(quest.mode() == Approx(80.11).margin(1e-9));
+    CHECK(quest.quantile(quest.quantile_order()) == Approx(86.3849031085).margin(1e-5));
+    CHECK(quest.finished());
+}
+
+TEST_CASE("QUEST finds the threshold of a simulated observer", "[quest][law]") {
+    // Watson & Pelli 1983 start two standard deviations of doubt away; 60 trials leave about .08 log10 units.
+    const auto rule = static_cast<QuestRule>(GENERATE(0, 1, 2));
+    const PsychometricFunction shape{.family = Family::weibull_log10,
+                                     .form = LapseForm::guessing,
+                                     .slope = 3.5,
+                                     .guess = 0.5,
+                                     .lapse = 0.01};
+    const double offset =
+        stimulus_at(shape, 0.82);  // of the .82 point from the function's own threshold
+    double sum = 0.0;
+    double square = 0.0;
+    constexpr int kRuns = 200;
+    for (int run = 0; run < kRuns; ++run) {
+        Random random(static_cast<std::uint64_t>(run));
+        const double threshold = random.in(-1.0, 1.0);
+        PsychometricFunction observer = shape;
+        observer.threshold = threshold - offset;
+        Quest quest({.guess = 0.0, .sd = 2.0, .rule = rule, .trials = 60});
+        while (!quest.finished()) {
+            const std::vector<double> x = quest.next();
+            quest.update(x, random.in(0, 1) < probability(observer, x[0]) ? 1 : 0);
+        }
+        const double error = quest.mean() - threshold;
+        sum += error;
+        square += error * error;
+    }
+    const double spread = std::sqrt(square / kRuns);
+    CAPTURE(static_cast<int>(rule), sum / kRuns, spread);
+    CHECK(spread < 0.12);
+    CHECK(std::fabs(sum / kRuns) < 0.03);
+}
+
+TEST_CASE("QUEST's posterior is Bayes on a grid", "[quest][law]") {
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        Random random(seed);
+        const QuestSpec spec{.guess = random.in(-2, 2),
+                             .sd = random.in(0.3, 2),
+                             .p_threshold = random.in(0.6, 0.9),
+                             .beta = random.in(1, 5),
+                             .delta = random.in(0.001, 0.05),
+                             .gamma = random.in(0.01, 0.5),
+                             .grain = 0.05,
+                             .range = 4.0};
+        Quest quest(spec);
+        const PsychometricFunction f{.family = Family::weibull_log10,
+                                     .form = LapseForm::guessing,
+                                     .slope = spec.beta,
+                                     .guess = spec.gamma,
+                                     .lapse = spec.delta};
+        // At the threshold the chance is p_threshold.
+        const double offset = stimulus_at(f, spec.p_threshold);
+        std::vector<double> weights;
+        std::vector<double> cells;
+        for (int i = -40; i <= 40; ++i) {
+            cells.push_back(spec.guess + 0.05 * i);
+            const double z = 0.05 * i / spec.sd;
+            weights.push_back(std::exp(-0.5 * z * z));
+        }
+        for (int trial = 0; trial < 30; ++trial) {
+            const double x = spec.guess + 0.05 * (random.below(81) - 40);
+            const bool right = random.coin();
+            quest.update(std::vector<double>{x}, right ? 1 : 0);
+            for (std::size_t i = 0; i < cells.size(); ++i) {
+                const double p = probability(f, x - cells[i] + offset);
+                weights[i] *= right ? p : 1.0 - p;
+            }
+        }
+        double sum = 0.0;
+        double mean = 0.0;
+        double entropy = 0.0;
+        for (const double w : weights) {
+            sum += w;
+        }
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            mean += weights[i] / sum * cells[i];
+            entropy -= weights[i] / sum * std::log2(weights[i] / sum);
+        }
+        CAPTURE(seed);
+        CHECK(quest.mean() == Approx(mean).margin(1e-9));
+        CHECK(quest.entropy() == Approx(entropy).epsilon(1e-9));
+        CHECK(quest.quantile(0.0) <= quest.quantile(0.3));
+        CHECK(quest.quantile(0.3) <= quest.quantile(1.0));
+    }
+}
+
+TEST_CASE("QUEST's quirks are those of its publication", "[quest]") {
+    // Order of the quantile for gamma .5 and delta .01, from the formula in double precision by hand:
+    // pL = .5, pH = .995.
+    const Quest quest({});
+    const double low = 0.5;
+    const double high = 0.995;
+    const auto h = [](double p) {
+        return p * std::log(p) + (1.0 - p) * std::log(1.0 - p);
+    };
+    const double best = 1.0 / (1.0 + std::exp((h(high) - h(low)) / (low - high)));
+    CHECK(quest.quantile_order() == Approx((best - low) / (high - low)).epsilon(1e-6));
+    // A stimulus far outside is as one at the table's end; the shown one is rounded to the grain.
+    Quest far({.grain = 0.1});
+    Quest near({.grain = 0.1});
+    far.update(std::vector<double>{1e8}, 1);
+    near.update(std::vector<double>{5.0}, 1);
+    CHECK(far.mean() == Approx(near.mean()).margin(1e-12));
+    Quest a({.grain = 0.1});
+    Quest b({.grain = 0.1});
+    a.update(std::vector<double>{0.24}, 1);
+    b.update(std::vector<double>{0.16}, 1);
+    CHECK(a.state_hash() == b.state_hash());
+    // The recommendation keeps its bounds.
+    Quest bounded({.guess = 3.0, .lowest = -1.0, .highest = 1.0});
+    CHECK(bounded.next()[0] == 1.0);
+}
+
+TEST_CASE("a QUEST that makes no sense is refused with the remedy", "[quest]") {
+    using Catch::Matchers::ContainsSubstring;
+    CHECK_THROWS_WITH(Quest({.sd = 0.0}), ContainsSubstring("sd is 0: give"));
+    CHECK_THROWS_WITH(Quest({.p_threshold = 0.4}), ContainsSubstring("p_threshold is 0.4: give"));
+    CHECK_THROWS_WITH(Quest({.grain = 1e-9}), ContainsSubstring("larger grain"));
+    CHECK_THROWS_WITH(Quest({.delta = 1.0}), ContainsSubstring("delta is 1: give"));
+    CHECK_THROWS_WITH(Quest({.trials = 0}), ContainsSubstring("trials is 0"));
+    Quest quest({});
+    CHECK_THROWS_WITH(quest.update(std::vector<double>{NAN}, 1), ContainsSubstring("finite"));
+    CHECK_THROWS_WITH(quest.update(std::vector<double>{0.0}, 3), ContainsSubstring("give 0 or 1"));
+}

@@ -1,0 +1,161 @@
+#include <cmath>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "protocols/format/procedure_file.hpp"
+#include "data/csv/number_table.hpp"
+#include "data/csv/whole_file.hpp"
+#include "ui/cli/commands.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using protocols::Estimate;
+using protocols::Procedure;
+
+/// Columns of the stimulus: "stimulus", and "stimulus_covariate" for a further dimension of that name.
+std::vector<std::string> stimulus_columns(const Procedure& procedure) {
+    std::vector<std::string> columns;
+    for (const std::string& name : procedure.stimulus_names()) {
+        columns.push_back(columns.empty() ? "stimulus" : "stimulus_" + name);
+    }
+    return columns;
+}
+
+std::string head(const Procedure& procedure, bool tracks, bool hashes) {
+    const std::vector<std::string> stimulus = stimulus_columns(procedure);
+    std::string text = fmt::format("trial,{},response", fmt::join(stimulus, ","));
+    if (tracks) {
+        text += ",staircase";
+    }
+    const std::vector<Estimate> estimates = procedure.estimates();
+    if (estimates.size() < 2) {
+        text += ",estimate_mean,estimate_mode";
+    } else {
+        for (const Estimate& estimate : estimates) {
+            text += fmt::format(",estimate_mean_{0},estimate_mode_{0}", estimate.name);
+        }
+    }
+    text += ",entropy_bits";
+    for (const std::string& column : stimulus) {
+        text += ",next_" + column;
+    }
+    return text + (hashes ? ",state_sha256\n" : "\n");
+}
+
+void add(std::string& line, std::optional<double> value) {
+    line += ',';
+    if (value && std::isfinite(*value)) {
+        fmt::format_to(std::back_inserter(line), "{}", *value == 0.0 ? 0.0 : *value);
+    }
+}
+
+/// What the procedure says after a trial: estimates, entropy, and what it would show next.
+void add_state(std::string& line, const Procedure& procedure) {
+    const std::vector<Estimate> estimates = procedure.estimates();
+    for (const Estimate& estimate : estimates) {
+        add(line, estimate.mean);
+        add(line, estimate.mode);
+    }
+    if (estimates.empty()) {
+        line += ",,";
+    }
+    add(line, procedure.entropy());
+    if (procedure.finished()) {
+        line += std::string(procedure.stimulus_names().size(), ',');
+    } else {
+        for (const double x : procedure.next()) {
+            add(line, x);
+        }
+    }
+}
+
+/// The response of a row as an outcome.
+std::size_t outcome_of(const Procedure& procedure,
+                       const data::NumberTable& table,
+                       std::size_t row,
+                       const std::string& file) {
+    const double response = table.at(row, 0);
+    const auto last = static_cast<double>(procedure.outcomes() - 1);
+    if (!(response >= 0.0 && response <= last) || response != std::floor(response)) {
+        throw data::CsvError(fmt::format("{}:{}: response is {}: give a whole number from 0 to {}",
+                                         file, table.lines[row], response, last));
+    }
+    return static_cast<std::size_t>(response);
+}
+
+/// The stimulus of a row, or what the procedure recommends if the file has no such columns.
+std::vector<double> shown_in(const Procedure& procedure,
+                             const data::NumberTable& table,
+                             std::size_t row) {
+    if (table.columns.size() == 1) {
+        return procedure.next();
+    }
+    std::vector<double> shown;
+    for (std::size_t k = 1; k < table.columns.size(); ++k) {
+        shown.push_back(table.at(row, k));
+    }
+    return shown;
+}
+
+std::string replayed(Procedure procedure,
+                     const data::NumberTable& table,
+                     const std::string& file,
+                     bool hashes) {
+    const bool tracks = !procedure.track().empty();
+    std::string text = head(procedure, tracks, hashes);
+    for (std::size_t row = 0; row < table.rows(); ++row) {
+        if (procedure.finished()) {
+            throw data::CsvError(fmt::format(
+                "{}:{}: response {} comes after the end: the procedure ends with trial {}; "
+                "delete the rows beyond, or let it go on longer",
+                file, table.lines[row], row + 1, row));
+        }
+        const std::vector<double> shown = shown_in(procedure, table, row);
+        const std::size_t outcome = outcome_of(procedure, table, row, file);
+        std::string line = fmt::format("{}", row + 1);
+        for (const double x : shown) {
+            add(line, x);
+        }
+        line += fmt::format(",{}", outcome);
+        if (tracks) {
+            line += fmt::format(",{}", procedure.track());
+        }
+        try {
+            procedure.update(shown, outcome);
+        } catch (const std::invalid_argument& e) {
+            throw data::CsvError(fmt::format("{}:{}: {}", file, table.lines[row], e.what()));
+        }
+        add_state(line, procedure);
+        text += line;
+        if (hashes) {
+            text += ',' + procedure.state_hash();
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+}  // namespace
+
+int procedure_command(const ProcedureOptions& options) {
+    if (options.keys) {
+        fmt::print("{}", protocols::procedure_key_reference());
+        return 0;
+    }
+    const protocols::ProcedureFile file = protocols::load_procedure(options.config);
+    const std::vector<std::string> shown = stimulus_columns(file.procedure);
+    const std::vector<std::string_view> optional(shown.begin(), shown.end());
+    const std::vector<std::string_view> wanted{"response"};
+    const data::NumberTable table = data::read_numbers(options.responses, wanted, optional);
+    data::write_whole(options.output,
+                      replayed(file.procedure, table, options.responses, options.hashes));
+    return 0;
+}
+
+}  // namespace palpate::ui
