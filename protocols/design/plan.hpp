@@ -36,8 +36,7 @@ struct Plan {
     std::vector<PlannedTrial> trials;
     std::vector<std::size_t>
         picture_order;           ///< place on the screen -> index into Protocol::objects
-    double acceptance = 1.0;     ///< estimate: accepted / attempted shuffles
-    std::uint64_t attempts = 1;  ///< whole shuffles drawn for the main phase
+    std::uint64_t attempts = 1;  ///< orders proposed for the main phase until its limits were kept
     std::string hash;            ///< SHA-256 (hex) of the canonical text of all the above trials
 
     friend bool operator==(const Plan&, const Plan&) = default;

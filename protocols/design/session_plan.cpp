@@ -173,7 +173,6 @@ Plan make_plan(const Protocol& protocol,
         factorial(protocol, design.repetitions),
         {.object = design.max_run_object, .friction = design.max_run_friction}, main_stream);
     plan.attempts = main.attempts;
-    plan.acceptance = main.acceptance;
 
     Pcg32 catch_stream = stream_for(key.session, "catch");
     const std::vector<Condition> catches =
