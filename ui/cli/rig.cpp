@@ -9,6 +9,7 @@
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/running/servo_apparatus.hpp"
 #include "data/store/async_recorder.hpp"
+#include "data/store/counterbalance_query.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "ui/cli/interrupt.hpp"
@@ -148,7 +149,10 @@ bool wants_window(const ScreenOptions& screen) {
 
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    const protocols::Plan plan = make_plan(protocol, spec.study.hash, spec.key, spec.seed);
+    const data::PictureOrders seen = data::picture_orders(database, protocol.id, spec.key);
+    const protocols::Plan plan =
+        make_plan(protocol, spec.study.hash, spec.key, spec.seed,
+                  protocols::picture_history(protocol, seen.others, seen.own));
     const auto apparatus = open_apparatus(spec);
     const Observers observers = make_observers(spec, plan, *apparatus);
 
