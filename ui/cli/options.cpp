@@ -45,6 +45,26 @@ void add_run(CLI::App& app, RunOptions& run) {
     add_screen(*command, run.screen);
 }
 
+void add_sequence(CLI::App& app, SequenceOptions& sequence) {
+    CLI::App* command = app.add_subcommand(
+        "sequence", "Print the plan that run would carry out, without running it");
+    command
+        ->add_option("PROTOCOL", sequence.protocol, "A protocol file, or the name of a shipped one")
+        ->required();
+    command
+        ->add_option("--participant", sequence.participant,
+                     "Pseudonymous id: letters, digits, - and _")
+        ->required();
+    command->add_option("--db", sequence.database,
+                        "The study's database: who already ran decides the order of the pictures");
+    command
+        ->add_option("--session", sequence.session,
+                     "Session number; without it the last one, or the first")
+        ->check(CLI::PositiveNumber);
+    command->add_option("--seed", sequence.seed, "Study seed instead of the protocol's");
+    command->add_flag("--csv", sequence.csv, "The trials alone, as CSV");
+}
+
 void add_demo(CLI::App& app, DemoOptions& demo) {
     CLI::App* command =
         app.add_subcommand("demo", "Ten trials of the study with a simulated hand and observer");
@@ -78,6 +98,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     app.footer("Set-up and tests: ./palpate test. A first study: see README.md.");
 
     RunOptions run;
+    SequenceOptions sequence;
     DemoOptions demo;
     SummaryOptions summary;
     ScreenshotOptions shots;
@@ -86,6 +107,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     FigureOptions figures;
     add_demo(app, demo);
     add_run(app, run);
+    add_sequence(app, sequence);
     add_scene_command(app, "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
                       "TRAJECTORY", render);
     add_scene_command(app, "closest", "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS",
@@ -119,6 +141,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     }
     if (app.got_subcommand("run")) {
         return run;
+    }
+    if (app.got_subcommand("sequence")) {
+        return sequence;
     }
     if (app.got_subcommand("demo")) {
         return demo;

@@ -34,6 +34,15 @@ struct DemoOptions {
     ScreenOptions screen{};
 };
 
+struct SequenceOptions {
+    std::string protocol;  ///< a file, or the name of a shipped protocol
+    std::string participant;
+    std::string database;  ///< empty: a study that nobody has run yet
+    std::optional<std::size_t> session;
+    std::optional<std::uint64_t> seed;
+    bool csv = false;
+};
+
 struct SummaryOptions {
     std::string database;
 };
@@ -64,6 +73,7 @@ struct Exit {
 using Options = std::variant<Exit,
                              RunOptions,
                              DemoOptions,
+                             SequenceOptions,
                              SummaryOptions,
                              ScreenshotOptions,
                              RenderOptions,

@@ -9,12 +9,12 @@
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/running/servo_apparatus.hpp"
 #include "data/store/async_recorder.hpp"
-#include "data/store/counterbalance_query.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/provenance.hpp"
+#include "ui/cli/session_choice.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
 
@@ -149,10 +149,7 @@ bool wants_window(const ScreenOptions& screen) {
 
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    const data::PictureOrders seen = data::picture_orders(database, protocol.id, spec.key);
-    const protocols::Plan plan =
-        make_plan(protocol, spec.study.hash, spec.key, spec.seed,
-                  protocols::picture_history(protocol, seen.others, seen.own));
+    const protocols::Plan plan = plan_session(database, spec.study, spec.key, spec.seed);
     const auto apparatus = open_apparatus(spec);
     const Observers observers = make_observers(spec, plan, *apparatus);
 
