@@ -110,8 +110,12 @@ std::strong_ordering operator<=>(const Natural& a, const Natural& b) noexcept {
     if (a.words_.size() != b.words_.size()) {
         return a.words_.size() <=> b.words_.size();
     }
-    return std::lexicographical_compare_three_way(a.words_.rbegin(), a.words_.rend(),
-                                                  b.words_.rbegin(), b.words_.rend());
+    for (std::size_t i = a.words_.size(); i-- > 0;) {
+        if (a.words_[i] != b.words_[i]) {
+            return a.words_[i] <=> b.words_[i];
+        }
+    }
+    return std::strong_ordering::equal;
 }
 
 std::size_t Natural::bits() const noexcept {
