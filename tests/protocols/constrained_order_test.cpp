@@ -50,6 +50,8 @@ TEST_CASE("all admissible orders are equally likely", "[order][law]") {
         {factorial_of(3, 1, 3), {.object = 1, .friction = 0}},
         {factorial_of(3, 2, 1), {.object = 1, .friction = 2}},
         {factorial_of(2, 3, 1), {.object = 2, .friction = 1}},
+        {factorial_of(5, 1, 1), {}},  // one shuffle each: nothing mixes what it leaves unmixed
+        {factorial_of(2, 1, 4), {.object = 3}},
     }));
     const auto orders = admissible(trials, limits);
     CAPTURE(orders.size());
