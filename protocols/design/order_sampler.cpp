@@ -60,6 +60,20 @@ double most_places(std::span<const Condition> trials, const RunLimits& limits) {
            static_cast<double>(limits.object * limits.friction);
 }
 
+/// Whether counting a factor is hopeless, before a second is lost on it. With runs of 2 an order gets to
+/// a good part of all remainders (limit 1 is another matter); an eighth of them is too many already.
+bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, std::size_t most) {
+    if (counts.empty()) {
+        return false;
+    }
+    const auto least = static_cast<double>(*std::min_element(counts.begin(), counts.end()));
+    double heaps = 1.0;
+    for (std::size_t i = 1; i <= counts.size(); ++i) {
+        heaps *= (least + static_cast<double>(i)) / static_cast<double>(i);
+    }
+    return limit >= 2 && heaps > 8.0 * static_cast<double>(most);
+}
+
 }  // namespace
 
 OrderSampler::OrderSampler(std::vector<Condition> trials, const RunLimits& limits)
@@ -108,13 +122,14 @@ std::size_t OrderSampler::most_states(std::size_t trials) noexcept {
 
 const OrderCounter* OrderSampler::counter_of(Level factor) {
     Lazy& lazy = factor == &Condition::object ? object_ : friction_;
-    if (!std::exchange(lazy.tried, true)) {
+    const std::size_t most = most_states(trials_.size());
+    if (!std::exchange(lazy.tried, true) &&
+        !too_many_states(counts_of(trials_, factor), limit_of(limits_, factor), most)) {
         std::vector<Condition> alone;
         for (const Condition& condition : trials_) {
             alone.push_back({.object = condition.*factor});
         }
-        lazy.counter = OrderCounter::build(alone, {.object = limit_of(limits_, factor)},
-                                           most_states(trials_.size()));
+        lazy.counter = OrderCounter::build(alone, {.object = limit_of(limits_, factor)}, most);
     }
     return lazy.counter ? &*lazy.counter : nullptr;
 }
