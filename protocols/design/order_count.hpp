@@ -20,7 +20,7 @@ namespace palpate::protocols {
 ///
 /// By clusters: cut an order into pieces of one level each, neighbours alike or not, and give a piece of
 /// z trials the sign + if z = 1, - if z = 0 modulo limit + 1, else nothing. Then every admissible order
-/// is summed to 1 and every other to 0 (power series: 1 / (1 + 1/x + ...); I. P. Goulden and D. M.
+/// is summed to 1 and every other to 0 (I. P. Goulden and D. M.
 /// Jackson, "An inversion theorem for cluster decompositions of sequences with distinguished
 /// subsequences", 1979). n things of a level make j pieces in
 ///

@@ -32,7 +32,7 @@ namespace palpate::protocols {
 ///   together      the OrderCounter of both factors at once: nothing is dropped. Small designs only.
 ///
 /// A proposal is given up at its first fault, so that one in a million is still quick. For the default
-/// study one shuffle in 50,000 passes; with friction counted, one proposal in four.
+/// study one shuffle in 50,000 passes; with friction counted, one proposal in 22.
 ///
 /// The ways are tried from the one that seems to need the fewest proposals (rarity_of); one that cannot
 /// be counted is skipped, and one that finds nothing in kDeals trials dealt is left for the next. What a
