@@ -6,45 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/order_sampler.hpp"
+#include "protocols/design/run.hpp"
+
 namespace palpate::protocols {
 namespace {
 
 using Level = std::size_t Condition::*;
-
-/// Length of the run of one factor while trials come one after another.
-class Run {
-public:
-    Run(Level factor, std::size_t limit) : factor_(factor), limit_(limit) {}
-
-    /// Whether the limit still holds with `next` after `last`.
-    bool goes_on(const Condition& last, const Condition& next) noexcept {
-        length_ = last.*factor_ == next.*factor_ ? length_ + 1 : 1;
-        return limit_ == 0 || length_ <= limit_;
-    }
-
-private:
-    Level factor_;
-    std::size_t limit_;
-    std::size_t length_ = 1;  ///< of the first trial alone, which any limit allows
-};
-
-/// shuffle(), but given up as soon as the trials that already have their place, the last ones, break a
-/// limit: dealing on could not mend it. What is not given up is as uniform as whole shuffles are.
-bool deal(std::span<Condition> trials, const RunLimits& limits, Pcg32& random) noexcept {
-    Run object(&Condition::object, limits.object);
-    Run friction(&Condition::friction, limits.friction);
-    for (std::size_t left = trials.size(); left > 0; --left) {
-        if (left > 1) {
-            const std::size_t chosen = random.bounded(static_cast<std::uint32_t>(left));
-            std::swap(trials[chosen], trials[left - 1]);
-        }
-        if (left < trials.size() && !(object.goes_on(trials[left], trials[left - 1]) &&
-                                      friction.goes_on(trials[left], trials[left - 1]))) {
-            return false;
-        }
-    }
-    return true;
-}
 
 std::map<std::size_t, std::size_t> counts_of(std::span<const Condition> trials, Level factor) {
     std::map<std::size_t, std::size_t> counts;
@@ -110,29 +78,26 @@ std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
     return std::nullopt;
 }
 
-std::uint64_t most_attempts(std::size_t trials) noexcept {
-    constexpr std::uint64_t kMost = 2'000'000;
-    constexpr std::uint64_t kDraws = 200'000'000;  // about a second of PCG32
-    return std::min(kMost, kDraws / std::max<std::uint64_t>(trials, 1) + 1);
+std::string_view to_string(OrderWay way) noexcept {
+    switch (way) {
+        case OrderWay::shuffles:
+            return "whole shuffles";
+        case OrderWay::friction_counted:
+            return "frictions counted, objects dealt";
+        case OrderWay::object_counted:
+            return "objects counted, frictions dealt";
+        case OrderWay::together:
+            return "counted";
+        case OrderWay::apart:
+            return "objects and frictions counted apart";
+    }
+    return "?";
 }
 
 ConstrainedOrder constrained_order(std::vector<Condition> trials,
                                    const RunLimits& limits,
                                    Pcg32& random) {
-    if (const auto why = why_infeasible(trials, limits)) {
-        throw OrderError(fmt::format("no order keeps the run limits (object {}, friction {}): {}",
-                                     limits.object, limits.friction, why->reason));
-    }
-    const std::uint64_t most = most_attempts(trials.size());
-    for (std::uint64_t attempts = 1; attempts <= most; ++attempts) {
-        if (deal(trials, limits, random)) {
-            return {std::move(trials), attempts, 1.0 / static_cast<double>(attempts)};
-        }
-    }
-    throw OrderError(
-        fmt::format("none of {} shuffles of {} trials kept the run limits (object {}, friction "
-                    "{}): allow longer runs, or 0 for no limit",
-                    most, trials.size(), limits.object, limits.friction));
+    return OrderSampler(std::move(trials), limits).draw(random);
 }
 
 }  // namespace palpate::protocols

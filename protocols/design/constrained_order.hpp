@@ -6,6 +6,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "protocols/design/condition.hpp"
@@ -42,28 +43,29 @@ struct Infeasible {
 [[nodiscard]] std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
                                                        const RunLimits& limits);
 
-struct ConstrainedOrder {
-    std::vector<Condition> order;
-    std::uint64_t attempts = 1;  ///< whole shuffles drawn
-    double acceptance = 1.0;  ///< 1 / attempts: an estimate from a single success, so a rough one
+/// How an order was found; see OrderSampler.
+enum class OrderWay : std::uint8_t {
+    shuffles,          ///< whole shuffles until one keeps the limits
+    friction_counted,  ///< frictions drawn by counting, objects dealt beside them
+    object_counted,    ///< objects drawn by counting, frictions dealt beside them
+    together,          ///< both drawn at once by counting
+    apart,             ///< both drawn by counting, each by itself, until the conditions are right
 };
 
-/// `trials` in an order that keeps the run limits, uniform over all such orders.
+[[nodiscard]] std::string_view to_string(OrderWay way) noexcept;
+
+struct ConstrainedOrder {
+    std::vector<Condition> order;
+    std::uint64_t attempts = 1;  ///< proposals drawn, with those of ways that were left
+    OrderWay way = OrderWay::shuffles;
+};
+
+/// `trials` in an order that keeps the run limits, uniform over all such orders: OrderSampler draws it.
+/// Repairing a bad shuffle by swaps would not give that.
 ///
-/// Whole shuffles are drawn until one keeps the limits (a shuffle is given up once the part that is
-/// already dealt breaks one). Every admissible order is then equally likely, which repairing a bad
-/// shuffle by swaps does not give. Five objects ten times each: a run of at most 2 passes in .268 of the
-/// shuffles, at most 3 in .829, at most 1 in 4.9e-5. The default study's two limits together pass in
-/// about 1.9e-5: some 50,000 shuffles, a few milliseconds.
-///
-/// @throws OrderError if the limits cannot be kept (why_infeasible), or after most_attempts shuffles
+/// @throws OrderError if the limits cannot be kept (why_infeasible), or no way finds an order
 [[nodiscard]] ConstrainedOrder constrained_order(std::vector<Condition> trials,
                                                  const RunLimits& limits,
                                                  Pcg32& random);
-
-/// Shuffles after which the limits count as hopeless: 2,000,000, fewer for sessions of more than 100
-/// trials, so that the answer comes within about a second. Limits that pass in 1e-5 of the shuffles fail
-/// here once in 5e8 sessions, limits that pass in 1e-6 once in seven.
-[[nodiscard]] std::uint64_t most_attempts(std::size_t trials) noexcept;
 
 }  // namespace palpate::protocols

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocols/design/condition.hpp"
+#include "protocols/design/constrained_order.hpp"
 
 namespace palpate::protocols {
 
@@ -19,6 +20,7 @@ struct PlannedTrial {
     Phase phase = Phase::main;
     Condition condition{};
     bool break_before = false;
+    std::size_t block = 0;  ///< of the main phase, 0, 1, ...; 0 in practice
 
     friend bool operator==(const PlannedTrial&, const PlannedTrial&) = default;
 };
@@ -36,9 +38,9 @@ struct Plan {
     std::vector<PlannedTrial> trials;
     std::vector<std::size_t>
         picture_order;           ///< place on the screen -> index into Protocol::objects
-    double acceptance = 1.0;     ///< estimate: accepted / attempted shuffles
-    std::uint64_t attempts = 1;  ///< whole shuffles drawn for the main phase
-    std::string hash;            ///< SHA-256 (hex) of the canonical text of all the above trials
+    std::uint64_t attempts = 1;  ///< orders proposed for the main phase until its limits were kept
+    OrderWay way = OrderWay::shuffles;  ///< how they were
+    std::string hash;  ///< SHA-256 (hex) of the canonical text of all the above trials
 
     friend bool operator==(const Plan&, const Plan&) = default;
 };

@@ -66,6 +66,12 @@ struct SafetySpec {
     friend bool operator==(const SafetySpec&, const SafetySpec&) = default;
 };
 
+/// What an order of the main trials must keep.
+enum class OrderRule : std::uint8_t {
+    random,       ///< any order within the run limits, each as likely as the others
+    first_order,  ///< every condition follows every condition once: repetitions = conditions
+};
+
 struct DesignSpec {
     std::size_t repetitions = 10;          ///< of each condition in the main phase, >= 1
     std::size_t max_run_object = 2;        ///< same object in a row, 0: no limit
@@ -73,6 +79,8 @@ struct DesignSpec {
     std::size_t practice_repetitions = 1;  ///< of each condition before the main phase, 0: none
     std::size_t catch_trials = 4;          ///< placed at random among the main trials
     std::size_t break_every = 20;          ///< main-phase trials between breaks, 0: none
+    std::size_t blocks = 1;  ///< of the main trials, each balanced; a divisor of repetitions
+    OrderRule order = OrderRule::random;
 
     friend bool operator==(const DesignSpec&, const DesignSpec&) = default;
 };

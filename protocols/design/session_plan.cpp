@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <iterator>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "protocols/design/constrained_order.hpp"
+#include "protocols/design/eulerian_order.hpp"
+#include "protocols/design/order_sampler.hpp"
 #include "protocols/design/sha256.hpp"
 #include "protocols/design/streams.hpp"
-#include "protocols/design/williams.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -47,22 +48,12 @@ std::vector<bool> catch_places(std::size_t main, std::size_t catches, Pcg32& ran
     return is_catch;
 }
 
-std::vector<std::size_t> picture_order(const Protocol& protocol, Pcg32 random) {
-    const std::vector<std::size_t> pictured = objects_of(protocol, true);
-    const auto rows = williams_rows(pictured.size());
-    std::vector<std::size_t> order = rows[random.bounded(static_cast<std::uint32_t>(rows.size()))];
-    for (std::size_t& place : order) {
-        place = pictured[place];
-    }
-    return order;
-}
-
 std::string canonical_text(const Plan& plan,
                            std::string_view protocol_hash,
                            const SessionKey& key,
                            std::uint64_t seed) {
     std::string text = fmt::format(
-        "palpate-plan-v1\nprotocol={}:{}\nparticipant={}:{}\nsession={}\nseed={}\npictures=",
+        "palpate-plan-v2\nprotocol={}:{}\nparticipant={}:{}\nsession={}\nseed={}\npictures=",
         protocol_hash.size(), protocol_hash, key.participant.size(), key.participant, key.session,
         seed);
     for (const std::size_t object : plan.picture_order) {
@@ -70,22 +61,70 @@ std::string canonical_text(const Plan& plan,
     }
     text += '\n';
     for (const PlannedTrial& trial : plan.trials) {
-        text += fmt::format("trial={} {} {} {} {}\n", trial.position, to_string(trial.phase),
-                            trial.condition.object, trial.condition.friction,
+        text += fmt::format("trial={} {} {} {} {} {}\n", trial.position, to_string(trial.phase),
+                            trial.block, trial.condition.object, trial.condition.friction,
                             trial.break_before ? "break" : "on");
     }
     return text;
 }
 
-void refuse_empty(const Protocol& protocol) {
-    if (objects_of(protocol, true).empty() || protocol.frictions.empty() ||
-        protocol.design.repetitions == 0) {
+void refuse(const Protocol& protocol) {
+    const DesignSpec& design = protocol.design;
+    const std::size_t conditions = objects_of(protocol, true).size() * protocol.frictions.size();
+    if (conditions == 0 || design.repetitions == 0) {
         throw std::invalid_argument(
             "a plan needs a pictured object, a friction and at least 1 repetition");
     }
-    if (protocol.design.catch_trials > 0 && objects_of(protocol, false).empty()) {
+    if (design.catch_trials > 0 && objects_of(protocol, false).empty()) {
         throw std::invalid_argument("catch trials need an object that is not pictured");
     }
+    if (design.blocks == 0 || design.repetitions % design.blocks != 0) {
+        throw std::invalid_argument(
+            fmt::format("{} repetitions cannot be divided evenly into {} blocks: give a divisor",
+                        design.repetitions, design.blocks));
+    }
+    if (design.order == OrderRule::first_order &&
+        (design.repetitions != conditions || design.blocks != 1 || design.catch_trials != 0)) {
+        throw std::invalid_argument(
+            fmt::format("a first-order balanced sequence of {} conditions needs {} repetitions, 1 "
+                        "block and no catch trials",
+                        conditions, conditions));
+    }
+}
+
+/// The main trials, block by block. A trial that only leads in stands before the first.
+struct MainTrials {
+    std::optional<Condition> lead_in;
+    std::vector<Condition> order;
+    std::uint64_t attempts = 0;
+    OrderWay way = OrderWay::shuffles;
+};
+
+template <class StreamOfBlock>
+MainTrials main_trials(const Protocol& protocol, const StreamOfBlock& stream_of) {
+    const DesignSpec& design = protocol.design;
+    MainTrials main;
+    if (design.order == OrderRule::first_order) {
+        const std::vector<Condition> conditions = factorial(protocol, 1);
+        Pcg32 random = stream_of(0);
+        for (const std::size_t symbol : eulerian_order(conditions.size(), random)) {
+            main.order.push_back(conditions[symbol]);
+        }
+        main.lead_in = main.order.front();
+        main.order.erase(main.order.begin());
+        main.attempts = 1;
+        return main;
+    }
+    OrderSampler sampler(factorial(protocol, design.repetitions / design.blocks),
+                         {.object = design.max_run_object, .friction = design.max_run_friction});
+    for (std::size_t block = 0; block < design.blocks; ++block) {
+        Pcg32 random = stream_of(block);
+        const ConstrainedOrder drawn = sampler.draw(random);
+        main.order.insert(main.order.end(), drawn.order.begin(), drawn.order.end());
+        main.attempts += drawn.attempts;
+        main.way = drawn.way;
+    }
+    return main;
 }
 
 /// Appends trials in order and counts the breaks.
@@ -93,23 +132,49 @@ class Writer {
 public:
     Writer(Plan& plan, std::size_t break_every) : plan_(plan), break_every_(break_every) {}
 
-    void practice(const Condition& condition) { add(Phase::practice, condition, false); }
-    void main_phase(Phase phase, const Condition& condition) {
-        const bool after_practice = main_ == 0 && !plan_.trials.empty();
+    void practice(const Condition& condition, bool break_before = false) {
+        add(Phase::practice, condition, break_before, 0);
+    }
+    void main_phase(Phase phase, const Condition& condition, bool begins, std::size_t block) {
         const bool due = main_ > 0 && break_every_ > 0 && main_ % break_every_ == 0;
-        add(phase, condition, after_practice || due);
+        add(phase, condition, begins || due, block);
         ++main_;
     }
 
 private:
-    void add(Phase phase, const Condition& condition, bool break_before) {
-        plan_.trials.push_back({plan_.trials.size(), phase, condition, break_before});
+    void add(Phase phase, const Condition& condition, bool break_before, std::size_t block) {
+        plan_.trials.push_back({plan_.trials.size(), phase, condition, break_before, block});
     }
 
     Plan& plan_;
     std::size_t break_every_;
     std::size_t main_ = 0;
 };
+
+/// Main and catch trials, after a break if there was practice: before the trial that leads in, if any.
+void write_main(Writer& writer,
+                const MainTrials& main,
+                std::size_t blocks,
+                const std::vector<Condition>& catches,
+                const std::vector<bool>& is_catch,
+                bool practised) {
+    if (main.lead_in) {
+        writer.practice(*main.lead_in, practised);
+    }
+    bool begins = practised && !main.lead_in;
+    std::size_t next_main = 0;
+    std::size_t next_catch = 0;
+    const std::size_t of_block = main.order.size() / blocks;
+    for (const bool a_catch : is_catch) {
+        const std::size_t block = std::min(next_main / of_block, blocks - 1);
+        if (a_catch) {
+            writer.main_phase(Phase::catch_trial, catches[next_catch++], begins, block);
+        } else {
+            writer.main_phase(Phase::main, main.order[next_main++], begins, block);
+        }
+        begins = false;
+    }
+}
 
 }  // namespace
 
@@ -148,13 +213,16 @@ std::vector<Condition> factorial(const Protocol& protocol, std::size_t repetitio
 Plan make_plan(const Protocol& protocol,
                std::string_view protocol_hash,
                const SessionKey& key,
-               std::uint64_t seed) {
-    refuse_empty(protocol);
-    const auto stream_for = [&](std::size_t session, const char* purpose) {
+               std::uint64_t seed,
+               const RowHistory& pictures) {
+    refuse(protocol);
+    const auto stream_for = [&](std::size_t session, std::string_view purpose,
+                                std::size_t block = 0) {
         return stream({.protocol_hash = std::string(protocol_hash),
                        .participant = key.participant,
                        .session = session,
-                       .purpose = purpose,
+                       .block = block,
+                       .purpose = std::string(purpose),
                        .seed = seed});
     };
     const DesignSpec& design = protocol.design;
@@ -162,33 +230,26 @@ Plan make_plan(const Protocol& protocol,
     Writer writer(plan, design.break_every);
 
     std::vector<Condition> practice = factorial(protocol, design.practice_repetitions);
-    Pcg32 practice_stream = stream_for(key.session, "order.practice");
+    Pcg32 practice_stream = stream_for(key.session, purpose::practice_order);
     shuffle(std::span(practice), practice_stream);
     for (const Condition& condition : practice) {
         writer.practice(condition);
     }
 
-    Pcg32 main_stream = stream_for(key.session, "order.main");
-    const ConstrainedOrder main = constrained_order(
-        factorial(protocol, design.repetitions),
-        {.object = design.max_run_object, .friction = design.max_run_friction}, main_stream);
+    const MainTrials main = main_trials(protocol, [&](std::size_t block) {
+        return stream_for(key.session, purpose::main_order, block);
+    });
     plan.attempts = main.attempts;
-    plan.acceptance = main.acceptance;
-
-    Pcg32 catch_stream = stream_for(key.session, "catch");
+    plan.way = main.way;
+    Pcg32 catch_stream = stream_for(key.session, purpose::catch_trials);
     const std::vector<Condition> catches =
         catch_conditions(protocol, design.catch_trials, catch_stream);
-    auto next_main = main.order.begin();
-    auto next_catch = catches.begin();
-    for (const bool is_catch : catch_places(main.order.size(), catches.size(), catch_stream)) {
-        if (is_catch) {
-            writer.main_phase(Phase::catch_trial, *next_catch++);
-        } else {
-            writer.main_phase(Phase::main, *next_main++);
-        }
-    }
+    write_main(writer, main, design.blocks, catches,
+               catch_places(main.order.size(), catches.size(), catch_stream), !practice.empty());
 
-    plan.picture_order = picture_order(protocol, stream_for(0, "pictures"));
+    const auto rows = picture_rows(protocol);
+    Pcg32 picture_stream = stream_for(0, purpose::pictures);
+    plan.picture_order = rows[choose_row(rows.size(), pictures, picture_stream)];
     plan.hash = sha256_hex(canonical_text(plan, protocol_hash, key, seed));
     return plan;
 }

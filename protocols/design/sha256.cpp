@@ -32,7 +32,7 @@ Sha256 sha256(std::span<const std::byte> bytes) {
 }
 
 Sha256 sha256(std::string_view text) {
-    return sha256(std::as_bytes(std::span(text)));
+    return sha256(std::as_bytes(std::span(text.data(), text.size())));
 }
 
 std::string sha256_hex(std::span<const std::byte> bytes) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "protocols/design/pcg32.hpp"
 
@@ -15,9 +17,24 @@ struct StreamKey {
     std::string participant;
     std::size_t session = 1;  ///< 0: the same for all sessions of the participant
     std::size_t block = 0;    ///< e.g. the position of a trial
-    std::string purpose;      ///< order.practice, order.main, catch, pictures, hand, observer
+    std::string purpose;      ///< one of purpose::
     std::uint64_t seed = 0;   ///< the recorded study seed
 };
+
+/// Everything that is drawn at random in a session, and what its key says besides protocol, participant
+/// and seed. Whoever draws something new adds a purpose here: two that share one share their numbers.
+namespace purpose {
+inline constexpr std::string_view practice_order = "order.practice";  ///< session
+inline constexpr std::string_view main_order = "order.main";  ///< session, block of main trials
+inline constexpr std::string_view catch_trials = "catch";     ///< session; conditions, then places
+inline constexpr std::string_view pictures =
+    "pictures";                                   ///< session 0: the row of the Williams design
+inline constexpr std::string_view hand = "hand";  ///< session, block = position: simulated hand
+inline constexpr std::string_view observer =
+    "observer";  ///< session, block = position: its answers
+inline constexpr std::array all = {practice_order, main_order, catch_trials,
+                                   pictures,       hand,       observer};
+}  // namespace purpose
 
 /// The text that is hashed: one `name=value` a line. Texts carry their length in bytes, so that no
 /// participant's name can pass for another key.

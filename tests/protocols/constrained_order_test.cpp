@@ -1,70 +1,15 @@
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <vector>
 
 #include "protocols/design/constrained_order.hpp"
+#include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;
+using namespace palpate::tests;
 
 namespace {
-
-using Order = std::vector<Condition>;
-
-Order factorial_of(std::size_t objects, std::size_t frictions, std::size_t repetitions) {
-    Order trials;
-    for (std::size_t object = 0; object < objects; ++object) {
-        for (std::size_t friction = 0; friction < frictions; ++friction) {
-            trials.insert(trials.end(), repetitions, Condition{object, friction});
-        }
-    }
-    return trials;
-}
-
-std::size_t longest_run(const Order& order, std::size_t Condition::*factor) {
-    std::size_t longest = 0;
-    std::size_t run = 0;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        run = i > 0 && order[i].*factor == order[i - 1].*factor ? run + 1 : 1;
-        longest = std::max(longest, run);
-    }
-    return longest;
-}
-
-/// Every admissible order, by going through all permutations of the multiset.
-std::map<Order, std::size_t> admissible(Order trials, const RunLimits& limits) {
-    std::map<Order, std::size_t> orders;
-    std::sort(trials.begin(), trials.end());
-    do {
-        if ((limits.object == 0 || longest_run(trials, &Condition::object) <= limits.object) &&
-            (limits.friction == 0 ||
-             longest_run(trials, &Condition::friction) <= limits.friction)) {
-            orders.emplace(trials, 0);
-        }
-    } while (std::next_permutation(trials.begin(), trials.end()));
-    return orders;
-}
-
-/// Pearson's chi-square against equal shares, as standard deviations from its mean k - 1.
-template <class Draw>
-double excess_of_chi_square(std::map<Order, std::size_t> counts,
-                            std::size_t draws,
-                            const Draw& draw) {
-    for (std::size_t i = 0; i < draws; ++i) {
-        const auto cell = counts.find(draw());
-        REQUIRE(cell != counts.end());
-        ++cell->second;
-    }
-    const double expected = static_cast<double>(draws) / static_cast<double>(counts.size());
-    double chi_square = 0.0;
-    for (const auto& [order, count] : counts) {
-        const double off = static_cast<double>(count) - expected;
-        chi_square += off * off / expected;
-    }
-    const double freedom = static_cast<double>(counts.size()) - 1.0;
-    return (chi_square - freedom) / std::sqrt(2.0 * freedom);
-}
 
 /// What not to do: shuffle once, then swap offending trials away until the limits hold.
 Order repaired(Order order, const RunLimits& limits, Pcg32& random) {
@@ -91,7 +36,7 @@ TEST_CASE("every order has each trial exactly once and keeps the run limits", "[
     Order sorted = drawn.order;
     std::sort(sorted.begin(), sorted.end());
     CHECK(sorted == trials);
-    CHECK(drawn.acceptance == 1.0 / static_cast<double>(drawn.attempts));
+    CHECK(drawn.attempts >= 1);
 }
 
 TEST_CASE("all admissible orders are equally likely", "[order][law]") {
@@ -104,6 +49,9 @@ TEST_CASE("all admissible orders are equally likely", "[order][law]") {
         {factorial_of(2, 2, 2), {.object = 1, .friction = 3}},
         {factorial_of(3, 1, 3), {.object = 1, .friction = 0}},
         {factorial_of(3, 2, 1), {.object = 1, .friction = 2}},
+        {factorial_of(2, 3, 1), {.object = 2, .friction = 1}},
+        {factorial_of(5, 1, 1), {}},  // one shuffle each: nothing mixes what it leaves unmixed
+        {factorial_of(2, 1, 4), {.object = 3}},
     }));
     const auto orders = admissible(trials, limits);
     CAPTURE(orders.size());
@@ -122,26 +70,6 @@ TEST_CASE("repair by swaps fails the same test", "[order]") {
     const double excess = excess_of_chi_square(orders, 100 * orders.size(),
                                                [&] { return repaired(trials, limits, random); });
     CHECK(excess > 50.0);
-}
-
-// Exact shares by counting: .268 for runs of at most 2, .829 for at most 3 (five levels ten times).
-TEST_CASE("the acceptance agrees with the exact count", "[order]") {
-    struct Case {
-        std::size_t limit;
-        double exact;
-    };
-    const auto [limit, exact] = GENERATE(values<Case>({{2, 0.268}, {3, 0.829}}));
-    Pcg32 random(31, 7);
-    constexpr int kOrders = 5000;
-    double attempts = 0.0;
-    for (int i = 0; i < kOrders; ++i) {
-        attempts += static_cast<double>(
-            constrained_order(factorial_of(5, 1, 10), {.object = limit, .friction = 0}, random)
-                .attempts);
-    }
-    const double share = kOrders / attempts;
-    const double deviation = exact * std::sqrt((1.0 - exact) / kOrders);
-    CHECK(std::fabs(share - exact) < 4.0 * deviation + 0.0005);
 }
 
 TEST_CASE("the cheap test refuses exactly what one factor cannot keep", "[order][law]") {
@@ -168,11 +96,12 @@ TEST_CASE("limits that cannot be kept are refused with a reason", "[order]") {
     CHECK_THROWS_WITH(
         constrained_order(factorial_of(2, 2, 5), {.object = 1, .friction = 1}, random),
         Catch::Matchers::ContainsSubstring("alternate"));
-    // Two objects forty times each: only 2 of 1.1e23 orders alternate.
-    Order hopeless = factorial_of(2, 1, 40);
-    CHECK_THROWS_WITH(constrained_order(hopeless, {.object = 1, .friction = 0}, random),
-                      Catch::Matchers::ContainsSubstring("none of 2000000 shuffles of 80 trials") &&
-                          Catch::Matchers::ContainsSubstring("allow longer runs"));
+    // Each limit can be kept alone: the frictions alternate, and the objects come in whole.
+    Order unlike = factorial_of(2, 2, 1);
+    unlike.push_back({0, 0});
+    unlike.push_back({0, 1});
+    CHECK_THROWS_WITH(constrained_order(unlike, {.object = 1, .friction = 2}, random),
+                      Catch::Matchers::ContainsSubstring("allow runs"));
 }
 
 TEST_CASE("no limits: the first shuffle is taken", "[order]") {

@@ -6,6 +6,7 @@
 namespace palpate::ui {
 
 [[nodiscard]] int run_command(const RunOptions& options);
+[[nodiscard]] int sequence_command(const SequenceOptions& options);
 [[nodiscard]] int demo_command(const DemoOptions& options);
 [[nodiscard]] int summary_command(const SummaryOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);

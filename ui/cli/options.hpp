@@ -38,6 +38,15 @@ struct DemoOptions {
     ScreenOptions screen{};
 };
 
+struct SequenceOptions {
+    std::string protocol;  ///< a file, or the name of a shipped protocol
+    std::string participant;
+    std::string database;  ///< empty: a study that nobody has run yet
+    std::optional<std::size_t> session;
+    std::optional<std::uint64_t> seed;
+    bool csv = false;
+};
+
 struct SummaryOptions {
     std::string database;
 };
@@ -82,15 +91,6 @@ struct SceneOptions {
 };
 struct RenderOptions : SceneOptions {};
 struct ClosestOptions : SceneOptions {};
-
-struct SequenceOptions {
-    std::string protocol;  ///< a file, or the name of a shipped protocol
-    std::string participant;
-    std::string database;  ///< empty: a study that nobody has run yet
-    std::optional<std::size_t> session;
-    std::optional<std::uint64_t> seed;
-    bool csv = false;
-};
 
 struct ProcedureOptions {
     std::string config;

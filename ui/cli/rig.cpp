@@ -16,6 +16,7 @@
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/provenance.hpp"
+#include "ui/cli/session_choice.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
 
@@ -170,7 +171,7 @@ bool wants_window(const ScreenOptions& screen) {
 
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    const protocols::Plan plan = make_plan(protocol, spec.study.hash, spec.key, spec.seed);
+    const protocols::Plan plan = plan_session(database, spec.study, spec.key, spec.seed);
     const OpenedApparatus felt = open_apparatus(spec);
     heed(felt.findings);
     const auto& apparatus = felt.port;

@@ -6,18 +6,10 @@
 #include "ui/cli/commands.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/rig.hpp"
+#include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
 namespace {
-
-void check_participant(const std::string& id) {
-    constexpr std::string_view kAllowed =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
-    if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
-        throw std::invalid_argument(fmt::format(
-            "--participant \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", id));
-    }
-}
 
 data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
     const bool person = wants_window(options.screen);
@@ -54,16 +46,15 @@ int run_command(const RunOptions& options) {
     spec.recordings =
         load_recordings(spec.device);  // what is missing is said before a file is made
     data::Database database(options.database, data::Access::write);
-    spec.key.participant = options.participant;
-    const std::string& study = spec.study.protocol.id;
-    const auto last = data::latest_session(database, study, options.participant);
-    spec.key.session = options.session.value_or(last ? last->number : 1);
-    const auto there = data::find_session(database, study, spec.key);
-    spec.seed = options.seed.value_or(there ? there->seed : spec.study.protocol.seed);
-    if (there && there->finished) {
-        throw std::invalid_argument(fmt::format(
-            "{}: {} has finished session {} of {}; for another one give --session {}",
-            options.database, options.participant, spec.key.session, study, last->number + 1));
+    const SessionChoice choice =
+        choose_session(database, spec.study, options.participant, options.session, options.seed);
+    spec.key = choice.key;
+    spec.seed = choice.seed;
+    if (choice.finished) {
+        throw std::invalid_argument(
+            fmt::format("{}: {} has finished session {} of {}; for another one give --session {}",
+                        options.database, options.participant, spec.key.session,
+                        spec.study.protocol.id, choice.last + 1));
     }
     catch_signals();
     const RigEnd end = run_rig(database, spec);

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/design/plan.hpp"
+#include "data/store/database.hpp"
+
+namespace palpate::data {
+
+/// Orders of the pictures, as names from left to right.
+struct PictureOrders {
+    std::vector<std::vector<std::string>> others;  ///< of every other participant who really ran
+    std::vector<std::string> own;                  ///< empty: the participant has no session yet
+};
+
+/// Who already ran the study (by the protocol's id) with which order of the pictures.
+///
+/// `others` counts each participant with a real session once, by the first of these; what is simulated
+/// or a pilot leaves the balance of the real ones alone. `own` is the order of the session itself if it
+/// is there, so that it goes on as it began, else that of the participant's first session of any kind.
+[[nodiscard]] PictureOrders picture_orders(Database& database,
+                                           std::string_view study,
+                                           const protocols::SessionKey& key);
+
+}  // namespace palpate::data

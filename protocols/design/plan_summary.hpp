@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <vector>
+
+#include "protocols/design/plan.hpp"
+
+/// What a plan holds, counted, for whoever wants to check it before it runs.
+namespace palpate::protocols {
+
+/// A part of the session whose counts are to be balanced.
+struct PlanPart {
+    Phase phase = Phase::main;
+    std::size_t block = 0;
+
+    friend auto operator<=>(const PlanPart&, const PlanPart&) = default;
+};
+
+struct PlanSummary {
+    std::map<PlanPart, std::map<Condition, std::size_t>> counts;
+    /// Longest runs among the main trials of a block, catch trials left out, as the limits count them.
+    std::size_t longest_object_run = 0, longest_friction_run = 0;
+    /// [from][to]: how often a level follows another among the main trials, catch trials left out.
+    std::map<std::size_t, std::map<std::size_t, std::size_t>> object_steps, friction_steps;
+    std::vector<std::size_t> breaks;  ///< positions that a break comes before
+};
+
+[[nodiscard]] PlanSummary summarise(const Plan& plan);
+
+}  // namespace palpate::protocols

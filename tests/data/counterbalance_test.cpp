@@ -1,0 +1,67 @@
+#include <set>
+
+#include "protocols/design/counterbalance.hpp"
+#include "data/store/counterbalance_query.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Opens the session that a rig would open for this participant.
+std::vector<std::size_t> open(data::Database& database,
+                              const protocols::Protocol& protocol,
+                              const std::string& participant,
+                              data::RunKind kind,
+                              std::size_t number = 1) {
+    data::SessionSpec spec = tests::session_spec(protocol, participant, number);
+    spec.kind = kind;
+    const auto seen = data::picture_orders(database, protocol.id, spec.key);
+    spec.plan = protocols::make_plan(protocol, spec.protocol_hash, spec.key, spec.seed,
+                                     picture_history(protocol, seen.others, seen.own));
+    [[maybe_unused]] const auto opened = data::open_session(database, spec);
+    return spec.plan.picture_order;
+}
+
+}  // namespace
+
+TEST_CASE("those who really ran decide the next row of pictures, simulated ones do not",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    const protocols::Protocol protocol = tests::small_protocol();
+    const std::size_t rows = picture_rows(protocol).size();
+    REQUIRE(rows == 6);
+    for (int i = 0; i < 8; ++i) {
+        open(database, protocol, std::string("S").append(std::to_string(i)),
+             data::RunKind::simulated);
+        open(database, protocol, std::string("L").append(std::to_string(i)), data::RunKind::pilot);
+    }
+    CHECK(data::picture_orders(database, "small", {"R0", 1}).others.empty());
+    std::set<std::vector<std::size_t>> orders;
+    for (std::size_t i = 0; i < rows; ++i) {
+        orders.insert(open(database, protocol, std::string("R").append(std::to_string(i)),
+                           data::RunKind::real));
+    }
+    CHECK(orders.size() == rows);
+    CHECK(data::picture_orders(database, "small", {"R0", 1}).others.size() == rows - 1);
+    CHECK(data::picture_orders(database, "other", {"R0", 1}).others.empty());
+}
+
+TEST_CASE("a session goes on with its own pictures, and so does the participant's next one",
+          "[store][law]") {
+    const TemporaryFolder folder;
+    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    const protocols::Protocol protocol = tests::small_protocol();
+    const auto first = open(database, protocol, "R0", data::RunKind::real);
+    for (int i = 1; i < 12; ++i) {
+        open(database, protocol, std::string("R").append(std::to_string(i)), data::RunKind::real);
+        // Another plan would be refused here.
+        CHECK(open(database, protocol, "R0", data::RunKind::real) == first);
+    }
+    CHECK(open(database, protocol, "R0", data::RunKind::real, 2) == first);
+    CHECK(data::picture_orders(database, "small", {"R1", 1}).others.size() == 11);
+}

@@ -1,0 +1,136 @@
+#include <string>
+
+#include <fmt/format.h>
+
+#include "data/store/session_store.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// The plan of a recorded session, as `palpate sequence --csv` writes it but for the block.
+std::string recorded_plan(data::Database& database, std::int64_t session) {
+    auto row = database.prepare(
+        "SELECT position, phase, object, curvature_per_m, friction, mu_s, mu_d, break_before"
+        " FROM plan WHERE session = ?1 ORDER BY position");
+    row.bind(1, session);
+    std::string text =
+        "position,phase,block,object,curvature_per_m,friction,mu_s,mu_d,break_before\n";
+    while (row.step()) {
+        text += fmt::format("{},{},0,{},{},{},{},{},{}\n", row.integer(0), row.text(1), row.text(2),
+                            row.real(3), row.text(4), row.real(5), row.real(6), row.integer(7));
+    }
+    return text;
+}
+
+std::string recorded_pictures(data::Database& database, std::int64_t session) {
+    auto row = database.prepare("SELECT object FROM picture WHERE session = ?1 ORDER BY place");
+    row.bind(1, session);
+    std::string text = "pictures, left to right:";
+    while (row.step()) {
+        text += ' ' + row.text(0);
+    }
+    return text + '\n';
+}
+
+std::string recorded_hash(data::Database& database, std::int64_t session) {
+    auto row = database.prepare("SELECT plan_sha256 FROM session WHERE id = ?1");
+    row.bind(1, session).step();
+    return row.text(0);
+}
+
+/// What sequence says of a session in a database, against what was run there.
+void check_against(const std::string& file,
+                   std::int64_t session,
+                   const std::vector<std::string>& words) {
+    data::Database database(file, data::Access::read);
+    std::vector<std::string> command = {"sequence"};
+    command.insert(command.end(), words.begin(), words.end());
+    const Finished text = palpate_command(command);
+    CHECK(text.code == 0);
+    CHECK_THAT(text.out, ContainsSubstring("plan " + recorded_hash(database, session) + '\n') &&
+                             ContainsSubstring(recorded_pictures(database, session)));
+    command.emplace_back("--csv");
+    const Finished csv = palpate_command(command);
+    CHECK(csv.code == 0);
+    CHECK(csv.out == recorded_plan(database, session));
+}
+
+std::vector<std::string> run_words(const std::string& participant, const std::string& file) {
+    return {"run", "shape_friction_demo", "--participant", participant, "--db", file, "--headless"};
+}
+
+}  // namespace
+
+TEST_CASE("sequence prints exactly the plan that is run, before and after", "[sequence][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("demo.sqlite");
+    const Finished before =
+        palpate_command({"sequence", "shape_friction_demo", "--participant", "demo"});
+    CHECK(folder.names().empty());
+    const Finished demo = palpate_command({"demo", "--headless", "--db", file});
+    REQUIRE(demo.code == 0);
+    const std::string code = before.out.substr(before.out.find("code "), 14);
+    CHECK_THAT(demo.out, ContainsSubstring(code));
+    check_against(file, 1, {"shape_friction_demo", "--participant", "demo"});
+    check_against(file, 1, {"shape_friction_demo", "--participant", "demo", "--db", file});
+}
+
+TEST_CASE("sequence knows another seed, another session, and who already ran", "[sequence][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command(run_words("P1", file)).code == 0);
+    {  // as if a person had been there: the next row of pictures depends on it
+        data::Database database(file, data::Access::write);
+        database.execute("UPDATE session SET kind = 'real'");
+    }
+    const std::vector<std::string> next = {
+        "shape_friction_demo", "--participant", "P2", "--db", file, "--seed", "5"};
+    std::vector<std::string> command = {"sequence"};
+    command.insert(command.end(), next.begin(), next.end());
+    const Finished announced = palpate_command(command);
+    auto run = run_words("P2", file);
+    run.insert(run.end(), {"--seed", "5"});
+    const Finished ran = palpate_command(run);
+    REQUIRE(ran.code == 0);
+    CHECK_THAT(ran.out, ContainsSubstring(announced.out.substr(announced.out.find("code "), 14)));
+    check_against(file, 2, {"shape_friction_demo", "--participant", "P2", "--db", file});
+    CHECK_THAT(announced.out, ContainsSubstring("used by 0 other participants"));
+
+    const std::vector<std::string> second = {
+        "shape_friction_demo", "--participant", "P2", "--db", file, "--session", "2"};
+    auto again = run_words("P2", file);
+    again.insert(again.end(), {"--session", "2"});
+    REQUIRE(palpate_command(again).code == 0);
+    check_against(file, 3, second);
+}
+
+TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[sequence][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command(run_words("P1", file)).code == 0);
+    {
+        data::Database database(file, data::Access::write);
+        database.execute("UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
+    }
+    const Finished refused = palpate_command(run_words("P1", file));
+    CHECK(refused.code == 1);
+    CHECK_THAT(refused.error, ContainsSubstring("begun with another plan"));
+}
+
+TEST_CASE("sequence refuses what run refuses, and makes no file", "[sequence]") {
+    const TemporaryFolder folder;
+    CHECK(palpate_command({"sequence", "shape_friction_demo"}).code == 2);
+    CHECK(palpate_command({"sequence", "shape_friction_demo", "--participant", "a b"}).code == 2);
+    CHECK(palpate_command({"sequence", "no_such_study", "--participant", "P"}).code == 2);
+    CHECK(palpate_command({"sequence", "shape_friction_demo", "--participant", "P", "--db",
+                           folder.file("none.sqlite")})
+              .code != 0);
+    CHECK(folder.names().empty());
+}

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "protocols/design/constrained_order.hpp"
+#include "tests/support/catch.hpp"
+
+/// Small designs, gone through one order after the other.
+namespace palpate::tests {
+
+using protocols::Condition;
+using protocols::RunLimits;
+using Order = std::vector<Condition>;
+
+inline Order factorial_of(std::size_t objects, std::size_t frictions, std::size_t repetitions) {
+    Order trials;
+    for (std::size_t object = 0; object < objects; ++object) {
+        for (std::size_t friction = 0; friction < frictions; ++friction) {
+            trials.insert(trials.end(), repetitions, Condition{object, friction});
+        }
+    }
+    return trials;
+}
+
+inline std::size_t longest_run(const Order& order, std::size_t Condition::*factor) {
+    std::size_t longest = 0;
+    std::size_t run = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        run = i > 0 && order[i].*factor == order[i - 1].*factor ? run + 1 : 1;
+        longest = std::max(longest, run);
+    }
+    return longest;
+}
+
+/// Every admissible order, by going through all permutations of the multiset.
+inline std::map<Order, std::size_t> admissible(Order trials, const RunLimits& limits) {
+    std::map<Order, std::size_t> orders;
+    std::sort(trials.begin(), trials.end());
+    do {
+        if ((limits.object == 0 || longest_run(trials, &Condition::object) <= limits.object) &&
+            (limits.friction == 0 ||
+             longest_run(trials, &Condition::friction) <= limits.friction)) {
+            orders.emplace(trials, 0);
+        }
+    } while (std::next_permutation(trials.begin(), trials.end()));
+    return orders;
+}
+
+/// Pearson's chi-square against equal shares, as standard deviations from its mean k - 1.
+template <class Draw>
+double excess_of_chi_square(std::map<Order, std::size_t> counts,
+                            std::size_t draws,
+                            const Draw& draw) {
+    for (std::size_t i = 0; i < draws; ++i) {
+        const auto cell = counts.find(draw());
+        REQUIRE(cell != counts.end());
+        ++cell->second;
+    }
+    const double expected = static_cast<double>(draws) / static_cast<double>(counts.size());
+    double chi_square = 0.0;
+    for (const auto& [order, count] : counts) {
+        const double off = static_cast<double>(count) - expected;
+        chi_square += off * off / expected;
+    }
+    const double freedom = static_cast<double>(counts.size()) - 1.0;
+    return (chi_square - freedom) / std::sqrt(2.0 * freedom);
+}
+
+}  // namespace palpate::tests

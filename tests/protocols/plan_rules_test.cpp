@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <string>
+
+#include "protocols/design/order_sampler.hpp"
+#include "protocols/design/plan_summary.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/design/sha256.hpp"
+#include "tests/protocols/orders.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace palpate::protocols;
+using namespace palpate::tests;
+
+namespace {
+
+Protocol study(std::size_t objects, std::size_t frictions, DesignSpec design) {
+    Protocol protocol;
+    for (std::size_t i = 0; i < objects; ++i) {
+        protocol.objects.push_back({.name = "object_" + std::to_string(i)});
+    }
+    protocol.objects.push_back({.name = "catch", .pictured = false});
+    for (std::size_t i = 0; i < frictions; ++i) {
+        protocol.frictions.push_back({.name = "friction_" + std::to_string(i)});
+    }
+    protocol.design = design;
+    return protocol;
+}
+
+Plan plan_of(const Protocol& protocol, std::uint64_t seed = 1) {
+    return make_plan(protocol, "hash", {.participant = "p"}, seed);
+}
+
+/// Order of the default study's main trials by repairing a shuffle with swaps.
+Order swapped(const Order& trials, const RunLimits& limits, Pcg32& random) {
+    Order order = trials;
+    shuffle(std::span(order), random);
+    while (!within_limits(order, limits)) {
+        for (std::size_t i = 1; i < order.size(); ++i) {
+            if (!within_limits(std::span(order).subspan(i > 3 ? i - 3 : 0, i > 3 ? 4 : i + 1),
+                               limits)) {
+                const auto other = random.bounded(static_cast<std::uint32_t>(order.size()));
+                std::swap(order[i], order[other]);
+            }
+        }
+    }
+    return order;
+}
+
+/// Largest chi-square, over all places, of the conditions against equal shares.
+template <class Draw>
+double worst_place(const Order& trials, std::size_t draws, const Draw& draw) {
+    const std::set<Condition> conditions(trials.begin(), trials.end());
+    std::vector<std::map<Condition, std::size_t>> places(trials.size());
+    for (std::size_t i = 0; i < draws; ++i) {
+        const Order order = draw();
+        for (std::size_t place = 0; place < order.size(); ++place) {
+            ++places[place][order[place]];
+        }
+    }
+    const double expected = static_cast<double>(draws) / static_cast<double>(conditions.size());
+    double worst = 0.0;
+    for (auto& counts : places) {
+        double chi_square = 0.0;
+        for (const Condition& condition : conditions) {
+            const double off = static_cast<double>(counts[condition]) - expected;
+            chi_square += off * off / expected;
+        }
+        worst = std::max(worst, chi_square);
+    }
+    return worst;
+}
+
+/// Runs of a friction that are as long as the limit, in `draws` orders.
+template <class Draw>
+double longest_runs(std::size_t draws, const Draw& draw) {
+    double runs = 0.0;
+    for (std::size_t i = 0; i < draws; ++i) {
+        const Order order = draw();
+        for (std::size_t k = 2; k < order.size(); ++k) {
+            runs += order[k].friction == order[k - 1].friction &&
+                            order[k].friction == order[k - 2].friction
+                      ? 1.0
+                      : 0.0;
+        }
+    }
+    return runs / static_cast<double>(draws);
+}
+
+}  // namespace
+
+// All objects are alike to the limits, and all frictions: every condition is as likely as any other at
+// every place. Nine degrees of freedom; 46 is passed once in 1.5e6, at any of 100 places once in 15,000.
+TEST_CASE("within limits every condition is equally likely at every place, in 1e5 orders",
+          "[order][law]") {
+    struct Case {
+        std::size_t repetitions, draws;
+    };
+    const auto [repetitions, draws] = GENERATE(values<Case>({{4, 100'000}, {10, 10'000}}));
+    const Order trials = factorial_of(5, 2, repetitions);
+    OrderSampler sampler(trials, {.object = 2, .friction = 3});
+    Pcg32 random(2026, 11);
+    CHECK(worst_place(trials, draws, [&] { return sampler.draw(random).order; }) < 46.0);
+}
+
+// Conditions by place cannot tell: swaps know no condition from another either. What they change is how
+// often runs come. Both sides of 20 standard deviations (measured: sd of the mean of 2,000 orders 0.05).
+TEST_CASE("repair by swaps has other runs than uniform orders of the default study", "[order]") {
+    const Order trials = factorial_of(5, 2, 10);
+    const RunLimits limits{.object = 2, .friction = 3};
+    OrderSampler sampler(trials, limits);
+    Pcg32 random(2026, 12);
+    const auto shuffles = [&] {  // no counting: whole shuffles, of the same distribution
+        for (;;) {
+            if (auto order = sampler.propose(OrderWay::shuffles, random)) {
+                return *order;
+            }
+        }
+    };
+    const double uniform = longest_runs(2000, [&] { return sampler.draw(random).order; });
+    CHECK(std::fabs(longest_runs(200, shuffles) - uniform) < 5.0 * 0.05 * std::sqrt(11.0));
+    const double repaired = longest_runs(2000, [&] { return swapped(trials, limits, random); });
+    CHECK(std::fabs(repaired - uniform) > 20.0 * 0.05);
+}
+
+TEST_CASE("every block is balanced exactly and keeps the limits, and no two are alike",
+          "[plan][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    const std::size_t blocks = GENERATE(std::size_t{1}, std::size_t{2}, std::size_t{5});
+    CAPTURE(seed, blocks);
+    const Plan plan = plan_of(study(5, 2, {.blocks = blocks}), seed);
+    const PlanSummary summary = summarise(plan);
+    std::size_t main = 0;
+    for (const auto& [part, counts] : summary.counts) {
+        if (part.phase != Phase::main) {
+            continue;
+        }
+        ++main;
+        CHECK(counts.size() == 10);
+        for (const auto& [condition, count] : counts) {
+            CHECK(count == 10 / blocks);
+        }
+    }
+    CHECK(main == blocks);
+    CHECK(summary.longest_object_run <= 2);
+    CHECK(summary.longest_friction_run <= 3);
+    std::map<std::size_t, Order> orders;
+    for (const PlannedTrial& trial : plan.trials) {
+        CHECK(trial.block < blocks);
+        if (trial.phase == Phase::main) {
+            orders[trial.block].push_back(trial.condition);
+        }
+    }
+    std::set<Order> different;
+    for (const auto& [block, order] : orders) {
+        different.insert(order);
+    }
+    CHECK(different.size() == blocks);
+    CHECK(std::is_sorted(plan.trials.begin() + 10, plan.trials.end(),
+                         [](const auto& a, const auto& b) { return a.block < b.block; }));
+}
+
+TEST_CASE("a first-order plan has every condition after every condition once, and a trial before",
+          "[plan][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    const std::size_t practice = GENERATE(std::size_t{0}, std::size_t{1});
+    CAPTURE(seed, practice);
+    const Plan plan = plan_of(study(3, 2,
+                                    {.repetitions = 6,
+                                     .practice_repetitions = practice,
+                                     .catch_trials = 0,
+                                     .break_every = 9,
+                                     .order = OrderRule::first_order}),
+                              seed);
+    const std::size_t lead_in = 6 * practice;
+    REQUIRE(plan.trials.size() == lead_in + 37);
+    CHECK(plan.trials[lead_in].phase == Phase::practice);
+    CHECK(plan.trials[lead_in].break_before == (practice > 0));
+    CHECK_FALSE(plan.trials[lead_in + 1].break_before);
+    CHECK(plan.trials[lead_in + 10].break_before);
+    std::set<std::pair<Condition, Condition>> pairs;
+    std::map<Condition, std::size_t> counts;
+    for (std::size_t i = lead_in + 1; i < plan.trials.size(); ++i) {
+        CHECK(plan.trials[i].phase == Phase::main);
+        pairs.emplace(plan.trials[i - 1].condition, plan.trials[i].condition);
+        ++counts[plan.trials[i].condition];
+    }
+    CHECK(pairs.size() == 36);
+    for (const auto& [condition, count] : counts) {
+        CHECK(count == 6);
+    }
+}
+
+TEST_CASE("what cannot be divided or balanced is refused with the remedy", "[plan]") {
+    using Catch::Matchers::ContainsSubstring;
+    CHECK_THROWS_WITH(plan_of(study(5, 2, {.blocks = 3})),
+                      ContainsSubstring("10 repetitions") && ContainsSubstring("3 blocks"));
+    CHECK_THROWS_WITH(plan_of(study(5, 2, {.blocks = 0})), ContainsSubstring("0 blocks"));
+    CHECK_THROWS_WITH(plan_of(study(3, 2, {.catch_trials = 0, .order = OrderRule::first_order})),
+                      ContainsSubstring("6 conditions needs 6 repetitions"));
+    CHECK_THROWS_WITH(plan_of(study(3, 2, {.repetitions = 6, .order = OrderRule::first_order})),
+                      ContainsSubstring("no catch trials"));
+}
+
+TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {
+    const Plan plan = plan_of(study(
+        5, 2, {.repetitions = 1000, .practice_repetitions = 0, .catch_trials = 0, .blocks = 100}));
+    CHECK(plan.trials.size() == 10'000);
+    CHECK(summarise(plan).longest_friction_run <= 3);
+}
+
+// Equal with gcc 12 and clang 14, libstdc++ and libc++, -O0 and -O2. Another compiler, library or version
+// of this program must give the same plans, or a session could not be resumed there.
+TEST_CASE("plans of many designs are the same in every build", "[plan][golden]") {
+    const std::array designs = {
+        study(5, 2, {}),
+        study(5, 2, {.repetitions = 5, .max_run_object = 1, .max_run_friction = 2}),
+        study(2, 2, {.max_run_object = 1, .max_run_friction = 2}),
+        study(5, 2, {.max_run_object = 0, .max_run_friction = 1}),
+        study(7, 3, {.repetitions = 4, .max_run_object = 0, .max_run_friction = 0, .blocks = 2}),
+        study(3, 2, {.repetitions = 6, .catch_trials = 0, .order = OrderRule::first_order})};
+    std::string hashes;
+    for (const Protocol& protocol : designs) {
+        for (std::uint64_t seed = 0; seed < 5; ++seed) {
+            hashes += plan_of(protocol, seed).hash;
+        }
+    }
+    CHECK(sha256_hex(hashes) == "1402ee06bc3e47e36292bd082aa864470a986fef01f22f5cc7a1b1f17b87cea1");
+}

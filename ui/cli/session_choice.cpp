@@ -1,0 +1,45 @@
+#include "ui/cli/session_choice.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/design/session_plan.hpp"
+#include "data/store/counterbalance_query.hpp"
+
+namespace palpate::ui {
+
+void check_participant(const std::string& id) {
+    constexpr std::string_view kAllowed =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+    if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
+        throw std::invalid_argument(fmt::format(
+            "--participant \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", id));
+    }
+}
+
+SessionChoice choose_session(data::Database& database,
+                             const Study& study,
+                             const std::string& participant,
+                             std::optional<std::size_t> session,
+                             std::optional<std::uint64_t> seed) {
+    const auto last = data::latest_session(database, study.protocol.id, participant);
+    SessionChoice choice;
+    choice.key = {participant, session.value_or(last ? last->number : 1)};
+    const auto there = data::find_session(database, study.protocol.id, choice.key);
+    choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
+    choice.finished = there && there->finished;
+    choice.last = last ? last->number : 0;
+    return choice;
+}
+
+protocols::Plan plan_session(data::Database& database,
+                             const Study& study,
+                             const protocols::SessionKey& key,
+                             std::uint64_t seed) {
+    const data::PictureOrders seen = data::picture_orders(database, study.protocol.id, key);
+    return make_plan(study.protocol, study.hash, key, seed,
+                     picture_history(study.protocol, seen.others, seen.own));
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "protocols/design/plan.hpp"
+#include "data/store/session_store.hpp"
+#include "ui/cli/load_study.hpp"
+
+namespace palpate::ui {
+
+/// @throws std::invalid_argument unless the id is 1 to 64 letters, digits, - or _
+void check_participant(const std::string& id);
+
+/// Which session of which seed is meant.
+struct SessionChoice {
+    protocols::SessionKey key;
+    std::uint64_t seed = 0;
+    bool finished = false;  ///< it is there, and whole
+    std::size_t last = 0;   ///< the participant's last session; 0: none
+};
+
+/// The session asked for, else the participant's last one, else the first. Its seed is the one asked for,
+/// else that with which it was begun, else the protocol's.
+[[nodiscard]] SessionChoice choose_session(data::Database& database,
+                                           const Study& study,
+                                           const std::string& participant,
+                                           std::optional<std::size_t> session,
+                                           std::optional<std::uint64_t> seed);
+
+/// The plan that `run` would carry out on this database.
+[[nodiscard]] protocols::Plan plan_session(data::Database& database,
+                                           const Study& study,
+                                           const protocols::SessionKey& key,
+                                           std::uint64_t seed);
+
+}  // namespace palpate::ui
