@@ -16,10 +16,18 @@ struct Group {
     std::string kind;
 };
 
+/// Files of schema 3 and before have no view of that name.
+bool knows_invalid_trials(Database& database) {
+    return database.prepare("SELECT 1 FROM sqlite_schema WHERE name = 'invalid_trial'").step();
+}
+
 std::vector<Group> groups(Database& database) {
+    std::string sql = "SELECT study, kind FROM confusion";
+    if (knows_invalid_trials(database)) {
+        sql += " UNION SELECT study, kind FROM invalid_trial WHERE phase = 'main'";
+    }
     std::vector<Group> all;
-    Statement row =
-        database.prepare("SELECT DISTINCT study, kind FROM confusion ORDER BY kind, study");
+    Statement row = database.prepare("SELECT DISTINCT * FROM (" + sql + ") ORDER BY kind, study");
     while (row.step()) {
         all.push_back({row.text(0), row.text(1)});
     }
@@ -127,6 +135,19 @@ std::string faults_text(Database& database, const Group& group) {
                            n, n == 1 ? "" : "s");
 }
 
+/// Answers that do not count; nothing as long as there are none.
+std::string invalid_text(Database& database, const Group& group) {
+    Statement row =
+        database.prepare("SELECT count(*) FROM invalid_trial WHERE study = ?1 AND kind = ?2");
+    row.bind(1, group.study).bind(2, group.kind).step();
+    const std::int64_t n = row.integer(0);
+    return n == 0 ? std::string()
+                  : fmt::format(
+                        "\n  {} answered trial{} invalid and left out: SELECT * FROM "
+                        "invalid_trial\n",
+                        n, n == 1 ? " is" : "s are");
+}
+
 /// For a POSIX shell.
 std::string quoted(const std::string& word) {
     std::string text = "'";
@@ -143,7 +164,7 @@ std::string summary_text(Database& database) {
     std::string text;
     for (const Group& group : groups(database)) {
         text += title(group) + confusion_text(database, group) + shares_text(database, group) +
-                faults_text(database, group) + '\n';
+                faults_text(database, group) + invalid_text(database, group) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";

@@ -6,10 +6,10 @@ namespace palpate::data {
 namespace {
 
 constexpr const char* kTables = R"sql(
--- palpate, schema 3. SI units, in the column names. Times *_utc are wall clock and for people;
+-- palpate, schema 4. SI units, in the column names. Times *_utc are wall clock and for people;
 -- every duration comes from the servo's monotonic clock.
 PRAGMA application_id = 1885432944;
-PRAGMA user_version = 3;
+PRAGMA user_version = 4;
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
@@ -22,8 +22,11 @@ CREATE TABLE study (
 
 CREATE TABLE participant (
     -- Pseudonyms only.
-    id   INTEGER PRIMARY KEY,
-    code TEXT NOT NULL UNIQUE CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*')
+    id          INTEGER PRIMARY KEY,
+    code        TEXT NOT NULL UNIQUE CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*'),
+    handedness  INTEGER CHECK (handedness BETWEEN -100 AND 100),  -- Edinburgh score: -100 left, 100 right
+    consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it
+    consent_utc TEXT                                -- when that was noted
 ) STRICT;
 
 CREATE TABLE session (
@@ -35,13 +38,14 @@ CREATE TABLE session (
     seed                TEXT NOT NULL               -- unsigned 64 bit, decimal
                             CHECK (length(seed) BETWEEN 1 AND 20 AND seed NOT GLOB '*[^0-9]*'),
     plan_sha256         TEXT NOT NULL CHECK (length(plan_sha256) = 64),
-    shuffles            INTEGER NOT NULL CHECK (shuffles >= 1),  -- whole orders drawn until one kept the limits
+    shuffles            INTEGER NOT NULL CHECK (shuffles >= 1),  -- orders proposed until one kept the limits
     device              TEXT NOT NULL,
     rate_hz             REAL NOT NULL CHECK (rate_hz > 0),
     stiffness_n_per_m   REAL NOT NULL CHECK (stiffness_n_per_m > 0),
     started_utc         TEXT NOT NULL,
     finished_utc        TEXT,
     finished            INTEGER NOT NULL DEFAULT 0 CHECK (finished IN (0, 1)),
+    operator            TEXT,                       -- who ran it, as given
     UNIQUE (study, participant, number)
 ) STRICT;
 
@@ -65,6 +69,7 @@ CREATE TABLE plan (
     mu_s             REAL NOT NULL CHECK (mu_s >= mu_d),
     mu_d             REAL NOT NULL CHECK (mu_d >= 0),
     break_before     INTEGER NOT NULL CHECK (break_before IN (0, 1)),
+    block            INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0),  -- of the main phase; 0 in practice
     PRIMARY KEY (session, position)
 ) STRICT;
 
@@ -78,8 +83,8 @@ CREATE TABLE picture (
 ) STRICT;
 
 CREATE TABLE trial (
-    -- One attempt at a planned trial. Attempts that were not answered stay, and the position is run again:
-    -- after a fault at the end of its block (practice, or main and catch), else at once.
+    -- One attempt at a planned trial. Attempts that faulted or do not count stay, and the position is run
+    -- again at a random later place of its block (practice, or main and catch); others at once.
     id                  INTEGER PRIMARY KEY,
     session             INTEGER NOT NULL,
     position            INTEGER NOT NULL,
@@ -108,6 +113,7 @@ CREATE TABLE trial (
     fault               TEXT CHECK (fault IS NULL OR outcome = 'faulted'),  -- why the force went off, e.g. over_speed
     slewed_ticks        INTEGER,                    -- the slew limit held the force back
     stale_ticks         INTEGER,                    -- without a new reading
+    invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
@@ -151,9 +157,12 @@ CREATE TABLE event (
     text    TEXT NOT NULL,
     at_utc  TEXT NOT NULL
 ) STRICT;
+)sql";
 
+/// What analysts read. As of schema 4.
+constexpr const char* kViews = R"sql(
 CREATE VIEW trial_result AS
--- One row per answered trial, practice and catch trials included: filter by phase and kind.
+-- One row per answered trial that counts, practice and catch trials included: filter by phase and kind.
 SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
        session.kind AS kind, plan.position AS position, plan.phase AS phase, plan.object AS object,
        plan.curvature_per_m AS curvature_per_m, plan.friction AS friction, response.object AS choice,
@@ -169,13 +178,40 @@ JOIN response ON response.trial = trial.id
 JOIN plan ON plan.session = trial.session AND plan.position = trial.position
 JOIN session ON session.id = trial.session
 JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study;
+JOIN study ON study.id = session.study
+WHERE trial.invalid IS NULL;
 
 CREATE VIEW confusion AS
 -- How often each object was taken for which, main trials only.
 SELECT study, kind, friction, object, choice, count(*) AS n
 FROM trial_result WHERE phase = 'main'
 GROUP BY study, kind, friction, object, choice;
+
+CREATE VIEW invalid_trial AS
+-- One row per answered trial that does not count, with its answer and the reason.
+SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
+       session.kind AS kind, trial.position AS position, trial.attempt AS attempt, plan.phase AS phase,
+       plan.object AS object, plan.friction AS friction, response.object AS choice,
+       response.correct AS correct, trial.invalid AS reason
+FROM trial
+JOIN response ON response.trial = trial.id
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.invalid IS NOT NULL;
+)sql";
+
+/// Since schema 4.
+constexpr const char* kPeople = R"sql(
+CREATE TABLE participant_detail (
+    -- What a study asks of its participants besides: age, gender, ... In a table of its own, so that what
+    -- is handed on can leave it out.
+    participant INTEGER NOT NULL REFERENCES participant,
+    key         TEXT NOT NULL CHECK (length(key) BETWEEN 1 AND 64 AND key NOT GLOB '*[^a-z0-9_]*'),
+    value       TEXT NOT NULL,
+    PRIMARY KEY (participant, key)
+) STRICT;
 )sql";
 
 /// Since schema 3: why forces went off.
@@ -244,16 +280,30 @@ ALTER TABLE trial ADD COLUMN stale_ticks INTEGER;
 PRAGMA user_version = 3;
 )sql";
 
+constexpr const char* kFrom3 = R"sql(
+-- 3 -> 4: answers that do not count, blocks, people. What was answered before counts.
+ALTER TABLE participant ADD COLUMN handedness INTEGER CHECK (handedness BETWEEN -100 AND 100);
+ALTER TABLE participant ADD COLUMN consent INTEGER CHECK (consent IN (0, 1));
+ALTER TABLE participant ADD COLUMN consent_utc TEXT;
+ALTER TABLE session ADD COLUMN operator TEXT;
+ALTER TABLE plan ADD COLUMN block INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0);
+ALTER TABLE trial ADD COLUMN invalid TEXT CHECK (length(invalid) > 0);
+DROP VIEW confusion;
+DROP VIEW trial_result;
+PRAGMA user_version = 4;
+)sql";
+
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all = std::string(kTables) + kFaults;
+    static const std::string all = std::string(kTables) + kPeople + kViews + kFaults;
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
-    return from == 1 ? std::string_view(kFrom1) : from_2;
+    static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
+    return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from_3;
 }
 
 }  // namespace palpate::data

@@ -45,7 +45,7 @@ std::int64_t participant_row(Database& database, const std::string& code) {
 
 void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
     Statement trial =
-        database.prepare("INSERT INTO plan VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)");
+        database.prepare("INSERT INTO plan VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
     for (const PlannedTrial& planned : spec.plan.trials) {
         const auto& object = spec.protocol.objects.at(planned.condition.object);
         const auto& friction = spec.protocol.frictions.at(planned.condition.friction);
@@ -58,6 +58,7 @@ void write_plan(Database& database, std::int64_t session, const SessionSpec& spe
             .bind(7, friction.mu_s)
             .bind(8, friction.mu_d)
             .bind(9, std::int64_t{planned.break_before ? 1 : 0})
+            .bind(10, static_cast<std::int64_t>(planned.block))
             .run();
     }
     Statement picture = database.prepare("INSERT INTO picture VALUES (?1, ?2, ?3)");
@@ -97,8 +98,8 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .prepare(
             "INSERT INTO session (study, participant, number, kind, seed, plan_sha256, shuffles, "
             "device,"
-            " rate_hz, stiffness_n_per_m, started_utc) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
-            "?10, ?11)")
+            " rate_hz, stiffness_n_per_m, started_utc, operator) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
+            "?7, ?8, ?9, ?10, ?11, nullif(?12, ''))")
         .bind(1, study)
         .bind(2, participant)
         .bind(3, static_cast<std::int64_t>(spec.key.session))
@@ -110,6 +111,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .bind(9, spec.protocol.apparatus.rate_hz)
         .bind(10, spec.protocol.apparatus.stiffness)
         .bind(11, utc_now())
+        .bind(12, spec.operator_name)
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);
@@ -120,7 +122,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
 
 struct Existing {
     std::int64_t id = 0;
-    std::string protocol_hash, plan_hash, kind, device, seed;
+    std::string protocol_hash, plan_hash, kind, device, seed, operator_name;
     bool finished = false;
 };
 
@@ -141,6 +143,10 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
     if (there.device != spec.device) {
         note_event(database, there.id, "device", fmt::format("goes on with {}", spec.device));
     }
+    if (!spec.operator_name.empty() && there.operator_name != spec.operator_name) {
+        note_event(database, there.id, "operator",
+                   fmt::format("goes on with {}", spec.operator_name));
+    }
     Statement row = database.prepare(
         "SELECT coalesce((SELECT text FROM event WHERE session = ?1 AND kind = 'provenance'"
         " AND substr(text, 1, length(?2) + 2) = ?2 || ': ' ORDER BY id DESC LIMIT 1),"
@@ -158,7 +164,8 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
 
 std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
     Statement row = database.prepare(
-        "SELECT session.id, protocol_sha256, plan_sha256, kind, device, seed, finished FROM session"
+        "SELECT session.id, protocol_sha256, plan_sha256, kind, device, seed, finished,"
+        " coalesce(operator, '') FROM session"
         " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
         " WHERE name = ?1 AND code = ?2 AND number = ?3");
     row.bind(1, spec.protocol.id)
@@ -173,6 +180,7 @@ std::optional<Existing> existing_session(Database& database, const SessionSpec& 
                     .kind = row.text(3),
                     .device = row.text(4),
                     .seed = row.text(5),
+                    .operator_name = row.text(7),
                     .finished = row.integer(6) != 0};
 }
 
@@ -224,17 +232,18 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
 /// What is left, by what became of every attempt so far. An answer is a row of its own: it decides.
 protocols::PendingTrials pending_trials(Database& database,
                                         std::int64_t session,
-                                        const protocols::Plan& plan) {
-    protocols::PendingTrials pending(plan);
+                                        const SessionSpec& spec) {
+    protocols::PendingTrials pending(spec.plan, requeue_rule(spec));
     Statement row = database.prepare(
-        "SELECT position, outcome, response.trial IS NOT NULL FROM trial"
+        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL FROM trial"
         " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 ORDER BY trial.id");
     row.bind(1, session);
     while (row.step()) {
         const bool answered = row.integer(2) != 0;
         if (answered || row.text(1) == to_string(protocols::Outcome::faulted)) {
             pending.note(static_cast<std::size_t>(row.integer(0)),
-                         answered ? protocols::Outcome::complete : protocols::Outcome::faulted);
+                         answered ? protocols::Outcome::complete : protocols::Outcome::faulted,
+                         row.integer(3) != 0);
         }
     }
     return pending;
@@ -266,6 +275,15 @@ std::string_view to_string(RunKind kind) noexcept {
     return "?";
 }
 
+protocols::RequeueRule requeue_rule(const SessionSpec& spec) {
+    return {.key = {.protocol_hash = spec.protocol_hash,
+                    .participant = spec.key.participant,
+                    .session = spec.key.session,
+                    .purpose = {},
+                    .seed = spec.seed},
+            .most = spec.protocol.invalid.requeue_most};
+}
+
 std::optional<SessionState> latest_session(Database& database,
                                            std::string_view study,
                                            std::string_view participant) {
@@ -294,7 +312,7 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
         opened.finished = there->finished;
         opened.interrupted = mark_interrupted(database, id);
     }
-    opened.pending = pending_trials(database, id, spec.plan);
+    opened.pending = pending_trials(database, id, spec);
     opened.next = opened.pending.next();
     all.commit();
     return opened;

@@ -26,8 +26,12 @@ struct SessionSpec {
     std::uint64_t seed = 0;
     RunKind kind = RunKind::simulated;
     std::string device;
+    std::string operator_name{};  ///< who runs it; empty: not given
     std::vector<std::pair<std::string, std::string>> provenance;
 };
+
+/// How the session sets trials back.
+[[nodiscard]] protocols::RequeueRule requeue_rule(const SessionSpec& spec);
 
 /// Keeps a second program off a session. Released when this object, or the whole process, ends.
 class SessionLock {

@@ -123,6 +123,9 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
                                            to_string(result.outcome),
                                            result.response ? "with" : "without"));
     }
+    if (!result.invalid.empty() && !result.response) {
+        throw std::logic_error(fmt::format("trial {} has no answer that could be invalid", trial));
+    }
     if (result.fault && result.outcome != protocols::Outcome::faulted) {
         throw std::logic_error(
             fmt::format("trial {} is {} with a fault", trial, to_string(result.outcome)));
@@ -153,7 +156,7 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
             " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
             "?14,"
             " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17, skipped_ticks = ?18,"
-            " slewed_ticks = ?19, stale_ticks = ?20, fault = ?21"
+            " slewed_ticks = ?19, stale_ticks = ?20, fault = ?21, invalid = ?22"
             " WHERE id = ?1 AND outcome = 'running'")
         .bind(1, trial)
         .bind(2, to_string(result.outcome))
@@ -176,6 +179,8 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
         .bind(19, sum.slewed_ticks)
         .bind(20, sum.stale_ticks)
         .bind(21, result.fault ? std::optional(to_string(result.fault->cause)) : std::nullopt)
+        .bind(22, result.invalid.empty() ? std::nullopt
+                                         : std::optional<std::string_view>(result.invalid))
         .run();
     if (database_.changes() != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",

@@ -66,6 +66,17 @@ struct SafetySpec {
     friend bool operator==(const SafetySpec&, const SafetySpec&) = default;
 };
 
+/// When an answered trial does not count and is run again at a random later place of its block.
+struct InvalidSpec {
+    double late_share = 0.001;  ///< of its ticks may be late, 0..1; 1: any. Not of simulated hands
+    double contact_min = 1.0;   ///< s of contact, 0: none needed
+    double path_min = 0.160;    ///< m of path of HIP, 0: none needed
+    std::size_t requeue_most =
+        10;  ///< times that a position is run again, also after faults; 0: never
+
+    friend bool operator==(const InvalidSpec&, const InvalidSpec&) = default;
+};
+
 /// What an order of the main trials must keep.
 enum class OrderRule : std::uint8_t {
     random,       ///< any order within the run limits, each as likely as the others
@@ -110,11 +121,13 @@ struct Protocol {
     std::string title;
     std::uint64_t seed = 0;         ///< the one recorded study seed
     std::size_t participants = 12;  ///< planned
+    bool consent_required = false;  ///< no real session without a noted consent
     std::vector<ObjectSpec> objects;
     OutlineSpec outline{};
     std::vector<FrictionSpec> frictions;
     ApparatusSpec apparatus{};
     SafetySpec safety{};
+    InvalidSpec invalid{};
     DesignSpec design{};
     TimingSpec timing{};
     ObserverSpec observer{};

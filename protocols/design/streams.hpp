@@ -31,9 +31,11 @@ inline constexpr std::string_view pictures =
     "pictures";                                   ///< session 0: the row of the Williams design
 inline constexpr std::string_view hand = "hand";  ///< session, block = position: simulated hand
 inline constexpr std::string_view observer =
-    "observer";  ///< session, block = position: its answers
-inline constexpr std::array all = {practice_order, main_order, catch_trials,
-                                   pictures,       hand,       observer};
+    "observer";                                         ///< session, block = position: its answers
+inline constexpr std::string_view requeue = "requeue";  ///< session, block = position: place of the
+                                                        ///< 1st, 2nd, ... repetition
+inline constexpr std::array all = {practice_order, main_order, catch_trials, pictures,
+                                   hand,           observer,   requeue};
 }  // namespace purpose
 
 /// The text that is hashed: one `name=value` a line. Texts carry their length in bytes, so that no

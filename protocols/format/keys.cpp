@@ -30,6 +30,8 @@ constexpr std::array kStudy{
                   .meaning = "the one seed: every order and every simulated number follows from it"},
     Key<Protocol>{.name = "participants", .member = &Protocol::participants, .lowest = 1, .highest = 10000,
                   .meaning = "planned number of participants"},
+    Key<Protocol>{.name = "consent_required", .member = &Protocol::consent_required, .later = true,
+                  .meaning = "no real session without a noted consent; left out of the hash while false"},
 };
 
 constexpr std::array kApparatus{
@@ -95,6 +97,17 @@ constexpr std::array kSafety{
                     .meaning = "energy that the object may give beyond what it took"},
     Key<SafetySpec>{.name = "dead_man", .member = &SafetySpec::dead_man,
                     .meaning = "force only while the participant holds Space; Enter then ends the exploration"},
+};
+
+constexpr std::array kInvalid{
+    Key<InvalidSpec>{.name = "late_share", .member = &InvalidSpec::late_share, .highest = 1,
+                     .meaning = "share of late ticks above which a person's trial does not count; 1: never"},
+    Key<InvalidSpec>{.name = "contact_min_s", .member = &InvalidSpec::contact_min, .highest = 3600,
+                     .meaning = "a trial with less contact does not count; 0: all do"},
+    Key<InvalidSpec>{.name = "path_min_mm", .member = &InvalidSpec::path_min, .highest = 100000, .per_si = 1000,
+                     .meaning = "a trial with a shorter way of the handle does not count; 0: all do"},
+    Key<InvalidSpec>{.name = "requeue_most", .member = &InvalidSpec::requeue_most, .highest = 100,
+                     .meaning = "times that a trial which does not count or faulted is run again; 0: never"},
 };
 
 constexpr std::array kDesign{
@@ -195,6 +208,10 @@ std::span<const Key<SafetySpec>> keys_of() {
     return kSafety;
 }
 template <>
+std::span<const Key<InvalidSpec>> keys_of() {
+    return kInvalid;
+}
+template <>
 std::span<const Key<DesignSpec>> keys_of() {
     return kDesign;
 }
@@ -227,6 +244,7 @@ template std::string range_of(const Key<OutlineSpec>&);
 template std::string range_of(const Key<ObjectSpec>&);
 template std::string range_of(const Key<FrictionSpec>&);
 template std::string range_of(const Key<SafetySpec>&);
+template std::string range_of(const Key<InvalidSpec>&);
 template std::string range_of(const Key<DesignSpec>&);
 template std::string range_of(const Key<TimingSpec>&);
 template std::string range_of(const Key<ObserverSpec>&);
@@ -239,6 +257,7 @@ std::string key_reference() {
            section<FrictionSpec>(fmt::format("[[friction]]  once each, 1 to {}", kMaxFrictions)) +
            section<SafetySpec>(
                "[safety]  left out of the study's hash as long as all are default") +
+           section<InvalidSpec>("[invalid]  left out of the hash in the same way") +
            section<DesignSpec>("[design]") + section<TimingSpec>("[timing]") +
            section<ObserverSpec>("[observer]  of simulated sessions");
 }

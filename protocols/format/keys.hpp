@@ -39,6 +39,7 @@ struct Key {
     bool above = false;   ///< `lowest` itself is refused
     double per_si = 1.0;  ///< file value = SI value * per_si: 1000 for mm and ms, 0.001 for 1/ms
     Text text = Text::name;
+    bool later = false;  ///< newer than the studies: left out of the canonical text while default
     std::string_view meaning;
 };
 
@@ -60,6 +61,8 @@ template <>
 std::span<const Key<FrictionSpec>> keys_of();
 template <>
 std::span<const Key<SafetySpec>> keys_of();
+template <>
+std::span<const Key<InvalidSpec>> keys_of();
 template <>
 std::span<const Key<DesignSpec>> keys_of();
 template <>

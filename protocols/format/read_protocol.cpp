@@ -16,9 +16,9 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 10> kTables{"format", "study",    "apparatus", "outline",
-                                                   "object", "friction", "safety",    "design",
-                                                   "timing", "observer"};
+constexpr std::array<std::string_view, 11> kTables{"format", "study",    "apparatus", "outline",
+                                                   "object", "friction", "safety",    "invalid",
+                                                   "design", "timing",   "observer"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -44,6 +44,7 @@ public:
             law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
         }
         table("safety", protocol.safety, false);
+        table("invalid", protocol.invalid, false);
         table("design", protocol.design, true);
         table("timing", protocol.timing, false);
         table("observer", protocol.observer, false);

@@ -252,6 +252,7 @@ template void Reader::read(const Table&, const std::string&, const Position&, Ou
 template void Reader::read(const Table&, const std::string&, const Position&, ObjectSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, FrictionSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, SafetySpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, InvalidSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, DesignSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, TimingSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, ObserverSpec&);

@@ -29,9 +29,13 @@ void append(std::string& text,
             std::string_view heading,
             const Record& record,
             bool coefficients = true) {
+    static const Record defaults{};
     text += fmt::format("\n{}\n", heading);
     for (const Key<Record>& key : keys_of<Record>()) {
         if (!coefficients && (key.need == Need::gos || key.need == Need::gos_optional)) {
+            continue;
+        }
+        if (key.later && std::visit([&](auto m) { return record.*m == defaults.*m; }, key.member)) {
             continue;
         }
         const std::string value = std::visit(
@@ -55,6 +59,9 @@ std::string to_toml(const Protocol& protocol) {
     }
     if (protocol.safety != SafetySpec{}) {  // studies are older than this table: their hashes stay
         append(text, "[safety]", protocol.safety);
+    }
+    if (protocol.invalid != InvalidSpec{}) {
+        append(text, "[invalid]", protocol.invalid);
     }
     append(text, "[design]", protocol.design);
     append(text, "[timing]", protocol.timing);

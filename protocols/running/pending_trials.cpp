@@ -4,27 +4,44 @@
 
 namespace palpate::protocols {
 
-PendingTrials::PendingTrials(const Plan& plan) {
+PendingTrials::PendingTrials(const Plan& plan, RequeueRule rule) : rule_(std::move(rule)) {
     for (const PlannedTrial& planned : plan.trials) {
         order_.push_back(planned.position);
-        practice_.push_back(planned.phase == Phase::practice);
+        part_.push_back(planned.phase == Phase::practice ? 0 : 1 + planned.block);
     }
 }
 
-void PendingTrials::note(std::size_t position, Outcome outcome) {
+bool PendingTrials::has(std::size_t position) const noexcept {
+    return std::find(order_.begin(), order_.end(), position) != order_.end();
+}
+
+void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
+    const bool answered = is_answered(outcome);
     const auto found = std::find(order_.begin(), order_.end(), position);
-    const bool set_back = outcome == Outcome::faulted;
-    if (found == order_.end() || !(is_answered(outcome) || set_back)) {
+    if (found == order_.end() || !(answered || outcome == Outcome::faulted)) {
         return;
     }
     order_.erase(found);
-    if (set_back) {
-        const bool practice = practice_[position];
-        const auto after = std::find_if(order_.rbegin(), order_.rend(), [&](std::size_t other) {
-            return practice_[other] == practice;
-        });
-        order_.insert(after.base(), position);
+    if (!(answered && counts)) {
+        set_back(position);
     }
+}
+
+void PendingTrials::set_back(std::size_t position) {
+    StreamKey key = rule_.key;
+    key.block = position;
+    key.purpose = purpose::requeue;
+    Again& again = again_.try_emplace(position, Again{.random = stream(key)}).first->second;
+    if (again.times++ == rule_.most) {
+        return;
+    }
+    const auto part = part_[position];  // parts follow each other in the plan, and so they do here
+    const auto first = std::find_if(order_.begin(), order_.end(),
+                                    [&](std::size_t other) { return part_[other] >= part; });
+    const auto last =
+        std::find_if(first, order_.end(), [&](std::size_t other) { return part_[other] > part; });
+    const auto others = static_cast<std::uint32_t>(last - first);
+    order_.insert(others == 0 ? first : first + 1 + again.random.bounded(others), position);
 }
 
 }  // namespace palpate::protocols

@@ -1,49 +1,76 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <vector>
 
 #include "protocols/design/plan.hpp"
+#include "protocols/design/streams.hpp"
 #include "protocols/running/recorder.hpp"
 
 namespace palpate::protocols {
 
+/// How positions are run again.
+struct RequeueRule {
+    StreamKey key{};        ///< of the session; purpose and block are the rule's own
+    std::size_t most = 10;  ///< times a position, InvalidSpec::requeue_most
+};
+
 /// What a session still has to run, in its order: a plan and all that became of it so far. The one rule
 /// for the running session and for its resumption from a database, so that both run the same.
 ///
-/// An answered position is done. A faulted one goes to the end of its part of the session, practice or
-/// main with catch trials, behind those that faulted before it: at once again, it would be felt twice
-/// in a row, and the second time with a hint. What was aborted or cut off stays where it is: whoever
-/// comes back meets it first.
+/// A position with an answer that counts is done. One that faulted, or whose answer does not count, goes
+/// to a random later place of its part of the session: practice, or its block of main and catch trials.
+/// At least one other trial comes before it, each place is equally likely, and the place follows from the
+/// key, the position and how often it was set back: nobody can guess it, every resumption finds it. Once
+/// a position has been set back `most` times it is done too, without an answer that counts. What was
+/// aborted or cut off stays where it is: whoever comes back meets it first.
 ///
 /// A position set back may break the run limits of the plan (the same object three times in a row), and
 /// the last one of its part is followed by itself: there is nothing else left to put between.
 class PendingTrials {
 public:
     PendingTrials() = default;
-    explicit PendingTrials(const Plan& plan);
+    explicit PendingTrials(const Plan& plan, RequeueRule rule = {});
 
     /// The next thing that became of an attempt. Positions that are not pending are ignored.
-    void note(std::size_t position, Outcome outcome);
+    /// @param counts  an answer is valid; without meaning for other outcomes
+    void note(std::size_t position, Outcome outcome, bool counts = true);
 
     [[nodiscard]] bool empty() const noexcept { return order_.empty(); }
     /// The position to run now; the number of trials when nothing is left.
     [[nodiscard]] std::size_t next() const noexcept {
-        return order_.empty() ? practice_.size() : order_.front();
+        return order_.empty() ? part_.size() : order_.front();
     }
-    /// How many have been answered: the place in the session, whatever was set back.
-    [[nodiscard]] std::size_t answered() const noexcept { return practice_.size() - order_.size(); }
+    /// How many are done: the place in the session, whatever was set back.
+    [[nodiscard]] std::size_t answered() const noexcept { return part_.size() - order_.size(); }
+    /// The position is still to be run.
+    [[nodiscard]] bool has(std::size_t position) const noexcept;
     /// Positions, the next one first.
     [[nodiscard]] const std::vector<std::size_t>& order() const noexcept { return order_; }
 
-    friend bool operator==(const PendingTrials&, const PendingTrials&) = default;
+    /// The same is left, and the same will come of what happens to it.
+    friend bool operator==(const PendingTrials& a, const PendingTrials& b) {
+        return a.order_ == b.order_ && a.part_ == b.part_ && a.again_ == b.again_ &&
+               a.rule_.most == b.rule_.most;
+    }
 
 private:
+    struct Again {
+        Pcg32 random;
+        std::size_t times = 0;
+
+        friend bool operator==(const Again&, const Again&) = default;
+    };
+    void set_back(std::size_t position);
+
+    RequeueRule rule_{};
     std::vector<std::size_t> order_;
-    std::vector<bool> practice_;  ///< by position
+    std::vector<std::size_t> part_;       ///< by position: 0 practice, 1 + block otherwise
+    std::map<std::size_t, Again> again_;  ///< by position
 };
 
-/// The participant has chosen a picture: the position is done.
+/// The participant has chosen a picture.
 [[nodiscard]] constexpr bool is_answered(Outcome outcome) noexcept {
     return outcome == Outcome::complete || outcome == Outcome::timed_out;
 }

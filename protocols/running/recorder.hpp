@@ -21,7 +21,7 @@ enum class Outcome : std::uint8_t {
     timed_out,    ///< exploration reached the time-out, then answered
     aborted,      ///< ended by the experimenter or a signal; run again on resume
     interrupted,  ///< found unfinished when the session was opened again; run again
-    faulted,      ///< the force went off by itself; run again at the end of its block
+    faulted,      ///< the force went off by itself; run again later in its block
 };
 
 [[nodiscard]] std::string_view to_string(Outcome outcome) noexcept;
@@ -70,6 +70,8 @@ struct TrialResult {
     TrialSummary summary{};
     std::optional<Response> response;  ///< none unless complete or timed_out
     std::optional<Fault> fault;        ///< none unless faulted
+    std::string
+        invalid;  ///< why an answer does not count, a phrase; empty: it does, or there is none
 };
 
 /// Constants of the compiled scene that needed exp, kept because exp differs between machines.

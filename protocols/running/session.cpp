@@ -13,11 +13,15 @@ namespace {
 
 class Session {
 public:
-    Session(const Protocol& protocol, const Plan& plan, PendingTrials pending, Ports& ports)
+    Session(const Protocol& protocol,
+            const Plan& plan,
+            PendingTrials pending,
+            Ports& ports,
+            bool simulated)
         : protocol_(protocol),
           plan_(plan),
           ports_(ports),
-          runner_(protocol, plan, ports),
+          runner_(protocol, plan, ports, simulated),
           pending_(std::move(pending)),
           rested_(pending_.answered()) {}
 
@@ -35,7 +39,8 @@ public:
             if (result.outcome == Outcome::aborted) {
                 return stopped(Signal::abort);
             }
-            pending_.note(planned.position, result.outcome);
+            pending_.note(planned.position, result.outcome, result.invalid.empty());
+            note_invalid(planned, result);
             faults_ = result.fault ? faults_ + 1 : 0;
             if (result.fault) {
                 ports_.recorder.event(
@@ -62,6 +67,15 @@ private:
         rested_ = done;
         ports_.recorder.event("break", before_next());
         return ports_.observer.rest(protocol_.timing.break_min, next);
+    }
+
+    void note_invalid(const PlannedTrial& planned, const TrialResult& result) {
+        if (!result.invalid.empty()) {
+            ports_.recorder.event(
+                "invalid", fmt::format("position {}: {}: {}", planned.position, result.invalid,
+                                       pending_.has(planned.position) ? "will be run again"
+                                                                      : "not run again"));
+        }
     }
 
     SessionEnd stopped(Signal signal) {
@@ -94,7 +108,7 @@ SessionEnd run_session(const Protocol& protocol,
                        const SessionView& view,
                        PendingTrials pending,
                        Ports ports) {
-    return Session(protocol, plan, std::move(pending), ports).run(view);
+    return Session(protocol, plan, std::move(pending), ports, view.simulated).run(view);
 }
 
 }  // namespace palpate::protocols

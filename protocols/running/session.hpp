@@ -23,8 +23,9 @@ struct SessionEnd {
 /// choice -> durable. The force is off whenever anything else happens, also when an exception (a
 /// full disk) passes through.
 ///
-/// A trial whose force went off by itself ends as faulted, with its cause and last ticks, and is set
-/// back (see PendingTrials); the session goes on when the device works and the observer agrees. Breaks
+/// An answered trial that breaks a rule of [invalid] keeps its answer and its reason and is set back (see
+/// PendingTrials). A trial whose force went off by itself ends as faulted, with its cause and last
+/// ticks, and is set back too; the session goes on when the device works and the observer agrees. Breaks
 /// come after as many answered trials as the plan says, whichever these were.
 [[nodiscard]] SessionEnd run_session(const Protocol& protocol,
                                      const Plan& plan,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 namespace palpate::protocols {
 
 void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
@@ -41,6 +43,29 @@ TrialSummary TrialMeter::summary() const {
         summary.mean_normal_force_n = force_sum_ / static_cast<double>(sum_.contact_ticks);
     }
     return summary;
+}
+
+std::string why_invalid(const Protocol& protocol, const TrialSummary& summary, bool late_counts) {
+    const InvalidSpec& rules = protocol.invalid;
+    std::string why;
+    const auto add = [&why](const std::string& reason) {
+        why += (why.empty() ? "" : "; ") + reason;
+    };
+    const auto ticks = static_cast<double>(summary.ticks);
+    const auto late = static_cast<double>(summary.late_ticks);
+    if (late_counts && late > rules.late_share * ticks) {
+        add(fmt::format("late {:.2f} % of its ticks, above {:g} %", 100.0 * late / ticks,
+                        100.0 * rules.late_share));
+    }
+    const double contact = static_cast<double>(summary.contact_ticks) / protocol.apparatus.rate_hz;
+    if (contact < rules.contact_min) {
+        add(fmt::format("contact {:.3f} s, below {:g} s", contact, rules.contact_min));
+    }
+    if (summary.path_length_m < rules.path_min) {
+        add(fmt::format("path {:.1f} mm, below {:g} mm", 1e3 * summary.path_length_m,
+                        1e3 * rules.path_min));
+    }
+    return why;
 }
 
 }  // namespace palpate::protocols

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <span>
+#include <string>
 
 #include "engine/rendering/energy_ledger.hpp"
+#include "protocols/design/protocol.hpp"
 #include "protocols/running/recorder.hpp"
 
 namespace palpate::protocols {
@@ -23,5 +25,11 @@ private:
     engine::Vec2 last_hip_{};
     engine::Vec2 last_force_{};
 };
+
+/// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it counts.
+/// @param late_counts  false for a simulated hand: nobody felt the lateness
+[[nodiscard]] std::string why_invalid(const Protocol& protocol,
+                                      const TrialSummary& summary,
+                                      bool late_counts);
 
 }  // namespace palpate::protocols

@@ -31,10 +31,11 @@ private:
 
 }  // namespace
 
-TrialRunner::TrialRunner(const Protocol& protocol, const Plan& plan, Ports& ports)
+TrialRunner::TrialRunner(const Protocol& protocol, const Plan& plan, Ports& ports, bool simulated)
     : protocol_(protocol),
       plan_(plan),
       ports_(ports),
+      simulated_(simulated),
       pictures_(make_pictures(protocol, plan.picture_order)) {}
 
 TrialView TrialRunner::view_of(const PlannedTrial& planned, std::size_t number) const {
@@ -143,6 +144,7 @@ void TrialRunner::answer(const PlannedTrial& planned, const TrialView& view, Tri
                                .reaction_s = choice.reaction_s,
                                .uncertainty_s = choice.uncertainty_s,
                                .input = choice.input};
+    result.invalid = why_invalid(protocol_, result.summary, !simulated_);
 }
 
 /// @param exploring  the ticks count for the summary and for the observer; the ramp out does not

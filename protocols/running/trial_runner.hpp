@@ -13,7 +13,8 @@ namespace palpate::protocols {
 class TrialRunner {
 public:
     /// All arguments outlive the runner.
-    TrialRunner(const Protocol& protocol, const Plan& plan, Ports& ports);
+    /// @param simulated  the hand: its late ticks make no trial invalid
+    TrialRunner(const Protocol& protocol, const Plan& plan, Ports& ports, bool simulated);
 
     /// One attempt, recorded unless it was aborted before it began. The force is off when it returns,
     /// and when anything is thrown.
@@ -32,6 +33,7 @@ private:
     const Protocol& protocol_;
     const Plan& plan_;
     Ports& ports_;
+    bool simulated_;
     std::vector<Picture> pictures_;
     TrialMeter meter_{1.0};
     std::optional<double> tripped_s_;  ///< when the running trial's force went off by itself

@@ -50,6 +50,10 @@ std::string random_file(Random& random) {
                                 "\nenergy_limit_j = " + n(0.001, 9.9) +
                                 "\ndead_man = " + (random.coin() ? "true" : "false") + "\n"
                           : "";
+    text += random.coin() ? "[invalid]\nlate_share = " + n(0, 1) + "\ncontact_min_s = " + n(0, 99) +
+                                "\npath_min_mm = " + n(0, 999) +
+                                "\nrequeue_most = " + std::to_string(random.below(101)) + "\n"
+                          : "";
     text +=
         "[design]\nrepetitions = 2\nmax_run_object = 0\nmax_run_friction = 0\ncatch_trials = 0\n";
     text += "[timing]\ngap_s = " + n(0, 9) + "\n[observer]\nnoise_per_m = " + n(0, 9) + "\n";
@@ -68,6 +72,7 @@ TEST_CASE("the default study is the one that is described", "[protocol]") {
     CHECK(protocol.outline == OutlineSpec{});
     CHECK(protocol.apparatus == ApparatusSpec{});
     CHECK(protocol.safety == SafetySpec{});
+    CHECK(protocol.invalid == InvalidSpec{});
     CHECK(protocol.design == DesignSpec{});
     CHECK(protocol.timing == TimingSpec{});
     CHECK(protocol.observer == ObserverSpec{});
@@ -152,6 +157,23 @@ TEST_CASE("a study of default safety keeps the hash that it had before the table
     with(&SafetySpec::energy_limit, 0.2);
     with(&SafetySpec::dead_man, true);
     CHECK(hashes.size() == 7);
+    study.safety = usual;
+    const auto rule = [&](auto member, auto value) {
+        study.invalid = {};
+        study.invalid.*member = value;
+        hashes.insert(protocol_hash(study));
+        CHECK(parse_protocol(to_toml(study), "a") == study);
+    };
+    rule(&InvalidSpec::late_share, 0.01);
+    rule(&InvalidSpec::contact_min, 0.0);
+    rule(&InvalidSpec::path_min, 0.2);
+    rule(&InvalidSpec::requeue_most, std::size_t{3});
+    CHECK(hashes.size() == 11);
+    study.invalid = {};
+    study.consent_required = true;
+    hashes.insert(protocol_hash(study));
+    CHECK(hashes.size() == 12);
+    CHECK(parse_protocol(to_toml(study), "a") == study);
 }
 
 TEST_CASE("the hash sees values, not spelling", "[protocol]") {
@@ -182,7 +204,9 @@ TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]")
 TEST_CASE("the reference for people names every key of the canonical text", "[protocol]") {
     const std::string reference = key_reference();
     Protocol study = load_protocol(library("shape_friction.toml"));
-    study.safety.dead_man = true;  // or the table would be left out
+    study.safety.dead_man = true;  // or the tables would be left out
+    study.invalid.requeue_most = 0;
+    study.consent_required = true;
     std::istringstream lines(to_toml(study));
     for (std::string line; std::getline(lines, line);) {
         if (const auto equals = line.find(" = "); equals != std::string::npos) {

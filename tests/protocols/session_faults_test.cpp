@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <deque>
 #include <set>
 
 #include "protocols/running/trouble.hpp"
@@ -109,50 +108,42 @@ std::vector<std::pair<std::size_t, Outcome>> felt(const Ledger& ledger) {
     return all;
 }
 
-/// The rule again, as two queues: what faults goes to the end of its own.
-std::vector<std::pair<std::size_t, Outcome>> by_queues(const Plan& plan, World world) {
-    std::deque<std::size_t> practice;
-    std::deque<std::size_t> main;
-    for (const PlannedTrial& planned : plan.trials) {
-        (planned.phase == Phase::practice ? practice : main).push_back(planned.position);
-    }
-    std::vector<std::pair<std::size_t, Outcome>> all;
-    for (std::deque<std::size_t>* queue : {&practice, &main}) {
-        while (!queue->empty()) {
-            const std::size_t position = queue->front();
-            queue->pop_front();
-            const bool fault = world.faults_now(position);
-            all.emplace_back(position, fault ? Outcome::faulted : Outcome::complete);
-            if (fault) {
-                ++world.faults[position];
-                queue->push_back(position);
-            }
-        }
-    }
-    return all;
+/// What an unbroken session of the same world felt.
+std::vector<std::pair<std::size_t, Outcome>> unbroken(const Protocol& protocol,
+                                                      const Plan& plan,
+                                                      World world) {
+    Patient observer;
+    Ledger ledger;
+    CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
+    return felt(ledger);
 }
 
 }  // namespace
 
 TEST_CASE(
-    "whatever faults, each position is answered once, and faulted ones come last in their part",
+    "whatever faults, each position is answered once, and faulted ones come again later in their "
+    "part",
     "[session][fault][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
     CAPTURE(seed);
     const Protocol protocol = short_protocol();
     const Plan plan = plan_of(protocol);
     World world{.seed = seed, .fault_share = 0.1 * static_cast<double>(seed % 8)};
-    const auto expected = by_queues(plan, world);
     Patient observer;
     Ledger ledger;
     const SessionEnd end = run(protocol, plan, world, observer, ledger);
     CHECK(end.why == Why::finished);
     CHECK(end.next == plan.trials.size());
     CHECK(ledger.finished);
-    CHECK(felt(ledger) == expected);
     std::multiset<std::size_t> answered;
     std::set<std::size_t> repeated_at_once;
     for (std::size_t i = 0; i < ledger.attempts.size(); ++i) {
+        const std::size_t at = ledger.attempts[i].position;
+        if (i > 0) {  // practice first
+            CHECK((plan.trials[at].phase == Phase::practice ||
+                   plan.trials[ledger.attempts[i - 1].position].phase != Phase::practice ||
+                   answered.size() == 6));
+        }
         if (is_answered(ledger.attempts[i].outcome)) {
             answered.insert(ledger.attempts[i].position);
         }
@@ -181,7 +172,7 @@ TEST_CASE("killed at any moment, any number of times, a session goes on as the u
     const Protocol protocol = short_protocol();
     const Plan plan = plan_of(protocol);
     World world{.seed = seed, .fault_share = 0.3};
-    const auto expected = by_queues(plan, world);
+    const auto expected = unbroken(protocol, plan, world);
     Random random(seed);
     Ledger ledger;
     Patient observer;

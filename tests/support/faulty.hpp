@@ -163,6 +163,7 @@ inline protocols::Protocol short_protocol() {
     protocol.design.catch_trials = 2;
     protocol.design.break_every = 5;
     protocol.timing.explore_min = 0.0;
+    protocol.invalid = {.late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};
     return protocol;
 }
 

@@ -9,6 +9,9 @@ namespace palpate::ui {
 [[nodiscard]] int sequence_command(const SequenceOptions& options);
 [[nodiscard]] int demo_command(const DemoOptions& options);
 [[nodiscard]] int summary_command(const SummaryOptions& options);
+[[nodiscard]] int participant_command(const ParticipantOptions& options);
+[[nodiscard]] int note_command(const NoteOptions& options);
+[[nodiscard]] int mark_command(const MarkOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);

@@ -9,7 +9,7 @@ std::string fault_text(const protocols::Fault& fault) {
     while (what.ends_with('.') || what.ends_with('\n')) {
         what.pop_back();
     }
-    return fmt::format("  fault: {}; runs again at the end of its block", what);
+    return fmt::format("  fault: {}; runs again later in its block", what);
 }
 
 }  // namespace palpate::ui

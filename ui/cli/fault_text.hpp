@@ -9,8 +9,8 @@ namespace palpate::ui {
 /// The end of a faulted trial's line on the console: what happened, what to do, what follows. For the
 /// experimenter, but a participant may see it: nothing of the stimulus.
 ///
-///     trial  12 of 100  fault: the handle was faster than the limit: move more slowly; runs again at
-///     the end of its block
+///     trial  12 of 100  fault: the handle was faster than the limit: move more slowly; runs again
+///     later in its block
 [[nodiscard]] std::string fault_text(const protocols::Fault& fault);
 
 }  // namespace palpate::ui

@@ -55,6 +55,7 @@ void add_run(CLI::App& app, Options& chosen) {
     command->add_option("--session", run.session, "Session number; without it the last one goes on")
         ->check(CLI::PositiveNumber);
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
+    command->add_option("--operator", run.operator_name, "Who runs it, kept with the session");
     add_screen(*command, run.screen);
 }
 
@@ -132,6 +133,44 @@ void add_summary(CLI::App& app, Options& chosen) {
         app.add_subcommand("summary", "Confusion matrix and shares correct of a database");
     auto& summary = options_of<SummaryOptions>(command, chosen);
     command->add_option("FILE", summary.database, "A palpate database")->required();
+}
+
+void add_participant(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "participant",
+        "Show what is noted of a participant, and note handedness, consent and more");
+    auto& who = options_of<ParticipantOptions>(command, chosen);
+    command->add_option("FILE", who.database, "The study's database file")->required();
+    command->add_option("ID", who.participant, "Pseudonymous id: letters, digits, - and _")
+        ->required();
+    command
+        ->add_option("--handedness", who.handedness, "Edinburgh score, -100 (left) to 100 (right)")
+        ->check(CLI::Range(-100, 100));
+    command->add_option("--consent", who.consent, "yes or no: consent to take part")
+        ->check(CLI::IsMember({"yes", "no"}));
+    command->add_option("--set", who.details, "KEY=VALUE, e.g. age=31; once for each")
+        ->allow_extra_args(false);
+}
+
+void add_note(CLI::App& app, Options& chosen) {
+    CLI::App* command =
+        app.add_subcommand("note", "Add an operator's note to a session, also while it runs");
+    auto& note = options_of<NoteOptions>(command, chosen);
+    command->add_option("FILE", note.database, "A palpate database")->required();
+    command->add_option("TEXT", note.text, "The note")->required();
+    command->add_option("--participant", note.participant, "Whose session")->required();
+    command->add_option("--session", note.session, "Session number; without it the last one")
+        ->check(CLI::PositiveNumber);
+    command->add_option("--study", note.study, "The study's id, if there are several");
+}
+
+void add_mark(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "mark", "Say that the answer of a trial does not count; it is kept, with the reason");
+    auto& mark = options_of<MarkOptions>(command, chosen);
+    command->add_option("FILE", mark.database, "A palpate database")->required();
+    command->add_option("TRIAL", mark.trial, "Its id: column trial of trial_result")->required();
+    command->add_option("--invalid", mark.reason, "Why it does not count")->required();
 }
 
 void add_screenshots(CLI::App& app, Options& chosen) {
@@ -224,6 +263,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     add_run(app, chosen);
     add_sequence(app, chosen);
     add_summary(app, chosen);
+    add_participant(app, chosen);
+    add_note(app, chosen);
+    add_mark(app, chosen);
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
     add_emulator(app, chosen);

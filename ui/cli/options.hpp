@@ -28,6 +28,7 @@ struct RunOptions {
     std::string kind;  ///< pilot, real; empty: real
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
+    std::string operator_name;  ///< kept with the session; empty: not given
     ScreenOptions screen{};
 };
 
@@ -49,6 +50,28 @@ struct SequenceOptions {
 
 struct SummaryOptions {
     std::string database;
+};
+
+struct ParticipantOptions {
+    std::string database;
+    std::string participant;
+    std::optional<std::int64_t> handedness;  ///< -100 to 100
+    std::string consent;                     ///< yes, no; empty: nothing new
+    std::vector<std::string> details;        ///< KEY=VALUE
+};
+
+struct NoteOptions {
+    std::string database;
+    std::string participant;
+    std::string study;  ///< empty: the only one of the participant
+    std::optional<std::size_t> session;
+    std::string text;
+};
+
+struct MarkOptions {
+    std::string database;
+    std::int64_t trial = 0;
+    std::string reason;
 };
 
 struct ScreenshotOptions {
@@ -109,6 +132,9 @@ using Options = std::variant<Exit,
                              RunOptions,
                              DemoOptions,
                              SummaryOptions,
+                             ParticipantOptions,
+                             NoteOptions,
+                             MarkOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,

@@ -109,6 +109,9 @@ void print_trial(const RigSpec& spec,
         line += fmt::format("  felt {:.1f} s, answered in {:.1f} s", result.done_s,
                             result.response->reaction_s);
     }
+    if (!result.invalid.empty()) {
+        line += fmt::format("  does not count: {}", result.invalid);
+    }
     fmt::print("{}\n", line);
     std::fflush(stdout);
 }
@@ -187,6 +190,7 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                                       .seed = spec.seed,
                                       .kind = spec.kind,
                                       .device = apparatus->device_name(),
+                                      .operator_name = spec.operator_name,
                                       .provenance = std::move(shaped_by)});
     print_start(spec, plan, opened, *apparatus);
     if (opened.finished) {

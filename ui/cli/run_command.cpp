@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/rig.hpp"
@@ -30,6 +31,24 @@ data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
     return options.kind == "pilot" ? data::RunKind::pilot : data::RunKind::real;
 }
 
+/// Of a real session without a noted consent: said, or refused where the protocol demands it.
+void heed_consent(data::Database& database, const RunOptions& options, const RigSpec& spec) {
+    if (spec.kind != data::RunKind::real) {
+        return;
+    }
+    const auto person = data::find_participant(database, options.participant);
+    if (person && person->notes.consent == true) {
+        return;
+    }
+    const std::string text = fmt::format(
+        "no consent of {0} is noted; palpate participant {1} {0} --consent yes notes it",
+        options.participant, options.database);
+    if (spec.study.protocol.consent_required) {
+        throw std::invalid_argument(text + ", and this protocol demands it");
+    }
+    fmt::print(stderr, "palpate: {}\n", text);
+}
+
 }  // namespace
 
 int run_command(const RunOptions& options) {
@@ -39,6 +58,7 @@ int run_command(const RunOptions& options) {
     spec.device = parse_device(options.device);
     spec.calibration = options.calibration;
     spec.screen = options.screen;
+    spec.operator_name = options.operator_name;
     spec.kind = kind_of(options, spec.device);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
@@ -56,6 +76,7 @@ int run_command(const RunOptions& options) {
                         options.database, options.participant, spec.key.session,
                         spec.study.protocol.id, choice.last + 1));
     }
+    heed_consent(database, options, spec);
     catch_signals();
     const RigEnd end = run_rig(database, spec);
     switch (end.session.why) {

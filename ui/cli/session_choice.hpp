@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "protocols/design/plan.hpp"
 #include "data/store/session_store.hpp"
@@ -10,8 +11,9 @@
 
 namespace palpate::ui {
 
+/// @param word  what the id was given as
 /// @throws std::invalid_argument unless the id is 1 to 64 letters, digits, - or _
-void check_participant(const std::string& id);
+void check_participant(const std::string& id, std::string_view word = "--participant");
 
 /// Which session of which seed is meant.
 struct SessionChoice {

@@ -1,0 +1,126 @@
+#include "data/store/people.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+
+std::optional<Participant> find_participant(Database& database, std::string_view code) {
+    Statement row = database.prepare(
+        "SELECT id, handedness, consent, coalesce(consent_utc, ''),"
+        " (SELECT count(*) FROM session WHERE session.participant = participant.id)"
+        " FROM participant WHERE code = ?1");
+    if (!row.bind(1, code).step()) {
+        return std::nullopt;
+    }
+    Participant found{.consent_utc = row.text(3), .sessions = row.integer(4)};
+    if (!row.null(1)) {
+        found.notes.handedness = row.integer(1);
+    }
+    if (!row.null(2)) {
+        found.notes.consent = row.integer(2) != 0;
+    }
+    Statement detail = database.prepare(
+        "SELECT key, value FROM participant_detail WHERE participant = ?1 ORDER BY key");
+    detail.bind(1, row.integer(0));
+    while (detail.step()) {
+        found.notes.details.emplace_back(detail.text(0), detail.text(1));
+    }
+    return found;
+}
+
+void note_participant(Database& database, std::string_view code, const ParticipantNotes& notes) {
+    Transaction all(database);
+    database.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING")
+        .bind(1, code)
+        .run();
+    if (notes.handedness) {
+        database.prepare("UPDATE participant SET handedness = ?2 WHERE code = ?1")
+            .bind(1, code)
+            .bind(2, *notes.handedness)
+            .run();
+    }
+    if (notes.consent) {
+        database
+            .prepare(
+                "UPDATE participant SET consent = ?2, consent_utc = ?3"
+                " WHERE code = ?1 AND consent IS NOT ?2")
+            .bind(1, code)
+            .bind(2, std::int64_t{*notes.consent ? 1 : 0})
+            .bind(3, utc_now())
+            .run();
+    }
+    Statement detail = database.prepare(
+        "INSERT INTO participant_detail SELECT id, ?2, ?3 FROM participant WHERE code = ?1"
+        " ON CONFLICT (participant, key) DO UPDATE SET value = excluded.value");
+    for (const auto& [key, value] : notes.details) {
+        detail.bind(1, code).bind(2, key).bind(3, value).run();
+    }
+    all.commit();
+}
+
+std::vector<SessionRow> sessions_of(Database& database,
+                                    std::string_view code,
+                                    std::optional<std::size_t> number) {
+    Statement row = database.prepare(
+        "SELECT session.id, name, number FROM session JOIN study ON study.id = study"
+        " JOIN participant ON participant.id = participant"
+        " WHERE code = ?1 AND (?2 IS NULL OR number = ?2) ORDER BY session.id DESC");
+    row.bind(1, code).bind(
+        2, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt);
+    std::vector<SessionRow> all;
+    while (row.step()) {
+        all.push_back({.id = row.integer(0), .study = row.text(1), .number = row.integer(2)});
+    }
+    return all;
+}
+
+void add_note(Database& database, std::int64_t session, std::string_view text) {
+    database.prepare("INSERT INTO event (session, kind, text, at_utc) VALUES (?1, 'note', ?2, ?3)")
+        .bind(1, session)
+        .bind(2, text)
+        .bind(3, utc_now())
+        .run();
+}
+
+bool mark_invalid(Database& database, std::int64_t trial, std::string_view reason) {
+    Transaction all(database);
+    Statement row = database.prepare(
+        "SELECT outcome, response.trial IS NOT NULL, invalid, finished, session.id FROM trial"
+        " JOIN session ON session.id = trial.session"
+        " LEFT JOIN response ON response.trial = trial.id WHERE trial.id = ?1");
+    if (!row.bind(1, trial).step()) {
+        throw std::invalid_argument(fmt::format(
+            "{}: there is no trial {}; SELECT id FROM trial lists them", database.file(), trial));
+    }
+    if (row.integer(1) == 0) {
+        throw std::invalid_argument(
+            fmt::format("{}: trial {} is {} and has no answer that could count", database.file(),
+                        trial, row.text(0)));
+    }
+    if (!row.null(2)) {
+        throw std::invalid_argument(fmt::format("{}: trial {} does not count already: {}",
+                                                database.file(), trial, row.text(2)));
+    }
+    const bool finished = row.integer(3) != 0;
+    const std::int64_t session = row.integer(4);
+    row.reset();
+    database.prepare("UPDATE trial SET invalid = ?2 WHERE id = ?1")
+        .bind(1, trial)
+        .bind(2, reason)
+        .run();
+    database
+        .prepare(
+            "INSERT INTO event (session, trial, kind, text, at_utc)"
+            " VALUES (?1, ?2, 'mark', ?3, ?4)")
+        .bind(1, session)
+        .bind(2, trial)
+        .bind(3, fmt::format("invalid: {}", reason))
+        .bind(4, utc_now())
+        .run();
+    all.commit();
+    return finished;
+}
+
+}  // namespace palpate::data

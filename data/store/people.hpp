@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "data/store/database.hpp"
+
+/// What people note by hand: of participants, of sessions, and of answers that do not count after all.
+namespace palpate::data {
+
+/// Nothing in a field: not known, or not to be changed.
+struct ParticipantNotes {
+    std::optional<std::int64_t> handedness{};  ///< Edinburgh score, -100 left to 100 right
+    std::optional<bool> consent{};
+    std::vector<std::pair<std::string, std::string>> details{};  ///< key [a-z0-9_]{1,64}, value
+};
+
+struct Participant {
+    ParticipantNotes notes{};
+    std::string consent_utc;    ///< when consent was noted; empty: it was not
+    std::int64_t sessions = 0;  ///< begun, of any study
+};
+
+/// Nobody of that pseudonym is known: nothing.
+[[nodiscard]] std::optional<Participant> find_participant(Database& database,
+                                                          std::string_view code);
+
+/// Registers the participant if need be and notes what is given. What was noted before and is not
+/// given stays; the time of a consent is that of its last change.
+void note_participant(Database& database, std::string_view code, const ParticipantNotes& notes);
+
+struct SessionRow {
+    std::int64_t id = 0;
+    std::string study;
+    std::int64_t number = 0;
+};
+
+/// The sessions of a participant, the last begun first. @param number  only those of this number
+[[nodiscard]] std::vector<SessionRow> sessions_of(Database& database,
+                                                  std::string_view code,
+                                                  std::optional<std::size_t> number);
+
+/// An event "note" of the session.
+void add_note(Database& database, std::int64_t session, std::string_view text);
+
+/// The answer of a trial does not count, for this reason: it stays, and analyses leave it out. An event
+/// too. Unless the session is finished, the position is run again when it is resumed.
+/// @return whether the session is finished
+/// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count already
+bool mark_invalid(Database& database, std::int64_t trial, std::string_view reason);
+
+}  // namespace palpate::data

@@ -1,0 +1,236 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "data/analysis/summary.hpp"
+#include "data/store/people.hpp"
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::string lines(Database& database, const std::string& sql) {
+    auto row = database.prepare(sql);
+    std::string text;
+    while (row.step()) {
+        for (int i = 0; i < row.columns(); ++i) {
+            text += row.text(i) + ' ';
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+/// The n-th attempt at a position counts or not, the same whoever asks.
+std::string reason_of(std::size_t position, std::int64_t attempt, std::uint64_t seed) {
+    tests::Random random(seed * 1009 + position * 31 + static_cast<std::uint64_t>(attempt));
+    return random.in(0.0, 1.0) < 0.4 ? fmt::format("contact {} s", attempt) : std::string();
+}
+
+/// Answers all that is left, opening the session again after every `at_a_time` answers.
+void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, std::uint64_t seed) {
+    for (;;) {
+        auto opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        for (int i = 0; i < at_a_time; ++i) {
+            if (opened.pending.empty()) {
+                recorder.finish_session();
+                return;
+            }
+            const std::size_t at = opened.pending.next();
+            auto attempt = database.prepare(
+                "SELECT count(*) FROM response JOIN trial ON id = trial"
+                " WHERE position = ?1");
+            attempt.bind(1, static_cast<std::int64_t>(at)).step();
+            auto result = tests::answered(0, false);
+            result.invalid = reason_of(at, attempt.integer(0), seed);
+            attempt.reset();
+            recorder.end_trial(recorder.begin_trial(spec.plan.trials[at], {}), result);
+            opened.pending.note(at, result.outcome, result.invalid.empty());
+        }
+        static_cast<void>(recorder.begin_trial(
+            spec.plan.trials[opened.pending.empty() ? 0 : opened.pending.next()],
+            {}));  // and is cut off
+    }
+}
+
+constexpr const char* kAnswered =
+    "SELECT position, coalesce(invalid, '-') FROM trial JOIN response ON trial = id ORDER BY id";
+
+}  // namespace
+
+TEST_CASE("with answers that do not count, a session resumed anywhere runs as the unbroken one",
+          "[store][invalid][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    CAPTURE(seed);
+    const TemporaryFolder folder;
+    auto protocol = tests::small_protocol(2);
+    protocol.design.blocks = 2;
+    protocol.invalid.requeue_most = seed % 3;
+    const auto spec = tests::session_spec(protocol);
+    Database unbroken(folder.file("unbroken.sqlite"), Access::write);
+    run_on(unbroken, spec, 1000, seed);
+    Database broken(folder.file("broken.sqlite"), Access::write);
+    run_on(broken, spec, 1 + static_cast<int>(seed % 5), seed);
+    CHECK(lines(broken, kAnswered) == lines(unbroken, kAnswered));
+    CHECK(lines(broken,
+                "SELECT position FROM trial GROUP BY position HAVING count(*) <> "
+                "max(attempt) OR count(DISTINCT attempt) <> count(*)")
+              .empty());
+    // One answer that counts, or one more than the repetitions that do not.
+    CHECK(lines(broken, fmt::format("SELECT position FROM trial JOIN response ON trial = id"
+                                    " GROUP BY position HAVING sum(invalid IS NULL) <> 1 AND"
+                                    " (sum(invalid IS NULL) > 1 OR count(*) <> {})",
+                                    protocol.invalid.requeue_most + 1))
+              .empty());
+    CHECK(lines(broken, "SELECT DISTINCT block FROM plan ORDER BY 1") == "0 \n1 \n");
+}
+
+TEST_CASE("an answer that does not count is kept with its reason, left out and counted apart",
+          "[store][invalid][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec = tests::session_spec(tests::small_protocol());
+    const auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    auto bad = tests::answered(1, true);
+    bad.invalid = "path 12.0 mm, below 160 mm";
+    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    recorder.end_trial(id, bad);
+    CHECK_THAT(data::summary_text(database), ContainsSubstring("1 answered trial is invalid"));
+    recorder.end_trial(recorder.begin_trial(spec.plan.trials[1], {}), tests::answered(1, true));
+    CHECK(lines(database, "SELECT trial, reason FROM invalid_trial") ==
+          fmt::format("{} path 12.0 mm, below 160 mm \n", id));
+    CHECK(lines(database, "SELECT position FROM trial_result") == "1 \n");
+    CHECK(lines(database, "SELECT sum(n) FROM confusion") == "1 \n");
+    CHECK(lines(database, "SELECT count(*) FROM response") == "2 \n");
+    // The recorder takes no reason for what was not answered.
+    protocols::TrialResult aborted;
+    aborted.outcome = protocols::Outcome::aborted;
+    aborted.invalid = "x";
+    const auto other = recorder.begin_trial(spec.plan.trials[2], {});
+    CHECK_THROWS_AS(recorder.end_trial(other, aborted), std::logic_error);
+}
+
+TEST_CASE("an answer marked afterwards is left out, kept, and run again unless all is finished",
+          "[store][invalid][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec = tests::session_spec(tests::small_protocol());
+    {
+        const auto opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        for (std::size_t i = 0; i < 3; ++i) {
+            recorder.end_trial(recorder.begin_trial(spec.plan.trials[i], {}),
+                               tests::answered(0, false));
+        }
+        protocols::TrialResult aborted;
+        aborted.outcome = protocols::Outcome::aborted;
+        recorder.end_trial(recorder.begin_trial(spec.plan.trials[3], {}), aborted);
+    }
+    CHECK_THROWS_WITH(data::mark_invalid(database, 99, "x"), ContainsSubstring("no trial 99"));
+    CHECK_THROWS_WITH(data::mark_invalid(database, 4, "x"), ContainsSubstring("aborted"));
+    CHECK_FALSE(data::mark_invalid(database, 2, "she sneezed"));
+    CHECK_THROWS_WITH(data::mark_invalid(database, 2, "again"), ContainsSubstring("she sneezed"));
+    CHECK(lines(database, "SELECT trial FROM trial_result ORDER BY 1") == "1 \n3 \n");
+    CHECK(lines(database, "SELECT trial, text FROM event WHERE kind = 'mark'") ==
+          "2 invalid: she sneezed \n");
+    {
+        const auto opened = data::open_session(database, spec);
+        CHECK(opened.pending.has(1));
+        CHECK_FALSE(opened.pending.has(0));
+        CHECK_FALSE(opened.pending.has(2));
+        CHECK(opened.next == 3);  // what was aborted comes first
+    }
+    run_on(database, spec, 1000, 1);
+    CHECK(data::mark_invalid(database, 1, "late"));
+    CHECK(data::open_session(database, spec).finished);
+}
+
+TEST_CASE("what is noted of a participant stays until it is noted otherwise", "[store][people]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    CHECK_FALSE(data::find_participant(database, "P1").has_value());
+    data::note_participant(database, "P1", {.handedness = 80, .consent = true});
+    data::note_participant(database, "P1", {.details = {{"age", "31"}, {"gender", "f"}}});
+    data::note_participant(database, "P1", {.handedness = -100, .details = {{"age", "32"}}});
+    const auto person = data::find_participant(database, "P1");
+    REQUIRE(person.has_value());
+    CHECK(person->notes.handedness == -100);
+    CHECK(person->notes.consent == true);
+    CHECK_FALSE(person->consent_utc.empty());
+    CHECK(person->notes.details ==
+          std::vector<std::pair<std::string, std::string>>{{"age", "32"}, {"gender", "f"}});
+    CHECK(person->sessions == 0);
+    data::note_participant(database, "P1", {.consent = false});
+    CHECK(data::find_participant(database, "P1")->notes.consent == false);
+    CHECK_THROWS_AS(data::note_participant(database, "P2", {.handedness = 101}), data::StoreError);
+    CHECK_FALSE(data::find_participant(database, "P2").has_value());  // all or nothing
+}
+
+TEST_CASE("participant, note and mark work from the command line and refuse with a sentence",
+          "[people][cli]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const Finished unknown = palpate_command({"participant", file, "P1"});
+    CHECK(unknown.code != 0);
+    CHECK(palpate_command({"note", file, "text", "--participant", "P1"}).code != 0);
+    CHECK(palpate_command({"mark", file, "1", "--invalid", "x"}).code != 0);
+    CHECK(palpate_command({"participant", file, "Jane Doe", "--consent", "yes"}).code == 2);
+    CHECK(palpate_command({"participant", file, "P1", "--set", "Age=3"}).code == 2);
+    CHECK(palpate_command({"participant", file, "P1", "--handedness", "101"}).code == 2);
+    CHECK(::access(file.c_str(), F_OK) != 0);  // nothing was made of all that
+
+    const Finished noted = palpate_command({"participant", file, "P1", "--handedness", "-40",
+                                            "--consent", "yes", "--set", "age=31", "--set", "x="});
+    CHECK(noted.code == 0);
+    CHECK_THAT(noted.out, ContainsSubstring("handedness   -40") &&
+                              ContainsSubstring("consent      yes, noted 2") &&
+                              ContainsSubstring("age          31"));
+    CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
+    CHECK(palpate_command({"participant", file, "P2"}).code == 2);
+    CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
+               ContainsSubstring("P1 has no such session"));
+    {
+        Database database(file, Access::write);
+        for (const std::size_t number : {1U, 2U}) {
+            const auto spec = tests::session_spec(tests::small_protocol(), "P1", number);
+            const auto opened = data::open_session(database, spec);
+            data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+            recorder.end_trial(recorder.begin_trial(spec.plan.trials[0], {}),
+                               tests::answered(0, false));
+        }
+        auto other = tests::small_protocol();
+        other.id = "other";
+        static_cast<void>(data::open_session(database, tests::session_spec(other, "P1", 1)));
+    }
+    CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
+               ContainsSubstring("other and in small: give --study"));
+    CHECK(palpate_command({"note", file, " ", "--participant", "P1", "--study", "small"}).code ==
+          2);
+    CHECK_THAT(
+        palpate_command({"note", file, "tired", "--participant", "P1", "--study", "small"}).out,
+        ContainsSubstring("session 2 of P1, study small"));
+    CHECK(palpate_command(
+              {"note", file, "early", "--participant", "P1", "--study", "small", "--session", "1"})
+              .code == 0);
+    CHECK_THAT(palpate_command({"mark", file, "1", "--invalid", "bell rang"}).out,
+               ContainsSubstring("run again when its session is resumed"));
+    CHECK(palpate_command({"mark", file, "1", "--invalid", "bell rang"}).code == 2);
+    Database database(file, Access::read);
+    CHECK(lines(database,
+                "SELECT number, event.kind, text FROM event JOIN session ON session.id = session"
+                " ORDER BY event.id") ==
+          "2 note tired \n1 note early \n1 mark invalid: bell rang \n");
+    CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
+}

@@ -1,0 +1,69 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/store/people.hpp"
+#include "ui/cli/commands.hpp"
+#include "ui/cli/session_choice.hpp"
+
+namespace palpate::ui {
+namespace {
+
+std::pair<std::string, std::string> detail_of(const std::string& word) {
+    constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
+    const auto equals = word.find('=');
+    const std::string key = word.substr(0, equals);
+    if (equals == std::string::npos || key.empty() || key.size() > 64 ||
+        key.find_first_not_of(kAllowed) != std::string::npos) {
+        throw std::invalid_argument(
+            fmt::format("--set \"{}\": give KEY=VALUE, KEY of letters a-z, digits and _", word));
+    }
+    return {key, word.substr(equals + 1)};
+}
+
+void print(const std::string& id, const data::Participant& person) {
+    fmt::print("participant  {}\n", id);
+    fmt::print("sessions     {}\n", person.sessions);
+    fmt::print("handedness   {}\n",
+               person.notes.handedness ? fmt::format("{}", *person.notes.handedness) : "not noted");
+    fmt::print(
+        "consent      {}\n",
+        person.notes.consent
+            ? fmt::format("{}, noted {}", *person.notes.consent ? "yes" : "no", person.consent_utc)
+            : "not noted");
+    for (const auto& [key, value] : person.notes.details) {
+        fmt::print("{:<12} {}\n", key, value);
+    }
+}
+
+}  // namespace
+
+int participant_command(const ParticipantOptions& options) {
+    check_participant(options.participant, "the participant");
+    data::ParticipantNotes notes{.handedness = options.handedness};
+    if (!options.consent.empty()) {
+        notes.consent = options.consent == "yes";
+    }
+    for (const std::string& word : options.details) {
+        notes.details.push_back(detail_of(word));
+    }
+    const bool change = notes.handedness || notes.consent || !notes.details.empty();
+    if (!change) {  // nothing is to be made for a wrong name
+        const data::Database there(options.database, data::Access::read);
+    }
+    data::Database database(options.database, data::Access::write);  // of an older schema, too
+    if (change) {
+        data::note_participant(database, options.participant, notes);
+    }
+    const auto person = data::find_participant(database, options.participant);
+    if (!person) {
+        throw std::invalid_argument(
+            fmt::format("{}: nobody is called {}; --consent, --handedness or --set registers them",
+                        options.database, options.participant));
+    }
+    print(options.participant, *person);
+    return 0;
+}
+
+}  // namespace palpate::ui
