@@ -110,6 +110,8 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
     tests::draw_into_memory();
     Protocol protocol = shipped();
     protocol.timing.explore_min = 0.0;
+    protocol.invalid = {
+        .late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};  // short looks count
     const std::string hash = protocol_hash(protocol);
     const SessionKey key{"P1", 1};
     const Plan plan = make_plan(protocol, hash, key, protocol.seed);
