@@ -49,7 +49,7 @@ std::vector<std::string> refusals(const engine::RealtimeRights& rights) {
     for (std::size_t i = 0; i < engine::kRights; ++i) {
         const auto right = static_cast<engine::Right>(i);
         if (rights.of(right).grant == engine::Grant::refused) {
-            lines.push_back(fmt::format("real-time {} was {}: {}", name_of(right),
+            lines.push_back(fmt::format("real-time {}: {}; {}", name_of(right),
                                         describe(right, rights), remedy(right, rights)));
         }
     }
