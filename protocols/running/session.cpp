@@ -42,11 +42,11 @@ public:
                     "fault", fmt::format("position {}: {}: {}", planned.position,
                                          to_string(result.fault->cause), result.fault->text));
                 note_timing();
-                const Signal signal = mend(ports_, *result.fault, faults_);
-                if (signal == Signal::give_up) {
-                    return gave_up(*result.fault);
+                const Mended mended = mend(ports_, *result.fault, faults_);
+                if (mended.signal == Signal::give_up) {
+                    return gave_up(*result.fault, mended.tries);
                 }
-                if (signal != Signal::go_on) {
+                if (mended.signal != Signal::go_on) {
                     return stopped();
                 }
             }
@@ -75,13 +75,16 @@ private:
         return {.why = SessionEnd::Why::aborted, .next = pending_.next()};
     }
 
-    SessionEnd gave_up(const Fault& fault) {
+    SessionEnd gave_up(const Fault& fault, std::size_t tries) {
         const std::string trouble = ports_.apparatus.trouble();
-        ports_.recorder.event("gave up", before_next());
+        ports_.recorder.event("gave up",
+                              fmt::format("{}, after {} tries in vain and {} faults in a row",
+                                          before_next(), tries, faults_));
         return {.why = SessionEnd::Why::faulted,
                 .next = pending_.next(),
                 .fault = trouble.empty() ? fault.text : trouble,
-                .in_a_row = faults_};
+                .in_a_row = faults_,
+                .tries = tries};
     }
 
     void note_timing() {

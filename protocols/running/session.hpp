@@ -19,6 +19,7 @@ struct SessionEnd {
     std::size_t next = 0;      ///< first position that still has to run
     std::string fault{};       ///< of faulted: what happened last and what to do, a sentence
     std::size_t in_a_row = 0;  ///< of faulted: trials since the last good one
+    std::size_t tries = 0;     ///< of faulted: how often the device was asked to come back, in vain
 };
 
 /// Runs what is pending of a plan to its end, or until someone stops it.

@@ -22,12 +22,13 @@ std::string fault_text(const protocols::Fault& fault) {
 }
 
 std::string given_up_text(const protocols::SessionEnd& end) {
+    const std::string after = end.tries > 0
+                                ? fmt::format("{} tries to reach the device again", end.tries)
+                                : fmt::format("{} faults in a row", end.in_a_row);
     return fmt::format(
         "gave up after {}: {}. The force is off and what was recorded is kept; the "
         "same command goes on at trial {}",
-        end.in_a_row > 1 ? fmt::format("{} faults in a row", end.in_a_row)
-                         : std::string("a fault that stayed"),
-        without_stop(end.fault), end.next + 1);
+        after, without_stop(end.fault), end.next + 1);
 }
 
 }  // namespace palpate::ui
