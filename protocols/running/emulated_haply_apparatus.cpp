@@ -29,10 +29,11 @@ engine::MakeHand hand_on(const engine::Calibration& machine) {
 
 EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
                                                DrawnHand hand,
-                                               const engine::Calibration& machine)
+                                               const engine::Calibration& machine,
+                                               double spin_share)
     : hand_(std::move(hand)),
       haply_(as_emulated(machine), hand_on(machine), {.period = 1.0 / protocol.apparatus.rate_hz}),
-      servo_(haply_.device(), servo_spec(protocol, haply_.device())) {}
+      servo_(haply_.device(), servo_spec(protocol, haply_.device(), spin_share)) {}
 
 void EmulatedHaplyApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {
     servo_.park();  // the handle is put at its start: no reading of ours may fall in between

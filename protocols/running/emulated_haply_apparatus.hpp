@@ -13,10 +13,11 @@ namespace palpate::protocols {
 /// before threads.
 class EmulatedHaplyApparatus : public ServoApparatus {
 public:
-    /// @throws as engine::EmulatedHaply
+    /// @param spin_share  see engine::ServoSpec   @throws as engine::EmulatedHaply
     EmulatedHaplyApparatus(const Protocol& protocol,
                            DrawnHand hand,
-                           const engine::Calibration& machine);
+                           const engine::Calibration& machine,
+                           double spin_share = 0.0);
 
     /// The handle is at the start, the hand sets off.
     void begin(const engine::Scene& scene, const PlannedTrial& planned) override;

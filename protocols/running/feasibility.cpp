@@ -130,6 +130,21 @@ void check_force(const ApparatusSpec& apparatus,
 
 }  // namespace
 
+Margins margins_of(const Protocol& protocol, const engine::Device& device) {
+    const engine::DeviceTraits traits = device.traits();
+    Margins margins{
+        .needed_damping = engine::least_damping(
+            protocol.apparatus.stiffness, 1.0 / protocol.apparatus.rate_hz, traits.delay_ticks),
+        .damping = traits.damping,
+        .weakest_force = {}};
+    for (const Spot& spot : spots(protocol, device)) {
+        if (spot.force && !(margins.weakest_force && *margins.weakest_force <= *spot.force)) {
+            margins.weakest_force = spot.force;
+        }
+    }
+    return margins;
+}
+
 std::vector<Finding> check_feasibility(const Protocol& protocol, const engine::Device& device) {
     std::vector<Finding> findings;
     const engine::DeviceTraits traits = device.traits();

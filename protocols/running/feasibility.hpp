@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,5 +35,14 @@ struct Finding {
 /// a warning says how deep one can press there before it clips.
 [[nodiscard]] std::vector<Finding> check_feasibility(const Protocol& protocol,
                                                      const engine::Device& device);
+
+/// What check_feasibility compares, for people to see how close it is.
+struct Margins {
+    double needed_damping = 0.0;      ///< K T (1/2 + d), N s/m
+    std::optional<double> damping{};  ///< b, N s/m; none: not known
+    std::optional<double>
+        weakest_force{};  ///< least on any outline within reach, N; none: not known
+};
+[[nodiscard]] Margins margins_of(const Protocol& protocol, const engine::Device& device);
 
 }  // namespace palpate::protocols

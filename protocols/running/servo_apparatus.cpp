@@ -13,7 +13,9 @@ constexpr double kSilence = 0.010;
 
 }  // namespace
 
-engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& device) {
+engine::ServoSpec servo_spec(const Protocol& protocol,
+                             const engine::Device& device,
+                             double spin_share) {
     const ApparatusSpec& apparatus = protocol.apparatus;
     const SafetySpec& safety = protocol.safety;
     const engine::DeviceTraits traits = device.traits();
@@ -36,7 +38,13 @@ engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& dev
         limits.watch_encoders = true;
         limits.dead_man = safety.dead_man;
     }
-    return {.rate_hz = apparatus.rate_hz, .limits = limits};
+    return {
+        .rate_hz = apparatus.rate_hz, .limits = limits, .realtime = {}, .spin_share = spin_share};
+}
+
+std::string ServoApparatus::timing() const {
+    const bool ticked = servo().real_time() && servo().lateness().count() > 0;
+    return ticked ? describe(servo().lateness()) : std::string();
 }
 
 SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
@@ -80,8 +88,10 @@ bool ReplayApparatus::exhausted() const noexcept {
     return static_cast<std::int64_t>(device_.left()) <= servo_.ramp_ticks();
 }
 
-DeviceApparatus::DeviceApparatus(const Protocol& protocol, std::unique_ptr<engine::Device> device)
-    : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_)) {}
+DeviceApparatus::DeviceApparatus(const Protocol& protocol,
+                                 std::unique_ptr<engine::Device> device,
+                                 double spin_share)
+    : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_, spin_share)) {}
 
 void DeviceApparatus::begin(const engine::Scene& scene, const PlannedTrial& /*planned*/) {
     servo_.begin(scene);

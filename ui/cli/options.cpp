@@ -55,6 +55,12 @@ void add_run(CLI::App& app, Options& chosen) {
     command->add_option("--session", run.session, "Session number; without it the last one goes on")
         ->check(CLI::PositiveNumber);
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
+    command
+        ->add_option("--spin", run.spin,
+                     "Share of each tick to watch the clock instead of sleeping, for haply and "
+                     "comedi: 0.3 wakes up on time to a microsecond and costs processor time")
+        ->check(CLI::Range(0.0, 0.5))
+        ->capture_default_str();
     add_screen(*command, run.screen);
 }
 
@@ -103,7 +109,7 @@ void add_doctor(CLI::App& app, Options& chosen) {
         ->capture_default_str();
     command->add_option("--calibration", doctor.calibration, kCalibrationWords);
     command->add_option("--protocol", doctor.protocol,
-                        "The protocol to be run: its rate and its force are asked for");
+                        "The protocol to be run: its rate, and whether the device can render it");
     command
         ->add_option(
             "--db", doctor.database,

@@ -28,6 +28,7 @@ struct RunOptions {
     std::string kind;  ///< pilot, real; empty: real
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
+    double spin = 0.0;  ///< see engine::ServoSpec::spin_share
     ScreenOptions screen{};
 };
 

@@ -136,12 +136,15 @@ void print_start(const RigSpec& spec,
 
 /// Before anything is made: what stands against this device and this protocol.
 /// @throws std::invalid_argument for what nobody should hold
-void heed(const std::vector<protocols::Finding>& findings) {
-    for (const protocols::Finding& finding : findings) {
+void heed(const OpenedApparatus& felt) {
+    for (const protocols::Finding& finding : felt.findings) {
         if (finding.verdict == protocols::Verdict::refuse) {
             throw std::invalid_argument(finding.text);
         }
         fmt::print(stderr, "palpate: {}\n", finding.text);
+    }
+    for (const std::string& line : felt.refused) {
+        fmt::print(stderr, "palpate: {}\n", line);
     }
 }
 
@@ -173,7 +176,7 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const protocols::Plan plan = plan_session(database, spec.study, spec.key, spec.seed);
     const OpenedApparatus felt = open_apparatus(spec);
-    heed(felt.findings);
+    heed(felt);
     const auto& apparatus = felt.port;
     const Observers observers = make_observers(spec, plan, *apparatus);
     auto shaped_by = provenance();

@@ -25,6 +25,7 @@ struct RigSpec {
     std::string calibration;  ///< a file or a shipped machine's name; empty: the device's own
     std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
     ScreenOptions screen;
+    double spin_share = 0.0;  ///< of real devices, see engine::ServoSpec
     bool watch_only =
         false;  ///< in a window the simulated observer answers, and people watch (demo)
 };

@@ -238,9 +238,11 @@ void Window::save_png(const std::string& file) const {
 }
 
 bool display_available() {
-    const char* driver = std::getenv("SDL_VIDEODRIVER");
-    if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr &&
-        driver == nullptr) {
+    const auto names = [](const char* variable) {
+        const char* value = std::getenv(variable);
+        return value != nullptr && *value != '\0';
+    };
+    if (!names("DISPLAY") && !names("WAYLAND_DISPLAY") && !names("SDL_VIDEODRIVER")) {
         return false;
     }
     const bool available = SDL_Init(SDL_INIT_VIDEO) == 0;
