@@ -45,6 +45,7 @@ struct OutlineSpec {
 struct ApparatusSpec {
     double rate_hz = 1000.0;         ///< servo rate, 1/s, 1000 to 10000
     double stiffness = 1000.0;       ///< K, N/m
+    double damping = 0.0;            ///< B of the contact, N s/m; 0: a spring alone
     double force_limit = 10.0;       ///< N, the command is scaled to this, direction kept
     double force_ramp = 0.2;         ///< s, at enable and disable
     double vertex_slew = 0.2;        ///< m/s, 0: none

@@ -108,6 +108,20 @@ public:
         return {};
     }
 
+    [[nodiscard]] std::string read(OrderRule& out) const {
+        const auto* text = std::get_if<std::string>(&value_.data);
+        if (text == nullptr) {
+            return wrong_kind(range_of(key_));
+        }
+        const auto found = std::find(kOrderRules.begin(), kOrderRules.end(), *text);
+        if (found == kOrderRules.end()) {
+            return fmt::format("{} is {}, give {}{}", key_.name, shown(*text), range_of(key_),
+                               suggestion(*text, kOrderRules));
+        }
+        out = static_cast<OrderRule>(found - kOrderRules.begin());
+        return {};
+    }
+
     [[nodiscard]] std::string read(engine::Vec2& out) const {
         const auto* array = std::get_if<Array>(&value_.data);
         if (array == nullptr || array->size() != 2) {

@@ -24,6 +24,10 @@ std::string text_of(const engine::Vec2& value, double per_si) {
     return fmt::format("[{}, {}]", text_of(value.x, per_si), text_of(value.y, per_si));
 }
 
+std::string text_of(OrderRule value, double /*per_si*/) {
+    return toml_text(std::string(kOrderRules.at(static_cast<std::size_t>(value))));
+}
+
 template <class Record>
 void append(std::string& text,
             std::string_view heading,
@@ -32,6 +36,9 @@ void append(std::string& text,
     text += fmt::format("\n{}\n", heading);
     for (const Key<Record>& key : keys_of<Record>()) {
         if (!coefficients && (key.need == Need::gos || key.need == Need::gos_optional)) {
+            continue;
+        }
+        if (left_out(key, record)) {
             continue;
         }
         const std::string value = std::visit(
