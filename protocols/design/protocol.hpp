@@ -106,11 +106,19 @@ struct ObserverSpec {
     friend bool operator==(const ObserverSpec&, const ObserverSpec&) = default;
 };
 
+/// Of the participant's screen.
+enum class Language : std::uint8_t { en, tr };
+
+/// Of the participants that are asked for.
+enum class Handedness : std::uint8_t { right, left, any };
+
 struct Protocol {
     std::string id = "shape_friction";  ///< [a-z0-9_]+, names the study in the database
     std::string title;
     std::uint64_t seed = 0;         ///< the one recorded study seed
     std::size_t participants = 12;  ///< planned
+    Handedness handedness = Handedness::right;
+    Language language = Language::en;
     std::vector<ObjectSpec> objects;
     OutlineSpec outline{};
     std::vector<FrictionSpec> frictions;

@@ -1,6 +1,8 @@
 #include "protocols/format/keys.hpp"
 
 #include <array>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -30,6 +32,10 @@ constexpr std::array kStudy{
                   .meaning = "the one seed: every order and every simulated number follows from it"},
     Key<Protocol>{.name = "participants", .member = &Protocol::participants, .lowest = 1, .highest = 10000,
                   .meaning = "planned number of participants"},
+    Key<Protocol>{.name = "handedness", .member = &Protocol::handedness, .late = true,
+                  .meaning = "of the participants asked for"},
+    Key<Protocol>{.name = "language", .member = &Protocol::language, .late = true,
+                  .meaning = "of the participant's screen"},
 };
 
 constexpr std::array kApparatus{
@@ -143,6 +149,21 @@ constexpr std::array kObserver{
 };
 // clang-format on
 
+/// What a key for an enumeration may say, nothing for other keys.
+template <class Record>
+std::span<const std::string_view> words_for(const Key<Record>& key) {
+    return std::visit(
+        [](auto member) -> std::span<const std::string_view> {
+            using Member = std::decay_t<decltype(std::declval<Record>().*member)>;
+            if constexpr (std::is_enum_v<Member>) {
+                return words_of(Member{});
+            } else {
+                return {};
+            }
+        },
+        key.member);
+}
+
 template <class Record>
 std::string default_of(const Key<Record>& key) {
     if (key.need == required || key.need == gos) {
@@ -157,8 +178,8 @@ std::string default_of(const Key<Record>& key) {
                 return fmt::format("[{}, {}]", value.x * key.per_si, value.y * key.per_si);
             } else if constexpr (std::is_same_v<Member, double>) {
                 return fmt::format("{}", value * key.per_si);
-            } else if constexpr (std::is_same_v<Member, OrderRule>) {
-                return std::string(kOrderRules.at(static_cast<std::size_t>(value)));
+            } else if constexpr (std::is_enum_v<Member>) {
+                return std::string(word_of(value));
             } else {
                 return fmt::format("{}", value);
             }
@@ -239,8 +260,16 @@ std::string range_of(const Key<Record>& key) {
     if (std::holds_alternative<std::string Record::*>(key.member)) {
         return key.text == Text::name ? "letters a-z, digits and _" : "text";
     }
-    if (std::holds_alternative<OrderRule Record::*>(key.member)) {
-        return fmt::format("\"{}\" or \"{}\"", kOrderRules[0], kOrderRules[1]);
+    if (const auto words = words_for(key); !words.empty()) {
+        std::string text;
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            text += fmt::format("{}\"{}\"",
+                                i == 0                 ? ""
+                                : i + 1 < words.size() ? ", "
+                                                       : " or ",
+                                words[i]);
+        }
+        return text;
     }
     if (key.highest == kMostSeed) {
         return "0 to 9223372036854775807";

@@ -33,7 +33,9 @@ struct Key {
                  bool Record::*,
                  std::string Record::*,
                  engine::Vec2 Record::*,
-                 OrderRule Record::*>
+                 OrderRule Record::*,
+                 Handedness Record::*,
+                 Language Record::*>
         member;
     Need need = Need::optional;
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
@@ -45,8 +47,26 @@ struct Key {
     std::string_view meaning;
 };
 
-/// What a key for an OrderRule may say, by the rule's number.
+// What a key for an enumeration may say, by its numbers.
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
+inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
+inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
+
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
+    return kOrderRules;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Handedness) {
+    return kHandedness;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Language) {
+    return kLanguages;
+}
+
+/// Its word in a file.
+template <class Enumeration>
+[[nodiscard]] constexpr std::string_view word_of(Enumeration value) {
+    return words_of(value)[static_cast<std::size_t>(value)];
+}
 
 // Counts are std::size_t in the structs; on every platform we build for that is std::uint64_t.
 static_assert(std::is_same_v<std::size_t, std::uint64_t>);

@@ -34,7 +34,7 @@ public:
 
 /// The canonical text: every key, in the order of the key table, numbers as short as they can be
 /// without changing the value. Without the table [safety] if all of it is default, and without each
-/// of damping_n_s_per_m, blocks and order that is: studies written before they were there keep their
+/// of handedness, language, damping_n_s_per_m, blocks and order that is: studies written before they were there keep their
 /// hash.
 ///
 /// parse_protocol(to_toml(p)) == p for every p that was read from a file. Lengths and times are in mm

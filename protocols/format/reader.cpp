@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -108,17 +109,20 @@ public:
         return {};
     }
 
-    [[nodiscard]] std::string read(OrderRule& out) const {
+    template <class Enumeration>
+    requires std::is_enum_v<Enumeration>
+    [[nodiscard]] std::string read(Enumeration& out) const {
         const auto* text = std::get_if<std::string>(&value_.data);
         if (text == nullptr) {
             return wrong_kind(range_of(key_));
         }
-        const auto found = std::find(kOrderRules.begin(), kOrderRules.end(), *text);
-        if (found == kOrderRules.end()) {
+        const auto words = words_of(Enumeration{});
+        const auto found = std::find(words.begin(), words.end(), *text);
+        if (found == words.end()) {
             return fmt::format("{} is {}, give {}{}", key_.name, shown(*text), range_of(key_),
-                               suggestion(*text, kOrderRules));
+                               suggestion(*text, words));
         }
-        out = static_cast<OrderRule>(found - kOrderRules.begin());
+        out = static_cast<Enumeration>(found - words.begin());
         return {};
     }
 

@@ -1,3 +1,5 @@
+#include <type_traits>
+
 #include <fmt/format.h>
 
 #include "protocols/design/sha256.hpp"
@@ -24,8 +26,9 @@ std::string text_of(const engine::Vec2& value, double per_si) {
     return fmt::format("[{}, {}]", text_of(value.x, per_si), text_of(value.y, per_si));
 }
 
-std::string text_of(OrderRule value, double /*per_si*/) {
-    return toml_text(std::string(kOrderRules.at(static_cast<std::size_t>(value))));
+template <class Enumeration>
+requires std::is_enum_v<Enumeration> std::string text_of(Enumeration value, double /*per_si*/) {
+    return toml_text(std::string(word_of(value)));
 }
 
 template <class Record>

@@ -96,13 +96,13 @@ TEST_CASE("a damper of the contact asks as much more of the device", "[feasibili
     CAPTURE(stiffness, damper, delay);
     Protocol protocol = study(stiffness);
     protocol.apparatus.damping = damper;
+    CHECK(engine::Scene(make_scene(protocol, {})).spec().damping == damper);
     device.what = {.damping = bound, .delay_ticks = delay};
     CHECK(check_feasibility(protocol, device).empty());
     device.what.damping = 0.999 * bound;
     const auto findings = check_feasibility(protocol, device);
     REQUIRE(findings.size() == 1);
     CHECK((findings[0].verdict == Verdict::refuse));
-    CHECK(engine::Scene(make_scene(protocol, {})).spec().damping == damper);
 }
 
 TEST_CASE("with a damper too, the stiffness and the rate that a refusal names are accepted",

@@ -33,6 +33,7 @@ std::string random_file(Random& random) {
     std::string text =
         "format = 1\n[study]\nid = \"s\"\ntitle = \"a \\\"b\\\" \\\\ \u00e7\"\nseed = " +
         std::to_string(random.below(1000000)) + "\n";
+    text += random.coin() ? "language = \"tr\"\nhandedness = \"left\"\n" : "handedness = \"any\"\n";
     text += "[apparatus]\nstiffness_n_per_m = " + n(1, 19000) + "\nforce_limit_n = " + n(0.1, 49) +
             (random.coin() ? "\ndamping_n_s_per_m = " + n(0, 90) : "") +
             "\nvertex_slew_mm_per_s = " + n(0, 9000) + "\nvertex_radius_mm = " + n(0.1, 99) +
@@ -173,7 +174,13 @@ TEST_CASE("a study without younger keys keeps the hash that it had before they w
     differs(other);
     other.design.order = OrderRule::first_order;
     differs(other);
-    CHECK(hashes.size() == 11);
+    other = study;
+    other.language = Language::tr;
+    differs(other);
+    other = study;
+    other.handedness = Handedness::any;
+    differs(other);
+    CHECK(hashes.size() == 13);
 }
 
 TEST_CASE("the hash sees values, not spelling", "[protocol]") {
@@ -207,6 +214,8 @@ TEST_CASE("the reference for people names every key of the canonical text", "[pr
     study.safety.dead_man = true;  // or the table would be left out, as would be these
     study.apparatus.damping = 0.1;
     study.design.blocks = 5;
+    study.language = Language::tr;
+    study.handedness = Handedness::any;
     std::istringstream lines(to_toml(study));
     for (std::string line; std::getline(lines, line);) {
         if (const auto equals = line.find(" = "); equals != std::string::npos) {

@@ -95,6 +95,9 @@ const Change kChanges[] = {
     {"order = \"random\"", "order = \"randm\"", "\"randm\"",
      "order is \"randm\", give \"random\" or \"first_order\": did you mean random?"},
     {"order = \"random\"", "order = true", "true         # or", "give \"random\" or"},
+    {"language = \"en\"", "language = \"de\"", "\"de\"", "give \"en\" or \"tr\""},
+    {"handedness = \"right\"", "handedness = \"lft\"", "\"lft\"",
+     "give \"right\", \"left\" or \"any\": did you mean left?"},
     // Rules.
     {"name = \"convex_5\"", "name = \"convex_10\"", "\"convex_10\"\ncurvature_per_m = 10",
      "as in [[object]] 4"},

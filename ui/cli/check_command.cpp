@@ -7,6 +7,7 @@
 
 #include "protocols/design/duration.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/format/keys.hpp"
 #include "data/csv/whole_file.hpp"
 #include "data/report/object_sheet.hpp"
 #include "ui/cli/commands.hpp"
@@ -38,9 +39,10 @@ void print_design(const Study& study, const Plan& plan) {
     const Protocol& protocol = study.protocol;
     const protocols::PlanSummary summary = summarise(plan);
     fmt::print("{}: {}\nprotocol {}\n", protocol.id, protocol.title, study.hash);
-    fmt::print("{} participants, {} objects of which {} pictured, {} frictions\n",
-               protocol.participants, protocol.objects.size(), objects_of(protocol, true).size(),
-               protocol.frictions.size());
+    fmt::print("{} participants, handedness {}, screen in {}\n", protocol.participants,
+               protocols::word_of(protocol.handedness), protocols::word_of(protocol.language));
+    fmt::print("{} objects of which {} pictured, {} frictions\n", protocol.objects.size(),
+               objects_of(protocol, true).size(), protocol.frictions.size());
     fmt::print("{} trials: {} practice, {} main in {} block{}, {} catch\n", plan.trials.size(),
                trials_of(plan, Phase::practice), trials_of(plan, Phase::main),
                protocol.design.blocks, protocol.design.blocks == 1 ? "" : "s",

@@ -141,6 +141,9 @@ void add_screenshots(CLI::App& app, Options& chosen) {
     command->add_option("-o,--output", shots.directory, "Folder for the pictures")
         ->capture_default_str();
     command->add_option("--font", shots.font, "A TrueType font");
+    command->add_option("--language", shots.language, "Of the sentences: en or tr")
+        ->check(CLI::IsMember({"en", "tr"}))
+        ->capture_default_str();
 }
 
 void add_figures(CLI::App& app, Options& chosen) {

@@ -66,6 +66,7 @@ struct SummaryOptions {
 
 struct ScreenshotOptions {
     std::string directory = ".";
+    std::string language = "en";  ///< en, tr
     std::string font;
 };
 
