@@ -1,3 +1,5 @@
+#include <type_traits>
+
 #include <fmt/format.h>
 
 #include "protocols/design/sha256.hpp"
@@ -24,6 +26,11 @@ std::string text_of(const engine::Vec2& value, double per_si) {
     return fmt::format("[{}, {}]", text_of(value.x, per_si), text_of(value.y, per_si));
 }
 
+template <class Enumeration>
+requires std::is_enum_v<Enumeration> std::string text_of(Enumeration value, double /*per_si*/) {
+    return toml_text(std::string(word_of(value)));
+}
+
 template <class Record>
 void append(std::string& text,
             std::string_view heading,
@@ -32,6 +39,9 @@ void append(std::string& text,
     text += fmt::format("\n{}\n", heading);
     for (const Key<Record>& key : keys_of<Record>()) {
         if (!coefficients && (key.need == Need::gos || key.need == Need::gos_optional)) {
+            continue;
+        }
+        if (left_out(key, record)) {
             continue;
         }
         const std::string value = std::visit(

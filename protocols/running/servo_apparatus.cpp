@@ -1,7 +1,10 @@
 #include "protocols/running/servo_apparatus.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "engine/safety/passivity.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -32,7 +35,9 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
         limits.late_share = static_cast<std::int32_t>(safety.late_share);
         limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
         limits.energy = safety.energy_limit;
-        limits.damping = traits.damping.value_or(0.0);
+        limits.damping = std::max(traits.damping.value_or(0.0),
+                                  engine::least_damping(apparatus.stiffness, period,
+                                                        traits.delay_ticks, apparatus.damping));
         limits.delay_ticks = traits.delay_ticks;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
         limits.watch_encoders = true;

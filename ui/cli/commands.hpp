@@ -7,6 +7,9 @@ namespace palpate::ui {
 
 [[nodiscard]] int run_command(const RunOptions& options);
 [[nodiscard]] int sequence_command(const SequenceOptions& options);
+/// 0, or kExitFailure if the device cannot render the protocol.
+[[nodiscard]] int check_command(const CheckOptions& options);
+[[nodiscard]] int new_command(const NewOptions& options);
 [[nodiscard]] int demo_command(const DemoOptions& options);
 [[nodiscard]] int summary_command(const SummaryOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);

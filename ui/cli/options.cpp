@@ -147,6 +147,9 @@ void add_screenshots(CLI::App& app, Options& chosen) {
     command->add_option("-o,--output", shots.directory, "Folder for the pictures")
         ->capture_default_str();
     command->add_option("--font", shots.font, "A TrueType font");
+    command->add_option("--language", shots.language, "Of the sentences: en or tr")
+        ->check(CLI::IsMember({"en", "tr"}))
+        ->capture_default_str();
 }
 
 void add_figures(CLI::App& app, Options& chosen) {
@@ -176,6 +179,35 @@ void add_sequence(CLI::App& app, Options& chosen) {
         ->check(CLI::PositiveNumber);
     command->add_option("--seed", sequence.seed, "Study seed instead of the protocol's");
     command->add_flag("--csv", sequence.csv, "The trials alone, as CSV");
+}
+
+void add_check(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "check", "Is this protocol right, how long does it take, and can this device render it?");
+    auto& check = options_of<CheckOptions>(command, chosen);
+    command->add_option("PROTOCOL", check.protocol, "A protocol file, or the name of a shipped one")
+        ->required();
+    command->add_option("--device", check.device, std::string(kDeviceWords))->capture_default_str();
+    command->add_option("--calibration", check.calibration, kCalibrationWords);
+    command->add_option("--svg", check.svg, "Draw the objects into this file");
+}
+
+void add_new(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "new", "Write a protocol file to begin with: a shipped one with its comments");
+    auto options = std::make_shared<NewOptions>();
+    CLI::Option* file = command->add_option("FILE", options->file,
+                                            "The file to make; its name becomes the study's id");
+    command->add_option("--from", options->from, "The shipped protocol to begin with")
+        ->capture_default_str();
+    CLI::Option* keys =
+        command->add_flag("--keys", options->keys, "Print what a protocol file may say");
+    command->callback([options, file, keys, &chosen] {
+        if (keys->count() == 0 && file->count() == 0) {
+            throw CLI::RequiredError("FILE");
+        }
+        chosen = *options;
+    });
 }
 
 void add_procedure(CLI::App& app, Options& chosen) {
@@ -227,6 +259,8 @@ Options parse_command_line(int argc, const char* const* argv) {
 
     Options chosen = Exit{};
     add_demo(app, chosen);
+    add_new(app, chosen);
+    add_check(app, chosen);
     add_run(app, chosen);
     add_sequence(app, chosen);
     add_summary(app, chosen);

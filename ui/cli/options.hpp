@@ -48,12 +48,26 @@ struct SequenceOptions {
     bool csv = false;
 };
 
+struct CheckOptions {
+    std::string protocol;        ///< a file, or the name of a shipped protocol
+    std::string device = "sim";  ///< as RunOptions::device
+    std::string calibration;     ///< as RunOptions::calibration
+    std::string svg;             ///< where to draw the objects; empty: nowhere
+};
+
+struct NewOptions {
+    std::string file;                     ///< made; never one that is there
+    std::string from = "shape_friction";  ///< a shipped protocol
+    bool keys = false;                    ///< only print what a protocol may say
+};
+
 struct SummaryOptions {
     std::string database;
 };
 
 struct ScreenshotOptions {
     std::string directory = ".";
+    std::string language = "en";  ///< en, tr
     std::string font;
 };
 
@@ -118,6 +132,8 @@ using Options = std::variant<Exit,
                              DoctorOptions,
                              EmulatorOptions,
                              SequenceOptions,
+                             CheckOptions,
+                             NewOptions,
                              ProcedureOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).

@@ -42,6 +42,7 @@ SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& a
     SubjectScreenOptions options;
     options.window.fullscreen = spec.screen.fullscreen;
     options.window.font = spec.screen.font;
+    options.window.language = spec.study.protocol.language;
     options.start = spec.study.protocol.apparatus.start;
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
                       : spec.kind == data::RunKind::pilot     ? "PILOT"
