@@ -51,6 +51,11 @@ struct SummaryOptions {
     std::string database;
 };
 
+struct VerifyOptions {
+    std::string database;
+    bool json = false;
+};
+
 struct ScreenshotOptions {
     std::string directory = ".";
     std::string font;
@@ -109,6 +114,7 @@ using Options = std::variant<Exit,
                              RunOptions,
                              DemoOptions,
                              SummaryOptions,
+                             VerifyOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
