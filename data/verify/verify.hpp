@@ -27,7 +27,8 @@ namespace palpate::data {
 /// - the last whole chunks of an interrupted trial, its last attempts, or a whole last session removed;
 /// - in a chunk packed again with a right crc32: counts, codes, lateness, commands and flags of the safety
 ///   chain, and HIP with all that follows from it;
-/// - a bit of the sign of zero, a slip_decay or heal_decay within the error of exp() in a trial that does
+/// - a bit of a chunk that unpacks to the same ticks (padding, another way to say a run), where another zlib
+///   packed the trial, or it is the only chunk; the sign of zero, a slip_decay or heal_decay within the error of exp() in a trial that does
 ///   not use it.
 /// Whoever can write the file can also write it consistently: a seal against that needs a hash kept
 /// elsewhere.

@@ -60,6 +60,10 @@ std::size_t differences(const std::vector<Finding>& findings) {
     return found;
 }
 
+std::string counted(std::size_t differences) {
+    return fmt::format("{} difference{}", differences, differences == 1 ? "" : "s");
+}
+
 void print_text(const std::string& file, const data::Verification& found) {
     fmt::print("{}: {} session{}\n", printable(file), found.sessions.size(),
                found.sessions.size() == 1 ? "" : "s");
@@ -70,11 +74,11 @@ void print_text(const std::string& file, const data::Verification& found) {
                    printable(session.study), printable(session.participant), session.number,
                    printable(session.kind), session.finished ? "" : ", not finished",
                    session.trials, session.replayed,
-                   different == 0 ? "nothing differs" : fmt::format("{} differences", different));
+                   different == 0 ? "nothing differs" : counted(different));
         print_findings(session.findings);
     }
     const std::size_t all = found.count(FindingKind::differs);
-    fmt::print("{}\n", all == 0 ? "Nothing differs." : fmt::format("{} differences.", all));
+    fmt::print("{}\n", all == 0 ? "Nothing differs." : counted(all) + ".");
 }
 
 std::string json_of(const std::vector<Finding>& findings) {
