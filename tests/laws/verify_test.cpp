@@ -135,6 +135,31 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
     CHECK_THAT(json.out, ContainsSubstring("\"differences\": 0, \"missing\": 0, \"findings\": []"));
 }
 
+TEST_CASE("a session keeps which binary, which libraries and which geometry made it", "[verify]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    data::Database database(folder.file("a.sqlite"), data::Access::read);
+    const auto value = [&](const std::string& key) {
+        auto row = database.prepare("SELECT value FROM session_provenance WHERE key = ?1");
+        row.bind(1, key);
+        return row.step() ? row.text(0) : "";
+    };
+    std::string id;  // as bytes, which the program's file must hold
+    for (std::size_t i = 0; i + 1 < value("build id").size(); i += 2) {
+        id += static_cast<char>(std::stoi(value("build id").substr(i, 2), nullptr, 16));
+    }
+    REQUIRE(id.size() >= 8);
+    CHECK(bytes_of(tests::palpate_program()).find(id) != std::string::npos);
+    for (const char* key : {"sqlite", "zlib", "libsodium", "SDL2", "SDL2_ttf", "fmt", "toml++",
+                            "CLI11", "libc", "kernel", "system", "processor"}) {
+        CAPTURE(key);
+        CHECK_FALSE(value(key).empty());
+    }
+    CHECK(value("object sha256 straight").size() == 64);
+    CHECK(value("object sha256 straight") != value("object sha256 convex_5"));
+}
+
 TEST_CASE("any changed value of a result, and any changed bit of a trace, is reported",
           "[verify][law]") {
     const TemporaryFolder folder;
