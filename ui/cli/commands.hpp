@@ -12,6 +12,8 @@ namespace palpate::ui {
 [[nodiscard]] int new_command(const NewOptions& options);
 [[nodiscard]] int demo_command(const DemoOptions& options);
 [[nodiscard]] int summary_command(const SummaryOptions& options);
+/// 0 when nothing differs, else kExitFailure.
+[[nodiscard]] int verify_command(const VerifyOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);

@@ -22,6 +22,7 @@ int dispatch(const Options& options) {
         int operator()(const NewOptions& words) const { return new_command(words); }
         int operator()(const DemoOptions& demo) const { return demo_command(demo); }
         int operator()(const SummaryOptions& summary) const { return summary_command(summary); }
+        int operator()(const VerifyOptions& verify) const { return verify_command(verify); }
         int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
         int operator()(const RenderOptions& render) const { return render_command(render); }
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }

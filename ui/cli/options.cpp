@@ -140,6 +140,15 @@ void add_summary(CLI::App& app, Options& chosen) {
     command->add_option("FILE", summary.database, "A palpate database")->required();
 }
 
+void add_verify(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "verify", "Recompute what a database says, replay every trial, say what differs");
+    auto& verify = options_of<VerifyOptions>(command, chosen);
+    command->add_option("FILE", verify.database, "A palpate database; nothing in it is changed")
+        ->required();
+    command->add_flag("--json", verify.json, "One JSON object instead of lines");
+}
+
 void add_screenshots(CLI::App& app, Options& chosen) {
     CLI::App* command =
         app.add_subcommand("screenshots", "Write a picture of every subject screen (PNG)");
@@ -264,6 +273,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     add_run(app, chosen);
     add_sequence(app, chosen);
     add_summary(app, chosen);
+    add_verify(app, chosen);
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
     add_emulator(app, chosen);

@@ -65,6 +65,11 @@ struct SummaryOptions {
     std::string database;
 };
 
+struct VerifyOptions {
+    std::string database;
+    bool json = false;
+};
+
 struct ScreenshotOptions {
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
@@ -124,6 +129,7 @@ using Options = std::variant<Exit,
                              RunOptions,
                              DemoOptions,
                              SummaryOptions,
+                             VerifyOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,

@@ -180,7 +180,7 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     heed(felt);
     const auto& apparatus = felt.port;
     const Observers observers = make_observers(spec, plan, *apparatus);
-    auto shaped_by = provenance();
+    auto shaped_by = provenance(protocol);
     shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());
 
     const data::OpenedSession opened =
