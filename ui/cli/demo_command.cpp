@@ -1,3 +1,5 @@
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "protocols/format/protocol_file.hpp"
@@ -56,6 +58,12 @@ int demo_command(const DemoOptions& options) {
     }
     catch_signals();
     const RigEnd end = run_rig(database, spec);
+    if (end.session.why == protocols::SessionEnd::Why::faulted) {
+        throw std::runtime_error(fmt::format(
+            "the device failed in trial {}, which is kept as faulted; the same command goes on "
+            "there: close what else keeps this computer busy, and run it again. Data: {}",
+            end.session.next + 1, options.database));
+    }
     if (end.session.why != protocols::SessionEnd::Why::finished) {
         fmt::print("Stopped before trial {}; the same command goes on there. Data: {}\n",
                    end.session.next + 1, options.database);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/device/emulator/desk_hand.hpp"
+#include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
 #include "protocols/format/calibration_file.hpp"
 #include "ui/cli/commands.hpp"
@@ -27,6 +28,7 @@ int emulator_command(const EmulatorOptions& options) {
     engine::DeskHand hand(machine);
     engine::HaplyBoard board(hand, machine.pantograph, *machine.haply);
     catch_signals();
+    engine::run_like_a_board();
     engine::PtyBoard terminal(board, options.link);
     fmt::print("{}\n", terminal.path());
     std::fflush(stdout);

@@ -59,6 +59,10 @@ private:
     bool begun_ = false;
 };
 
+/// Names this process and, where that is permitted, lets it run before others: a real board is never kept
+/// waiting by what else its host does.
+void run_like_a_board() noexcept;
+
 using MakeHand = std::function<std::unique_ptr<BoardHand>()>;
 
 /// The board emulator as a process of its own on a pseudo-terminal: it outlives a host that is killed,
