@@ -130,7 +130,10 @@ void add_emulator(CLI::App& app, Options& chosen) {
     auto& emulator = options_of<EmulatorOptions>(command, chosen);
     command->add_option("--link", emulator.link,
                         "A symbolic link to its terminal, for --device haply:LINK");
-    command->add_option("--preset", emulator.preset, "gen3, gen2 or haplet")->capture_default_str();
+    command
+        ->add_option("--preset", emulator.preset,
+                     "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
+        ->capture_default_str();
 }
 
 void add_summary(CLI::App& app, Options& chosen) {

@@ -99,8 +99,8 @@ struct DoctorOptions {
 };
 
 struct EmulatorOptions {
-    std::string link;             ///< a symbolic link to the terminal; empty: none
-    std::string preset = "gen3";  ///< gen3, gen2, haplet
+    std::string link;                  ///< a symbolic link to the terminal; empty: none
+    std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
 };
 
 /// The offline tools: a scene and a table of points.
