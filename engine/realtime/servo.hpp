@@ -82,6 +82,9 @@ public:
     /// Between trials: reads the device again, with zero force, so that latest() moves with the hand.
     virtual void unpark() {}
 
+    /// Deadlines are those of the wall clock, and may be missed.
+    [[nodiscard]] virtual bool real_time() const noexcept { return false; }
+
     [[nodiscard]] TickRing& ring() noexcept { return ring_; }
     /// Ticks that found the ring full and are not in it; 0 in every sound run.
     [[nodiscard]] std::int64_t dropped() const noexcept {
@@ -132,7 +135,8 @@ private:
 
 /// The virtual clock: a tick is due whenever advance() is called, so a run is as fast as the machine
 /// and the same to the bit every time. `pace` > 0 slows it to that multiple of real time. The device is
-/// touched inside begin(), advance() and end() only.
+/// touched inside begin(), advance() and end() only. Every trial begins with cold motors: no time passes
+/// between trials on this clock, and a resumed session has to give the trials of the unbroken one.
 class VirtualServo : public Servo {
 public:
     VirtualServo(Device& device, const ServoSpec& spec, double pace = 0.0);

@@ -1,7 +1,9 @@
 #include "engine/realtime/thread_servo.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <limits>
 
 #include <pthread.h>
 
@@ -159,6 +161,12 @@ ThreadServo::Wake ThreadServo::wake_at(std::int64_t deadline_ns) noexcept {
     return {.now_ns = now, .lateness_ns = now - deadline_ns};
 }
 
+/// Since the last tick of the trial before; for ever before the first.
+double ThreadServo::rest_s(std::int64_t now_ns) const noexcept {
+    return last_tick_ns_ == 0 ? std::numeric_limits<double>::infinity()
+                              : std::max(0.0, static_cast<double>(now_ns - last_tick_ns_) * 1e-9);
+}
+
 /// @return false: leave the device alone
 bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
     const std::uint64_t word = order_.load(std::memory_order_acquire);
@@ -168,7 +176,7 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
     taken_ = word;
     switch (static_cast<Order>(word % 8)) {
         case Order::run:
-            loop_.begin(*scene_);
+            loop_.begin(*scene_, rest_s(deadline_ns));
             start_ns_.store(deadline_ns, std::memory_order_relaxed);
             stand(State::running);
             done();
@@ -209,6 +217,7 @@ bool ThreadServo::one_tick(const Wake& wake) noexcept {
     const bool enable = state() == State::running;
     const std::int64_t start = start_ns_.load(std::memory_order_relaxed);
     run_tick(wake.now_ns - start, wake.now_ns, wake.lateness_ns, enable);
+    last_tick_ns_ = wake.now_ns;
     if (faulted()) {
         loop_.silence();
         stand(State::faulted);

@@ -23,6 +23,9 @@ namespace palpate::engine {
 /// Ticks of a trial are numbered without a gap. time_ns is true: where a deadline was slept through it
 /// jumps by the periods that went missing (see DeadlineGrid), the late tick's lateness tells by how many,
 /// and lateness().missed() counts them.
+///
+/// The motors' heat outlives a trial, faulted or not: the next one begins with what is left of it after
+/// the rest in between. A new program takes the motors for cold.
 class ThreadServo : public Servo {
 public:
     /// Starts the thread and takes its rights: rights() is final when this returns.
@@ -39,6 +42,7 @@ public:
     void park() override;
     void unpark() override;
     [[nodiscard]] double elapsed_s() const noexcept override;
+    [[nodiscard]] bool real_time() const noexcept override { return true; }
 
 private:
     enum class Order : std::uint8_t { none, park, rest, run, finish, quit };
@@ -54,6 +58,7 @@ private:
     void work() noexcept;
     [[nodiscard]] Wake wake_at(std::int64_t deadline_ns) noexcept;
     [[nodiscard]] bool obey(std::int64_t deadline_ns) noexcept;
+    [[nodiscard]] double rest_s(std::int64_t now_ns) const noexcept;
     [[nodiscard]] bool one_tick(const Wake& wake) noexcept;
     void stand(State state) noexcept { state_.store(state, std::memory_order_release); }
     void done() noexcept { done_.store(taken_, std::memory_order_release); }
@@ -70,6 +75,7 @@ private:
     // The thread's own.
     std::uint64_t taken_ = 0;  ///< the last order that it looked at
     std::int64_t ramp_left_ = 0;
+    std::int64_t last_tick_ns_ = 0;  ///< of any trial; 0: none yet
     AdaptiveSpin spin_;
 
     RealtimeWish wish_;

@@ -16,10 +16,14 @@ Trip watch_motion(MotionWatch& watch,
                   const Vec2& hip,
                   bool fresh,
                   const ReadingClock& clock) noexcept {
+    if (watch.seen == 0 && !fresh) {
+        return Trip::
+            none;  // an old HIP is no start of a way: the hand may have gone anywhere since
+    }
     const MotionWatch::Seen last = watch.ring[(watch.seen - 1) % MotionWatch::kSlots];
     const bool first = watch.seen == 0;
     const std::size_t slot = watch.seen++ % MotionWatch::kSlots;
-    if (!fresh && !first) {
+    if (!fresh) {
         watch.ring[slot] = last;
         return Trip::none;
     }

@@ -32,7 +32,7 @@ struct MotionWatch {
 /// Jump: HIP moved further between two fresh readings than `limits.jump` for each period between them.
 /// Speed: its ends 20 ms apart are further from each other than `limits.speed` allows; before 20 ms have
 /// passed the same distance holds, so that a start cannot trip on a count.
-/// A reading that is not fresh says nothing new and trips nothing.
+/// A reading that is not fresh says nothing new and trips nothing; the way starts at the first fresh one.
 [[nodiscard]] Trip watch_motion(MotionWatch& watch,
                                 const SafetyLimits& limits,
                                 const Vec2& hip,

@@ -45,6 +45,7 @@ struct OutlineSpec {
 struct ApparatusSpec {
     double rate_hz = 1000.0;         ///< servo rate, 1/s, 1000 to 10000
     double stiffness = 1000.0;       ///< K, N/m
+    double damping = 0.0;            ///< B of the contact, N s/m; 0: a spring alone
     double force_limit = 10.0;       ///< N, the command is scaled to this, direction kept
     double force_ramp = 0.2;         ///< s, at enable and disable
     double vertex_slew = 0.2;        ///< m/s, 0: none
@@ -116,12 +117,20 @@ struct ObserverSpec {
     friend bool operator==(const ObserverSpec&, const ObserverSpec&) = default;
 };
 
+/// Of the participant's screen.
+enum class Language : std::uint8_t { en, tr };
+
+/// Of the participants that are asked for.
+enum class Handedness : std::uint8_t { right, left, any };
+
 struct Protocol {
     std::string id = "shape_friction";  ///< [a-z0-9_]+, names the study in the database
     std::string title;
     std::uint64_t seed = 0;         ///< the one recorded study seed
     std::size_t participants = 12;  ///< planned
     bool consent_required = false;  ///< no real session without a noted consent
+    Handedness handedness = Handedness::right;
+    Language language = Language::en;
     std::vector<ObjectSpec> objects;
     OutlineSpec outline{};
     std::vector<FrictionSpec> frictions;

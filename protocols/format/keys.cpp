@@ -1,6 +1,8 @@
 #include "protocols/format/keys.hpp"
 
 #include <array>
+#include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -30,8 +32,12 @@ constexpr std::array kStudy{
                   .meaning = "the one seed: every order and every simulated number follows from it"},
     Key<Protocol>{.name = "participants", .member = &Protocol::participants, .lowest = 1, .highest = 10000,
                   .meaning = "planned number of participants"},
-    Key<Protocol>{.name = "consent_required", .member = &Protocol::consent_required, .later = true,
+    Key<Protocol>{.name = "consent_required", .member = &Protocol::consent_required, .late = true,
                   .meaning = "no real session without a noted consent; left out of the hash while false"},
+    Key<Protocol>{.name = "handedness", .member = &Protocol::handedness, .late = true,
+                  .meaning = "of the participants asked for"},
+    Key<Protocol>{.name = "language", .member = &Protocol::language, .late = true,
+                  .meaning = "of the participant's screen"},
 };
 
 constexpr std::array kApparatus{
@@ -39,6 +45,8 @@ constexpr std::array kApparatus{
                        .meaning = "rate of the force loop"},
     Key<ApparatusSpec>{.name = "stiffness_n_per_m", .member = &ApparatusSpec::stiffness, .highest = 20000, .above = true,
                        .meaning = "how hard the object is"},
+    Key<ApparatusSpec>{.name = "damping_n_s_per_m", .member = &ApparatusSpec::damping, .highest = 100, .late = true,
+                       .meaning = "damper of the contact beside its spring; the device must damp more"},
     Key<ApparatusSpec>{.name = "force_limit_n", .member = &ApparatusSpec::force_limit, .highest = 50, .above = true,
                        .meaning = "largest force; more is scaled down, its direction kept"},
     Key<ApparatusSpec>{.name = "force_ramp_s", .member = &ApparatusSpec::force_ramp, .highest = 5,
@@ -123,6 +131,10 @@ constexpr std::array kDesign{
                     .meaning = "trials with objects that are not pictured, among the main ones"},
     Key<DesignSpec>{.name = "break_every", .member = &DesignSpec::break_every, .highest = 10000,
                     .meaning = "trials between two breaks; 0: no breaks"},
+    Key<DesignSpec>{.name = "blocks", .member = &DesignSpec::blocks, .lowest = 1, .highest = 1000, .late = true,
+                    .meaning = "of the main trials, each balanced; a divisor of repetitions"},
+    Key<DesignSpec>{.name = "order", .member = &DesignSpec::order, .late = true,
+                    .meaning = "random within the run limits, or every condition after every condition once"},
 };
 
 constexpr std::array kTiming{
@@ -150,6 +162,21 @@ constexpr std::array kObserver{
 };
 // clang-format on
 
+/// What a key for an enumeration may say, nothing for other keys.
+template <class Record>
+std::span<const std::string_view> words_for(const Key<Record>& key) {
+    return std::visit(
+        [](auto member) -> std::span<const std::string_view> {
+            using Member = std::decay_t<decltype(std::declval<Record>().*member)>;
+            if constexpr (std::is_enum_v<Member>) {
+                return words_of(Member{});
+            } else {
+                return {};
+            }
+        },
+        key.member);
+}
+
 template <class Record>
 std::string default_of(const Key<Record>& key) {
     if (key.need == required || key.need == gos) {
@@ -164,6 +191,8 @@ std::string default_of(const Key<Record>& key) {
                 return fmt::format("[{}, {}]", value.x * key.per_si, value.y * key.per_si);
             } else if constexpr (std::is_same_v<Member, double>) {
                 return fmt::format("{}", value * key.per_si);
+            } else if constexpr (std::is_enum_v<Member>) {
+                return std::string(word_of(value));
             } else {
                 return fmt::format("{}", value);
             }
@@ -225,12 +254,39 @@ std::span<const Key<ObserverSpec>> keys_of() {
 }
 
 template <class Record>
+bool left_out(const Key<Record>& key, const Record& record) {
+    static const Record defaults{};
+    return key.late &&
+           std::visit([&](auto member) { return record.*member == defaults.*member; }, key.member);
+}
+template bool left_out(const Key<Protocol>&, const Protocol&);
+template bool left_out(const Key<ApparatusSpec>&, const ApparatusSpec&);
+template bool left_out(const Key<OutlineSpec>&, const OutlineSpec&);
+template bool left_out(const Key<ObjectSpec>&, const ObjectSpec&);
+template bool left_out(const Key<FrictionSpec>&, const FrictionSpec&);
+template bool left_out(const Key<SafetySpec>&, const SafetySpec&);
+template bool left_out(const Key<DesignSpec>&, const DesignSpec&);
+template bool left_out(const Key<TimingSpec>&, const TimingSpec&);
+template bool left_out(const Key<ObserverSpec>&, const ObserverSpec&);
+
+template <class Record>
 std::string range_of(const Key<Record>& key) {
     if (std::holds_alternative<bool Record::*>(key.member)) {
         return "true or false";
     }
     if (std::holds_alternative<std::string Record::*>(key.member)) {
         return key.text == Text::name ? "letters a-z, digits and _" : "text";
+    }
+    if (const auto words = words_for(key); !words.empty()) {
+        std::string text;
+        for (std::size_t i = 0; i < words.size(); ++i) {
+            text += fmt::format("{}\"{}\"",
+                                i == 0                 ? ""
+                                : i + 1 < words.size() ? ", "
+                                                       : " or ",
+                                words[i]);
+        }
+        return text;
     }
     if (key.highest == kMostSeed) {
         return "0 to 9223372036854775807";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -31,7 +32,10 @@ struct Key {
                  std::uint64_t Record::*,
                  bool Record::*,
                  std::string Record::*,
-                 engine::Vec2 Record::*>
+                 engine::Vec2 Record::*,
+                 OrderRule Record::*,
+                 Handedness Record::*,
+                 Language Record::*>
         member;
     Need need = Need::optional;
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
@@ -39,9 +43,30 @@ struct Key {
     bool above = false;   ///< `lowest` itself is refused
     double per_si = 1.0;  ///< file value = SI value * per_si: 1000 for mm and ms, 0.001 for 1/ms
     Text text = Text::name;
-    bool later = false;  ///< newer than the studies: left out of the canonical text while default
+    bool late = false;  ///< younger than studies that are kept: not in their text while default
     std::string_view meaning;
 };
+
+// What a key for an enumeration may say, by its numbers.
+inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
+inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
+inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
+
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
+    return kOrderRules;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Handedness) {
+    return kHandedness;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Language) {
+    return kLanguages;
+}
+
+/// Its word in a file.
+template <class Enumeration>
+[[nodiscard]] constexpr std::string_view word_of(Enumeration value) {
+    return words_of(value)[static_cast<std::size_t>(value)];
+}
 
 // Counts are std::size_t in the structs; on every platform we build for that is std::uint64_t.
 static_assert(std::is_same_v<std::size_t, std::uint64_t>);
@@ -69,6 +94,10 @@ template <>
 std::span<const Key<TimingSpec>> keys_of();
 template <>
 std::span<const Key<ObserverSpec>> keys_of();
+
+/// Whether the canonical text leaves this key out: it is late, and the member is the default's.
+template <class Record>
+[[nodiscard]] bool left_out(const Key<Record>& key, const Record& record);
 
 /// The version of the format that this program reads: `format = 1`.
 inline constexpr std::int64_t kFormat = 1;

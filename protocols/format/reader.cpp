@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <type_traits>
 
 #include <fmt/format.h>
 
@@ -105,6 +106,23 @@ public:
                                shown(*text));
         }
         out = *text;
+        return {};
+    }
+
+    template <class Enumeration>
+    requires std::is_enum_v<Enumeration>
+    [[nodiscard]] std::string read(Enumeration& out) const {
+        const auto* text = std::get_if<std::string>(&value_.data);
+        if (text == nullptr) {
+            return wrong_kind(range_of(key_));
+        }
+        const auto words = words_of(Enumeration{});
+        const auto found = std::find(words.begin(), words.end(), *text);
+        if (found == words.end()) {
+            return fmt::format("{} is {}, give {}{}", key_.name, shown(*text), range_of(key_),
+                               suggestion(*text, words));
+        }
+        out = static_cast<Enumeration>(found - words.begin());
         return {};
     }
 

@@ -219,7 +219,8 @@ private:
         const std::size_t conditions =
             objects_of(protocol_, true).size() * protocol_.frictions.size();
         const std::size_t trials =
-            conditions * (design.repetitions + design.practice_repetitions) + design.catch_trials;
+            conditions * (design.repetitions + design.practice_repetitions) + design.catch_trials +
+            (design.order == OrderRule::first_order ? 1 : 0);  // the one that leads in
         if (trials > kMaxTrials) {
             add("design.repetitions",
                 fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
@@ -232,8 +233,19 @@ private:
                     "pictured = false, or give 0",
                     design.catch_trials));
         }
+        if (design.order == OrderRule::first_order) {
+            first_order(conditions);
+            return;
+        }
+        if (design.repetitions % design.blocks != 0) {
+            add("design.blocks",
+                fmt::format("blocks is {}, but {} repetitions cannot be divided evenly into them: "
+                            "give a divisor",
+                            design.blocks, design.repetitions));
+            return;
+        }
         if (const auto why = why_infeasible(
-                factorial(protocol_, design.repetitions),
+                factorial(protocol_, design.repetitions / design.blocks),
                 {.object = design.max_run_object, .friction = design.max_run_friction})) {
             const bool of_object = why->factor == Infeasible::Factor::object;
             const std::string key = of_object ? "max_run_object" : "max_run_friction";
@@ -242,6 +254,24 @@ private:
                             of_object ? design.max_run_object : design.max_run_friction,
                             why->reason));
         }
+    }
+
+    /// Such an order follows from the number of conditions; the run limits do not apply.
+    void first_order(std::size_t conditions) {
+        const DesignSpec& design = protocol_.design;
+        const auto needs = [&](const std::string& key, std::size_t given, std::size_t wanted,
+                               std::string_view why) {
+            if (given != wanted) {
+                add("design." + key,
+                    fmt::format("{} is {}: order = \"first_order\" {}: give {}, or order = "
+                                "\"random\"",
+                                key, given, why, wanted));
+            }
+        };
+        needs("repetitions", design.repetitions, conditions,
+              fmt::format("lets each of {} conditions follow each once", conditions));
+        needs("blocks", design.blocks, 1, "is one block");
+        needs("catch_trials", design.catch_trials, 0, "has no room for catch trials");
     }
 
     const Protocol& protocol_;

@@ -1,3 +1,5 @@
+#include <type_traits>
+
 #include <fmt/format.h>
 
 #include "protocols/design/sha256.hpp"
@@ -24,6 +26,11 @@ std::string text_of(const engine::Vec2& value, double per_si) {
     return fmt::format("[{}, {}]", text_of(value.x, per_si), text_of(value.y, per_si));
 }
 
+template <class Enumeration>
+requires std::is_enum_v<Enumeration> std::string text_of(Enumeration value, double /*per_si*/) {
+    return toml_text(std::string(word_of(value)));
+}
+
 template <class Record>
 void append(std::string& text,
             std::string_view heading,
@@ -35,7 +42,7 @@ void append(std::string& text,
         if (!coefficients && (key.need == Need::gos || key.need == Need::gos_optional)) {
             continue;
         }
-        if (key.later && std::visit([&](auto m) { return record.*m == defaults.*m; }, key.member)) {
+        if (left_out(key, record)) {
             continue;
         }
         const std::string value = std::visit(

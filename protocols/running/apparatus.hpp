@@ -44,6 +44,9 @@ public:
     [[nodiscard]] virtual bool reconnect() { return true; }
     /// What is wrong with the device and what to do, a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
+    /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a virtual
+    /// clock, which is never late.
+    [[nodiscard]] virtual std::string timing() const { return {}; }
 };
 
 }  // namespace palpate::protocols

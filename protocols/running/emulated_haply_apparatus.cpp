@@ -19,6 +19,18 @@ engine::Calibration as_emulated(engine::Calibration machine) {
     return machine;
 }
 
+/// An emulated board runs when the system lets it, and hurts nobody: a machine that is busy makes ticks
+/// late and readings stale, which are counted, and does not spoil trials.
+constexpr double kSilence = 5.0;  // s
+constexpr engine::GuardTiming kGuard{.wait_ms = 5, .patience = 1000, .alive_ms = 5000};
+
+engine::ServoSpec patient(engine::ServoSpec spec) {
+    spec.limits.late_run = 0;
+    spec.limits.late_share = 0;
+    spec.limits.silent_run = 0;  // the driver's own silence is left
+    return spec;
+}
+
 engine::MakeHand hand_on(const engine::Calibration& machine) {
     return [plant = plant_of(machine)] {
         return std::make_unique<engine::HandOf<engine::PantographPlant>>(plant);
@@ -29,10 +41,16 @@ engine::MakeHand hand_on(const engine::Calibration& machine) {
 
 EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
                                                DrawnHand hand,
-                                               const engine::Calibration& machine)
+                                               const engine::Calibration& machine,
+                                               double spin_share,
+                                               const std::string& link)
     : hand_(std::move(hand)),
-      haply_(as_emulated(machine), hand_on(machine), {.period = 1.0 / protocol.apparatus.rate_hz}),
-      servo_(haply_.device(), servo_spec(protocol, haply_.device())) {}
+      haply_(as_emulated(machine),
+             hand_on(machine),
+             {.period = 1.0 / protocol.apparatus.rate_hz, .silence = kSilence},
+             kGuard,
+             link),
+      servo_(haply_.device(), patient(servo_spec(protocol, haply_.device(), spin_share))) {}
 
 void EmulatedHaplyApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {
     servo_.park();  // the handle is put at its start: no reading of ours may fall in between

@@ -13,10 +13,15 @@ namespace palpate::protocols {
 /// before threads.
 class EmulatedHaplyApparatus : public ServoApparatus {
 public:
+    /// Late ticks and stale readings are recorded but trip nothing: nobody holds this handle.
+    /// @param spin_share  see engine::ServoSpec
+    /// @param link  see engine::PtyBoard; needed to unplug the board
     /// @throws as engine::EmulatedHaply
     EmulatedHaplyApparatus(const Protocol& protocol,
                            DrawnHand hand,
-                           const engine::Calibration& machine);
+                           const engine::Calibration& machine,
+                           double spin_share = 0.0,
+                           const std::string& link = {});
 
     /// The handle is at the start, the hand sets off.
     void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
@@ -28,6 +33,8 @@ public:
     [[nodiscard]] std::string trouble() const override { return haply_.device().trouble(); }
     [[nodiscard]] std::string device_name() const override;
     [[nodiscard]] const engine::Device& device() const noexcept override { return haply_.device(); }
+    /// The other end of the cable.
+    [[nodiscard]] engine::EmulatedBoard& board() noexcept { return haply_.board(); }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }

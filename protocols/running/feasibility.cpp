@@ -28,14 +28,39 @@ std::string point_text(const engine::Vec2& point) {
     return fmt::format("({:.1f}, {:.1f}) mm", 1e3 * point.x, 1e3 * point.y);
 }
 
+std::string damper_text(double damping) {
+    return damping == 0.0 ? "" : fmt::format(" with a damper of {:.6g} N s/m", damping);
+}
+
+/// What would make b >= K T (1/2 + d) + |B|.
+std::string passivity_remedy(const ApparatusSpec& apparatus,
+                             const engine::DeviceTraits& traits,
+                             double damping) {
+    const double period = 1.0 / apparatus.rate_hz;
+    const double left = damping - std::fabs(apparatus.damping);  // for the spring
+    const double softest = left / (period * (0.5 + traits.delay_ticks));
+    const double rate = apparatus.stiffness * (0.5 + traits.delay_ticks) / left;
+    std::string remedy =
+        softest >= 1.0             ? fmt::format("lower stiffness_n_per_m to {}",
+                                                 static_cast<long>(std::floor(softest * (1.0 + kRounding))))
+        : apparatus.damping != 0.0 ? std::string("lower damping_n_s_per_m, which comes on top")
+                                   : std::string("give the device some damping");
+    if (left > 0.0 && rate <= kHighestRate * (1.0 + kRounding)) {
+        remedy += fmt::format(" or raise rate_hz to {}",
+                              static_cast<long>(std::ceil(rate * (1.0 - kRounding))));
+    }
+    return remedy;
+}
+
 void check_passivity(const ApparatusSpec& apparatus,
                      const engine::DeviceTraits& traits,
                      std::vector<Finding>& findings) {
     const double period = 1.0 / apparatus.rate_hz;
-    const double need = engine::least_damping(apparatus.stiffness, period, traits.delay_ticks);
-    const std::string asked =
-        fmt::format("{:.6g} N/m at {:.6g} Hz {} needs {:.3g} N s/m at the handle",
-                    apparatus.stiffness, apparatus.rate_hz, delay_text(traits.delay_ticks), need);
+    const double need =
+        engine::least_damping(apparatus.stiffness, period, traits.delay_ticks, apparatus.damping);
+    const std::string asked = fmt::format(
+        "{:.6g} N/m{} at {:.6g} Hz {} needs {:.3g} N s/m at the handle", apparatus.stiffness,
+        damper_text(apparatus.damping), apparatus.rate_hz, delay_text(traits.delay_ticks), need);
     if (!traits.damping) {
         findings.push_back(
             {Verdict::warn, "how much the device damps is not known, and " + asked +
@@ -47,18 +72,9 @@ void check_passivity(const ApparatusSpec& apparatus,
     if (damping >= need * (1.0 - kRounding)) {
         return;
     }
-    const double softest = damping / (period * (0.5 + traits.delay_ticks));
-    const double rate = apparatus.stiffness * (0.5 + traits.delay_ticks) / damping;
-    std::string remedy = softest >= 1.0
-                           ? fmt::format("lower stiffness_n_per_m to {}",
-                                         static_cast<long>(std::floor(softest * (1.0 + kRounding))))
-                           : std::string("give the device some damping");
-    if (rate <= kHighestRate * (1.0 + kRounding)) {
-        remedy += fmt::format(" or raise rate_hz to {}",
-                              static_cast<long>(std::ceil(rate * (1.0 - kRounding))));
-    }
-    findings.push_back({Verdict::refuse, fmt::format("the device damps {:.3g} N s/m; {}: {}",
-                                                     damping, asked, remedy)});
+    findings.push_back(
+        {Verdict::refuse, fmt::format("the device damps {:.3g} N s/m; {}: {}", damping, asked,
+                                      passivity_remedy(apparatus, traits, damping))});
 }
 
 /// A point of an object, and what the device can do there.
@@ -129,6 +145,21 @@ void check_force(const ApparatusSpec& apparatus,
 }
 
 }  // namespace
+
+Margins margins_of(const Protocol& protocol, const engine::Device& device) {
+    const engine::DeviceTraits traits = device.traits();
+    Margins margins{
+        .needed_damping = engine::least_damping(
+            protocol.apparatus.stiffness, 1.0 / protocol.apparatus.rate_hz, traits.delay_ticks),
+        .damping = traits.damping,
+        .weakest_force = {}};
+    for (const Spot& spot : spots(protocol, device)) {
+        if (spot.force && !(margins.weakest_force && *margins.weakest_force <= *spot.force)) {
+            margins.weakest_force = spot.force;
+        }
+    }
+    return margins;
+}
 
 std::vector<Finding> check_feasibility(const Protocol& protocol, const engine::Device& device) {
     std::vector<Finding> findings;

@@ -95,7 +95,8 @@ public:
     /// The next ticks of the running trial, in order and without gaps.
     virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
     virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
-    /// Something that happened: "break", "abort", "fault", "reconnect", "go on", ... with a sentence.
+    /// Something that happened: "break", "abort", "fault", "reconnect", "go on",
+    /// "timing", ... with a sentence.
     virtual void event(std::string_view kind, std::string_view text) = 0;
     /// All planned trials are done.
     virtual void finish_session() = 0;

@@ -1,7 +1,10 @@
 #include "protocols/running/servo_apparatus.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "engine/safety/passivity.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -13,7 +16,9 @@ constexpr double kSilence = 0.010;
 
 }  // namespace
 
-engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& device) {
+engine::ServoSpec servo_spec(const Protocol& protocol,
+                             const engine::Device& device,
+                             double spin_share) {
     const ApparatusSpec& apparatus = protocol.apparatus;
     const SafetySpec& safety = protocol.safety;
     const engine::DeviceTraits traits = device.traits();
@@ -30,13 +35,21 @@ engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& dev
         limits.late_share = static_cast<std::int32_t>(safety.late_share);
         limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
         limits.energy = safety.energy_limit;
-        limits.damping = traits.damping.value_or(0.0);
+        limits.damping = std::max(traits.damping.value_or(0.0),
+                                  engine::least_damping(apparatus.stiffness, period,
+                                                        traits.delay_ticks, apparatus.damping));
         limits.delay_ticks = traits.delay_ticks;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
         limits.watch_encoders = true;
         limits.dead_man = safety.dead_man;
     }
-    return {.rate_hz = apparatus.rate_hz, .limits = limits};
+    return {
+        .rate_hz = apparatus.rate_hz, .limits = limits, .realtime = {}, .spin_share = spin_share};
+}
+
+std::string ServoApparatus::timing() const {
+    const bool ticked = servo().real_time() && servo().lateness().count() > 0;
+    return ticked ? describe(servo().lateness()) : std::string();
 }
 
 SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
@@ -80,8 +93,10 @@ bool ReplayApparatus::exhausted() const noexcept {
     return static_cast<std::int64_t>(device_.left()) <= servo_.ramp_ticks();
 }
 
-DeviceApparatus::DeviceApparatus(const Protocol& protocol, std::unique_ptr<engine::Device> device)
-    : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_)) {}
+DeviceApparatus::DeviceApparatus(const Protocol& protocol,
+                                 std::unique_ptr<engine::Device> device,
+                                 double spin_share)
+    : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_, spin_share)) {}
 
 void DeviceApparatus::begin(const engine::Scene& scene, const PlannedTrial& /*planned*/) {
     servo_.begin(scene);

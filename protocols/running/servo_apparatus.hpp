@@ -15,8 +15,10 @@
 namespace palpate::protocols {
 
 /// What protocol and device together ask of the servo. Limits on motion, energy, heat and lateness are for
-/// devices that give force.
-[[nodiscard]] engine::ServoSpec servo_spec(const Protocol& protocol, const engine::Device& device);
+/// devices that give force. @param spin_share  see engine::ServoSpec
+[[nodiscard]] engine::ServoSpec servo_spec(const Protocol& protocol,
+                                           const engine::Device& device,
+                                           double spin_share = 0.0);
 
 /// An apparatus that is a servo and a little more.
 class ServoApparatus : public Apparatus {
@@ -33,7 +35,11 @@ public:
         return servo().last_ticks();
     }
 
+    [[nodiscard]] std::string timing() const override;
+
     [[nodiscard]] virtual const engine::Device& device() const noexcept = 0;
+    /// Its clock is that of the wall.
+    [[nodiscard]] bool real_time() const noexcept { return servo().real_time(); }
     /// What the system granted to its servo.
     [[nodiscard]] const engine::RealtimeRights& rights() const noexcept { return servo().rights(); }
 
@@ -97,7 +103,10 @@ private:
 /// A real device in real time, on the servo's own thread.
 class DeviceApparatus : public ServoApparatus {
 public:
-    DeviceApparatus(const Protocol& protocol, std::unique_ptr<engine::Device> device);
+    /// @param spin_share  see engine::ServoSpec
+    DeviceApparatus(const Protocol& protocol,
+                    std::unique_ptr<engine::Device> device,
+                    double spin_share = 0.0);
 
     void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
     [[nodiscard]] bool reconnect() override {

@@ -27,17 +27,17 @@ public:
 
     SessionEnd run(const SessionView& view) {
         if (ports_.observer.welcome(view) == Signal::abort) {
-            return stopped(Signal::abort);
+            return stopped();
         }
         for (bool first = true; !pending_.empty(); first = false) {
             const PlannedTrial& planned = plan_.trials.at(pending_.next());
             const TrialView trial = runner_.view_of(planned, pending_.answered() + 1);
             if (!first && between(trial) == Signal::abort) {
-                return stopped(Signal::abort);
+                return stopped();
             }
             const TrialResult result = runner_.run(planned, trial);
             if (result.outcome == Outcome::aborted) {
-                return stopped(Signal::abort);
+                return stopped();
             }
             pending_.note(planned.position, result.outcome, result.invalid.empty());
             note_invalid(planned, result);
@@ -46,15 +46,20 @@ public:
                 ports_.recorder.event(
                     "fault", fmt::format("position {}: {}: {}", planned.position,
                                          to_string(result.fault->cause), result.fault->text));
-                const Signal signal = mend(ports_, *result.fault, faults_);
-                if (signal != Signal::go_on) {
-                    return stopped(signal);
+                note_timing();
+                const Mended mended = mend(ports_, *result.fault, faults_);
+                if (mended.signal == Signal::give_up) {
+                    return gave_up(*result.fault, mended.tries);
+                }
+                if (mended.signal != Signal::go_on) {
+                    return stopped();
                 }
             }
         }
+        note_timing();
         ports_.recorder.finish_session();
         ports_.observer.finish(view);
-        return {SessionEnd::Why::finished, pending_.next()};
+        return {.why = SessionEnd::Why::finished, .next = pending_.next()};
     }
 
 private:
@@ -78,10 +83,28 @@ private:
         }
     }
 
-    SessionEnd stopped(Signal signal) {
-        const bool gave_up = signal == Signal::give_up;
-        ports_.recorder.event(gave_up ? "gave up" : "abort", before_next());
-        return {gave_up ? SessionEnd::Why::faulted : SessionEnd::Why::aborted, pending_.next()};
+    SessionEnd stopped() {
+        note_timing();
+        ports_.recorder.event("abort", before_next());
+        return {.why = SessionEnd::Why::aborted, .next = pending_.next()};
+    }
+
+    SessionEnd gave_up(const Fault& fault, std::size_t tries) {
+        const std::string trouble = ports_.apparatus.trouble();
+        ports_.recorder.event("gave up",
+                              fmt::format("{}, after {} tries in vain and {} faults in a row",
+                                          before_next(), tries, faults_));
+        return {.why = SessionEnd::Why::faulted,
+                .next = pending_.next(),
+                .fault = trouble.empty() ? fault.text : trouble,
+                .in_a_row = faults_,
+                .tries = tries};
+    }
+
+    void note_timing() {
+        if (const std::string timing = ports_.apparatus.timing(); !timing.empty()) {
+            ports_.recorder.event("timing", timing);
+        }
     }
 
     [[nodiscard]] std::string before_next() const {

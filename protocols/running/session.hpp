@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/pending_trials.hpp"
@@ -14,7 +16,10 @@ struct SessionEnd {
         aborted,
         faulted,  ///< a fault that nobody mended
     } why = Why::finished;
-    std::size_t next = 0;  ///< first position that still has to run
+    std::size_t next = 0;      ///< first position that still has to run
+    std::string fault{};       ///< of faulted: what happened last and what to do, a sentence
+    std::size_t in_a_row = 0;  ///< of faulted: trials since the last good one
+    std::size_t tries = 0;     ///< of faulted: how often the device was asked to come back, in vain
 };
 
 /// Runs what is pending of a plan to its end, or until someone stops it.
@@ -27,6 +32,8 @@ struct SessionEnd {
 /// PendingTrials). A trial whose force went off by itself ends as faulted, with its cause and last
 /// ticks, and is set back too; the session goes on when the device works and the observer agrees. Breaks
 /// come after as many answered trials as the plan says, whichever these were.
+///
+/// In real time an event "timing" at each fault and at the end tells how late the ticks so far were.
 [[nodiscard]] SessionEnd run_session(const Protocol& protocol,
                                      const Plan& plan,
                                      const SessionView& view,

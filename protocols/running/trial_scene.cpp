@@ -14,6 +14,7 @@ engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
     const ApparatusSpec& apparatus = protocol.apparatus;
     return {stimuli::make_outline(object_of(protocol, condition.object)),
             {.stiffness = apparatus.stiffness,
+             .damping = apparatus.damping,
              .period = 1.0 / apparatus.rate_hz,
              .friction = {.mu_s = friction.mu_s,
                           .mu_d = friction.mu_d,

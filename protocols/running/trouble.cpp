@@ -4,7 +4,7 @@
 
 namespace palpate::protocols {
 
-Signal mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
+Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
     TroubleView view{.sentence = fault.text, .in_a_row = in_a_row};
     for (std::size_t slice = 0;; ++slice) {
         if (!view.solved && slice % kSlicesPerTry == 0) {
@@ -20,15 +20,15 @@ Signal mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
             }
         }
         if (ports.interrupted()) {
-            return Signal::abort;
+            return {Signal::abort, view.tries};
         }
         const std::optional<Signal> said = ports.observer.trouble(view);
         if (said == Signal::abort || said == Signal::give_up) {
-            return *said;
+            return {*said, view.tries};
         }
         if (said == Signal::go_on && view.solved) {
             ports.recorder.event("go on", fmt::format("after {}", to_string(fault.cause)));
-            return Signal::go_on;
+            return {Signal::go_on, view.tries};
         }
         ports.pause(kTroubleSlice);
     }

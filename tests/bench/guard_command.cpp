@@ -10,6 +10,7 @@
 #include "engine/device/emulator/guided_hand.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/random.hpp"
 
@@ -75,7 +76,7 @@ int guard_command(const std::vector<std::string>& arguments) {
     if (csv.is_open()) {
         csv << "machine,end,kills,p50_ms,p99_ms,worst_ms\n";
     }
-    const Calibration machine_calibration = emulated_calibration();
+    const Calibration machine_calibration = tests::emulated_calibration();
     const EmulatedBoard board(machine_calibration,
                               [&] { return std::make_unique<GuidedHand>(machine_calibration); });
     std::cout << machine() << "\nfrom a signal to zero torque at an emulated board, ms\n";

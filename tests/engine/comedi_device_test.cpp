@@ -187,8 +187,9 @@ TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts
     }
     // Finite, but its torque may not be: within the range either way.
     device->write({kMax, kMax});
-    CHECK(std::fabs(volts_of(bench, 0)) <= 6.0 + 1e-3);  // 0.6 N m, 10 V per N m
-    CHECK(std::fabs(volts_of(bench, 1)) <= 4.8 + 1e-3);
+    const auto& [one, two] = calibration().pantograph.axes;  // 10 and 8 V per N m
+    CHECK(std::fabs(volts_of(bench, 0)) <= 10.0 * one.torque_limit + 1e-3);
+    CHECK(std::fabs(volts_of(bench, 1)) <= 8.0 * two.torque_limit + 1e-3);
 }
 
 TEST_CASE("zero volts is the last thing written, whichever call fails and however it ends",

@@ -9,6 +9,7 @@
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/emulator/guided_hand.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/presser.hpp"
 
 using namespace palpate::engine;

@@ -6,6 +6,7 @@
 #include "engine/device/emulator/guided_hand.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -15,7 +16,7 @@ namespace {
 
 /// A board and a naive host, who sends what it likes.
 struct Naive {
-    Calibration machine = emulated_calibration();
+    Calibration machine = palpate::tests::emulated_calibration();
     GuidedHand plant{machine};
     HaplyBoard board{plant, machine.pantograph, *machine.haply};
 

@@ -200,6 +200,9 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
         CHECK(bench.board.torque() == Vec2{});
     }
     CHECK(bench.ticks({0.3, 0.3}, 3).fault == expected);
+    CHECK_THAT(
+        bench.device->trouble(),  // at once, not only after a reconnection in vain
+        ContainsSubstring(expected == DeviceFault::silent ? "stopped answering" : "guard process"));
     CHECK(bench.board.torque() == Vec2{});
     CHECK_FALSE(bench.guard.force);
     CHECK(bench.device->reconnect());

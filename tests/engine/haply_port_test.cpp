@@ -10,6 +10,7 @@
 #include "engine/device/emulator/guided_hand.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
 

@@ -6,6 +6,7 @@
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/emulated_machine.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -84,7 +85,7 @@ TEST_CASE("id 0, foreign ports and pins, and torques beyond the board are refuse
                       ContainsSubstring("id is 0"));
     CHECK_THROWS_WITH(setup_packet({.sensor_pin = 53, .counts_per_turn = {1.0, 1.0}}),
                       ContainsSubstring("54 to 65"));
-    const Calibration good = emulated_calibration();
+    const Calibration good = palpate::tests::emulated_calibration();
     for (const auto& ports :
          {std::array<std::uint8_t, 2>{1, 1}, std::array<std::uint8_t, 2>{0, 1},
           std::array<std::uint8_t, 2>{2, 3}, std::array<std::uint8_t, 2>{3, 4}}) {

@@ -100,3 +100,24 @@ TEST_CASE("old readings and late ticks give the hand the time it really had", "[
                  Trip::none));
     }
 }
+
+TEST_CASE("a trial that begins with an old reading takes its way from the first fresh one",
+          "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
+    CAPTURE(seed);
+    Random random(seed);
+    const SafetyLimits limits{.ramp_step = 1.0, .speed = 1.0, .jump = 0.01};
+    SafetyState state;
+    const Vec2 before = random.point(-0.05, 0.05);  // where the hand was read before the rest
+    Vec2 hip = random.point(-0.05, 0.05);
+    const int old_ones = 1 + random.below(8);
+    for (int k = 0; k < old_ones; ++k) {
+        REQUIRE((make_safe(state, limits, {.hip = before, .fresh = false}).trip == Trip::none));
+    }
+    for (int k = 0; k < 50; ++k) {
+        hip += Vec2{9e-4, 0.0};
+        REQUIRE((make_safe(state, limits, {.hip = hip}).trip == Trip::none));
+    }
+    hip += Vec2{0.011, 0.0};
+    CHECK((make_safe(state, limits, {.hip = hip}).trip == Trip::jump));
+}

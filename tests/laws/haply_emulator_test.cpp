@@ -1,7 +1,10 @@
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 
 #include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/pantograph.hpp"
+#include "protocols/format/calibration_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
@@ -9,19 +12,23 @@
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 namespace engine = palpate::engine;
+namespace protocols = palpate::protocols;
 
 TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is interrupted",
           "[laws][haply]") {
     const TemporaryFolder folder;
     const std::string link = folder.file("board");
-    Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset", "gen2"});
+    Process emulator(
+        {palpate_program(), "haply-emulator", "--link", link, "--preset", "2diy_gen2"});
     REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
     {
-        const auto device = engine::open_haply(link, engine::emulated_calibration("gen2"),
-                                               {.patience = 200.0, .silence = 10.0});
+        const engine::Calibration machine = protocols::load_calibration("2diy_gen2");
+        const auto device = engine::open_haply(link, machine, {.patience = 200.0, .silence = 10.0},
+                                               {.patience = 100'000});
         const engine::Reading reading = device->read();
         CHECK(reading.fresh);
-        CHECK(glm::length(reading.hip - engine::Vec2{0.0, 0.060}) < 1e-4);
+        const engine::Pantograph pantograph(machine.pantograph);
+        CHECK(glm::length(reading.hip - pantograph.locate(pantograph.angles({0, 0}))->hip) < 1e-4);
     }
     emulator.signal(SIGINT);
     const Finished finished = emulator.wait();
@@ -33,7 +40,16 @@ TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is 
 TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply]") {
     const Finished preset = palpate_command({"haply-emulator", "--preset", "gen9"});
     CHECK(preset.code == 2);
-    CHECK_THAT(preset.error, ContainsSubstring("there are gen3, gen2 and haplet"));
+    CHECK_THAT(preset.error, ContainsSubstring("one of haplet, 2diy_gen2, 2diy_gen3"));
+    const Finished other = palpate_command({"haply-emulator", "--preset", "mk2"});
+    CHECK(other.code == 2);
+    CHECK_THAT(other.error, ContainsSubstring("no Haply board"));
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("notes")) << "mine";
+    const Finished taken = palpate_command({"haply-emulator", "--link", folder.file("notes")});
+    CHECK(taken.code == 1);
+    CHECK_THAT(taken.error, ContainsSubstring("give a name that is free"));
+    CHECK(std::filesystem::file_size(folder.file("notes")) == 4);
     const Finished link = palpate_command({"haply-emulator", "--link", "/proc/no/such/place"});
     CHECK(link.code == 1);
     CHECK_THAT(link.error, ContainsSubstring("name a file in a folder that you may write"));

@@ -6,6 +6,7 @@
 #include "engine/device/pointer_device.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/running/feasibility.hpp"
+#include "protocols/running/trial_scene.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
@@ -83,6 +84,46 @@ TEST_CASE("a refusal names the stiffness and the rate that would do, and these a
     CHECK_THAT(check_feasibility(study(), device).at(0).text, !ContainsSubstring("rate_hz to"));
     device.what.damping = 0.0;
     CHECK_THAT(check_feasibility(study(), device).at(0).text, ContainsSubstring("some damping"));
+}
+
+TEST_CASE("a damper of the contact asks as much more of the device", "[feasibility][law]") {
+    // b >= K T (1/2 + d) + |B|: Colgate & Schenkel 1997.
+    FakeDevice device;
+    const double stiffness = GENERATE(100.0, 1000.0);
+    const double damper = GENERATE(0.05, 0.4);
+    const double delay = GENERATE(0.0, 1.0);
+    const double bound = stiffness * 1e-3 * (0.5 + delay) + damper;
+    CAPTURE(stiffness, damper, delay);
+    Protocol protocol = study(stiffness);
+    protocol.apparatus.damping = damper;
+    CHECK(engine::Scene(make_scene(protocol, {})).spec().damping == damper);
+    device.what = {.damping = bound, .delay_ticks = delay};
+    CHECK(check_feasibility(protocol, device).empty());
+    device.what.damping = 0.999 * bound;
+    const auto findings = check_feasibility(protocol, device);
+    REQUIRE(findings.size() == 1);
+    CHECK((findings[0].verdict == Verdict::refuse));
+}
+
+TEST_CASE("with a damper too, the stiffness and the rate that a refusal names are accepted",
+          "[feasibility][law]") {
+    FakeDevice device;
+    device.what = {.damping = 0.4, .delay_ticks = 1.0};
+    Protocol protocol = study();
+    protocol.apparatus.damping = 0.1;
+    CHECK(
+        check_feasibility(protocol, device).at(0).text ==
+        "the device damps 0.4 N s/m; 1000 N/m with a damper of 0.1 N s/m at 1000 Hz with one tick "
+        "of delay needs 1.6 N s/m at the handle: lower stiffness_n_per_m to 200 or raise rate_hz "
+        "to 5000");
+    protocol.apparatus.stiffness = 200.0;
+    CHECK(check_feasibility(protocol, device).empty());
+    protocol.apparatus.stiffness = 1000.0;
+    protocol.apparatus.rate_hz = 5000.0;
+    CHECK(check_feasibility(protocol, device).empty());
+    protocol.apparatus.damping = 0.4;  // leaves nothing for a spring
+    CHECK_THAT(check_feasibility(protocol, device).at(0).text,
+               ContainsSubstring("lower damping_n_s_per_m") && !ContainsSubstring("rate_hz to"));
 }
 
 TEST_CASE("an unknown damping is a warning with the damping needed", "[feasibility]") {

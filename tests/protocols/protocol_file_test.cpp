@@ -33,7 +33,9 @@ std::string random_file(Random& random) {
     std::string text =
         "format = 1\n[study]\nid = \"s\"\ntitle = \"a \\\"b\\\" \\\\ \u00e7\"\nseed = " +
         std::to_string(random.below(1000000)) + "\n";
+    text += random.coin() ? "language = \"tr\"\nhandedness = \"left\"\n" : "handedness = \"any\"\n";
     text += "[apparatus]\nstiffness_n_per_m = " + n(1, 19000) + "\nforce_limit_n = " + n(0.1, 49) +
+            (random.coin() ? "\ndamping_n_s_per_m = " + n(0, 90) : "") +
             "\nvertex_slew_mm_per_s = " + n(0, 9000) + "\nvertex_radius_mm = " + n(0.1, 99) +
             "\nstart_mm = [" + n(-30, 30) + ", " + n(70, 90) + "]\n";
     text += "[outline]\na_mm = [" + n(-50, -40) + ", 0]\nvertex_mm = [" + n(-2, 2) + ", " +
@@ -56,6 +58,9 @@ std::string random_file(Random& random) {
                           : "";
     text +=
         "[design]\nrepetitions = 2\nmax_run_object = 0\nmax_run_friction = 0\ncatch_trials = 0\n";
+    if (random.coin()) {  // two conditions, twice each: both orders are possible
+        text += random.coin() ? "order = \"first_order\"\n" : "blocks = 2\norder = \"random\"\n";
+    }
     text += "[timing]\ngap_s = " + n(0, 9) + "\n[observer]\nnoise_per_m = " + n(0, 9) + "\n";
     return text;
 }
@@ -130,8 +135,9 @@ TEST_CASE("numbers are written as short as they can be", "[protocol]") {
     CHECK_THAT(text, Catch::Matchers::ContainsSubstring("noise_per_m = 2.62\n"));
 }
 
-// The two hashes are those of the program before there was a table [safety], read from its databases.
-TEST_CASE("a study of default safety keeps the hash that it had before the table was there",
+// The two hashes are those of the program before there was a table [safety], a damper, blocks or another
+// order, read from its databases.
+TEST_CASE("a study without younger keys keeps the hash that it had before they were there",
           "[protocol][law]") {
     const auto hash = [](const char* name) {
         return protocol_hash(load_protocol(library(name)));
@@ -158,6 +164,28 @@ TEST_CASE("a study of default safety keeps the hash that it had before the table
     with(&SafetySpec::dead_man, true);
     CHECK(hashes.size() == 7);
     study.safety = usual;
+    const auto differs = [&](Protocol changed) {
+        hashes.insert(protocol_hash(changed));
+        CHECK(parse_protocol(to_toml(changed), "a") == changed);
+    };
+    Protocol other = study;
+    other.apparatus.damping = 0.1;
+    differs(other);
+    other = study;
+    other.design.blocks = 5;
+    differs(other);
+    other = study;
+    other.design.catch_trials = 0;
+    differs(other);
+    other.design.order = OrderRule::first_order;
+    differs(other);
+    other = study;
+    other.language = Language::tr;
+    differs(other);
+    other = study;
+    other.handedness = Handedness::any;
+    differs(other);
+    CHECK(hashes.size() == 13);
     const auto rule = [&](auto member, auto value) {
         study.invalid = {};
         study.invalid.*member = value;
@@ -168,11 +196,11 @@ TEST_CASE("a study of default safety keeps the hash that it had before the table
     rule(&InvalidSpec::contact_min, 0.0);
     rule(&InvalidSpec::path_min, 0.2);
     rule(&InvalidSpec::requeue_most, std::size_t{3});
-    CHECK(hashes.size() == 11);
+    CHECK(hashes.size() == 17);
     study.invalid = {};
     study.consent_required = true;
     hashes.insert(protocol_hash(study));
-    CHECK(hashes.size() == 12);
+    CHECK(hashes.size() == 18);
     CHECK(parse_protocol(to_toml(study), "a") == study);
 }
 
@@ -204,6 +232,11 @@ TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]")
 TEST_CASE("the reference for people names every key of the canonical text", "[protocol]") {
     const std::string reference = key_reference();
     Protocol study = load_protocol(library("shape_friction.toml"));
+    study.safety.dead_man = true;  // or the table would be left out, as would be these
+    study.apparatus.damping = 0.1;
+    study.design.blocks = 5;
+    study.language = Language::tr;
+    study.handedness = Handedness::any;
     study.safety.dead_man = true;  // or the tables would be left out
     study.invalid.requeue_most = 0;
     study.consent_required = true;

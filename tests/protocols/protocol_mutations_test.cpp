@@ -17,11 +17,14 @@ using palpate::tests::Random;
 namespace {
 
 /// Bytes and words that break things: signs, brackets, quotes, numbers at the edges, no UTF-8.
-constexpr std::array<std::string_view, 26> kSplinters{
-    "-",          "[",      "]", "[[", "\"",   "'''",  "=",     "#",
-    "\n",         "\r",     ".", ",",  "nan",  "inf",  "1e999", "9223372036854775808",
-    "0x",         "1_0",    "{", "}",  "\xff", "\xc3", "\x01",  "true",
-    "1979-05-27", "\\u0000"};
+constexpr std::array<std::string_view, 28> kSplinters{
+    "-",          "[",       "]",           "[[",
+    "\"",         "'''",     "=",           "#",
+    "\n",         "\r",      ".",           ",",
+    "nan",        "inf",     "1e999",       "9223372036854775808",
+    "0x",         "1_0",     "{",           "}",
+    "\xff",       "\xc3",    "\x01",        "true",
+    "1979-05-27", "\\u0000", "first_order", "blocks = 2\n"};
 
 std::string mutated(std::string text, Random& random) {
     const auto somewhere = [&] {
@@ -40,7 +43,8 @@ std::string mutated(std::string text, Random& random) {
                 text.erase(somewhere(), static_cast<std::size_t>(random.below(200)));
                 break;
             case 3:
-                text.insert(somewhere(), kSplinters[static_cast<std::size_t>(random.below(26))]);
+                text.insert(somewhere(), kSplinters[static_cast<std::size_t>(
+                                             random.below(static_cast<int>(kSplinters.size())))]);
                 break;
             case 4: {
                 const std::string piece =

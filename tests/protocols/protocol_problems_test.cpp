@@ -88,6 +88,16 @@ const Change kChanges[] = {
     {"energy_limit_j = 0.1", "energy_limit_j = inf", "inf", "energy_limit_j is inf"},
     {"dead_man = false", "dead_man = 0", "0         # or", "give true or false"},
     {"dead_man = false", "deadman = true", "deadman", "did you mean dead_man?"},
+    {"damping_n_s_per_m = 0 ", "damping_n_s_per_m = -1 ", "-1 ", "give 0 to 100"},
+    {"damping_n_s_per_m = 0 ", "damping = 0 ", "damping = 0", "did you mean damping_n_s_per_m?"},
+    {"blocks = 1 ", "blocks = 0 ", "0               # more", "blocks is 0: give 1 to 1000"},
+    {"blocks = 1 ", "blocks = \"one\" ", "\"one\"", "give an integer"},
+    {"order = \"random\"", "order = \"randm\"", "\"randm\"",
+     "order is \"randm\", give \"random\" or \"first_order\": did you mean random?"},
+    {"order = \"random\"", "order = true", "true         # or", "give \"random\" or"},
+    {"language = \"en\"", "language = \"de\"", "\"de\"", "give \"en\" or \"tr\""},
+    {"handedness = \"right\"", "handedness = \"lft\"", "\"lft\"",
+     "give \"right\", \"left\" or \"any\": did you mean left?"},
     // Rules.
     {"name = \"convex_5\"", "name = \"convex_10\"", "\"convex_10\"\ncurvature_per_m = 10",
      "as in [[object]] 4"},
@@ -109,6 +119,10 @@ const Change kChanges[] = {
     {"vertex_mm = [0, 40]", "vertex_mm = [41, 40]", "[41, 40]", "from left to right"},
     {"vertex_mm = [0, 40]", "vertex_mm = [0, -40]", "[0, -40]", "above the base line"},
     {"repetitions = 10 ", "repetitions = 1000 ", "1000 ", "ask for 2000 or fewer"},
+    {"blocks = 1 ", "blocks = 3 ", "3               # more",
+     "blocks is 3, but 10 repetitions cannot be divided evenly into them: give a divisor"},
+    {"order = \"random\"", "order = \"first_order\"", "4         # both",
+     "catch_trials is 4: order = \"first_order\" has no room for catch trials: give 0"},
     // Syntax.
     {"rate_hz = 1000", "rate_hz = ", "\nstiffness", "not TOML"},
     {"rate_hz = 1000", "rate_hz = 1000\nrate_hz = 1000", "rate_hz = 1000\nstiffness", "not TOML"},
@@ -152,6 +166,24 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
     }
     CHECK_THAT(refusal(text), Catch::Matchers::StartsWith(place_of(text, "4         # both")) &&
                                   Catch::Matchers::ContainsSubstring("every object is pictured"));
+}
+
+TEST_CASE("a first-order order says all that it needs, and then needs no run limit", "[protocol]") {
+    std::string text = study();
+    const auto replace = [&](const std::string& from, const std::string& to) {
+        text.replace(text.find(from), from.size(), to);
+    };
+    replace("order = \"random\"", "order = \"first_order\"");
+    replace("repetitions = 10 ", "repetitions = 9 ");
+    replace("blocks = 1 ", "blocks = 3 ");
+    const std::string said = refusal(text);
+    CHECK(std::count(said.begin(), said.end(), '\n') == 2);
+    CHECK_THAT(said, Catch::Matchers::ContainsSubstring("lets each of 10 conditions follow each"));
+    replace("repetitions = 9 ", "repetitions = 10 ");
+    replace("blocks = 3 ", "blocks = 1 ");
+    replace("catch_trials = 4", "catch_trials = 0");
+    replace("max_run_object = 2", "max_run_object = 1");
+    CHECK(refusal(text) == "accepted");
 }
 
 TEST_CASE("fewer than two pictures are no choice", "[protocol]") {

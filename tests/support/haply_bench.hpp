@@ -10,6 +10,7 @@
 #include "engine/device/emulator/board_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/emulator/guided_hand.hpp"
+#include "tests/support/emulated_machine.hpp"
 
 namespace palpate::tests {
 
@@ -50,7 +51,7 @@ using Packets = std::vector<engine::BoardCable::Packet>;
 
 /// A board in memory, its driver, and the clock that both live on.
 struct Bench {
-    explicit Bench(const engine::Calibration& calibration = engine::emulated_calibration())
+    explicit Bench(const engine::Calibration& calibration = emulated_calibration())
         : machine(calibration) {}
 
     engine::Calibration machine;

@@ -167,9 +167,9 @@ TEST_CASE("a line says status, name and detail, and the remedy behind an arrow",
     check.detail = "slow";
     check.remedy = "use another one";
     CHECK(as_text(check) ==
-          "warn  disk             slow\n                       -> use another one\n");
+          "warn  disk                 slow\n                           -> use another one\n");
     check.detail = std::string(70, 'a') + ' ' + std::string(70, 'b');
-    CHECK_THAT(as_text(check), ContainsSubstring("a\n                       b"));
+    CHECK_THAT(as_text(check), ContainsSubstring("a\n                           b"));
     CHECK(verdict({check, named("x", CheckStatus::ok)}) == "1 ok, 1 to look at, 0 failed\n");
 }
 

@@ -7,11 +7,16 @@ namespace palpate::ui {
 
 [[nodiscard]] int run_command(const RunOptions& options);
 [[nodiscard]] int sequence_command(const SequenceOptions& options);
+/// 0, or kExitFailure if the device cannot render the protocol.
+[[nodiscard]] int check_command(const CheckOptions& options);
+[[nodiscard]] int new_command(const NewOptions& options);
 [[nodiscard]] int demo_command(const DemoOptions& options);
 [[nodiscard]] int summary_command(const SummaryOptions& options);
 [[nodiscard]] int participant_command(const ParticipantOptions& options);
 [[nodiscard]] int note_command(const NoteOptions& options);
 [[nodiscard]] int mark_command(const MarkOptions& options);
+/// 0 when nothing differs, else kExitFailure.
+[[nodiscard]] int verify_command(const VerifyOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);

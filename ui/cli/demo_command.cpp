@@ -1,8 +1,11 @@
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "protocols/format/protocol_file.hpp"
 #include "data/analysis/summary.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/rig.hpp"
 
@@ -56,6 +59,9 @@ int demo_command(const DemoOptions& options) {
     }
     catch_signals();
     const RigEnd end = run_rig(database, spec);
+    if (end.session.why == protocols::SessionEnd::Why::faulted) {
+        throw std::runtime_error(given_up_text(end.session));
+    }
     if (end.session.why != protocols::SessionEnd::Why::finished) {
         fmt::print("Stopped before trial {}; the same command goes on there. Data: {}\n",
                    end.session.next + 1, options.database);

@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
@@ -25,6 +26,7 @@ namespace {
 struct Plan {
     DeviceChoice device;
     engine::Calibration calibration{};
+    std::optional<protocols::Protocol> protocol{};
     DeviceDemand demand{};
     double rate_hz = 1000.0;
 };
@@ -33,9 +35,9 @@ Plan plan_of(const DoctorOptions& options) {
     Plan plan{.device = parse_device(options.device)};
     plan.calibration = calibration_of(plan.device, options.calibration);
     if (!options.protocol.empty()) {
-        const protocols::ApparatusSpec apparatus = load_study(options.protocol).protocol.apparatus;
-        plan.demand = {.force_n = apparatus.force_limit, .start = apparatus.start};
-        plan.rate_hz = apparatus.rate_hz;
+        plan.protocol = load_study(options.protocol).protocol;
+        plan.demand.start = plan.protocol->apparatus.start;  // its force is check_feasible's
+        plan.rate_hz = plan.protocol->apparatus.rate_hz;
     }
     return plan;
 }
@@ -72,11 +74,14 @@ std::unique_ptr<engine::Device> open_device(const Plan& plan) {
     return ui::open_device(plan.device, plan.calibration, period);
 }
 
-/// Of every machine that ships.
-std::vector<Linkage> linkages() {
-    std::vector<Linkage> all;
+/// Of the machine in use, and of every one that ships.
+std::vector<Linkage> linkages(const engine::PantographSpec& used) {
+    std::vector<Linkage> all{{.name = used.name, .bars = used.linkage, .centre = used.origin}};
     for (const engine::Calibration& one :
          protocols::parse_calibrations(protocols::shipped_pantographs(), "pantographs.toml")) {
+        if (one.pantograph.name == used.name) {
+            continue;
+        }
         all.push_back({.name = one.pantograph.name,
                        .bars = one.pantograph.linkage,
                        .centre = one.pantograph.origin});
@@ -106,6 +111,23 @@ private:
     std::vector<Check> checks_;
 };
 
+void look_at_device(Report& report, const std::string& word, const Plan& plan) {
+    std::optional<Check> feasible;  // while it is open: some devices can be opened only once
+    const auto then = [&](const engine::Device& device) {
+        if (plan.protocol) {
+            feasible = guarded("passivity and force",
+                               [&] { return check_feasible(*plan.protocol, device); });
+        }
+    };
+    report.look("device", [&] {
+        return check_device(
+            word, [&] { return open_device(plan); }, plan.demand, then);
+    });
+    if (feasible) {
+        report.add(*std::move(feasible));
+    }
+}
+
 void look_at_timing(Report& report, double rate_hz, double seconds) {
     JitterRun jitter;
     Check failed = guarded("jitter", [&] {
@@ -127,11 +149,9 @@ int doctor_command(const DoctorOptions& options) {
     const Plan plan = plan_of(options);
     Report report(!options.json);
     const auto before = processor_time();
-    report.look("device", [&] {
-        return check_device(
-            options.device, [&] { return open_device(plan); }, plan.demand);
-    });
-    report.look("kinematics", [] { return check_kinematics(linkages()); });
+    look_at_device(report, options.device, plan);
+    report.look("kinematics",
+                [&] { return check_kinematics(linkages(plan.calibration.pantograph)); });
     report.look("clock", check_clock);
     report.look("kernel", check_kernel);
     look_at_timing(report, plan.rate_hz, options.seconds);

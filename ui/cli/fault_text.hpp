@@ -3,6 +3,7 @@
 #include <string>
 
 #include "protocols/running/recorder.hpp"
+#include "protocols/running/session.hpp"
 
 namespace palpate::ui {
 
@@ -12,5 +13,8 @@ namespace palpate::ui {
 ///     trial  12 of 100  fault: the handle was faster than the limit: move more slowly; runs again
 ///     later in its block
 [[nodiscard]] std::string fault_text(const protocols::Fault& fault);
+
+/// Why a session was given up with SessionEnd::Why::faulted, and how it goes on.
+[[nodiscard]] std::string given_up_text(const protocols::SessionEnd& end);
 
 }  // namespace palpate::ui

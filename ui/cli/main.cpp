@@ -18,11 +18,14 @@ int dispatch(const Options& options) {
         int operator()(const Exit& exit) const { return exit.code; }
         int operator()(const RunOptions& run) const { return run_command(run); }
         int operator()(const SequenceOptions& plan) const { return sequence_command(plan); }
+        int operator()(const CheckOptions& check) const { return check_command(check); }
+        int operator()(const NewOptions& words) const { return new_command(words); }
         int operator()(const DemoOptions& demo) const { return demo_command(demo); }
         int operator()(const SummaryOptions& summary) const { return summary_command(summary); }
         int operator()(const ParticipantOptions& who) const { return participant_command(who); }
         int operator()(const NoteOptions& note) const { return note_command(note); }
         int operator()(const MarkOptions& mark) const { return mark_command(mark); }
+        int operator()(const VerifyOptions& verify) const { return verify_command(verify); }
         int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
         int operator()(const RenderOptions& render) const { return render_command(render); }
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }

@@ -56,6 +56,12 @@ void add_run(CLI::App& app, Options& chosen) {
         ->check(CLI::PositiveNumber);
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
     command->add_option("--operator", run.operator_name, "Who runs it, kept with the session");
+    command
+        ->add_option("--spin", run.spin,
+                     "Share of each tick to watch the clock instead of sleeping, for haply and "
+                     "comedi: 0.3 wakes up on time to a microsecond and costs processor time")
+        ->check(CLI::Range(0.0, 0.5))
+        ->capture_default_str();
     add_screen(*command, run.screen);
 }
 
@@ -104,7 +110,7 @@ void add_doctor(CLI::App& app, Options& chosen) {
         ->capture_default_str();
     command->add_option("--calibration", doctor.calibration, kCalibrationWords);
     command->add_option("--protocol", doctor.protocol,
-                        "The protocol to be run: its rate and its force are asked for");
+                        "The protocol to be run: its rate, and whether the device can render it");
     command
         ->add_option(
             "--db", doctor.database,
@@ -125,7 +131,10 @@ void add_emulator(CLI::App& app, Options& chosen) {
     auto& emulator = options_of<EmulatorOptions>(command, chosen);
     command->add_option("--link", emulator.link,
                         "A symbolic link to its terminal, for --device haply:LINK");
-    command->add_option("--preset", emulator.preset, "gen3, gen2 or haplet")->capture_default_str();
+    command
+        ->add_option("--preset", emulator.preset,
+                     "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
+        ->capture_default_str();
 }
 
 void add_summary(CLI::App& app, Options& chosen) {
@@ -173,6 +182,15 @@ void add_mark(CLI::App& app, Options& chosen) {
     command->add_option("--invalid", mark.reason, "Why it does not count")->required();
 }
 
+void add_verify(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "verify", "Recompute what a database says, replay every trial, say what differs");
+    auto& verify = options_of<VerifyOptions>(command, chosen);
+    command->add_option("FILE", verify.database, "A palpate database; nothing in it is changed")
+        ->required();
+    command->add_flag("--json", verify.json, "One JSON object instead of lines");
+}
+
 void add_screenshots(CLI::App& app, Options& chosen) {
     CLI::App* command =
         app.add_subcommand("screenshots", "Write a picture of every subject screen (PNG)");
@@ -180,6 +198,9 @@ void add_screenshots(CLI::App& app, Options& chosen) {
     command->add_option("-o,--output", shots.directory, "Folder for the pictures")
         ->capture_default_str();
     command->add_option("--font", shots.font, "A TrueType font");
+    command->add_option("--language", shots.language, "Of the sentences: en or tr")
+        ->check(CLI::IsMember({"en", "tr"}))
+        ->capture_default_str();
 }
 
 void add_figures(CLI::App& app, Options& chosen) {
@@ -209,6 +230,35 @@ void add_sequence(CLI::App& app, Options& chosen) {
         ->check(CLI::PositiveNumber);
     command->add_option("--seed", sequence.seed, "Study seed instead of the protocol's");
     command->add_flag("--csv", sequence.csv, "The trials alone, as CSV");
+}
+
+void add_check(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "check", "Is this protocol right, how long does it take, and can this device render it?");
+    auto& check = options_of<CheckOptions>(command, chosen);
+    command->add_option("PROTOCOL", check.protocol, "A protocol file, or the name of a shipped one")
+        ->required();
+    command->add_option("--device", check.device, std::string(kDeviceWords))->capture_default_str();
+    command->add_option("--calibration", check.calibration, kCalibrationWords);
+    command->add_option("--svg", check.svg, "Draw the objects into this file");
+}
+
+void add_new(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "new", "Write a protocol file to begin with: a shipped one with its comments");
+    auto options = std::make_shared<NewOptions>();
+    CLI::Option* file = command->add_option("FILE", options->file,
+                                            "The file to make; its name becomes the study's id");
+    command->add_option("--from", options->from, "The shipped protocol to begin with")
+        ->capture_default_str();
+    CLI::Option* keys =
+        command->add_flag("--keys", options->keys, "Print what a protocol file may say");
+    command->callback([options, file, keys, &chosen] {
+        if (keys->count() == 0 && file->count() == 0) {
+            throw CLI::RequiredError("FILE");
+        }
+        chosen = *options;
+    });
 }
 
 void add_procedure(CLI::App& app, Options& chosen) {
@@ -260,12 +310,15 @@ Options parse_command_line(int argc, const char* const* argv) {
 
     Options chosen = Exit{};
     add_demo(app, chosen);
+    add_new(app, chosen);
+    add_check(app, chosen);
     add_run(app, chosen);
     add_sequence(app, chosen);
     add_summary(app, chosen);
     add_participant(app, chosen);
     add_note(app, chosen);
     add_mark(app, chosen);
+    add_verify(app, chosen);
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
     add_emulator(app, chosen);

@@ -29,6 +29,7 @@ struct RunOptions {
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
     std::string operator_name;  ///< kept with the session; empty: not given
+    double spin = 0.0;          ///< see engine::ServoSpec::spin_share
     ScreenOptions screen{};
 };
 
@@ -46,6 +47,19 @@ struct SequenceOptions {
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
     bool csv = false;
+};
+
+struct CheckOptions {
+    std::string protocol;        ///< a file, or the name of a shipped protocol
+    std::string device = "sim";  ///< as RunOptions::device
+    std::string calibration;     ///< as RunOptions::calibration
+    std::string svg;             ///< where to draw the objects; empty: nowhere
+};
+
+struct NewOptions {
+    std::string file;                     ///< made; never one that is there
+    std::string from = "shape_friction";  ///< a shipped protocol
+    bool keys = false;                    ///< only print what a protocol may say
 };
 
 struct SummaryOptions {
@@ -74,8 +88,14 @@ struct MarkOptions {
     std::string reason;
 };
 
+struct VerifyOptions {
+    std::string database;
+    bool json = false;
+};
+
 struct ScreenshotOptions {
     std::string directory = ".";
+    std::string language = "en";  ///< en, tr
     std::string font;
 };
 
@@ -102,8 +122,8 @@ struct DoctorOptions {
 };
 
 struct EmulatorOptions {
-    std::string link;             ///< a symbolic link to the terminal; empty: none
-    std::string preset = "gen3";  ///< gen3, gen2, haplet
+    std::string link;                  ///< a symbolic link to the terminal; empty: none
+    std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
 };
 
 /// The offline tools: a scene and a table of points.
@@ -135,6 +155,7 @@ using Options = std::variant<Exit,
                              ParticipantOptions,
                              NoteOptions,
                              MarkOptions,
+                             VerifyOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
@@ -143,6 +164,8 @@ using Options = std::variant<Exit,
                              DoctorOptions,
                              EmulatorOptions,
                              SequenceOptions,
+                             CheckOptions,
+                             NewOptions,
                              ProcedureOptions>;
 
 /// Prints help, version or what is wrong, and then returns Exit (0, or 2 for wrong words).

@@ -42,6 +42,7 @@ SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& a
     SubjectScreenOptions options;
     options.window.fullscreen = spec.screen.fullscreen;
     options.window.font = spec.screen.font;
+    options.window.language = spec.study.protocol.language;
     options.start = spec.study.protocol.apparatus.start;
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
                       : spec.kind == data::RunKind::pilot     ? "PILOT"
@@ -139,12 +140,15 @@ void print_start(const RigSpec& spec,
 
 /// Before anything is made: what stands against this device and this protocol.
 /// @throws std::invalid_argument for what nobody should hold
-void heed(const std::vector<protocols::Finding>& findings) {
-    for (const protocols::Finding& finding : findings) {
+void heed(const OpenedApparatus& felt) {
+    for (const protocols::Finding& finding : felt.findings) {
         if (finding.verdict == protocols::Verdict::refuse) {
             throw std::invalid_argument(finding.text);
         }
         fmt::print(stderr, "palpate: {}\n", finding.text);
+    }
+    for (const std::string& line : felt.refused) {
+        fmt::print(stderr, "palpate: {}\n", line);
     }
 }
 
@@ -176,10 +180,10 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const protocols::Plan plan = plan_session(database, spec.study, spec.key, spec.seed);
     const OpenedApparatus felt = open_apparatus(spec);
-    heed(felt.findings);
+    heed(felt);
     const auto& apparatus = felt.port;
     const Observers observers = make_observers(spec, plan, *apparatus);
-    auto shaped_by = provenance();
+    auto shaped_by = provenance(protocol);
     shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());
 
     const data::OpenedSession opened =

@@ -5,6 +5,7 @@
 
 #include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/rig.hpp"
 #include "ui/cli/session_choice.hpp"
@@ -59,6 +60,7 @@ int run_command(const RunOptions& options) {
     spec.calibration = options.calibration;
     spec.screen = options.screen;
     spec.operator_name = options.operator_name;
+    spec.spin_share = options.spin;
     spec.kind = kind_of(options, spec.device);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
@@ -90,11 +92,7 @@ int run_command(const RunOptions& options) {
         case protocols::SessionEnd::Why::faulted:
             break;
     }
-    throw std::runtime_error(
-        fmt::format("the device failed in trial {}: the force is off, the trial is kept as "
-                    "faulted; check the device, then run "
-                    "the same command to go on there",
-                    end.session.next + 1));
+    throw std::runtime_error(given_up_text(end.session));
 }
 
 }  // namespace palpate::ui

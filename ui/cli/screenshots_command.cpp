@@ -15,7 +15,10 @@ int screenshots_command(const ScreenshotOptions& options) {
     const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
     std::filesystem::create_directories(options.directory);
     for (const std::string& file :
-         write_screenshots(options.directory, pictures, {.font = options.font})) {
+         write_screenshots(options.directory, pictures,
+                           {.font = options.font,
+                           .language = options.language == "tr" ? protocols::Language::tr
+                                                                : protocols::Language::en})) {
         fmt::print("{}\n", file);
     }
     return 0;

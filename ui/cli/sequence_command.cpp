@@ -1,22 +1,17 @@
-#include <map>
-#include <set>
 #include <string>
-#include <vector>
 
 #include <fmt/format.h>
 
-#include "protocols/design/acceptance.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/plan_text.hpp"
 #include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
 namespace {
 
-using protocols::Condition;
-using protocols::Phase;
 using protocols::Plan;
 using protocols::PlannedTrial;
 using protocols::PlanSummary;
@@ -87,85 +82,6 @@ void print_pictures(const Sequence& sequence) {
     fmt::print("\n");
 }
 
-std::string limit_text(std::size_t limit) {
-    return limit == 0 ? "no limit" : fmt::format("limit {}", limit);
-}
-
-/// How the limits were kept, and how few shuffles would.
-void print_limits(const Sequence& sequence, const PlanSummary& summary) {
-    const protocols::DesignSpec& design = sequence.study.protocol.design;
-    fmt::print("longest runs of main trials: object {} ({}), friction {} ({})\n",
-               summary.longest_object_run, limit_text(design.max_run_object),
-               summary.longest_friction_run, limit_text(design.max_run_friction));
-    if (design.order == protocols::OrderRule::first_order) {
-        fmt::print("order: first-order balanced, every condition follows every condition once\n");
-        return;
-    }
-    const auto trials = factorial(sequence.study.protocol, design.repetitions / design.blocks);
-    const protocols::RunLimits limits{design.max_run_object, design.max_run_friction};
-    const auto all = acceptance_of(trials, limits);
-    fmt::print(
-        "acceptance of whole shuffles: {:.3g} ({})\n", all.share,
-        all.exact ? std::string("exact") : fmt::format("estimate, +- {:.1g} %", 100.0 * all.error));
-    const auto object = acceptance_of_one(trials, &Condition::object, limits.object);
-    const auto friction = acceptance_of_one(trials, &Condition::friction, limits.friction);
-    if (object && friction) {
-        fmt::print("  of the limits alone, exact: object {:.3g}, friction {:.3g}\n", *object,
-                   *friction);
-    }
-    fmt::print("order: uniform over all within the limits; {}, {} proposed\n",
-               to_string(sequence.plan.way), sequence.plan.attempts);
-}
-
-void print_counts(const Protocol& protocol, const PlanSummary& summary) {
-    fmt::print("\ntrials of each condition\n{:<24}", "");
-    for (const auto& [part, counts] : summary.counts) {
-        fmt::print(" {:>9}", part.phase == Phase::practice || protocol.design.blocks == 1
-                                 ? std::string(to_string(part.phase))
-                                 : fmt::format("{} {}", to_string(part.phase), part.block + 1));
-    }
-    fmt::print("\n");
-    for (std::size_t object = 0; object < protocol.objects.size(); ++object) {
-        for (std::size_t friction = 0; friction < protocol.frictions.size(); ++friction) {
-            fmt::print("{:<24}", fmt::format("{} {}", protocol.objects[object].name,
-                                             protocol.frictions[friction].name));
-            for (const auto& [part, counts] : summary.counts) {
-                const auto found = counts.find({object, friction});
-                fmt::print(" {:>9}", found == counts.end() ? 0 : found->second);
-            }
-            fmt::print("\n");
-        }
-    }
-}
-
-template <class Spec>
-void print_steps(std::string_view factor,
-                 const std::vector<Spec>& levels,
-                 const std::map<std::size_t, std::map<std::size_t, std::size_t>>& steps) {
-    fmt::print("\nfrom one main trial to the next, {} (down: from, across: to)\n{:<14}", factor,
-               "");
-    std::set<std::size_t> seen;
-    for (const auto& [from, row] : steps) {
-        seen.insert(from);
-        for (const auto& [to, count] : row) {
-            seen.insert(to);
-        }
-    }
-    for (const std::size_t to : seen) {
-        fmt::print(" {:>11}", levels.at(to).name);
-    }
-    fmt::print("\n");
-    for (const std::size_t from : seen) {
-        fmt::print("{:<14}", levels.at(from).name);
-        for (const std::size_t to : seen) {
-            const auto row = steps.find(from);
-            fmt::print(" {:>11}",
-                       row != steps.end() && row->second.count(to) != 0 ? row->second.at(to) : 0);
-        }
-        fmt::print("\n");
-    }
-}
-
 void print_trials(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     fmt::print("\n");
@@ -185,15 +101,9 @@ void print_text(const Sequence& sequence) {
                sequence.plan.trials.size(), session_code(sequence.plan));
     fmt::print("plan {}\nprotocol {}\n", sequence.plan.hash, sequence.study.hash);
     print_pictures(sequence);
-    print_limits(sequence, summary);
-    fmt::print("breaks before trials:");
-    for (const std::size_t position : summary.breaks) {
-        fmt::print(" {}", position + 1);
-    }
-    fmt::print("{}\n", summary.breaks.empty() ? " none" : "");
-    print_counts(protocol, summary);
-    print_steps("object", protocol.objects, summary.object_steps);
-    print_steps("friction", protocol.frictions, summary.friction_steps);
+    fmt::print("{}", limits_text(protocol, sequence.plan, summary));
+    fmt::print("{}\n{}\n{}", breaks_text(summary), counts_text(protocol, summary),
+               steps_text(protocol, summary));
     print_trials(sequence);
 }
 

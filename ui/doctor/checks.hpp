@@ -11,6 +11,7 @@
 #include "engine/device/five_bar.hpp"
 #include "engine/geometry/vec.hpp"
 #include "engine/realtime/realtime_rights.hpp"
+#include "protocols/design/protocol.hpp"
 #include "ui/doctor/check.hpp"
 #include "ui/doctor/cyclictest.hpp"
 #include "ui/doctor/wake_up.hpp"
@@ -26,14 +27,21 @@ struct DeviceDemand {
     engine::Vec2 start{};  ///< where the handle starts, object frame, m
 };
 
+using LookAgain = std::function<void(const engine::Device&)>;
 using OpenDevice = std::function<std::unique_ptr<engine::Device>()>;
 
 /// Opens the device, writes zero force, reads it for 0.2 s, writes zero force again.
 /// @param word  as --device has it, for the text
 /// @param open  may throw: what it says becomes the remedy
+/// @param then  called with the device if it could be opened and read
 [[nodiscard]] Check check_device(const std::string& word,
                                  const OpenDevice& open,
-                                 const DeviceDemand& demand);
+                                 const DeviceDemand& demand,
+                                 const LookAgain& then = {});
+
+/// Can the device render this protocol (protocols::check_feasibility), and by what margin?
+[[nodiscard]] Check check_feasible(const protocols::Protocol& protocol,
+                                   const engine::Device& device);
 
 /// A linkage and where its handle works.
 struct Linkage {

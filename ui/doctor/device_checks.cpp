@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/clock.hpp"
+#include "protocols/running/feasibility.hpp"
 #include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {
@@ -96,7 +97,10 @@ Worst worst_of(const Linkage& linkage) {
 
 }  // namespace
 
-Check check_device(const std::string& word, const OpenDevice& open, const DeviceDemand& demand) {
+Check check_device(const std::string& word,
+                   const OpenDevice& open,
+                   const DeviceDemand& demand,
+                   const LookAgain& then) {
     Check check{.name = "device", .detail = word, .remedy = "", .numbers = {}, .picture = {}};
     std::unique_ptr<engine::Device> device;
     try {
@@ -142,6 +146,44 @@ Check check_device(const std::string& word, const OpenDevice& open, const Device
             "weaker than rendered; lower the protocol's force limit",
             demand.force_n, *weakest);
     }
+    if (then && readings.good > 0) {
+        then(*device);
+    }
+    return check;
+}
+
+Check check_feasible(const protocols::Protocol& protocol, const engine::Device& device) {
+    Check check{
+        .name = "passivity and force", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    const protocols::ApparatusSpec& asked = protocol.apparatus;
+    const protocols::Margins margins = protocols::margins_of(protocol, device);
+    if (!device.traits().gives_force) {
+        check.detail = "the device gives no force: nothing to check";
+        return check;
+    }
+    check.detail =
+        fmt::format("{:.6g} N/m at {:.6g} Hz needs {:.3g} N s/m, the device damps {}",
+                    asked.stiffness, asked.rate_hz, margins.needed_damping,
+                    margins.damping ? fmt::format("{:.3g} ({:.2f} times as much)", *margins.damping,
+                                                  *margins.damping / margins.needed_damping)
+                                    : std::string("by what nobody measured"));
+    check.numbers = {{"needed_damping_n_s_per_m", margins.needed_damping},
+                     {"force_limit_n", asked.force_limit}};
+    if (margins.damping) {
+        check.numbers.emplace_back("damping_n_s_per_m", *margins.damping);
+    }
+    if (margins.weakest_force) {
+        check.detail += fmt::format(
+            "; up to {:.3g} N are asked for, it gives {:.3g} N or more on "
+            "every object",
+            asked.force_limit, *margins.weakest_force);
+        check.numbers.emplace_back("weakest_force_n", *margins.weakest_force);
+    }
+    for (const protocols::Finding& finding : protocols::check_feasibility(protocol, device)) {
+        const bool refused = finding.verdict == protocols::Verdict::refuse;
+        check.status = std::max(check.status, refused ? CheckStatus::fail : CheckStatus::warn);
+        check.remedy += (check.remedy.empty() ? "" : "; ") + finding.text;
+    }
     return check;
 }
 
@@ -149,21 +191,25 @@ Check check_kinematics(std::span<const Linkage> linkages) {
     constexpr double kDistance = 1e-9;  // m: a thousandth of an encoder count at the handle
     constexpr double kJacobian = 1e-6;
     Check check{.name = "kinematics", .detail = "", .remedy = "", .numbers = {}, .picture = {}};
+    Worst all;
     for (const Linkage& linkage : linkages) {
         const Worst worst = worst_of(linkage);
-        check.detail += fmt::format(
-            "{}{}: {} places, round trip within {:.1e} m, Jacobian within "
-            "{:.1e} of differences",
-            check.detail.empty() ? "" : "; ", linkage.name, worst.places, worst.distance,
-            worst.jacobian);
+        check.detail += (check.detail.empty() ? "" : ", ") + linkage.name;
+        all.places += worst.places;
+        all.distance = std::max(all.distance, worst.distance);
+        all.jacobian = std::max(all.jacobian, worst.jacobian);
         check.numbers.emplace_back(linkage.name + "_places", worst.places);
         check.numbers.emplace_back(linkage.name + "_round_trip_m", worst.distance);
         check.numbers.emplace_back(linkage.name + "_jacobian_error", worst.jacobian);
         if (worst.places == 0 || !(worst.distance <= kDistance) || !(worst.jacobian <= kJacobian)) {
             check.status = CheckStatus::fail;
-            check.remedy = "check the link lengths and the origin in the calibration file";
+            check.remedy = "check the link lengths and the origin of " + linkage.name +
+                           " in the calibration file";
         }
     }
+    check.detail += fmt::format(
+        ": {} places, round trip within {:.1e} m, Jacobian within {:.1e} of differences",
+        all.places, all.distance, all.jacobian);
     return check;
 }
 

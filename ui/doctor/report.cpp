@@ -9,7 +9,7 @@
 namespace palpate::ui {
 namespace {
 
-constexpr std::size_t kNameWidth = 16;
+constexpr std::size_t kNameWidth = 20;
 /// Where detail, remedy and picture begin.
 constexpr std::size_t kIndent = 6 + kNameWidth + 1;
 constexpr std::size_t kWidth = 100;

@@ -20,11 +20,17 @@ std::vector<std::string> write_screenshots(const std::string& directory,
     };
     take("welcome", WelcomeFace{.trials = 114});
     take("ready", ReadyFace{.number = 27, .total = 114});
+    take("ready_hold", ReadyFace{.number = 27, .total = 114, .dead_man = true});
     take("explore", ExploreFace{.number = 27, .total = 114, .may_finish = true});
+    take("explore_hold",
+         ExploreFace{.number = 27, .total = 114, .may_finish = true, .dead_man = true});
     take("choose", ChooseFace{.pictures = pictures, .selected = std::size_t{1}});
     take("break", BreakFace{.seconds_left = 18, .next = 31, .total = 114});
     take("trouble",
          TroubleFace{.sentence = "the device stopped answering: check its cable and power"});
+    take("trouble_solved",
+         TroubleFace{.sentence = "the handle was faster than the limit: move more slowly",
+                     .solved = true});
     take("end", EndFace{});
     return files;
 }

@@ -92,7 +92,8 @@ struct Window::Parts {
     }
 };
 
-Window::Window(const WindowOptions& options) : parts_(std::make_unique<Parts>()) {
+Window::Window(const WindowOptions& options)
+    : parts_(std::make_unique<Parts>()), words_(&words_in(options.language)) {
     parts_->font_file = find_font(options.font);
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
@@ -238,9 +239,11 @@ void Window::save_png(const std::string& file) const {
 }
 
 bool display_available() {
-    const char* driver = std::getenv("SDL_VIDEODRIVER");
-    if (std::getenv("DISPLAY") == nullptr && std::getenv("WAYLAND_DISPLAY") == nullptr &&
-        driver == nullptr) {
+    const auto names = [](const char* variable) {
+        const char* value = std::getenv(variable);
+        return value != nullptr && *value != '\0';
+    };
+    if (!names("DISPLAY") && !names("WAYLAND_DISPLAY") && !names("SDL_VIDEODRIVER")) {
         return false;
     }
     const bool available = SDL_Init(SDL_INIT_VIDEO) == 0;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "engine/geometry/vec.hpp"
+#include "ui/subject/words.hpp"
 
 struct SDL_Window;
 
@@ -35,6 +36,7 @@ struct WindowOptions {
     int width = 1280;
     int height = 800;
     std::string font;  ///< TrueType file; empty: DejaVu Sans where Debian keeps it
+    protocols::Language language = protocols::Language::en;
 };
 
 /// The subject's window: a canvas with triangles and text. Anti-aliasing is the caller's: a corner of
@@ -48,6 +50,7 @@ public:
     ~Window();
 
     [[nodiscard]] engine::Vec2 size() const;  ///< pixels
+    [[nodiscard]] const Words& words() const noexcept { return *words_; }
     void clear(Colour colour);
     /// Corners in threes. Both windings are drawn.
     void triangles(std::span<const Corner> corners, Colour colour);
@@ -76,6 +79,7 @@ public:
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
+    const Words* words_;
 };
 
 /// `asked` if it is there; for an empty one DejaVu Sans where Linux systems keep it.

@@ -96,8 +96,10 @@ std::string ComediDevice::start() {
         }
         const DaqCard::Output& output = channels_[axis].output;
         const double most = std::fmin(output.most, -output.least);
-        spec.axes[axis].torque_limit = std::fmin(
-            spec.axes[axis].torque_limit, most / std::fabs(wiring_.volts_per_newton_metre[axis]));
+        Axis& motor = spec.axes[axis];
+        motor.torque_limit =
+            std::fmin(motor.torque_limit, most / std::fabs(wiring_.volts_per_newton_metre[axis]));
+        motor.torque_forever = std::fmin(motor.torque_forever, motor.torque_limit);
     }
     pantograph_ = Pantograph(spec);
     if (calibration_.home) {

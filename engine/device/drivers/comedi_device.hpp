@@ -20,7 +20,8 @@ namespace palpate::engine {
 ///
 /// The offset is such that the handle stands at the calibration's home when the card is opened, and again
 /// at each reconnect(); without a home it is 0: the counters' own values, as signed numbers, were
-/// calibrated. The torque limit of an axis is what both its motor and its output range can give.
+/// calibrated. The torque limit of an axis is what both its motor and its output range can give, and what
+/// it gives for ever is no more than that.
 ///
 /// Zero volts, which is the middle code of a range with both signs and never code 0, is the last thing
 /// written on every way out: fault, a force that is not a number, reconnect, destructor. When the

@@ -314,7 +314,7 @@ std::string HaplyDevice::explained(DeviceFault fault) const {
         case DeviceFault::lost:
             return board + " is gone: plug it in again and check its power";
         case DeviceFault::silent:
-            return board + " stopped to answer in time: check its power and cable";
+            return board + " stopped answering in time: check its power and cable";
         case DeviceFault::garbage:
             return board + " sent what cannot be: end other programs that use it, check the cable";
         case DeviceFault::unguarded:

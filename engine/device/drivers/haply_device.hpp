@@ -55,7 +55,9 @@ public:
     /// Otherwise the port is opened anew and the board set up again, which loses the position: then
     /// trouble() asks for the handle at home, and a later call takes the pose of a handle that rested.
     [[nodiscard]] bool reconnect() override;
-    [[nodiscard]] std::string trouble() const override { return trouble_; }
+    [[nodiscard]] std::string trouble() const override {
+        return trouble_.empty() ? explained(fault_) : trouble_;
+    }
 
     /// The handle may be elsewhere at the next read(): its first reading is asked for anew.
     void expect_move() noexcept { ask_anew_ = true; }

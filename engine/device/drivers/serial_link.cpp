@@ -44,6 +44,7 @@ std::string port_trouble(const std::string& path, int error) {
                    "` names it) and try again";
         case ENOTTY:
         case EINVAL:
+        case EISDIR:
             return path + " is not a serial port: give the board's, such as /dev/ttyACM0";
         default:
             return path + " cannot be used: " + std::strerror(error);

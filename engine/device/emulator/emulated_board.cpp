@@ -107,10 +107,7 @@ void live(Shared& shared,
     for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
         signal(number, SIG_IGN);  // a session that is interrupted still has to ramp its force out
     }
-    prctl(PR_SET_NAME, "haply-emulator");
-    prctl(PR_SET_TIMERSLACK, 1000UL);
-    const sched_param board_like{.sched_priority = kPriority};
-    sched_setscheduler(0, SCHED_FIFO, &board_like);  // where it is permitted
+    run_like_a_board();
     const std::unique_ptr<BoardHand> hand = make_hand();
     HaplyBoard board(*hand, machine.pantograph, *machine.haply);
     PtyBoard terminal(board, link);
@@ -124,6 +121,13 @@ void live(Shared& shared,
 }
 
 }  // namespace
+
+void run_like_a_board() noexcept {
+    prctl(PR_SET_NAME, "haply-emulator");
+    prctl(PR_SET_TIMERSLACK, 1000UL);
+    const sched_param board_like{.sched_priority = kPriority};
+    sched_setscheduler(0, SCHED_FIFO, &board_like);  // where it is permitted
+}
 
 EmulatedBoard::EmulatedBoard(const Calibration& machine,
                              const MakeHand& hand,

@@ -16,7 +16,8 @@ namespace palpate::engine {
 /// A plant whose handle a simulated hand holds.
 class BoardHand : public BoardPlant {
 public:
-    /// Puts the handle at the start and explores. Until the first one the handle rests at its start.
+    /// Puts the handle at the start and explores. Until the first one, and again after each set-up,
+    /// the handle rests at Exploration's own start.
     /// @throws std::invalid_argument if the start is out of reach
     virtual void begin(const Exploration& plan) = 0;
     [[nodiscard]] virtual bool hand_is_done() const noexcept = 0;
@@ -27,7 +28,10 @@ template <class Plant>
 class HandOf : public BoardHand {
 public:
     template <class... Arguments>
-    explicit HandOf(const Arguments&... arguments) : plant_(arguments...) {}
+    explicit HandOf(const Arguments&... arguments) : plant_(arguments...), at_rest_(plant_) {
+        at_rest_.begin({.tremor = 0.0});  // exactly at its start
+        plant_ = at_rest_;
+    }
 
     void begin(const Exploration& plan) override {
         plant_.begin(plan);
@@ -43,11 +47,21 @@ public:
     }
     [[nodiscard]] JointAngles angles() const noexcept override { return plant_.angles(); }
     [[nodiscard]] bool hand_is_done() const noexcept override { return plant_.hand_is_done(); }
+    /// Whoever plugs a board in again puts the handle back first.
+    void before_set_up() noexcept override {
+        plant_ = at_rest_;
+        begun_ = false;
+    }
 
 private:
     Plant plant_;
+    Plant at_rest_;
     bool begun_ = false;
 };
+
+/// Names this process and, where that is permitted, lets it run before others: a real board is never kept
+/// waiting by what else its host does.
+void run_like_a_board() noexcept;
 
 using MakeHand = std::function<std::unique_ptr<BoardHand>()>;
 

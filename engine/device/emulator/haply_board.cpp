@@ -78,6 +78,7 @@ void HaplyBoard::reset() {
 
 void HaplyBoard::set_up() {
     ++log_.setups;
+    plant_->before_set_up();
     const std::uint8_t id = take();
     const std::uint8_t motor_mask = take();
     std::size_t slot = 0;

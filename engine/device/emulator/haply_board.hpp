@@ -23,6 +23,8 @@ public:
     virtual void set_torque(const Vec2& newton_metres) noexcept = 0;
     virtual void advance(double seconds) noexcept = 0;
     [[nodiscard]] virtual JointAngles angles() const noexcept = 0;
+    /// A set-up is about to take the present pose for its offset.
+    virtual void before_set_up() noexcept {}
 };
 
 /// What can go wrong between a board and its host.

@@ -1,6 +1,7 @@
 #include "engine/device/emulator/pty_board.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <ctime>
 #include <stdexcept>
@@ -31,6 +32,13 @@ bool readable(int fd, std::int64_t wait_ns) noexcept {
     pollfd one{.fd = fd, .events = POLLIN, .revents = 0};
     const timespec wait{.tv_sec = wait_ns / 1'000'000'000, .tv_nsec = wait_ns % 1'000'000'000};
     return ppoll(&one, 1, &wait, nullptr) > 0 && (one.revents & POLLIN) != 0;
+}
+
+/// What a symbolic link says; empty for what is none.
+std::string target_of(const std::string& link) {
+    std::array<char, 256> target{};
+    const ssize_t size = readlink(link.c_str(), target.data(), target.size());
+    return size > 0 ? std::string(target.data(), static_cast<std::size_t>(size)) : std::string();
 }
 
 bool take(int fd, HaplyBoard& board) {
@@ -68,9 +76,17 @@ void PtyBoard::open() {
     cfmakeraw(&raw);
     tcsetattr(slave_, TCSANOW, &raw);
     if (!link_.empty()) {
-        unlink(link_.c_str());
+        if (!target_of(link_).empty()) {  // left by an emulator that was killed; a file stays
+            unlink(link_.c_str());
+        }
         if (symlink(terminal_.c_str(), link_.c_str()) != 0) {
+            const bool taken = errno == EEXIST;
             close();
+            if (taken) {
+                throw std::runtime_error(link_ +
+                                         " is there already and is no link: give a name "
+                                         "that is free");
+            }
             throw std::runtime_error("the link " + link_ +
                                      " cannot be made: name a file in a folder that you may write");
         }
@@ -78,7 +94,7 @@ void PtyBoard::open() {
 }
 
 void PtyBoard::close() noexcept {
-    if (!link_.empty() && master_ >= 0) {
+    if (!link_.empty() && master_ >= 0 && target_of(link_) == terminal_) {  // not another's
         unlink(link_.c_str());
     }
     for (int* fd : {&slave_, &master_}) {

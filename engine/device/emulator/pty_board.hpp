@@ -12,7 +12,8 @@ namespace palpate::engine {
 class PtyBoard {
 public:
     /// @param board  outlives this
-    /// @param link   a symbolic link to the terminal, made anew at every plug(true); empty: none
+    /// @param link   a symbolic link to the terminal, made anew at every plug(true) in place of an
+    ///               older link, never of a file; empty: none
     /// @throws std::runtime_error if the system gives no terminal or the link cannot be made
     PtyBoard(HaplyBoard& board, std::string link);
     PtyBoard(const PtyBoard&) = delete;

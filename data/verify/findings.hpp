@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "data/verify/finding.hpp"
+#include "data/verify/stored_row.hpp"
+
+namespace palpate::data {
+
+/// Takes down what is found, for the trial that is being looked at.
+class Findings {
+public:
+    explicit Findings(std::vector<Finding>& all) : all_(all) {}
+
+    void look_at(std::optional<std::int64_t> trial) { trial_ = trial; }
+    void differs(std::string_view what, std::string stored, std::string recomputed);
+    void missing(std::string_view what, std::string why);
+    /// table.column of `row` must be `recomputed`.
+    void expect(std::string_view table,
+                std::string_view column,
+                const StoredRow& row,
+                const Value& recomputed);
+    void add(Finding finding);
+    [[nodiscard]] std::size_t size() const noexcept { return all_.size(); }
+
+private:
+    std::vector<Finding>& all_;
+    std::optional<std::int64_t> trial_;
+};
+
+}  // namespace palpate::data

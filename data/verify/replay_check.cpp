@@ -1,0 +1,144 @@
+#include "data/verify/replay_check.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+
+constexpr unsigned kSceneFlags = engine::tick_skipped | engine::tick_held;
+
+template <class T>
+bool equal_bits(const T& a, const T& b) noexcept {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+std::string text_of(const engine::Vec2& v) {
+    return fmt::format("({}, {})", v.x, v.y);
+}
+std::string text_of(double value) {
+    return fmt::format("{}", value);
+}
+
+/// Columns that follow from HIP, by what they are called in the trace.
+struct Column {
+    const char* name;
+    bool (*same)(const TickRecord& stored, const TickRecord& again) noexcept;
+    std::string (*text)(const TickRecord& tick);
+};
+
+template <auto Field>
+bool same_field(const TickRecord& stored, const TickRecord& again) noexcept {
+    return equal_bits(stored.*Field, again.*Field);
+}
+template <auto Field>
+std::string field_text(const TickRecord& tick) {
+    return text_of(tick.*Field);
+}
+template <auto Field>
+constexpr Column column(const char* name) {
+    return {name, same_field<Field>, field_text<Field>};
+}
+
+constexpr std::array kColumns{
+    column<&TickRecord::force>("trace.force"),
+    column<&TickRecord::go>("trace.go"),
+    column<&TickRecord::cp>("trace.cp"),
+    column<&TickRecord::mu>("trace.mu"),
+    column<&TickRecord::normal_force>("trace.fn_n"),
+    column<&TickRecord::tangential_force>("trace.ft_n"),
+    column<&TickRecord::parameter>("trace.parameter"),
+    Column{"trace.feature", same_field<&TickRecord::feature>,
+           [](const TickRecord& tick) {
+               return fmt::format("{}", tick.feature);
+           }},
+    Column{"trace.mode", same_field<&TickRecord::mode>,
+           [](const TickRecord& tick) {
+               return fmt::format("{}", static_cast<unsigned>(tick.mode));
+           }},
+    Column{"trace.flags",
+           [](const TickRecord& stored, const TickRecord& again) noexcept {
+               return (stored.flags & kSceneFlags) == (again.flags & kSceneFlags);
+           },
+           [](const TickRecord& tick) {
+               return fmt::format("{}", tick.flags & kSceneFlags);
+           }},
+};
+
+TickRecord record_of(const engine::Contact& contact) noexcept {
+    TickRecord tick;
+    tick.force = contact.force;
+    tick.go = contact.go;
+    tick.cp = contact.cp.point;
+    tick.mu = contact.mu;
+    tick.normal_force = contact.normal_force;
+    tick.tangential_force = contact.tangential_force;
+    tick.parameter = contact.place.parameter;
+    const auto index = static_cast<std::int16_t>(contact.place.index);
+    tick.feature = contact.place.on_joint ? static_cast<std::int16_t>(-1 - index) : index;
+    tick.mode = contact.mode;
+    const auto flag = [](bool set, engine::TickFlag bit) {
+        return set ? static_cast<unsigned>(bit) : 0U;
+    };
+    tick.flags = static_cast<std::uint8_t>(flag(contact.skipped, engine::tick_skipped) |
+                                           flag(contact.held, engine::tick_held));
+    return tick;
+}
+
+}  // namespace
+
+void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings& findings) {
+    std::array<Finding, kColumns.size()> found;
+    for (Finding& finding : found) {
+        finding.count = 0;
+    }
+    engine::ContactState state;
+    for (const TickRecord& tick : trace.ticks) {
+        const TickRecord again = record_of(scene.tick(state, tick.hip));
+        for (std::size_t i = 0; i < kColumns.size(); ++i) {
+            if (kColumns[i].same(tick, again) || found[i].count++ > 0) {
+                continue;
+            }
+            found[i].tick = tick.tick;
+            found[i].what = kColumns[i].name;
+            found[i].stored = kColumns[i].text(tick);
+            found[i].recomputed = kColumns[i].text(again);
+        }
+    }
+    for (Finding& finding : found) {
+        if (finding.count > 0) {
+            findings.add(std::move(finding));
+        }
+    }
+}
+
+bool on_virtual_clock(const StoredTrace& trace) noexcept {
+    return std::all_of(trace.ticks.begin(), trace.ticks.end(),
+                       [](const TickRecord& tick) { return tick.lateness_us == 0.0F; });
+}
+
+void check_times(const StoredTrace& trace, std::int64_t period_ns, Findings& findings) {
+    const bool is_virtual = on_virtual_clock(trace);
+    std::int64_t before = 0;
+    for (const TickRecord& tick : trace.ticks) {
+        const std::int64_t due = tick.tick * period_ns;
+        if (is_virtual ? tick.time_ns != due : tick.time_ns < before) {
+            findings.add({.kind = FindingKind::differs,
+                          .trial = {},
+                          .tick = tick.tick,
+                          .what = "trace.time_ns",
+                          .stored = fmt::format("{}", tick.time_ns),
+                          .recomputed = is_virtual ? fmt::format("{}", due)
+                                                   : fmt::format("at least {}", before)});
+            return;
+        }
+        before = tick.time_ns;
+    }
+}
+
+}  // namespace palpate::data

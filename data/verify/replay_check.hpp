@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/rendering/scene.hpp"
+#include "data/verify/stored_trace.hpp"
+
+namespace palpate::data {
+
+/// Runs the trial's recorded HIP through `scene` again and compares, to the bit: force, normal and
+/// tangential force, GO, CP, mu, parameter, feature, mode, and the flags skipped and held. One finding a
+/// column, with its first tick and how many differ.
+void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings& findings);
+
+/// What is stored of a virtual clock's ticks: none is late, time goes in whole periods. A real clock's
+/// ticks: time never goes back.
+/// @param period_ns  T, ns
+void check_times(const StoredTrace& trace, std::int64_t period_ns, Findings& findings);
+
+/// No tick was ever late by anything: the trial ran on a virtual clock.
+[[nodiscard]] bool on_virtual_clock(const StoredTrace& trace) noexcept;
+
+}  // namespace palpate::data

@@ -1,0 +1,181 @@
+#include "data/verify/session_check.hpp"
+
+#include <charconv>
+#include <exception>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "protocols/design/sha256.hpp"
+#include "protocols/format/calibration_file.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/running/object_hash.hpp"
+#include "data/verify/plan_check.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr const char* kCalibration = "calibration";
+constexpr const char* kCalibrationHash = "calibration sha256";
+
+using Provenance = std::map<std::string, std::string>;
+
+/// @return false if the text is no protocol: nothing can be checked against it
+bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& findings) {
+    const std::string text = session.text("protocol_toml");
+    findings.expect("study", "protocol_sha256", session, protocols::sha256_hex(text));
+    try {
+        frame.protocol = protocols::parse_protocol(text, "study.protocol_toml");
+    } catch (const protocols::ProtocolError& e) {
+        findings.differs("study.protocol_toml", e.what(), "a protocol");
+        return false;
+    }
+    findings.expect("study", "name", session, frame.protocol.id);
+    findings.expect("study", "title", session, frame.protocol.title);
+    findings.expect("session", "rate_hz", session, frame.protocol.apparatus.rate_hz);
+    findings.expect("session", "stiffness_n_per_m", session, frame.protocol.apparatus.stiffness);
+    return true;
+}
+
+/// @return false if it is no number of 64 bits
+bool read_key(const StoredRow& session, SessionFrame& frame, Findings& findings) {
+    frame.protocol_hash = session.text("protocol_sha256");
+    frame.key = {session.text("code"), static_cast<std::size_t>(session.integer("number"))};
+    frame.simulated = session.text("kind") == "simulated";
+    const std::string seed = session.text("seed");
+    const auto read = std::from_chars(seed.data(), seed.data() + seed.size(), frame.seed);
+    const bool good = read.ec == std::errc() && std::to_string(frame.seed) == seed;
+    if (!good) {
+        findings.differs("session.seed", seed, "a number of at most 64 bits");
+    }
+    return good;
+}
+
+void check_objects(const SessionFrame& frame, const Provenance& provenance, Findings& findings) {
+    if (frame.old) {
+        findings.missing("session_provenance", "an older palpate did not store object hashes");
+        return;
+    }
+    for (const auto& [key, hash] : protocols::object_hashes(frame.protocol)) {
+        const auto stored = provenance.find(key);
+        if (stored == provenance.end() || stored->second != hash) {
+            findings.differs("session_provenance: " + key,
+                             stored == provenance.end() ? "nothing" : stored->second, hash);
+        }
+    }
+}
+
+/// The hash belongs to the text, and the text is the canonical one of a machine.
+void check_calibration(const Provenance& provenance, Findings& findings) {
+    const auto text = provenance.find(kCalibration);
+    const auto hash = provenance.find(kCalibrationHash);
+    if (text == provenance.end() && hash == provenance.end()) {
+        return;  // a device without one
+    }
+    if (text == provenance.end() || hash == provenance.end()) {
+        findings.differs(
+            "session_provenance: calibration",
+            text == provenance.end() ? "a hash without a text" : "a text without a hash", "both");
+        return;
+    }
+    if (protocols::sha256_hex(text->second) != hash->second) {
+        findings.differs(fmt::format("session_provenance: {}", kCalibrationHash), hash->second,
+                         protocols::sha256_hex(text->second));
+    }
+    try {
+        const auto machines = protocols::parse_calibrations(text->second, "calibration");
+        const auto name = provenance.find("calibration name");
+        if (name != provenance.end() && machines.size() == 1 &&
+            name->second != machines.front().pantograph.name) {
+            findings.differs("session_provenance: calibration name", name->second,
+                             machines.front().pantograph.name);
+        }
+    } catch (const protocols::ProtocolError& e) {
+        findings.differs("session_provenance: calibration", e.what(), "a calibration");
+    }
+}
+
+void check_provenance(Database& database,
+                      std::int64_t session,
+                      SessionFrame& frame,
+                      Findings& findings) {
+    Provenance provenance;
+    for (const StoredRow& row : rows_of(
+             database, "SELECT key, value FROM session_provenance WHERE session = ?1", session)) {
+        provenance[row.text("key")] = row.text("value");
+    }
+    frame.old = !provenance.contains("build id");
+    check_objects(frame, provenance, findings);
+    check_calibration(provenance, findings);
+    // What a resumed session went on with.
+    bool changed = false;
+    for (const StoredRow& row :
+         rows_of(database,
+                 "SELECT text FROM event WHERE session = ?1 AND kind = 'provenance' ORDER BY id",
+                 session)) {
+        const std::string text = row.text("text");
+        if (const std::size_t colon = text.find(": "); colon != std::string::npos) {
+            provenance[text.substr(0, colon)] = text.substr(colon + 2);
+            changed = true;
+        }
+    }
+    if (changed) {
+        check_calibration(provenance, findings);
+    }
+}
+
+void check_end(const StoredRow& session, const TrialCheck& trials, Findings& findings) {
+    const bool finished = session.integer("finished") != 0;
+    if (finished == session.null("finished_utc")) {
+        findings.differs("session.finished", finished ? "1" : "0",
+                         finished ? "0: finished_utc is NULL" : "1: finished_utc is there");
+    }
+    if (finished && !trials.pending().empty()) {
+        findings.differs(
+            "session.finished", "1",
+            fmt::format("0: {} trials are not answered", trials.pending().order().size()));
+    }
+}
+
+void check_all(Database& database,
+               const StoredRow& session,
+               SessionReport& report,
+               Findings& findings) {
+    const std::int64_t id = session.integer("id");
+    SessionFrame frame;
+    if (!check_protocol(session, frame, findings) || !read_key(session, frame, findings)) {
+        return;
+    }
+    check_provenance(database, id, frame, findings);
+    if (!check_plan(database, session, frame, findings)) {
+        return;
+    }
+    TrialCheck trials(database, frame, findings);
+    for (const StoredRow& trial :
+         rows_of(database, "SELECT * FROM trial WHERE session = ?1 ORDER BY id", id)) {
+        ++report.trials;
+        trials.check(trial);
+        report.replayed = trials.replayed();
+    }
+    check_end(session, trials, findings);
+}
+
+}  // namespace
+
+SessionReport check_session(Database& database, const StoredRow& session) {
+    SessionReport report{.id = session.integer("id"),
+                         .study = session.text("name"),
+                         .participant = session.text("code"),
+                         .number = session.integer("number"),
+                         .kind = session.text("kind"),
+                         .finished = session.integer("finished") != 0};
+    Findings findings(report.findings);
+    try {
+        check_all(database, session, report, findings);
+    } catch (const std::exception& e) {  // a damaged file: what could be read is in the report
+        findings.differs("session", e.what(), "nothing more of this session can be read");
+    }
+    return report;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "protocols/design/plan.hpp"
+#include "protocols/design/protocol.hpp"
+#include "protocols/running/pending_trials.hpp"
+#include "data/verify/stored_trace.hpp"
+
+namespace palpate::data {
+
+/// What the trials of a session are checked against.
+struct SessionFrame {
+    protocols::Protocol protocol;
+    std::string protocol_hash;
+    protocols::SessionKey key;
+    std::uint64_t seed = 0;
+    protocols::Plan plan;  ///< as drawn again; as stored for sessions of an older palpate
+    std::vector<std::string> pictures;  ///< as stored, from the left
+    bool simulated = false;
+    bool old = false;  ///< an older palpate wrote the session: it did not store everything
+};
+
+/// Checks the attempts of one session in the order in which they were made.
+class TrialCheck {
+public:
+    TrialCheck(Database& database, const SessionFrame& frame, Findings& findings);
+
+    void check(const StoredRow& trial);
+    [[nodiscard]] std::int64_t replayed() const noexcept { return replayed_; }
+    [[nodiscard]] const protocols::PendingTrials& pending() const noexcept { return pending_; }
+
+private:
+    void check_attempt(const StoredRow& trial, bool answered);
+    void check_outcome(const StoredRow& trial, const StoredTrace& trace, bool answered);
+    void check_response(const StoredRow& response, const protocols::PlannedTrial& planned);
+    void replay(const StoredRow& trial,
+                const StoredTrace& trace,
+                const protocols::PlannedTrial& planned);
+
+    Database& database_;
+    const SessionFrame& frame_;
+    Findings& findings_;
+    protocols::PendingTrials pending_;
+    std::map<std::size_t, std::int64_t> attempts_;  ///< so far, by position
+    std::int64_t period_ns_;
+    std::int64_t replayed_ = 0;
+};
+
+}  // namespace palpate::data

@@ -1,0 +1,80 @@
+#include "data/verify/verify.hpp"
+
+#include <algorithm>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "data/trace/codec.hpp"
+#include "data/trace/columns.hpp"
+#include "data/verify/findings.hpp"
+#include "data/verify/session_check.hpp"
+
+namespace palpate::data {
+namespace {
+
+void ask_sqlite(Database& database, Findings& findings) {
+    for (const StoredRow& row : rows_of(database, "PRAGMA integrity_check")) {
+        if (row.text("integrity_check") != "ok") {
+            findings.differs("integrity_check", row.text("integrity_check"), "ok");
+        }
+    }
+    for (const StoredRow& row : rows_of(database, "PRAGMA foreign_key_check")) {
+        findings.differs("foreign_key_check",
+                         fmt::format("{} row {}", row.text("table"), row.integer("rowid")),
+                         fmt::format("its row in {} is not there", row.text("parent")));
+    }
+}
+
+void check_columns(Database& database, Findings& findings) {
+    const auto rows =
+        rows_of(database, "SELECT * FROM trace_column WHERE codec = 1 ORDER BY position");
+    const auto columns = trace_columns();
+    const auto all =
+        rows_of(database, "SELECT count(*) AS n FROM trace_column").front().integer("n");
+    if (rows.size() != columns.size() || all != static_cast<std::int64_t>(rows.size())) {
+        findings.differs("trace_column", fmt::format("{} rows", all),
+                         fmt::format("{} rows", columns.size()));
+    }
+    for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
+        findings.expect("trace_column", "position", rows[i], static_cast<std::int64_t>(i));
+        findings.expect("trace_column", "name", rows[i], std::string(columns[i].name));
+        findings.expect("trace_column", "type", rows[i], std::string(columns[i].type));
+        findings.expect("trace_column", "unit", rows[i], std::string(columns[i].unit));
+    }
+}
+
+/// What a damaged file does not let happen is a finding too.
+template <class Check>
+void try_to(Findings& findings, const char* what, const Check& check) {
+    try {
+        check();
+    } catch (const std::exception& e) {
+        findings.differs(what, e.what(), "a file that can be read");
+    }
+}
+
+constexpr const char* kSessions =
+    "SELECT session.*, name, title, protocol_sha256, protocol_toml, code FROM session"
+    " LEFT JOIN study ON study.id = study LEFT JOIN participant ON participant.id = participant"
+    " ORDER BY session.id";
+
+}  // namespace
+
+Verification verify(Database& database) {
+    const Snapshot now(database);
+    Verification found;
+    Findings findings(found.file);
+    try_to(findings, "integrity_check", [&] { ask_sqlite(database, findings); });
+    try_to(findings, "session", [&] {
+        for (const StoredRow& session : rows_of(database, kSessions)) {
+            found.sessions.push_back(check_session(database, session));
+        }
+    });
+    if (!found.sessions.empty()) {
+        try_to(findings, "trace_column", [&] { check_columns(database, findings); });
+    }
+    return found;
+}
+
+}  // namespace palpate::data

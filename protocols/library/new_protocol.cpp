@@ -1,0 +1,74 @@
+#include "protocols/library/new_protocol.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace palpate::protocols {
+namespace {
+
+/// Replaces the quoted value of the first line that begins with `key = "`, which has no escapes.
+void replace(std::string& text, std::string_view key, std::string_view value) {
+    const std::string begin = fmt::format("\n{} = \"", key);
+    const std::size_t found = text.find(begin);
+    const std::size_t from = found + begin.size();
+    const std::size_t to = found == std::string::npos ? found : text.find('"', from);
+    if (to == std::string::npos) {
+        throw std::logic_error(fmt::format("a shipped protocol has no line {} = \"...\"", key));
+    }
+    text.replace(from, to - from, value);
+}
+
+}  // namespace
+
+std::string id_of(std::string_view name) {
+    constexpr std::size_t kLongest = 64;
+    std::string id;
+    for (const char c : name) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9');
+        if (plain) {
+            id += c;
+        } else if (c >= 'A' && c <= 'Z') {
+            id += static_cast<char>(c - 'A' + 'a');
+        } else if (!id.empty() && id.back() != '_') {
+            id += '_';
+        }
+    }
+    id.resize(std::min(id.size(), kLongest));
+    while (!id.empty() && id.back() == '_') {
+        id.pop_back();
+    }
+    return id.empty() ? "study" : id;
+}
+
+const ShippedProtocol& shipped_protocol(std::string_view name) {
+    std::string known;
+    for (const ShippedProtocol& shipped : shipped_protocols()) {
+        if (shipped.name == name) {
+            return shipped;
+        }
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", shipped.name);
+    }
+    throw std::invalid_argument(
+        fmt::format("no protocol \"{}\" ships with palpate: give one of {}", name, known));
+}
+
+std::string new_protocol(const ShippedProtocol& from, const std::string& id) {
+    std::string title = id;
+    std::replace(title.begin(), title.end(), '_', ' ');
+    if (title.front() >= 'a' && title.front() <= 'z') {
+        title.front() = static_cast<char>(title.front() - 'a' + 'A');
+    }
+    std::string text = fmt::format(
+                           "# Made from {} by palpate new: change what you like, then see palpate "
+                           "check. What else a\n"
+                           "# protocol may say: palpate new --keys.\n#\n",
+                           from.name) +
+                       std::string(from.text);
+    replace(text, "id", id);
+    replace(text, "title", title);
+    return text;
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,269 @@
+#include <algorithm>
+#include <functional>
+
+#include "protocols/running/servo_apparatus.hpp"
+#include "data/store/reader.hpp"
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/faulty.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using data::Access;
+using data::Database;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Explores for a second; in its first trial it does something at 0.4 s.
+class Acting : public tests::Patient {
+public:
+    explicit Acting(std::function<void()> act) : act_(std::move(act)) {}
+
+    Signal ready(const TrialView& trial) override {
+        before_trial();
+        return Patient::ready(trial);
+    }
+    Exploring explore(const TrialView& trial, double elapsed_s) override {
+        static_cast<void>(trial);
+        if (elapsed_s >= 0.4 && act_) {
+            std::exchange(act_, nullptr)();
+        }
+        return {.signal = elapsed_s >= 1.0 ? Signal::done : Signal::go_on, .at_s = elapsed_s};
+    }
+
+    std::function<void()> before_trial = [] {
+    };
+
+private:
+    std::function<void()> act_;
+};
+
+Protocol held_protocol() {
+    Protocol protocol = tests::small_protocol();
+    protocol.timing.explore_min = 0.0;
+    protocol.safety.dead_man = true;
+    return protocol;
+}
+
+/// A session on the simulated pantograph, through the safety chain, into a file.
+struct Run {
+    explicit Run(const Protocol& protocol)
+        : spec(tests::session_spec(protocol)),
+          database(folder.file("a.sqlite"), Access::write),
+          apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed}) {}
+
+    SessionEnd with(Observer& observer) {
+        const data::OpenedSession opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        return run_session(spec.protocol, spec.plan, {}, opened.pending,
+                           {.apparatus = apparatus,
+                            .observer = observer,
+                            .recorder = recorder,
+                            .pause = [](double) {
+                            }});
+    }
+    std::string lines(const std::string& sql) {
+        auto row = database.prepare(sql);
+        std::string text;
+        while (row.step()) {
+            for (int i = 0; i < row.columns(); ++i) {
+                text += row.text(i) + ' ';
+            }
+            text += '\n';
+        }
+        return text;
+    }
+
+    TemporaryFolder folder;
+    data::SessionSpec spec;
+    Database database;
+    SimulatedApparatus apparatus;
+};
+
+/// Attempts in order, with outcome and cause.
+constexpr const char* kAttempts =
+    "SELECT trial.position, outcome, coalesce(cause, '-') FROM trial LEFT JOIN fault ON fault.trial"
+    " = trial.id ORDER BY trial.id";
+
+/// The first trial faulted by `cause`, the others went well, and then the first one came again.
+std::string one_fault(std::size_t trials, const std::string& cause) {
+    std::string text = "0 faulted " + cause + " \n";
+    for (std::size_t i = 1; i < trials; ++i) {
+        text += std::to_string(i) + " complete - \n";
+    }
+    return text + "0 complete - \n";
+}
+
+/// What the database keeps of a trial that faulted: its trace and its last ticks end with the trip.
+void check_last_ticks(Run& run) {
+    auto row = run.database.prepare("SELECT trial FROM fault ORDER BY trial");
+    std::size_t faults = 0;
+    while (row.step()) {
+        ++faults;
+        const std::int64_t trial = row.integer(0);
+        const auto trace = data::read_trace(run.database, trial);
+        REQUIRE_FALSE(trace.empty());
+        const std::size_t last = std::min<std::size_t>(trace.size(), 100);
+        CHECK((trace.back().flags & engine::tick_fault) != 0);
+        CHECK(trace.back().command == engine::Vec2{});
+        CHECK(std::none_of(trace.begin(), trace.end() - 1, [](const engine::TickRecord& tick) {
+            return (tick.flags & engine::tick_fault) != 0;
+        }));
+        auto kept = run.database.prepare(
+            "SELECT tick, hip_x_m, fy_n, flags FROM fault_tick WHERE trial = ?1 ORDER BY tick");
+        kept.bind(1, trial);
+        for (std::size_t i = trace.size() - last; i < trace.size(); ++i) {
+            REQUIRE(kept.step());
+            CHECK(kept.integer(0) == trace[i].tick);
+            CHECK(kept.real(1) == trace[i].hip.x);
+            CHECK(kept.real(2) == trace[i].force.y);
+            CHECK(kept.integer(3) == trace[i].flags);
+        }
+        CHECK_FALSE(kept.step());
+    }
+    CHECK(faults > 0);
+}
+
+}  // namespace
+
+TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and answered at the end",
+          "[session][fault][law]") {
+    Run run(held_protocol());
+    Acting observer([&] { run.apparatus.stop(); });
+    CHECK(run.with(observer).why == SessionEnd::Why::finished);
+    CHECK(run.lines(kAttempts) == one_fault(run.spec.plan.trials.size(), "stopped"));
+    check_last_ticks(run);
+    // In the slice after the key, and the force was on before.
+    CHECK(run.lines("SELECT count(*), max(tick) FROM fault_tick") == "100 400 \n");
+    CHECK(run.lines("SELECT count(*) FROM response") ==
+          std::to_string(run.spec.plan.trials.size()) + " \n");
+    CHECK(run.lines("SELECT kind, text FROM event WHERE kind <> 'start' ORDER BY rowid") ==
+          "fault position 0: stopped: the experimenter stopped the force \n"
+          "reconnect the device works, after 0 tries in vain \n"
+          "go on after stopped \n");
+}
+
+TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is held again",
+          "[session][fault][law]") {
+    Run run(held_protocol());
+    Acting observer([&] { run.apparatus.hold(false); });
+    observer.before_trial = [&] {
+        run.apparatus.hold(true);
+    };
+    CHECK(run.with(observer).why == SessionEnd::Why::finished);
+    CHECK(run.lines(kAttempts) == one_fault(run.spec.plan.trials.size(), "let_go"));
+    check_last_ticks(run);
+    CHECK(run.lines("SELECT count(*), max(tick) FROM fault_tick") == "100 400 \n");
+}
+
+TEST_CASE("whoever does not hold the key again gets no force at all, trial after trial",
+          "[session][fault]") {
+    Run run(held_protocol());
+    class Headless : public Acting {
+    public:
+        using Acting::Acting;
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            return Observer::trouble(view);
+        }
+    } observer([&] { run.apparatus.hold(false); });
+    const SessionEnd end = run.with(observer);
+    CHECK(end.why == SessionEnd::Why::faulted);
+    CHECK(end.in_a_row == 3);
+    CHECK(end.fault == "the participant let go");
+    CHECK(run.lines("SELECT cause, ticks_kept FROM fault ORDER BY trial") ==
+          "let_go 100 \nlet_go 1 \nlet_go 1 \n");
+}
+
+TEST_CASE("without a dead-man key nobody has to hold anything", "[session][fault]") {
+    Protocol protocol = held_protocol();
+    protocol.safety.dead_man = false;
+    Run run(protocol);
+    Acting observer([&] { run.apparatus.hold(false); });
+    CHECK(run.with(observer).why == SessionEnd::Why::finished);
+    CHECK(run.lines("SELECT count(*) FROM fault") == "0 \n");
+}
+
+TEST_CASE("a hand above the protocol's speed trips as over_speed, one below it never",
+          "[session][fault][law]") {
+    Protocol protocol = held_protocol();
+    for (const double speed : {0.03, 1.0}) {  // the simulated hands go at 65 to 95 mm/s
+        CAPTURE(speed);
+        protocol.safety.speed_limit = speed;
+        Run run(protocol);
+        class Headless : public Acting {
+        public:
+            using Acting::Acting;
+            std::optional<Signal> trouble(const TroubleView& view) override {
+                return Observer::trouble(view);
+            }
+        } observer(std::function<void()>{});
+        const SessionEnd end = run.with(observer);
+        if (speed > 0.5) {
+            CHECK(end.why == SessionEnd::Why::finished);
+            CHECK(run.lines("SELECT count(*) FROM fault") == "0 \n");
+            continue;
+        }
+        CHECK(end.why == SessionEnd::Why::faulted);
+        CHECK(end.in_a_row == 3);
+        CHECK(run.lines(kAttempts) ==
+              "0 faulted over_speed \n1 faulted over_speed \n2 faulted over_speed \n");
+        check_last_ticks(run);
+        CHECK(run.lines("SELECT count(*) FROM event WHERE kind = 'gave up'") == "1 \n");
+    }
+}
+
+TEST_CASE("a virtual clock records no timing, and two sessions on it have the same events",
+          "[session][fault][law]") {
+    const auto events = [] {
+        Run run(held_protocol());
+        Acting observer([&] { run.apparatus.stop(); });
+        CHECK(run.with(observer).why == SessionEnd::Why::finished);
+        CHECK(run.lines("SELECT count(*) FROM event WHERE kind = 'timing'") == "0 \n");
+        return run.lines("SELECT kind, text FROM event ORDER BY rowid");
+    };
+    CHECK(events() == events());
+}
+
+TEST_CASE("in real time an event tells how late the ticks were, at each fault and at the end",
+          "[session][fault][law]") {
+    class Still : public engine::Device {
+    public:
+        engine::Reading read() noexcept override { return {.hip = {0.0, 0.06}}; }
+        engine::Applied write(const engine::Vec2& /*force*/) noexcept override { return {}; }
+        [[nodiscard]] std::string name() const override { return "still"; }
+        [[nodiscard]] engine::DeviceTraits traits() const noexcept override {
+            return {.gives_force = false};
+        }
+    };
+    Protocol protocol = held_protocol();
+    protocol.apparatus.force_ramp = 0.0;
+    Run run(protocol);
+    DeviceApparatus apparatus(protocol, std::make_unique<Still>());
+    CHECK(apparatus.timing().empty());  // no tick yet
+    class Brief : public tests::Patient {
+    public:
+        explicit Brief(Apparatus& apparatus) : apparatus_(apparatus) {}
+        Exploring explore(const TrialView& /*trial*/, double elapsed_s) override {
+            if (!std::exchange(stopped_, true)) {
+                apparatus_.stop();
+            }
+            return {.signal = elapsed_s >= 0.02 ? Signal::done : Signal::go_on, .at_s = elapsed_s};
+        }
+
+    private:
+        Apparatus& apparatus_;
+        bool stopped_ = false;
+    } observer(apparatus);
+    const data::OpenedSession opened = data::open_session(run.database, run.spec);
+    data::SqliteRecorder recorder(run.database, protocol, opened.id);
+    CHECK(run_session(protocol, run.spec.plan, {}, opened.pending,
+                      {.apparatus = apparatus, .observer = observer, .recorder = recorder})
+              .why == SessionEnd::Why::finished);
+    CHECK(run.lines("SELECT count(*) FROM event WHERE kind = 'timing' AND text LIKE '% ticks, late "
+                    "by % (half of them), % (99 %), % (worst); %'") == "2 \n");
+    CHECK(run.lines("SELECT kind FROM event WHERE kind <> 'start' ORDER BY rowid") ==
+          "fault \ntiming \nreconnect \ngo on \ntiming \n");
+}

@@ -1,0 +1,124 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::string text_of(const std::string& file) {
+    std::ifstream stream(file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void replace(const std::string& file, const std::string& from, const std::string& to) {
+    std::string text = text_of(file);
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    std::ofstream(file) << text.replace(at, from.size(), to);
+}
+
+}  // namespace
+
+TEST_CASE("a new protocol passes check, and is never written over a file", "[cli][law]") {
+    for (const char* from : {"shape_friction", "shape_friction_demo", "shape_friction_haply"}) {
+        CAPTURE(from);
+        const TemporaryFolder folder;
+        const std::string file = folder.file("Mine.toml");
+        CHECK(palpate_command({"new", file, "--from", from}).code == 0);
+        const Finished check = palpate_command({"check", file});
+        CAPTURE(check.out, check.error);
+        CHECK(check.code == 0);
+        CHECK_THAT(check.out, Catch::Matchers::StartsWith("mine: Mine\nprotocol "));
+
+        const std::string before = text_of(file);
+        const Finished again = palpate_command({"new", file});
+        CHECK(again.code == 2);
+        CHECK_THAT(again.error, ContainsSubstring("is there already"));
+        CHECK(text_of(file) == before);
+        CHECK(folder.names() == std::vector<std::string>{"Mine.toml"});
+    }
+}
+
+TEST_CASE("new refuses wrong words and paths, and makes nothing", "[cli]") {
+    const TemporaryFolder folder;
+    const Finished unknown = palpate_command({"new", folder.file("a.toml"), "--from", "shape"});
+    CHECK(unknown.code == 2);
+    CHECK_THAT(unknown.error, ContainsSubstring("give one of shape_friction"));
+    const Finished nowhere = palpate_command({"new", folder.file("no/a.toml")});
+    CHECK(nowhere.code == 2);
+    CHECK_THAT(nowhere.error, ContainsSubstring("check the path"));
+    CHECK(palpate_command({"new"}).code == 2);
+    CHECK(folder.names().empty());
+    const Finished keys = palpate_command({"new", "--keys"});
+    CHECK(keys.code == 0);
+    CHECK_THAT(keys.out,
+               ContainsSubstring("damping_n_s_per_m") && ContainsSubstring("first_order"));
+}
+
+TEST_CASE("check says how many trials, which limits and how long, and draws the objects",
+          "[cli][law]") {
+    const TemporaryFolder folder;
+    const Finished check =
+        palpate_command({"check", "shape_friction", "--svg", folder.file("objects.svg")});
+    CHECK(check.code == 0);
+    // 114 trials at 36.9 s and 6 breaks of 30 s: 73.1 min, see the test of the duration.
+    CHECK_THAT(check.out,
+               ContainsSubstring("114 trials: 10 practice, 100 main in 1 block, 4 catch\n") &&
+                   ContainsSubstring("object 2 (limit 2), friction 3 (limit 3)\n") &&
+                   ContainsSubstring("\nduration 74 min if every trial is felt until the prompt") &&
+                   ContainsSubstring("nothing stands against it"));
+    CHECK_THAT(text_of(folder.file("objects.svg")), ContainsSubstring("convex_20"));
+    CHECK(folder.names() == std::vector<std::string>{"objects.svg"});
+}
+
+TEST_CASE("check has exit code 2 for a wrong file and 1 for a device that cannot render it",
+          "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.toml");
+    REQUIRE(palpate_command({"new", file}).code == 0);
+    replace(file, "damping_n_s_per_m = 0 ", "damping_n_s_per_m = 50 ");
+    const Finished damped = palpate_command({"check", file});
+    CHECK(damped.code == 1);
+    CHECK_THAT(damped.out, ContainsSubstring("it cannot be run") &&
+                               ContainsSubstring("with a damper of 50 N s/m"));
+    CHECK(palpate_command({"check", file, "--device", "mouse"}).code == 0);  // gives no force
+    // What check refuses, run refuses as well.
+    CHECK(palpate_command(
+              {"run", file, "--participant", "P1", "--db", folder.file("d.sqlite"), "--headless"})
+              .code != 0);
+
+    replace(file, "blocks = 1 ", "blocks = 3 ");
+    const Finished wrong = palpate_command({"check", file});
+    CHECK(wrong.code == 2);
+    CHECK(wrong.out.empty());
+    CHECK_THAT(wrong.error, ContainsSubstring("blocks is 3"));
+    CHECK(palpate_command({"check", folder.file("none.toml")}).code == 2);
+    CHECK(palpate_command({"check", "shape_friction", "--device", "toaster"}).code == 2);
+}
+
+TEST_CASE("blocks and the first-order order of a file reach the plan that is run", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.toml");
+    REQUIRE(palpate_command({"new", file}).code == 0);
+    replace(file, "blocks = 1 ", "blocks = 5 ");
+    const Finished blocks = palpate_command({"sequence", file, "--participant", "P1", "--csv"});
+    CHECK(blocks.code == 0);
+    CHECK_THAT(blocks.out, ContainsSubstring(",main,4,"));
+    CHECK_THAT(palpate_command({"check", file}).out, ContainsSubstring("main in 5 blocks"));
+
+    replace(file, "blocks = 5 ", "blocks = 1 ");
+    replace(file, "catch_trials = 4", "catch_trials = 0");
+    replace(file, "order = \"random\"", "order = \"first_order\"");
+    const Finished check = palpate_command({"check", file});
+    CHECK(check.code == 0);
+    CHECK_THAT(check.out, ContainsSubstring("first-order balanced") &&
+                              ContainsSubstring("111 trials: 11 practice, 100 main"));
+}

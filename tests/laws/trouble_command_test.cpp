@@ -1,0 +1,188 @@
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "data/store/reader.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::palpate_program;
+using tests::Process;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::string text_of(const std::string& path) {
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+std::string lines(const std::string& file, const std::string& sql) {
+    data::Database database(file, data::Access::read);
+    auto row = database.prepare(sql);
+    std::string text;
+    while (row.step()) {
+        text += row.text(0) + '\n';
+    }
+    return text;
+}
+
+bool has_ticks(const std::string& file) {
+    try {
+        return lines(file, "SELECT count(*) FROM trace_chunk") != "0\n";
+    } catch (const data::StoreError&) {  // it is not there yet
+        return false;
+    }
+}
+
+/// The processes that `parent` has started and that still run.
+std::vector<pid_t> children_of(pid_t parent) {
+    std::vector<pid_t> children;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+        std::ifstream stat(entry.path() / "stat");
+        std::string line;
+        if (!std::getline(stat, line)) {
+            continue;
+        }
+        std::istringstream rest(line.substr(line.rfind(')') + 1));
+        char state = ' ';
+        pid_t from = 0;
+        rest >> state >> from;
+        if (from == parent && state != 'Z') {
+            children.push_back(static_cast<pid_t>(std::stol(entry.path().filename().string())));
+        }
+    }
+    return children;
+}
+
+}  // namespace
+
+TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1, a sound file",
+          "[cli][fault][law]") {
+    const TemporaryFolder folder;
+    const std::string protocol = folder.file("slow.toml");
+    std::string text = text_of(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
+    const std::string section = "[safety]\n";
+    REQUIRE(text.find(section) != std::string::npos);
+    text.insert(text.find(section) + section.size(), "speed_limit_m_per_s = 0.05\n");
+    std::ofstream(protocol) << text;
+    const std::string file = folder.file("d.sqlite");
+    for (int run = 1; run <= 2; ++run) {  // the same protocol resumes, and has the same limit
+        CAPTURE(run);
+        const Finished end =
+            palpate_command({"run", protocol, "--participant", "P1", "--db", file, "--headless"});
+        CAPTURE(end.out, end.error);
+        CHECK(end.code == 1);
+        CHECK_THAT(end.error,
+                   ContainsSubstring("gave up after 3 faults in a row: the handle was faster than "
+                                     "the limit: move more slowly. The force is off"));
+        CHECK_THAT(end.out, ContainsSubstring("fault: the handle was faster than the limit"));
+        CHECK(lines(file, "PRAGMA integrity_check") == "ok\n");
+        CHECK(lines(file, "SELECT count(*) FROM fault WHERE cause = 'over_speed'") ==
+              std::to_string(3 * run) + "\n");
+        CHECK(lines(file, "SELECT count(*) FROM trial WHERE outcome <> 'faulted'") == "0\n");
+        CHECK(lines(file, "SELECT count(*) FROM event WHERE kind = 'gave up'") ==
+              std::to_string(run) + "\n");
+        CHECK(lines(file, "SELECT count(*) FROM event WHERE kind = 'timing'") == "0\n");
+    }
+}
+
+TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and another day goes on",
+          "[cli][fault][haply][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::vector<std::string> words{
+        "run",      "shape_friction_haply", "--participant", "P1", "--db", file,
+        "--device", "haply-emulator"};
+    std::vector<std::string> command{palpate_program()};
+    command.insert(command.end(), words.begin(), words.end());
+    for (int run = 1; run <= 2; ++run) {
+        CAPTURE(run);
+        Process program(command, {"DISPLAY", "WAYLAND_DISPLAY"});
+        REQUIRE(tests::eventually([&] { return has_ticks(file) || !program.running(); }));
+        REQUIRE(tests::eventually([&] {
+            return !program.running() ||
+                   lines(file,
+                         "SELECT count(*) FROM trial WHERE outcome = 'running' AND id IN "
+                         "(SELECT trial FROM trace_chunk)") == "1\n";
+        }));
+        for (const pid_t child : children_of(program.id())) {  // the board and the guard
+            kill(child, SIGKILL);
+        }
+        const Finished end = program.wait();
+        CAPTURE(end.out, end.error);
+        CHECK(end.code == 1);
+        CHECK_THAT(end.error,
+                   ContainsSubstring("gave up after 10 tries to reach the device again: ") ||
+                       ContainsSubstring("faults in a row: "));
+        CHECK(lines(file, "PRAGMA integrity_check") == "ok\n");
+        // Exactly so many on a quiet machine; a busy one may have had ticks too late before.
+        CHECK(lines(file, "SELECT count(*) >= " + std::to_string(run) +
+                              " FROM trial WHERE outcome = 'faulted'") == "1\n");
+        CHECK(lines(file, "SELECT count(*) FROM trial WHERE outcome = 'running'") == "0\n");
+        CHECK(lines(file, "SELECT count(*) FROM event WHERE kind = 'gave up'") ==
+              std::to_string(run) + "\n");
+        CHECK(lines(file, "SELECT count(*) > 0 FROM event WHERE kind = 'timing'") == "1\n");
+        if (run == 2) {
+            CHECK_THAT(end.out, ContainsSubstring("Resuming at trial"));
+        }
+    }
+}
+
+TEST_CASE("the doctor fails a board that is not there with the remedy and exit code 1",
+          "[cli][doctor][fault]") {
+    const TemporaryFolder folder;
+    const Finished doctor = palpate_command({"doctor", "--device", "haply:/nonexistent",
+                                             "--protocol", "shape_friction_haply", "--seconds",
+                                             "0.1", "--db", folder.file("d.sqlite")});
+    CAPTURE(doctor.out, doctor.error);
+    CHECK(doctor.code == 1);
+    CHECK(doctor.out.starts_with("fail  device"));
+    CHECK_THAT(doctor.out, ContainsSubstring("/nonexistent"));
+    CHECK_THAT(doctor.out, !ContainsSubstring("passivity and force"));
+}
+
+TEST_CASE("the doctor says by what margin the device can render a protocol, or that it cannot",
+          "[cli][doctor][law]") {
+    const TemporaryFolder folder;
+    const std::string stiff = folder.file("stiff.toml");
+    std::string text = text_of(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
+    const std::string key = "stiffness_n_per_m = ";
+    const std::size_t at = text.find(key);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, text.find_first_of("\n#", at) - at, key + "20000.0 ");
+    std::ofstream(stiff) << text;
+    for (const std::string& protocol : {std::string("shape_friction_demo"), stiff}) {
+        CAPTURE(protocol);
+        const Finished doctor = palpate_command({"doctor", "--protocol", protocol, "--seconds",
+                                                 "0.1", "--db", folder.file("d.sqlite")});
+        CAPTURE(doctor.out);
+        const bool refused = protocol == stiff;
+        CHECK_THAT(doctor.out, ContainsSubstring(refused ? "fail  passivity and force"
+                                                         : "ok    passivity and force"));
+        CHECK_THAT(doctor.out, ContainsSubstring(" N s/m, the device damps "));
+        if (refused) {
+            CHECK(doctor.code == 1);
+            CHECK_THAT(doctor.out, ContainsSubstring("lower stiffness_n_per_m to "));
+        }
+    }
+}
+
+TEST_CASE("a share of spinning that cannot be is refused before anything is made", "[cli]") {
+    const TemporaryFolder folder;
+    for (const char* share : {"0.6", "-0.1", "much"}) {
+        const Finished run = palpate_command({"run", "shape_friction_demo", "--participant", "P1",
+                                              "--db", folder.file("d.sqlite"), "--spin", share});
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error, ContainsSubstring("--spin"));
+    }
+    CHECK(folder.names().empty());
+}

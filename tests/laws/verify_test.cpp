@@ -1,0 +1,371 @@
+#include <csignal>
+#include <fstream>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "protocols/library/shipped.hpp"
+#include "data/verify/verify.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/database_edits.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::FindingKind;
+using tests::a_row;
+using tests::Finished;
+using tests::palpate_command;
+using tests::result_columns;
+using tests::TemporaryFolder;
+using tests::Undone;
+
+namespace {
+
+/// The demo protocol with two objects, four trials, and `edit` made.
+void write_protocol(const std::string& file,
+                    const std::string& from = "",
+                    const std::string& to = "") {
+    for (const auto& one : protocols::shipped_protocols()) {
+        if (one.name != "shape_friction_demo") {
+            continue;
+        }
+        std::string text(one.text);
+        const auto cut = [&](const std::string& object) {
+            const std::size_t at = text.find("[[object]]\nname = \"" + object + "\"");
+            REQUIRE(at != std::string::npos);
+            text.erase(at, text.find("[[", at + 2) - at);
+        };
+        cut("concave_10");
+        cut("concave_5");
+        cut("convex_10");
+        if (!from.empty()) {
+            REQUIRE(text.find(from) != std::string::npos);
+            text.replace(text.find(from), from.size(), to);
+        }
+        std::ofstream(file) << text;
+    }
+}
+
+std::vector<std::string> run_words(const TemporaryFolder& folder, const std::string& database) {
+    return {"run",  folder.file("p.toml"), "--participant", "P1",
+            "--db", folder.file(database), "--headless"};
+}
+
+std::string bytes_of(const std::string& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+std::string text_of(const data::Verification& found) {
+    std::string text;
+    const auto add = [&](const std::vector<data::Finding>& findings) {
+        for (const data::Finding& one : findings) {
+            text += fmt::format("{} {}: {} | {}\n", one.trial.value_or(0), one.what, one.stored,
+                                one.recomputed);
+        }
+    };
+    add(found.file);
+    for (const auto& session : found.sessions) {
+        add(session.findings);
+    }
+    return text;
+}
+
+/// Makes `count` seeded edits one by one. @return how many SQLite let through
+int check_edits(data::Database& database,
+                const std::vector<std::string>& columns,
+                int count,
+                std::uint64_t seed) {
+    database.execute("PRAGMA foreign_keys = OFF");
+    int made = 0;
+    for (int i = 0; i < count; ++i) {
+        tests::Random random(seed * 1000 + static_cast<std::uint64_t>(i));
+        const std::string& name =
+            columns[static_cast<std::size_t>(random.below(static_cast<int>(columns.size())))];
+        const std::string table = name.substr(0, name.find('.'));
+        const std::string column = name.substr(name.find('.') + 1);
+        const Undone undone(database);
+        const std::int64_t row = a_row(database, table, random);
+        const std::string before = tests::value_of(database, table, column, row);
+        try {
+            tests::edit(database, table, column, row, random);
+        } catch (const data::StoreError&) {
+            continue;  // a constraint refuses it
+        }
+        const std::string after = tests::value_of(database, table, column, row);
+        if (after == before) {
+            continue;  // the sign of zero
+        }
+        ++made;
+        const data::Verification found = data::verify(database);
+        CAPTURE(i, name, row, before.substr(0, 60), after.substr(0, 60), text_of(found));
+        const bool decay =
+            column.ends_with("_decay");  // exp() of other machines is forgiven, and said
+        const std::size_t said =
+            found.count(FindingKind::differs) + (decay ? found.count(FindingKind::missing) : 0);
+        CHECK(said > 0);
+    }
+    return made;
+}
+
+}  // namespace
+
+TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it changes",
+          "[verify][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    REQUIRE(palpate_command({"run", "shape_friction_demo", "--participant", "P2", "--db", file,
+                             "--headless", "--device", "replay:" + file})
+                .code == 0);
+    const std::string before = bytes_of(file);
+    const Finished verified = palpate_command({"verify", file});
+    CAPTURE(verified.out, verified.error);
+    CHECK(verified.code == 0);
+    CHECK_THAT(verified.out,
+               ContainsSubstring("3 sessions") &&
+                   ContainsSubstring("participant P2, session 1 (simulated): 10 trials") &&
+                   ContainsSubstring("\nNothing differs.\n"));
+    CHECK(bytes_of(file) == before);
+    const Finished json = palpate_command({"verify", file, "--json"});
+    CHECK(json.code == 0);
+    CHECK_THAT(json.out, ContainsSubstring("\"differences\": 0, \"missing\": 0, \"findings\": []"));
+}
+
+TEST_CASE("a session keeps which binary, which libraries and which geometry made it", "[verify]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    data::Database database(folder.file("a.sqlite"), data::Access::read);
+    const auto value = [&](const std::string& key) {
+        auto row = database.prepare("SELECT value FROM session_provenance WHERE key = ?1");
+        row.bind(1, key);
+        return row.step() ? row.text(0) : "";
+    };
+    std::string id;  // as bytes, which the program's file must hold
+    for (std::size_t i = 0; i + 1 < value("build id").size(); i += 2) {
+        id += static_cast<char>(std::stoi(value("build id").substr(i, 2), nullptr, 16));
+    }
+    REQUIRE(id.size() >= 8);
+    CHECK(bytes_of(tests::palpate_program()).find(id) != std::string::npos);
+    for (const char* key : {"sqlite", "zlib", "libsodium", "SDL2", "SDL2_ttf", "fmt", "toml++",
+                            "CLI11", "libc", "kernel", "system", "processor"}) {
+        CAPTURE(key);
+        CHECK_FALSE(value(key).empty());
+    }
+    CHECK(value("object sha256 straight").size() == 64);
+    CHECK(value("object sha256 straight") != value("object sha256 convex_5"));
+}
+
+TEST_CASE("any changed value of a result, and any changed bit of a trace, is reported",
+          "[verify][law]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    REQUIRE(text_of(data::verify(database)).empty());
+    const auto rows = result_columns(database, {"study", "participant", "session", "picture",
+                                                "trial", "response", "trace_column"});
+    CHECK(check_edits(database, rows, 250, 1) > 150);
+    CHECK(check_edits(database, result_columns(database, {"plan"}), 60, 2) > 40);
+    CHECK(check_edits(database, {"trace_chunk.data"}, 200, 3) == 200);
+    CHECK(check_edits(database,
+                      {"trace_chunk.trial", "trace_chunk.first_tick", "trace_chunk.ticks",
+                       "trace_chunk.crc32"},
+                      60, 4) > 30);
+}
+
+TEST_CASE(
+    "a tick that does not follow from its HIP is reported, also in a chunk whose checksum is right",
+    "[verify][law]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    for (std::uint64_t seed = 0; seed < 150; ++seed) {
+        tests::Random random(seed);
+        const Undone undone(database);
+        const std::int64_t row = a_row(database, "trace_chunk", random);
+        tests::repack(database, row,
+                      {"tick", "time_ns", "mode", "feature", "parameter", "cp_x_m", "cp_y_m",
+                       "go_x_m", "go_y_m", "fx_n", "fy_n", "fn_n", "ft_n", "mu"},
+                      random);
+        const data::Verification found = data::verify(database);
+        CAPTURE(seed, row);
+        CHECK(found.count(FindingKind::differs) > 0);
+        CHECK_THAT(text_of(found), ContainsSubstring("trace"));
+    }
+}
+
+TEST_CASE("a row that is gone is reported", "[verify][law]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    database.execute("PRAGMA foreign_keys = OFF");
+    for (const std::string table : {"study", "participant", "plan", "picture", "trial", "response",
+                                    "trace_chunk", "trace_column"}) {
+        for (int i = 0; i < 8; ++i) {
+            tests::Random random(static_cast<std::uint64_t>(i));
+            const Undone undone(database);
+            const std::int64_t row = a_row(database, table, random);
+            database.prepare(fmt::format("DELETE FROM {} WHERE rowid = ?1", table))
+                .bind(1, row)
+                .run();
+            CAPTURE(table, row);
+            CHECK(data::verify(database).count(FindingKind::differs) > 0);
+        }
+    }
+    for (const char* gone :
+         {"DELETE FROM session_provenance WHERE key LIKE 'object sha256 straight'",
+          "UPDATE session_provenance SET value = upper(value) WHERE key LIKE 'object sha256 "
+          "convex%'",
+          "UPDATE session_provenance SET value = replace(value, '50', '51') WHERE key = "
+          "'calibration'",
+          "DELETE FROM session_provenance WHERE key = 'calibration sha256'",
+          "DELETE FROM trace_chunk WHERE rowid IN (SELECT rowid FROM trace_chunk WHERE trial = 2"
+          " ORDER BY first_tick DESC LIMIT 1)",
+          "DELETE FROM response WHERE trial = 3; DELETE FROM trace_chunk WHERE trial = 3;"
+          "DELETE FROM trial WHERE id = 3"}) {
+        const Undone undone(database);
+        database.execute(gone);
+        CAPTURE(gone);
+        CHECK(data::verify(database).count(FindingKind::differs) > 0);
+    }
+}
+
+TEST_CASE("a session whose device trips verifies as that, and its last ticks are watched over",
+          "[verify][fault][law]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"), "dead_man = false", "speed_limit_m_per_s = 0.12");
+    const Finished run = palpate_command(run_words(folder, "a.sqlite"));
+    CAPTURE(run.out, run.error);
+    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    const data::Verification found = data::verify(database);
+    CHECK(text_of(found).empty());
+    REQUIRE(found.sessions.size() == 1);
+    CHECK(found.sessions[0].replayed > 100);
+    auto faults = database.prepare("SELECT count(*) FROM fault WHERE cause = 'over_speed'");
+    faults.step();
+    REQUIRE(faults.integer(0) > 0);
+    faults.reset();
+    CHECK(check_edits(database, result_columns(database, {"fault_tick"}), 80, 5) > 60);
+    for (const char* wrong : {"UPDATE trial SET fault = 'late'", "UPDATE trial SET fault = NULL",
+                              "UPDATE trial SET outcome = 'aborted', fault = NULL",
+                              "DELETE FROM fault_tick WHERE trial = 1 AND tick % 7 = 0"}) {
+        const Undone undone(database);
+        database.execute(wrong);
+        CAPTURE(wrong);
+        CHECK(data::verify(database).count(FindingKind::differs) > 0);
+    }
+}
+
+TEST_CASE(
+    "a file verifies while its session runs, after it was killed, interrupted and gone on with",
+    "[verify][law]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    const std::string file = folder.file("a.sqlite");
+    auto words = run_words(folder, "a.sqlite");
+    words.insert(words.begin(), tests::palpate_program());
+    words.insert(words.end(), {"--speed", "10"});
+    const std::vector<std::string> no_display{"DISPLAY", "WAYLAND_DISPLAY"};
+    const auto ticks_of = [&](std::int64_t trial) {
+        try {
+            data::Database database(file, data::Access::read);
+            auto row = database.prepare("SELECT count(*) FROM trace_chunk WHERE trial = ?1");
+            row.bind(1, trial).step();
+            return row.integer(0);
+        } catch (const data::StoreError&) {
+            return std::int64_t{0};
+        }
+    };
+    const auto outcome = [&](const std::string& which) {
+        data::Database database(file, data::Access::read);
+        auto row = database.prepare("SELECT count(*) FROM trial WHERE outcome = ?1");
+        row.bind(1, which).step();
+        return row.integer(0);
+    };
+    const auto verifies = [&] {
+        const Finished verified = palpate_command({"verify", file});
+        CAPTURE(verified.out, verified.error);
+        CHECK(verified.code == 0);
+        CHECK_THAT(verified.out, !ContainsSubstring("missing"));
+    };
+    {
+        tests::Process killed(words, no_display);
+        REQUIRE(tests::eventually([&] { return ticks_of(2) >= 2; }));
+        verifies();
+        REQUIRE(killed.running());  // and the reader did not disturb it
+        killed.signal(SIGKILL);
+        (void)killed.wait();
+    }
+    CHECK(outcome("running") == 1);
+    verifies();
+    {
+        tests::Process stopped(words, no_display);
+        REQUIRE(tests::eventually([&] { return ticks_of(3) >= 2; }));
+        stopped.signal(SIGINT);
+        CHECK(stopped.wait().code == 3);
+    }
+    CHECK(outcome("interrupted") == 1);
+    CHECK(outcome("aborted") == 1);
+    verifies();
+    CHECK(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    verifies();
+    data::Database database(file, data::Access::write);
+    CHECK(check_edits(database, result_columns(database, {"trial"}), 100, 6) > 60);
+}
+
+TEST_CASE("what an older program did not store is missing, not wrong", "[verify][law]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    data::Database(file, data::Access::write)
+        .execute(
+            "DELETE FROM session_provenance WHERE key NOT IN ('palpate', 'kernel');"
+            "UPDATE trial SET contact_episodes = NULL, worst_episode_j = NULL, skipped_ticks = "
+            "NULL,"
+            " slewed_ticks = NULL, stale_ticks = NULL;"
+            "UPDATE session SET plan_sha256 = printf('%064d', 1)");
+    const Finished verified = palpate_command({"verify", file});
+    CAPTURE(verified.out, verified.error);
+    CHECK(verified.code == 0);
+    CHECK_THAT(verified.out, ContainsSubstring("missing  trial 1, trial.worst_episode_j") &&
+                                 ContainsSubstring("drew this order in another way") &&
+                                 ContainsSubstring("Nothing differs."));
+    data::Database(file, data::Access::write).execute("UPDATE trial SET energy_j = 1 WHERE id = 2");
+    CHECK(palpate_command({"verify", file}).code == 1);
+
+    const std::string old = folder.file("old.sqlite");  // of schema 2, without a session
+    std::string sql = "\n";  // or its first comment would look like an option
+    sql += bytes_of(PALPATE_SOURCE_DIR "/tests/golden/schema_2.sql");
+    REQUIRE(tests::Process({"sqlite3", old, sql}).wait().code == 0);
+    CHECK(palpate_command({"verify", old}).code == 0);
+}
+
+TEST_CASE(
+    "a difference is told with trial, column, stored and recomputed value, other files with 2",
+    "[verify][cli]") {
+    const TemporaryFolder folder;
+    write_protocol(folder.file("p.toml"));
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
+    data::Database(file, data::Access::write)
+        .execute("UPDATE response SET correct = 1 - correct WHERE trial = 2");
+    const Finished wrong = palpate_command({"verify", file});
+    CAPTURE(wrong.out);
+    CHECK(wrong.code == 1);
+    CHECK_THAT(wrong.out, ContainsSubstring("  differs  trial 2, response.correct: stored ") &&
+                              ContainsSubstring(", recomputed ") &&
+                              ContainsSubstring("\n1 difference.\n"));
+    CHECK(palpate_command({"verify", folder.file("p.toml")}).code == 2);
+    std::ofstream(folder.file("empty")).flush();
+    CHECK(palpate_command({"verify", folder.file("empty")}).code == 2);
+    CHECK(palpate_command({"verify"}).code == 2);
+    CHECK(palpate_command({"verify", folder.file("nothing")}).code != 0);
+}

@@ -1,0 +1,144 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "data/store/database.hpp"
+#include "data/trace/codec.hpp"
+#include "data/trace/columns.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+/// Seeded edits of a database, value by value, for tests that must notice them.
+namespace palpate::tests {
+
+/// Undoes whatever is done until its end.
+class Undone {
+public:
+    explicit Undone(data::Database& database) : database_(database) { database.execute("BEGIN"); }
+    Undone(const Undone&) = delete;
+    Undone& operator=(const Undone&) = delete;
+    ~Undone() { database_.execute("ROLLBACK"); }
+
+private:
+    data::Database& database_;
+};
+
+/// Columns that nothing else in the file says (data/verify/verify.hpp).
+inline const std::set<std::string> kSilent{
+    "trial.started_utc", "trial.ended_utc", "session.started_utc", "session.finished_utc",
+    "session.device",    "session.kind",    "response.input"};
+
+inline std::vector<std::string> result_columns(data::Database& database,
+                                               const std::vector<std::string>& tables) {
+    std::vector<std::string> columns;
+    for (const std::string& table : tables) {
+        auto row = database.prepare("SELECT name FROM pragma_table_info(?1)");
+        row.bind(1, table);
+        while (row.step()) {
+            if (const std::string name = table + '.' + row.text(0); !kSilent.contains(name)) {
+                columns.push_back(name);
+            }
+        }
+    }
+    return columns;
+}
+
+/// A value with one bit or one letter of `row`'s `column` changed, or one where there was none.
+inline void edit(data::Database& database,
+                 const std::string& table,
+                 const std::string& column,
+                 std::int64_t row,
+                 Random& random) {
+    auto old = database.prepare(
+        fmt::format("SELECT {0}, (SELECT type FROM pragma_table_info('{1}') WHERE name = '{0}')"
+                    " FROM {1} WHERE rowid = ?1",
+                    column, table));
+    old.bind(1, row);
+    REQUIRE(old.step());
+    auto change =
+        database.prepare(fmt::format("UPDATE {} SET {} = ?1 WHERE rowid = ?2", table, column));
+    change.bind(2, row);
+    if (old.null(0)) {
+        old.text(1) == "TEXT" ? change.bind(1, std::string_view("late"))
+                              : change.bind(1, std::int64_t{1});
+    } else if (old.type(0) == 1) {
+        change.bind(1, old.integer(0) ^ (std::int64_t{1} << random.below(40)));
+    } else if (old.type(0) == 2) {
+        const auto bits =
+            std::bit_cast<std::uint64_t>(old.real(0)) ^ (std::uint64_t{1} << random.below(64));
+        change.bind(1, std::bit_cast<double>(bits));
+    } else if (old.type(0) == 3) {
+        std::string text = old.text(0);
+        auto& letter =
+            text.at(static_cast<std::size_t>(random.below(static_cast<int>(text.size()))));
+        letter = letter == 'e' ? 'a' : 'e';
+        change.bind(1, text);
+    } else {
+        const auto blob = old.blob(0);
+        std::vector<std::byte> bytes(blob.begin(), blob.end());
+        bytes[static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())))] ^=
+            std::byte{1} << random.below(8);
+        change.bind(1, std::span<const std::byte>(bytes));
+    }
+    change.run();
+}
+
+inline std::int64_t a_row(data::Database& database, const std::string& table, Random& random) {
+    auto rows = database.prepare(fmt::format("SELECT rowid FROM {} ORDER BY rowid", table));
+    std::vector<std::int64_t> ids;
+    while (rows.step()) {
+        ids.push_back(rows.integer(0));
+    }
+    REQUIRE_FALSE(ids.empty());
+    return ids[static_cast<std::size_t>(random.below(static_cast<int>(ids.size())))];
+}
+
+inline std::string value_of(data::Database& database,
+                            const std::string& table,
+                            const std::string& column,
+                            std::int64_t row) {
+    auto now =
+        database.prepare(fmt::format("SELECT quote({0}) FROM {1} WHERE rowid = ?1", column, table));
+    now.bind(1, row);
+    return now.step() ? now.text(0) : "another row";
+}
+
+/// A chunk unpacked, one bit of one of its ticks changed, and packed again with the right checksum.
+inline void repack(data::Database& database,
+                   std::int64_t row,
+                   const std::set<std::string>& columns,
+                   Random& random) {
+    auto old = database.prepare("SELECT ticks, crc32, data FROM trace_chunk WHERE rowid = ?1");
+    old.bind(1, row);
+    REQUIRE(old.step());
+    auto ticks = data::decode(old.blob(2), static_cast<std::size_t>(old.integer(0)),
+                              static_cast<std::uint32_t>(old.integer(1)));
+    std::vector<data::TraceColumn> some;
+    for (const data::TraceColumn& column : data::trace_columns()) {
+        if (columns.contains(std::string(column.name))) {
+            some.push_back(column);
+        }
+    }
+    const data::TraceColumn& column =
+        some[static_cast<std::size_t>(random.below(static_cast<int>(some.size())))];
+    engine::TickRecord& tick =
+        ticks[static_cast<std::size_t>(random.below(static_cast<int>(ticks.size())))];
+    auto* bytes = reinterpret_cast<std::byte*>(&tick) + column.offset;
+    bytes[random.below(static_cast<int>(column.size))] ^=
+        std::byte{1} << random.below(column.name == "mode" ? 2 : 8);
+    const data::EncodedChunk chunk = data::encode(ticks);
+    database.prepare("UPDATE trace_chunk SET data = ?1, crc32 = ?2 WHERE rowid = ?3")
+        .bind(1, std::span<const std::byte>(chunk.data))
+        .bind(2, std::int64_t{chunk.crc32})
+        .bind(3, row)
+        .run();
+}
+
+}  // namespace palpate::tests

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "engine/device/calibration.hpp"
+#include "engine/device/drivers/haply_wire.hpp"
+
+namespace palpate::tests {
+
+/// A Haply machine for tests of the engine alone, which knows no files: links, counts and wiring of the
+/// shipped calibrations, zeros at 0, home at (0, 60) mm above the middle of the workspace.
+/// @param preset  "gen3", "gen2" or "haplet"
+/// @throws std::invalid_argument for another
+inline engine::Calibration emulated_calibration(std::string_view preset = "gen3") {
+    struct Machine {
+        std::string_view name;
+        engine::FiveBar linkage;
+        double counts_per_turn;
+        engine::Vec2 origin;
+        engine::HaplyWiring wiring;
+    };
+    const auto linkage = [](double driven, double free, double base) {
+        return engine::FiveBar{
+            .driven_1 = driven, .driven_2 = driven, .free_1 = free, .free_2 = free, .base = base};
+    };
+    const Machine machines[]{{"gen3",
+                              linkage(0.07, 0.09, 0.038),
+                              4880.0,
+                              {0.019, 0.065},
+                              {.id = 5, .port = {2, 1}, .grip_pin = {}}},
+                             {"gen2",
+                              linkage(0.07, 0.09, 0.0),
+                              10752.0,
+                              {0.0, 0.065},
+                              {.id = 5,
+                               .port = {2, 1},
+                               .motor_clockwise = {false, true},
+                               .encoder_clockwise = {false, true},
+                               .grip_pin = {}}},
+                             {"haplet",
+                              linkage(0.05, 0.07, 0.02),
+                              13824.0,
+                              {0.010, 0.035},
+                              {.id = 3,
+                               .port = {1, 2},
+                               .motor_clockwise = {true, true},
+                               .encoder_clockwise = {true, true},
+                               .grip_pin = {}}}};
+    for (const Machine& machine : machines) {
+        if (machine.name != preset) {
+            continue;
+        }
+        const engine::Axis axis{.counts_per_turn = machine.counts_per_turn,
+                                .zero = 0.0,
+                                .torque_limit = engine::kHaplyTorque,
+                                .torque_forever = 0.5 * engine::kHaplyTorque,
+                                .codes_full_scale = 4095.0};
+        engine::Calibration calibration;
+        calibration.pantograph.name = machine.name;
+        calibration.pantograph.linkage = machine.linkage;
+        calibration.pantograph.axes = {axis, axis};
+        calibration.pantograph.origin = machine.origin;
+        calibration.haply = machine.wiring;
+        calibration.home = engine::Vec2{0.0, 0.060};
+        return calibration;
+    }
+    throw std::invalid_argument("no such machine: " + std::string(preset));
+}
+
+}  // namespace palpate::tests

@@ -1,0 +1,113 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "protocols/design/duration.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/format/keys.hpp"
+#include "data/csv/whole_file.hpp"
+#include "data/report/object_sheet.hpp"
+#include "ui/cli/commands.hpp"
+#include "ui/cli/open_apparatus.hpp"
+#include "ui/cli/plan_text.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using protocols::Phase;
+using protocols::Plan;
+using protocols::Protocol;
+
+/// Whose plan is shown: counts, limits and length are the same for everybody.
+constexpr const char* kExample = "example";
+
+std::size_t trials_of(const Plan& plan, Phase phase) {
+    return static_cast<std::size_t>(
+        std::count_if(plan.trials.begin(), plan.trials.end(),
+                      [phase](const auto& trial) { return trial.phase == phase; }));
+}
+
+std::string minutes(double seconds) {
+    return seconds < 100.0 ? fmt::format("{:.0f} s", std::ceil(seconds))
+                           : fmt::format("{:.0f} min", std::ceil(seconds / 60.0));
+}
+
+void print_design(const Study& study, const Plan& plan) {
+    const Protocol& protocol = study.protocol;
+    const protocols::PlanSummary summary = summarise(plan);
+    fmt::print("{}: {}\nprotocol {}\n", protocol.id, protocol.title, study.hash);
+    fmt::print("{} participants, handedness {}, screen in {}\n", protocol.participants,
+               protocols::word_of(protocol.handedness), protocols::word_of(protocol.language));
+    fmt::print("{} objects of which {} pictured, {} frictions\n", protocol.objects.size(),
+               objects_of(protocol, true).size(), protocol.frictions.size());
+    fmt::print("{} trials: {} practice, {} main in {} block{}, {} catch\n", plan.trials.size(),
+               trials_of(plan, Phase::practice), trials_of(plan, Phase::main),
+               protocol.design.blocks, protocol.design.blocks == 1 ? "" : "s",
+               trials_of(plan, Phase::catch_trial));
+    fmt::print("{}\n{}\nin the order of a participant named {}, other orders differ:\n{}\n{}",
+               breaks_text(summary), counts_text(protocol, summary), kExample,
+               limits_text(protocol, plan, summary), steps_text(protocol, summary));
+}
+
+void print_duration(const Protocol& protocol, const Plan& plan) {
+    const protocols::Duration duration = duration_of(plan, protocol);
+    fmt::print(
+        "\nduration {} if every trial is felt until the prompt at {:g} s, with {:g} s to get ready "
+        "and {:g} s\n  to choose, and every break takes {:g} s; {} if all are as quick as they may "
+        "be, {} if all are felt\n  until the time-out. Instructions and trials that are run again "
+        "come on top.\n",
+        minutes(duration.prompted), protocol.timing.explore_prompt, protocols::kReadySeconds,
+        protocols::kChoiceSeconds, protocol.timing.break_min, minutes(duration.shortest),
+        minutes(duration.longest));
+}
+
+/// @return whether it can be run
+bool print_feasibility(const Study& study,
+                       const protocols::SessionKey& key,
+                       const CheckOptions& options) {
+    RigSpec spec;
+    spec.study = study;
+    spec.key = key;
+    spec.seed = study.protocol.seed;
+    spec.device = parse_device(options.device);
+    spec.calibration = options.calibration;
+    spec.recordings = load_recordings(spec.device);
+    const OpenedApparatus opened = open_apparatus(spec);
+    fmt::print("\non {}", opened.port->device_name());
+    const bool refused = std::any_of(
+        opened.findings.begin(), opened.findings.end(),
+        [](const auto& finding) { return finding.verdict == protocols::Verdict::refuse; });
+    fmt::print(": {}\n", refused                   ? "it cannot be run"
+                         : opened.findings.empty() ? "nothing stands against it"
+                                                   : "it can be run, and this should be known");
+    for (const protocols::Finding& finding : opened.findings) {
+        fmt::print("  {}: {}\n",
+                   finding.verdict == protocols::Verdict::refuse ? "refused" : "warning",
+                   finding.text);
+    }
+    return !refused;
+}
+
+}  // namespace
+
+int check_command(const CheckOptions& options) {
+    const Study study = load_study(options.protocol);
+    const protocols::SessionKey key{kExample, 1};
+    const Plan plan = make_plan(study.protocol, study.hash, key, study.protocol.seed);
+    if (!options.svg.empty()) {
+        data::write_whole(options.svg, data::object_sheet(study.protocol, study.hash));
+    }
+    print_design(study, plan);
+    print_duration(study.protocol, plan);
+    std::fflush(stdout);
+    const bool feasible = print_feasibility(study, key, options);
+    if (!options.svg.empty()) {
+        fmt::print("objects drawn in {}\n", options.svg);
+    }
+    return feasible ? 0 : kExitFailure;
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,124 @@
+#include "ui/cli/plan_text.hpp"
+
+#include <map>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "protocols/design/acceptance.hpp"
+#include "protocols/design/session_plan.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using protocols::Condition;
+using protocols::Phase;
+using protocols::PlanSummary;
+using protocols::Protocol;
+
+std::string limit_text(std::size_t limit) {
+    return limit == 0 ? "no limit" : fmt::format("limit {}", limit);
+}
+
+template <class Spec>
+std::string steps_of(std::string_view factor,
+                     const std::vector<Spec>& levels,
+                     const std::map<std::size_t, std::map<std::size_t, std::size_t>>& steps) {
+    std::string text = fmt::format(
+        "from one main trial to the next, {} (down: from, across: to)\n{:<14}", factor, "");
+    std::set<std::size_t> seen;
+    for (const auto& [from, row] : steps) {
+        seen.insert(from);
+        for (const auto& [to, count] : row) {
+            seen.insert(to);
+        }
+    }
+    for (const std::size_t to : seen) {
+        text += fmt::format(" {:>11}", levels.at(to).name);
+    }
+    text += '\n';
+    for (const std::size_t from : seen) {
+        text += fmt::format("{:<14}", levels.at(from).name);
+        for (const std::size_t to : seen) {
+            const auto row = steps.find(from);
+            text += fmt::format(" {:>11}", row != steps.end() && row->second.count(to) != 0
+                                               ? row->second.at(to)
+                                               : 0);
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string limits_text(const Protocol& protocol,
+                        const protocols::Plan& plan,
+                        const PlanSummary& summary) {
+    const protocols::DesignSpec& design = protocol.design;
+    if (design.order == protocols::OrderRule::first_order) {
+        return fmt::format(
+            "longest runs of main trials: object {}, friction {} (no limit applies)\n"
+            "order: first-order balanced, every condition follows every condition once\n",
+            summary.longest_object_run, summary.longest_friction_run);
+    }
+    std::string text =
+        fmt::format("longest runs of main trials: object {} ({}), friction {} ({})\n",
+                    summary.longest_object_run, limit_text(design.max_run_object),
+                    summary.longest_friction_run, limit_text(design.max_run_friction));
+    const auto trials = factorial(protocol, design.repetitions / design.blocks);
+    const protocols::RunLimits limits{design.max_run_object, design.max_run_friction};
+    const auto all = acceptance_of(trials, limits);
+    text += fmt::format(
+        "acceptance of whole shuffles{}: {:.3g} ({})\n", design.blocks > 1 ? " of a block" : "",
+        all.share,
+        all.exact ? std::string("exact") : fmt::format("estimate, +- {:.1g} %", 100.0 * all.error));
+    const auto object = acceptance_of_one(trials, &Condition::object, limits.object);
+    const auto friction = acceptance_of_one(trials, &Condition::friction, limits.friction);
+    if (object && friction) {
+        text += fmt::format("  of the limits alone, exact: object {:.3g}, friction {:.3g}\n",
+                            *object, *friction);
+    }
+    return text + fmt::format("order: uniform over all within the limits; {}, {} proposed\n",
+                              to_string(plan.way), plan.attempts);
+}
+
+std::string breaks_text(const PlanSummary& summary) {
+    std::string text = "breaks before trials:";
+    for (const std::size_t position : summary.breaks) {
+        text += fmt::format(" {}", position + 1);
+    }
+    return text + (summary.breaks.empty() ? " none\n" : "\n");
+}
+
+std::string counts_text(const Protocol& protocol, const PlanSummary& summary) {
+    std::string text = fmt::format("trials of each condition\n{:<24}", "");
+    for (const auto& [part, counts] : summary.counts) {
+        text += fmt::format(" {:>9}",
+                            part.phase == Phase::practice || protocol.design.blocks == 1
+                                ? std::string(to_string(part.phase))
+                                : fmt::format("{} {}", to_string(part.phase), part.block + 1));
+    }
+    text += '\n';
+    for (std::size_t object = 0; object < protocol.objects.size(); ++object) {
+        for (std::size_t friction = 0; friction < protocol.frictions.size(); ++friction) {
+            text += fmt::format("{:<24}", fmt::format("{} {}", protocol.objects[object].name,
+                                                      protocol.frictions[friction].name));
+            for (const auto& [part, counts] : summary.counts) {
+                const auto found = counts.find({object, friction});
+                text += fmt::format(" {:>9}", found == counts.end() ? 0 : found->second);
+            }
+            text += '\n';
+        }
+    }
+    return text;
+}
+
+std::string steps_text(const Protocol& protocol, const PlanSummary& summary) {
+    return steps_of("object", protocol.objects, summary.object_steps) + '\n' +
+           steps_of("friction", protocol.frictions, summary.friction_steps);
+}
+
+}  // namespace palpate::ui

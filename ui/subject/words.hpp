@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string_view>
+
+#include "protocols/design/protocol.hpp"
+
+/// Every sentence of the subject's screen, in each language that a protocol may ask for.
+namespace palpate::ui {
+
+/// {0} and {1} stand for numbers.
+struct Words {
+    std::string_view welcome, welcome_back;
+    std::string_view you_feel, you_choose, pointer_is_handle, take_time;
+    std::string_view trials, trials_resumed;  ///< {0} trials
+    std::string_view begin;
+    std::string_view trial, practice_trial;  ///< {0} of {1}
+    std::string_view ready, hold_handle, press_to_feel, hold_to_feel;
+    std::string_view feel, both_sides, decide_soon, keep_down, space_when_known, enter_when_known;
+    std::string_view which, choose, observer_chooses;        ///< choose: keys 1 to {0}
+    std::string_view rest, let_go, next_trial, wait, go_on;  ///< next: {0} of {1}; wait: {0} s
+    std::string_view moment, can_go_on, help_comes, thank_you_for_waiting, for_experimenter;
+    std::string_view end, tell_experimenter;
+    std::string_view stop_question;
+};
+
+[[nodiscard]] const Words& words_in(protocols::Language language) noexcept;
+
+}  // namespace palpate::ui
