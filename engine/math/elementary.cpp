@@ -97,6 +97,9 @@ SinCos sin_cos(double x) noexcept {
 }
 
 double arc_tan2(double y, double x) noexcept {
+    if (!std::isfinite(x) || !std::isfinite(y)) {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
     const double ax = std::fabs(x);
     const double ay = std::fabs(y);
     if (ax == 0.0 && ay == 0.0) {

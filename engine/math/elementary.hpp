@@ -20,7 +20,7 @@ struct SinCos {
 /// (Cody & Waite 1980). NaN for a value that is not finite.
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 
-/// Angle of (x, y) in (-pi, pi], rad; 0 for the origin.
+/// Angle of (x, y) in (-pi, pi], rad; 0 for the origin, NaN for what is not finite.
 /// atan z = atan(k/8) + atan((z - k/8) / (1 + z k/8)), then the Taylor series for |t| <= 1/16.
 [[nodiscard]] double arc_tan2(double y, double x) noexcept;
 

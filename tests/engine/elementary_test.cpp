@@ -78,3 +78,14 @@ TEST_CASE("sine and cosine of what is not finite are NaN", "[math]") {
     CHECK(std::isnan(sin_cos(std::numeric_limits<double>::infinity()).sin));
     CHECK(std::isnan(sin_cos(std::numeric_limits<double>::quiet_NaN()).cos));
 }
+
+TEST_CASE("the angle of what is not finite is NaN", "[math]") {
+    const double inf = std::numeric_limits<double>::infinity();
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    for (const double bad : {inf, -inf, nan}) {
+        CHECK(std::isnan(arc_tan2(bad, 1.0)));
+        CHECK(std::isnan(arc_tan2(1.0, bad)));
+        CHECK(std::isnan(arc_tan2(bad, bad)));
+    }
+    CHECK(std::isnan(arc_cos(nan)));
+}
