@@ -1,5 +1,6 @@
 #include "data/store/people.hpp"
 
+#include <charconv>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -113,14 +114,34 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
     database
         .prepare(
             "INSERT INTO event (session, trial, kind, text, at_utc)"
-            " VALUES (?1, ?2, 'mark', ?3, ?4)")
+            " SELECT ?1, ?2, 'mark', 'after trial ' || max(id) || ': ' || ?3, ?4 FROM trial")
         .bind(1, session)
         .bind(2, trial)
-        .bind(3, fmt::format("invalid: {}", reason))
+        .bind(3, reason)
         .bind(4, utc_now())
         .run();
     all.commit();
     return finished;
+}
+
+std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
+    Statement row = database.prepare("SELECT text FROM event WHERE trial = ?1 AND kind = 'mark'");
+    if (!row.bind(1, trial).step()) {
+        return std::nullopt;
+    }
+    constexpr std::string_view kAfter = "after trial ";
+    const std::string text = row.text(0);
+    const std::size_t colon = text.find(": ");
+    Mark mark;
+    if (!text.starts_with(kAfter) || colon == std::string::npos) {
+        return std::nullopt;
+    }
+    const char* end = text.data() + colon;
+    if (std::from_chars(text.data() + kAfter.size(), end, mark.after).ptr != end) {
+        return std::nullopt;
+    }
+    mark.reason = text.substr(colon + 2);
+    return mark;
 }
 
 }  // namespace palpate::data

@@ -53,4 +53,12 @@ void add_note(Database& database, std::int64_t session, std::string_view text);
 /// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count already
 bool mark_invalid(Database& database, std::int64_t trial, std::string_view reason);
 
+struct Mark {
+    std::int64_t after = 0;  ///< the last trial that the file had then
+    std::string reason;
+};
+
+/// What mark_invalid() noted of a trial.
+[[nodiscard]] std::optional<Mark> find_mark(Database& database, std::int64_t trial);
+
 }  // namespace palpate::data

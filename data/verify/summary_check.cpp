@@ -9,6 +9,7 @@
 
 #include "engine/safety/safety_limits.hpp"
 #include "protocols/running/trial_meter.hpp"
+#include "data/store/people.hpp"
 #include "data/trace/columns.hpp"
 #include "data/verify/replay_check.hpp"
 
@@ -170,6 +171,25 @@ void check_summary(const SessionFrame& frame,
     const auto period_ns =
         static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5));
     check_done(trial, felt, period_ns, answered_by_numbers && on_virtual_clock(trace), findings);
+}
+
+void check_invalid(Database& database,
+                   const SessionFrame& frame,
+                   const StoredRow& trial,
+                   const StoredTrace& trace,
+                   Findings& findings) {
+    if (!trace.whole || (frame.old && trial.null("invalid"))) {
+        return;
+    }
+    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness);
+    const auto felt = std::clamp<std::int64_t>(trial.integer("ticks"), 0,
+                                               static_cast<std::int64_t>(trace.ticks.size()));
+    meter.add(std::span(trace.ticks).first(static_cast<std::size_t>(felt)));
+    std::string why = why_invalid(frame.protocol, meter.summary(), !frame.simulated);
+    if (const auto mark = find_mark(database, trial.integer("id")); mark && why.empty()) {
+        why = mark->reason;
+    }
+    findings.expect("trial", "invalid", trial, why.empty() ? Value() : Value(why));
 }
 
 void check_fault_ticks(Database& database,

@@ -17,6 +17,13 @@ void check_summary(const SessionFrame& frame,
                    bool answered_by_numbers,
                    Findings& findings);
 
+/// Why an answer does not count: by the rules of [invalid], or because somebody marked it.
+void check_invalid(Database& database,
+                   const SessionFrame& frame,
+                   const StoredRow& trial,
+                   const StoredTrace& trace,
+                   Findings& findings);
+
 /// The rows of fault_tick: the last ticks of the trace, at most 100, for a faulted trial; none else.
 void check_fault_ticks(Database& database,
                        const SessionFrame& frame,

@@ -8,6 +8,7 @@
 
 #include "engine/safety/trip.hpp"
 #include "protocols/running/trial_scene.hpp"
+#include "data/store/people.hpp"
 #include "data/verify/replay_check.hpp"
 #include "data/verify/simulated_answer.hpp"
 #include "data/verify/summary_check.hpp"
@@ -41,13 +42,22 @@ constexpr std::array kOfAnEnd{
     "ended_utc",     "contact_episodes",    "worst_episode_j",    "skipped_ticks",
     "fault",         "slewed_ticks",        "stale_ticks"};
 
+protocols::RequeueRule rule_of(const SessionFrame& frame) {
+    return {.key = {.protocol_hash = frame.protocol_hash,
+                    .participant = frame.key.participant,
+                    .session = frame.key.session,
+                    .purpose = {},
+                    .seed = frame.seed},
+            .most = frame.protocol.invalid.requeue_most};
+}
+
 }  // namespace
 
 TrialCheck::TrialCheck(Database& database, const SessionFrame& frame, Findings& findings)
     : database_(database),
       frame_(frame),
       findings_(findings),
-      pending_(frame.plan),
+      pending_(frame.plan, rule_of(frame)),
       period_ns_(
           static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5))) {}
 
@@ -69,9 +79,16 @@ void TrialCheck::check(const StoredRow& trial) {
         }
     }
     check_times(trace, period_ns_, findings_);
+    if (responses.empty() && !trial.null("invalid")) {
+        findings_.differs("trial.invalid", to_text(trial.at("invalid")),
+                          "NULL: there is no answer");
+    }
     if (!never_ended(trial.text("outcome"))) {
         const bool by_numbers = responses.empty() || responses.front().text("input") == "simulated";
         check_summary(frame_, trial, trace, by_numbers, findings_);
+        if (!responses.empty()) {
+            check_invalid(database_, frame_, trial, trace, findings_);
+        }
     }
     if (!frame_.old ||
         !rows_of(database_, "SELECT name FROM sqlite_schema WHERE name = 'fault_tick'").empty()) {
@@ -80,18 +97,41 @@ void TrialCheck::check(const StoredRow& trial) {
     findings_.look_at({});
 }
 
+/// A session that goes on after a mark orders what is left as if the answer had never counted.
+void TrialCheck::heed_marks(const StoredRow& trial) {
+    bool marked = false;
+    for (Attempt& attempt : made_) {
+        if (attempt.marked_after > 0 && attempt.marked_after < trial.integer("id")) {
+            attempt.counted = false;
+            attempt.marked_after = 0;
+            marked = true;
+        }
+    }
+    if (!marked) {
+        return;
+    }
+    pending_ = protocols::PendingTrials(frame_.plan, rule_of(frame_));
+    for (const Attempt& attempt : made_) {
+        pending_.note(attempt.position, attempt.outcome, attempt.counted);
+    }
+}
+
 void TrialCheck::check_attempt(const StoredRow& trial, bool answered) {
+    heed_marks(trial);
     const auto position = static_cast<std::size_t>(trial.integer("position"));
     if (position != pending_.next()) {
         findings_.differs("trial.position", fmt::format("{}", position),
                           fmt::format("{}: the next one to run", pending_.next()));
     }
     findings_.expect("trial", "attempt", trial, ++attempts_[position]);
-    if (answered) {
-        pending_.note(position, protocols::Outcome::complete);
-    } else if (trial.text("outcome") == "faulted") {
-        pending_.note(position, protocols::Outcome::faulted);
+    if (!answered && trial.text("outcome") != "faulted") {
+        return;
     }
+    const auto mark = find_mark(database_, trial.integer("id"));
+    const bool counted = trial.null("invalid") || mark.has_value();
+    const auto outcome = answered ? protocols::Outcome::complete : protocols::Outcome::faulted;
+    made_.push_back({position, outcome, counted, mark ? mark->after : 0});
+    pending_.note(position, outcome, counted);
 }
 
 void TrialCheck::check_outcome(const StoredRow& trial, const StoredTrace& trace, bool answered) {

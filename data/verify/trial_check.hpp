@@ -33,6 +33,7 @@ public:
     [[nodiscard]] const protocols::PendingTrials& pending() const noexcept { return pending_; }
 
 private:
+    void heed_marks(const StoredRow& trial);
     void check_attempt(const StoredRow& trial, bool answered);
     void check_outcome(const StoredRow& trial, const StoredTrace& trace, bool answered);
     void check_response(const StoredRow& response, const protocols::PlannedTrial& planned);
@@ -43,7 +44,16 @@ private:
     Database& database_;
     const SessionFrame& frame_;
     Findings& findings_;
+    /// An attempt that was answered or faulted.
+    struct Attempt {
+        std::size_t position = 0;
+        protocols::Outcome outcome{};
+        bool counted = false;  ///< when it ended
+        std::int64_t marked_after =
+            0;  ///< last trial when somebody said it does not count; 0: nobody
+    };
     protocols::PendingTrials pending_;
+    std::vector<Attempt> made_;
     std::map<std::size_t, std::int64_t> attempts_;  ///< so far, by position
     std::int64_t period_ns_;
     std::int64_t replayed_ = 0;

@@ -265,6 +265,7 @@ template bool left_out(const Key<OutlineSpec>&, const OutlineSpec&);
 template bool left_out(const Key<ObjectSpec>&, const ObjectSpec&);
 template bool left_out(const Key<FrictionSpec>&, const FrictionSpec&);
 template bool left_out(const Key<SafetySpec>&, const SafetySpec&);
+template bool left_out(const Key<InvalidSpec>&, const InvalidSpec&);
 template bool left_out(const Key<DesignSpec>&, const DesignSpec&);
 template bool left_out(const Key<TimingSpec>&, const TimingSpec&);
 template bool left_out(const Key<ObserverSpec>&, const ObserverSpec&);

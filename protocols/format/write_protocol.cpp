@@ -36,7 +36,6 @@ void append(std::string& text,
             std::string_view heading,
             const Record& record,
             bool coefficients = true) {
-    static const Record defaults{};
     text += fmt::format("\n{}\n", heading);
     for (const Key<Record>& key : keys_of<Record>()) {
         if (!coefficients && (key.need == Need::gos || key.need == Need::gos_optional)) {
