@@ -3,9 +3,16 @@
 namespace palpate::data {
 namespace {
 
-std::vector<std::string> pictures_of(Database& database, std::int64_t session) {
-    Statement row =
-        database.prepare("SELECT object FROM picture WHERE session = ?1 ORDER BY place");
+constexpr const char* kPictures = "SELECT object FROM picture WHERE session = ?1 ORDER BY place";
+
+// Frictions by their first block, if no block has two.
+constexpr const char* kFrictions =
+    "SELECT friction FROM plan WHERE session = ?1 AND phase = 'main' AND NOT EXISTS"
+    " (SELECT 1 FROM plan WHERE session = ?1 AND phase = 'main' GROUP BY block"
+    " HAVING count(DISTINCT friction) > 1) GROUP BY friction ORDER BY min(position)";
+
+std::vector<std::string> order_of(Database& database, const char* sql, std::int64_t session) {
+    Statement row = database.prepare(sql);
     row.bind(1, session);
     std::vector<std::string> order;
     while (row.step()) {
@@ -14,13 +21,12 @@ std::vector<std::string> pictures_of(Database& database, std::int64_t session) {
     return order;
 }
 
-}  // namespace
-
-PictureOrders picture_orders(Database& database,
-                             std::string_view study,
-                             const protocols::SessionKey& key) {
+LevelOrders orders_of(Database& database,
+                      const char* sql,
+                      std::string_view study,
+                      const protocols::SessionKey& key) {
     const Snapshot view(database);
-    PictureOrders orders;
+    LevelOrders orders;
     Statement other = database.prepare(
         // SQLite takes the other columns from the row of the minimum.
         "SELECT session.id, min(number) FROM session JOIN study ON study.id = study"
@@ -28,7 +34,7 @@ PictureOrders picture_orders(Database& database,
         " WHERE name = ?1 AND code <> ?2 AND kind = 'real' GROUP BY code ORDER BY code");
     other.bind(1, study).bind(2, key.participant);
     while (other.step()) {
-        orders.others.push_back(pictures_of(database, other.integer(0)));
+        orders.others.push_back(order_of(database, sql, other.integer(0)));
     }
     Statement own = database.prepare(
         "SELECT session.id FROM session JOIN study ON study.id = study"
@@ -36,9 +42,23 @@ PictureOrders picture_orders(Database& database,
         " ORDER BY number = ?3 DESC, number, session.id LIMIT 1");
     own.bind(1, study).bind(2, key.participant).bind(3, static_cast<std::int64_t>(key.session));
     if (own.step()) {
-        orders.own = pictures_of(database, own.integer(0));
+        orders.own = order_of(database, sql, own.integer(0));
     }
     return orders;
+}
+
+}  // namespace
+
+LevelOrders picture_orders(Database& database,
+                           std::string_view study,
+                           const protocols::SessionKey& key) {
+    return orders_of(database, kPictures, study, key);
+}
+
+LevelOrders friction_orders(Database& database,
+                            std::string_view study,
+                            const protocols::SessionKey& key) {
+    return orders_of(database, kFrictions, study, key);
 }
 
 }  // namespace palpate::data

@@ -10,8 +10,8 @@
 
 namespace palpate::data {
 
-/// Orders of the pictures, as names from left to right.
-struct PictureOrders {
+/// Orders of levels, as names: of the pictures from left to right, or of the first friction blocks.
+struct LevelOrders {
     std::vector<std::vector<std::string>> others;  ///< of every other participant who really ran
     std::vector<std::string> own;                  ///< empty: the participant has no session yet
 };
@@ -21,8 +21,14 @@ struct PictureOrders {
 /// `others` counts each participant with a real session once, by the first of these; what is simulated
 /// or a pilot leaves the balance of the real ones alone. `own` is the order of the session itself if it
 /// is there, so that it goes on as it began, else that of the participant's first session of any kind.
-[[nodiscard]] PictureOrders picture_orders(Database& database,
-                                           std::string_view study,
-                                           const protocols::SessionKey& key);
+[[nodiscard]] LevelOrders picture_orders(Database& database,
+                                         std::string_view study,
+                                         const protocols::SessionKey& key);
+
+/// The same of the frictions of the first main blocks, one round of them. A session whose blocks mix
+/// frictions has no such order: its entry is empty.
+[[nodiscard]] LevelOrders friction_orders(Database& database,
+                                          std::string_view study,
+                                          const protocols::SessionKey& key);
 
 }  // namespace palpate::data

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/counterbalance.hpp"
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
 
 namespace palpate::data {
@@ -38,6 +39,19 @@ void check_row(const StoredRow& row,
     findings.expect(table, "mu_d", row, friction.mu_d);
     findings.expect(table, "break_before", row, std::int64_t{planned.break_before ? 1 : 0});
     findings.expect(table, "block", row, static_cast<std::int64_t>(planned.block));
+}
+
+/// Frictions of the main trials in the order in which they come.
+std::vector<std::string> frictions_of(const std::vector<StoredRow>& rows) {
+    std::vector<std::string> names;
+    for (const StoredRow& row : rows) {
+        const std::string name = row.text("friction");
+        if (row.text("phase") == "main" &&
+            std::find(names.begin(), names.end(), name) == names.end()) {
+            names.push_back(name);
+        }
+    }
+    return names;
 }
 
 /// The plan as its rows say it: enough to replay trials.
@@ -100,7 +114,8 @@ bool check_plan(Database& database,
     }
     try {
         frame.plan = make_plan(frame.protocol, frame.protocol_hash, frame.key, frame.seed,
-                               picture_history(frame.protocol, {}, frame.pictures));
+                               picture_history(frame.protocol, {}, frame.pictures),
+                               friction_history(frame.protocol, {}, frictions_of(rows)));
     } catch (const std::exception& e) {
         findings.differs("plan", fmt::format("{} rows", rows.size()), e.what());
         return false;

@@ -34,16 +34,9 @@ std::vector<std::vector<std::size_t>> picture_rows(const Protocol& protocol) {
     return rows;
 }
 
-RowHistory picture_history(const Protocol& protocol,
-                           std::span<const std::vector<std::string>> others,
-                           const std::vector<std::string>& own) {
-    std::vector<std::vector<std::string>> rows;
-    for (const auto& row : picture_rows(protocol)) {
-        auto& names = rows.emplace_back();
-        for (const std::size_t object : row) {
-            names.push_back(protocol.objects[object].name);
-        }
-    }
+RowHistory row_history(std::span<const std::vector<std::string>> rows,
+                       std::span<const std::vector<std::string>> others,
+                       const std::vector<std::string>& own) {
     const auto row_of = [&](const std::vector<std::string>& order) -> std::optional<std::size_t> {
         const auto found = std::find(rows.begin(), rows.end(), order);
         return found == rows.end() ? std::nullopt
@@ -56,6 +49,19 @@ RowHistory picture_history(const Protocol& protocol,
         }
     }
     return history;
+}
+
+RowHistory picture_history(const Protocol& protocol,
+                           std::span<const std::vector<std::string>> others,
+                           const std::vector<std::string>& own) {
+    std::vector<std::vector<std::string>> rows;
+    for (const auto& row : picture_rows(protocol)) {
+        auto& names = rows.emplace_back();
+        for (const std::size_t object : row) {
+            names.push_back(protocol.objects[object].name);
+        }
+    }
+    return row_history(rows, others, own);
 }
 
 }  // namespace palpate::protocols

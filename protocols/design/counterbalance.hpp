@@ -33,6 +33,12 @@ struct RowHistory {
 /// each from left to right, as indices into Protocol::objects.
 [[nodiscard]] std::vector<std::vector<std::size_t>> picture_rows(const Protocol& protocol);
 
+/// Finds recorded orders, as names of levels, among `rows`. An order that is none of them counts for
+/// nothing.
+[[nodiscard]] RowHistory row_history(std::span<const std::vector<std::string>> rows,
+                                     std::span<const std::vector<std::string>> others,
+                                     const std::vector<std::string>& own);
+
 /// Finds recorded orders, as names from left to right, among picture_rows(). An order that is none of
 /// them belongs to another version of the protocol and counts for nothing.
 [[nodiscard]] RowHistory picture_history(const Protocol& protocol,

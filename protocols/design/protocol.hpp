@@ -84,6 +84,13 @@ enum class OrderRule : std::uint8_t {
     first_order,  ///< every condition follows every condition once: repetitions = conditions
 };
 
+/// How the frictions of the main trials come.
+enum class FrictionBlocks : std::uint8_t {
+    interleaved,  ///< all of them in every block
+    abba,         ///< one a block, in an order and back again: A B, B A
+    blocked,      ///< one a block, always in the same order: A B, A B
+};
+
 struct DesignSpec {
     std::size_t repetitions = 10;          ///< of each condition in the main phase, >= 1
     std::size_t max_run_object = 2;        ///< same object in a row, 0: no limit
@@ -93,6 +100,7 @@ struct DesignSpec {
     std::size_t break_every = 20;          ///< main-phase trials between breaks, 0: none
     std::size_t blocks = 1;  ///< of the main trials, each balanced; a divisor of repetitions
     OrderRule order = OrderRule::random;
+    FrictionBlocks friction_blocks = FrictionBlocks::interleaved;
 
     friend bool operator==(const DesignSpec&, const DesignSpec&) = default;
 };

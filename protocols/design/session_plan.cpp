@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/eulerian_order.hpp"
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/order_sampler.hpp"
 #include "protocols/design/sha256.hpp"
 #include "protocols/design/streams.hpp"
@@ -83,6 +84,9 @@ void refuse(const Protocol& protocol) {
             fmt::format("{} repetitions cannot be divided evenly into {} blocks: give a divisor",
                         design.repetitions, design.blocks));
     }
+    if (const std::string why = why_not_in_blocks(protocol); !why.empty()) {
+        throw std::invalid_argument(why);
+    }
     if (design.order == OrderRule::first_order &&
         (design.repetitions != conditions || design.blocks != 1 || design.catch_trials != 0)) {
         throw std::invalid_argument(
@@ -100,8 +104,11 @@ struct MainTrials {
     OrderWay way = OrderWay::shuffles;
 };
 
+/// @param frictions  the one of each block, where they are not interleaved
 template <class StreamOfBlock>
-MainTrials main_trials(const Protocol& protocol, const StreamOfBlock& stream_of) {
+MainTrials main_trials(const Protocol& protocol,
+                       std::span<const std::size_t> frictions,
+                       const StreamOfBlock& stream_of) {
     const DesignSpec& design = protocol.design;
     MainTrials main;
     if (design.order == OrderRule::first_order) {
@@ -115,10 +122,14 @@ MainTrials main_trials(const Protocol& protocol, const StreamOfBlock& stream_of)
         main.attempts = 1;
         return main;
     }
-    OrderSampler sampler(factorial(protocol, design.repetitions / design.blocks),
-                         {.object = design.max_run_object, .friction = design.max_run_friction});
-    for (std::size_t block = 0; block < design.blocks; ++block) {
+    // One sampler for every friction, or for all of them together: its tables take time.
+    std::vector<OrderSampler> samplers;
+    for (std::size_t i = 0; i < (frictions.empty() ? 1 : protocol.frictions.size()); ++i) {
+        samplers.emplace_back(block_trials(protocol, i), block_limits(design));
+    }
+    for (std::size_t block = 0; block < block_count(protocol); ++block) {
         Pcg32 random = stream_of(block);
+        OrderSampler& sampler = samplers[frictions.empty() ? 0 : frictions[block]];
         const ConstrainedOrder drawn = sampler.draw(random);
         main.order.insert(main.order.end(), drawn.order.begin(), drawn.order.end());
         main.attempts += drawn.attempts;
@@ -153,27 +164,34 @@ private:
 
 /// Main and catch trials, after a break if there was practice: before the trial that leads in, if any.
 void write_main(Writer& writer,
-                const MainTrials& main,
-                std::size_t blocks,
-                const std::vector<Condition>& catches,
-                const std::vector<bool>& is_catch,
+                const std::optional<Condition>& lead_in,
+                std::span<const MainTrial> trials,
                 bool practised) {
-    if (main.lead_in) {
-        writer.practice(*main.lead_in, practised);
+    if (lead_in) {
+        writer.practice(*lead_in, practised);
     }
-    bool begins = practised && !main.lead_in;
-    std::size_t next_main = 0;
-    std::size_t next_catch = 0;
-    const std::size_t of_block = main.order.size() / blocks;
-    for (const bool a_catch : is_catch) {
-        const std::size_t block = std::min(next_main / of_block, blocks - 1);
-        if (a_catch) {
-            writer.main_phase(Phase::catch_trial, catches[next_catch++], begins, block);
-        } else {
-            writer.main_phase(Phase::main, main.order[next_main++], begins, block);
-        }
+    bool begins = practised && !lead_in;
+    for (const MainTrial& trial : trials) {
+        writer.main_phase(trial.phase, trial.condition, begins, trial.block);
         begins = false;
     }
+}
+
+/// Catch trials anywhere among the main ones but first.
+std::vector<MainTrial> with_catch_trials(std::span<const Condition> main,
+                                         std::size_t blocks,
+                                         std::span<const Condition> catches,
+                                         Pcg32& random) {
+    std::vector<MainTrial> trials;
+    std::size_t next_main = 0;
+    std::size_t next_catch = 0;
+    const std::size_t of_block = main.size() / blocks;
+    for (const bool a_catch : catch_places(main.size(), catches.size(), random)) {
+        const std::size_t block = std::min(next_main / of_block, blocks - 1);
+        trials.push_back(a_catch ? MainTrial{Phase::catch_trial, catches[next_catch++], block}
+                                 : MainTrial{Phase::main, main[next_main++], block});
+    }
+    return trials;
 }
 
 }  // namespace
@@ -214,7 +232,8 @@ Plan make_plan(const Protocol& protocol,
                std::string_view protocol_hash,
                const SessionKey& key,
                std::uint64_t seed,
-               const RowHistory& pictures) {
+               const RowHistory& pictures,
+               const RowHistory& frictions) {
     refuse(protocol);
     const auto stream_for = [&](std::size_t session, std::string_view purpose,
                                 std::size_t block = 0) {
@@ -236,7 +255,13 @@ Plan make_plan(const Protocol& protocol,
         writer.practice(condition);
     }
 
-    const MainTrials main = main_trials(protocol, [&](std::size_t block) {
+    std::vector<std::size_t> friction_of;
+    if (in_friction_blocks(design)) {
+        const auto rows = friction_rows(protocol);
+        Pcg32 random = stream_for(0, purpose::friction_blocks);
+        friction_of = friction_of_blocks(design, rows[choose_row(rows.size(), frictions, random)]);
+    }
+    const MainTrials main = main_trials(protocol, friction_of, [&](std::size_t block) {
         return stream_for(key.session, purpose::main_order, block);
     });
     plan.attempts = main.attempts;
@@ -244,8 +269,12 @@ Plan make_plan(const Protocol& protocol,
     Pcg32 catch_stream = stream_for(key.session, purpose::catch_trials);
     const std::vector<Condition> catches =
         catch_conditions(protocol, design.catch_trials, catch_stream);
-    write_main(writer, main, design.blocks, catches,
-               catch_places(main.order.size(), catches.size(), catch_stream), !practice.empty());
+    const std::size_t blocks = block_count(protocol);
+    write_main(writer, main.lead_in,
+               friction_of.empty() ? with_catch_trials(main.order, blocks, catches, catch_stream)
+                                   : with_catch_trials(main.order, main.order.size() / blocks,
+                                                       friction_of, catches, catch_stream),
+               !practice.empty());
 
     const auto rows = picture_rows(protocol);
     Pcg32 picture_stream = stream_for(0, purpose::pictures);

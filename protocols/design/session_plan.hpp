@@ -26,7 +26,12 @@ namespace palpate::protocols {
 ///    With the rule first_order instead: one block, a sequence in which every condition follows every
 ///    condition once (eulerian_order; stream main_order). Its first trial has no forerunner: it leads in,
 ///    as practice. The run limits do not apply.
+///    With friction blocks (friction_blocks.hpp): `blocks` rounds, in each one block of every friction,
+///    with every pictured object repetitions / blocks times in it; which friction begins is the row that
+///    others used least, drawn as the pictures are (stream friction_blocks). Only the limit of objects
+///    applies.
 /// 3. Catch trials among them, at places drawn uniformly from all but the first (stream catch_trials).
+///    (Friction blocks: each among trials of its own friction, and first in no block.)
 ///    They cycle over catch objects x frictions, so that each object and each friction comes as equally
 ///    often as their number allows. They do not count for the run limits: these hold for the main
 ///    trials as if the catch trials were not there, else the limits would bend where they fall.
@@ -38,16 +43,19 @@ namespace palpate::protocols {
 /// @param protocol_hash  protocol_hash(protocol)
 /// @param seed           the study seed: protocol.seed unless the operator gave another
 /// @param pictures       who already ran with which row of picture_rows()
+/// @param frictions      who already ran with which row of friction_rows(); only for friction blocks
 /// @throws OrderError if no order keeps the run limits
 /// @throws std::invalid_argument if there is nothing to run (no pictured object, friction or repetition,
-///         catch trials without a catch object; no protocol read from a file is like that), if `blocks`
+///         catch trials without a catch object; no protocol read from a file is like that), if friction
+///         blocks cannot be had (why_not_in_blocks), if `blocks`
 ///         does not divide the repetitions, or if first_order is asked for with catch trials, several
 ///         blocks, or other repetitions than conditions
 [[nodiscard]] Plan make_plan(const Protocol& protocol,
                              std::string_view protocol_hash,
                              const SessionKey& key,
                              std::uint64_t seed,
-                             const RowHistory& pictures = {});
+                             const RowHistory& pictures = {},
+                             const RowHistory& frictions = {});
 
 /// Short code of the plan for the lab book: the first 32 bits of its hash, as in "3f9a-01bc". Noted before
 /// the first trial it says later which order was meant: `palpate sequence` and `palpate run` show it.

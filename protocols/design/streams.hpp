@@ -28,14 +28,16 @@ inline constexpr std::string_view practice_order = "order.practice";  ///< sessi
 inline constexpr std::string_view main_order = "order.main";  ///< session, block of main trials
 inline constexpr std::string_view catch_trials = "catch";     ///< session; conditions, then places
 inline constexpr std::string_view pictures =
-    "pictures";                                   ///< session 0: the row of the Williams design
+    "pictures";  ///< session 0: the row of the Williams design
+inline constexpr std::string_view friction_blocks =
+    "friction_blocks";                            ///< session 0: which friction begins
 inline constexpr std::string_view hand = "hand";  ///< session, block = position: simulated hand
 inline constexpr std::string_view observer =
     "observer";                                         ///< session, block = position: its answers
 inline constexpr std::string_view requeue = "requeue";  ///< session, block = position: place of the
                                                         ///< 1st, 2nd, ... repetition
-inline constexpr std::array all = {practice_order, main_order, catch_trials, pictures,
-                                   hand,           observer,   requeue};
+inline constexpr std::array all = {practice_order,  main_order, catch_trials, pictures,
+                                   friction_blocks, hand,       observer,     requeue};
 }  // namespace purpose
 
 /// The text that is hashed: one `name=value` a line. Texts carry their length in bytes, so that no

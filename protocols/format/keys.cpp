@@ -135,6 +135,8 @@ constexpr std::array kDesign{
                     .meaning = "of the main trials, each balanced; a divisor of repetitions"},
     Key<DesignSpec>{.name = "order", .member = &DesignSpec::order, .late = true,
                     .meaning = "random within the run limits, or every condition after every condition once"},
+    Key<DesignSpec>{.name = "friction_blocks", .member = &DesignSpec::friction_blocks, .late = true,
+                    .meaning = "all frictions in each block; or one a block, there and back (abba) or always alike"},
 };
 
 constexpr std::array kTiming{

@@ -34,6 +34,7 @@ struct Key {
                  std::string Record::*,
                  engine::Vec2 Record::*,
                  OrderRule Record::*,
+                 FrictionBlocks Record::*,
                  Handedness Record::*,
                  Language Record::*>
         member;
@@ -49,11 +50,15 @@ struct Key {
 
 // What a key for an enumeration may say, by its numbers.
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
+inline constexpr std::array<std::string_view, 3> kFrictionBlocks{"interleaved", "abba", "blocked"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
 inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
     return kOrderRules;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(FrictionBlocks) {
+    return kFrictionBlocks;
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Handedness) {
     return kHandedness;

@@ -9,7 +9,7 @@
 
 #include "engine/contact/closest_point.hpp"
 #include "stimuli/two_curve.hpp"
-#include "protocols/design/constrained_order.hpp"
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 
@@ -233,6 +233,11 @@ private:
                     "pictured = false, or give 0",
                     design.catch_trials));
         }
+        if (const std::string why = why_not_in_blocks(protocol_); !why.empty()) {
+            add("design.friction_blocks",
+                fmt::format("friction_blocks is \"{}\": {}", word_of(design.friction_blocks), why));
+            return;
+        }
         if (design.order == OrderRule::first_order) {
             first_order(conditions);
             return;
@@ -244,9 +249,7 @@ private:
                             design.blocks, design.repetitions));
             return;
         }
-        if (const auto why = why_infeasible(
-                factorial(protocol_, design.repetitions / design.blocks),
-                {.object = design.max_run_object, .friction = design.max_run_friction})) {
+        if (const auto why = why_infeasible(block_trials(protocol_, 0), block_limits(design))) {
             const bool of_object = why->factor == Infeasible::Factor::object;
             const std::string key = of_object ? "max_run_object" : "max_run_friction";
             add("design." + key,

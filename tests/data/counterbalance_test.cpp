@@ -1,6 +1,6 @@
 #include <set>
 
-#include "protocols/design/counterbalance.hpp"
+#include "protocols/design/friction_blocks.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -64,4 +64,52 @@ TEST_CASE("a session goes on with its own pictures, and so does the participant'
     }
     CHECK(open(database, protocol, "R0", data::RunKind::real, 2) == first);
     CHECK(data::picture_orders(database, "small", {"R1", 1}).others.size() == 11);
+}
+
+namespace {
+
+/// Opens the session of a study in friction blocks, and says which friction began.
+std::size_t open_blocks(data::Database& database,
+                        const protocols::Protocol& protocol,
+                        const std::string& participant,
+                        data::RunKind kind,
+                        std::size_t number = 1) {
+    data::SessionSpec spec = tests::session_spec(tests::small_protocol(), participant, number);
+    spec.protocol = protocol;
+    spec.protocol_hash = protocols::protocol_hash(protocol);
+    spec.kind = kind;
+    const auto seen = data::friction_orders(database, protocol.id, spec.key);
+    spec.plan = protocols::make_plan(protocol, spec.protocol_hash, spec.key, spec.seed, {},
+                                     friction_history(protocol, seen.others, seen.own));
+    [[maybe_unused]] const auto opened = data::open_session(database, spec);
+    return first_round(protocol, spec.plan).front();
+}
+
+}  // namespace
+
+TEST_CASE("real participants begin with each friction in turns, whoever else ran",
+          "[store][friction_blocks][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{6}));
+    CAPTURE(seed);
+    const TemporaryFolder folder;
+    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    protocols::Protocol protocol = tests::small_protocol(2);
+    protocol.seed = seed;
+    // An older version of the study, in which the frictions were mixed, counts for nothing.
+    open(database, protocol, "OLD", data::RunKind::real);
+    protocol.design.blocks = 2;
+    protocol.design.friction_blocks = protocols::FrictionBlocks::abba;
+    std::vector<std::size_t> begun;
+    for (int i = 0; i < 8; ++i) {
+        open_blocks(database, protocol, std::string("S").append(std::to_string(i)),
+                    data::RunKind::simulated);
+        begun.push_back(open_blocks(database, protocol, std::string("R").append(std::to_string(i)),
+                                    data::RunKind::real));
+        // The same session goes on: another plan would be refused.
+        CHECK(open_blocks(database, protocol, "R0", data::RunKind::real) == begun[0]);
+        if (i % 2 == 1) {
+            CHECK(begun[begun.size() - 1] != begun[begun.size() - 2]);
+        }
+    }
+    CHECK(open_blocks(database, protocol, "R0", data::RunKind::real, 2) == begun[0]);
 }

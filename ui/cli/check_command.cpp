@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/duration.hpp"
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 #include "data/csv/whole_file.hpp"
@@ -45,7 +46,7 @@ void print_design(const Study& study, const Plan& plan) {
                objects_of(protocol, true).size(), protocol.frictions.size());
     fmt::print("{} trials: {} practice, {} main in {} block{}, {} catch\n", plan.trials.size(),
                trials_of(plan, Phase::practice), trials_of(plan, Phase::main),
-               protocol.design.blocks, protocol.design.blocks == 1 ? "" : "s",
+               block_count(protocol), block_count(protocol) == 1 ? "" : "s",
                trials_of(plan, Phase::catch_trial));
     fmt::print("{}\n{}\nin the order of a participant named {}, other orders differ:\n{}\n{}",
                breaks_text(summary), counts_text(protocol, summary), kExample,

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/acceptance.hpp"
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
 
 namespace palpate::ui {
@@ -64,16 +65,24 @@ std::string limits_text(const Protocol& protocol,
             "order: first-order balanced, every condition follows every condition once\n",
             summary.longest_object_run, summary.longest_friction_run);
     }
-    std::string text =
-        fmt::format("longest runs of main trials: object {} ({}), friction {} ({})\n",
-                    summary.longest_object_run, limit_text(design.max_run_object),
-                    summary.longest_friction_run, limit_text(design.max_run_friction));
-    const auto trials = factorial(protocol, design.repetitions / design.blocks);
-    const protocols::RunLimits limits{design.max_run_object, design.max_run_friction};
+    std::string text = fmt::format(
+        "longest runs of main trials: object {} ({}), friction {} ({})\n",
+        summary.longest_object_run, limit_text(design.max_run_object), summary.longest_friction_run,
+        in_friction_blocks(design) ? std::string("one a block")
+                                   : limit_text(design.max_run_friction));
+    if (in_friction_blocks(design)) {
+        text += "frictions of the blocks:";
+        for (const std::size_t friction : friction_of_blocks(design, first_round(protocol, plan))) {
+            text += ' ' + protocol.frictions.at(friction).name;
+        }
+        text += '\n';
+    }
+    const auto trials = block_trials(protocol, 0);
+    const protocols::RunLimits limits = block_limits(design);
     const auto all = acceptance_of(trials, limits);
     text += fmt::format(
-        "acceptance of whole shuffles{}: {:.3g} ({})\n", design.blocks > 1 ? " of a block" : "",
-        all.share,
+        "acceptance of whole shuffles{}: {:.3g} ({})\n",
+        block_count(protocol) > 1 ? " of a block" : "", all.share,
         all.exact ? std::string("exact") : fmt::format("estimate, +- {:.1g} %", 100.0 * all.error));
     const auto object = acceptance_of_one(trials, &Condition::object, limits.object);
     const auto friction = acceptance_of_one(trials, &Condition::friction, limits.friction);
@@ -97,7 +106,7 @@ std::string counts_text(const Protocol& protocol, const PlanSummary& summary) {
     std::string text = fmt::format("trials of each condition\n{:<24}", "");
     for (const auto& [part, counts] : summary.counts) {
         text += fmt::format(" {:>9}",
-                            part.phase == Phase::practice || protocol.design.blocks == 1
+                            part.phase == Phase::practice || block_count(protocol) == 1
                                 ? std::string(to_string(part.phase))
                                 : fmt::format("{} {}", to_string(part.phase), part.block + 1));
     }

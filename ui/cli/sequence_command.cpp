@@ -1,7 +1,11 @@
+#include <algorithm>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "data/store/counterbalance_query.hpp"
@@ -23,6 +27,7 @@ struct Sequence {
     protocols::SessionKey key;
     std::uint64_t seed = 0;
     protocols::RowHistory history;
+    protocols::RowHistory frictions;
     Plan plan;
 };
 
@@ -43,6 +48,8 @@ Sequence make_sequence(const SequenceOptions& options) {
     made.seed = choice.seed;
     const auto seen = data::picture_orders(database, made.study.protocol.id, made.key);
     made.history = picture_history(made.study.protocol, seen.others, seen.own);
+    const auto blocks = data::friction_orders(database, made.study.protocol.id, made.key);
+    made.frictions = friction_history(made.study.protocol, blocks.others, blocks.own);
     made.plan = plan_session(database, made.study, made.key, made.seed);
     return made;
 }
@@ -59,6 +66,25 @@ void print_csv(const Sequence& sequence) {
     }
 }
 
+/// Which row of a Williams design an order is, and who used which.
+void print_row(std::string_view what,
+               const std::vector<std::vector<std::size_t>>& rows,
+               const std::vector<std::size_t>& order,
+               const protocols::RowHistory& history) {
+    const auto row = static_cast<std::size_t>(
+        std::distance(rows.begin(), std::find(rows.begin(), rows.end(), order)));
+    fmt::print("  {}: row {} of {} of the Williams design", what, row + 1, rows.size());
+    if (history.own) {
+        fmt::print(", as in this participant's earlier sessions");
+    } else if (row < history.uses.size()) {
+        fmt::print(", used by {} other participants; used so far:", history.uses[row]);
+        for (const std::size_t uses : history.uses) {
+            fmt::print(" {}", uses);
+        }
+    }
+    fmt::print("\n");
+}
+
 void print_pictures(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     const auto rows = picture_rows(protocol);
@@ -66,20 +92,12 @@ void print_pictures(const Sequence& sequence) {
     for (const std::size_t object : sequence.plan.picture_order) {
         fmt::print(" {}", protocol.objects.at(object).name);
     }
-    std::size_t row = 0;
-    while (rows[row] != sequence.plan.picture_order) {
-        ++row;
-    }
-    fmt::print("\n  row {} of {} of the Williams design", row + 1, rows.size());
-    if (sequence.history.own) {
-        fmt::print(", as in this participant's earlier sessions");
-    } else if (!sequence.history.uses.empty()) {
-        fmt::print(", used by {} other participants; used so far:", sequence.history.uses[row]);
-        for (const std::size_t uses : sequence.history.uses) {
-            fmt::print(" {}", uses);
-        }
-    }
     fmt::print("\n");
+    print_row("pictures", rows, sequence.plan.picture_order, sequence.history);
+    if (in_friction_blocks(protocol.design)) {
+        print_row("friction blocks", friction_rows(protocol), first_round(protocol, sequence.plan),
+                  sequence.frictions);
+    }
 }
 
 void print_trials(const Sequence& sequence) {

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "data/store/counterbalance_query.hpp"
 
@@ -37,9 +38,11 @@ protocols::Plan plan_session(data::Database& database,
                              const Study& study,
                              const protocols::SessionKey& key,
                              std::uint64_t seed) {
-    const data::PictureOrders seen = data::picture_orders(database, study.protocol.id, key);
+    const data::LevelOrders pictures = data::picture_orders(database, study.protocol.id, key);
+    const data::LevelOrders frictions = data::friction_orders(database, study.protocol.id, key);
     return make_plan(study.protocol, study.hash, key, seed,
-                     picture_history(study.protocol, seen.others, seen.own));
+                     picture_history(study.protocol, pictures.others, pictures.own),
+                     friction_history(study.protocol, frictions.others, frictions.own));
 }
 
 }  // namespace palpate::ui
