@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "data/report/svg_panel.hpp"
 #include "data/report/svg_text.hpp"
 
@@ -50,10 +50,26 @@ std::string millimetres(double metres) {
 /// One for both curves if their chords are equal.
 std::string sagitta_text(const Protocol& protocol, const ObjectSpec& object) {
     const auto& [a, vertex, b] = protocol.outline;
-    const std::string left = millimetres(sagitta(object.curvature, glm::length(vertex - a)));
-    const std::string right = millimetres(sagitta(object.curvature, glm::length(b - vertex)));
+    const double curvature = curvature_of(object).value_or(0.0);
+    const std::string left = millimetres(sagitta(curvature, object.size * glm::length(vertex - a)));
+    const std::string right =
+        millimetres(sagitta(curvature, object.size * glm::length(b - vertex)));
     return left == right ? fmt::format("sagitta {}", left)
                          : fmt::format("sagitta {}, {}", left, right);
+}
+
+/// What says how an object is curved.
+std::string shape_text(const Protocol& protocol,
+                       const ObjectSpec& object,
+                       const std::vector<Vec2>& outline) {
+    if (const auto curvature = curvature_of(object)) {
+        return fmt::format("{}, {}", signed_text(*curvature, "1/m"),
+                           sagitta_text(protocol, object));
+    }
+    Box box;
+    std::for_each(outline.begin(), outline.end(), [&](const Vec2& point) { box.add(point); });
+    const Vec2 size = 1e3 * (box.high - box.low);
+    return fmt::format("free form, {:.4g} \u00d7 {:.4g} mm", size.x, size.y);
 }
 
 /// A round number of millimetres (1, 2 or 5 times a power of ten), at most `most`.
@@ -75,7 +91,7 @@ class Sheet {
 public:
     Sheet(const Protocol& protocol, std::string_view hash) : protocol_(protocol), hash_(hash) {
         for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
-            outlines_.push_back(stimuli::silhouette(protocols::object_of(protocol, i)));
+            outlines_.push_back(protocols::silhouette_of(protocol, i));
             std::for_each(outlines_.back().begin(), outlines_.back().end(),
                           [this](const Vec2& point) { box_.add(point); });
         }
@@ -124,19 +140,21 @@ private:
             path += place(point);
         }
         const std::string_view ink = colour(object.pictured ? Ink::blue : Ink::grey, 0);
-        const auto& [a, vertex, b] = protocol_.outline;
         std::string out = fmt::format(
             "<path d=\"{}z\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"{}\" "
-            "stroke-width=\"1.6\" stroke-linejoin=\"round\"/>\n"
-            "<path d=\"M{}L{}L{}\" fill=\"none\" stroke=\"#666666\" stroke-width=\"0.8\" "
-            "stroke-dasharray=\"3 3\"/>\n",
-            path, ink, ink, place(a), place(vertex), place(b));
+            "stroke-width=\"1.6\" stroke-linejoin=\"round\"/>\n",
+            path, ink, ink);
+        if (object.segments.empty()) {
+            const stimuli::TwoCurve curves = object_of(protocol_, index);
+            out += fmt::format(
+                "<path d=\"M{}L{}L{}\" fill=\"none\" stroke=\"#666666\" stroke-width=\"0.8\" "
+                "stroke-dasharray=\"3 3\"/>\n",
+                place(curves.a), place(curves.vertex), place(curves.b));
+        }
         const double middle = x + 0.5 * kCell;
         double line = y + scale_ * (box_.high.y - box_.low.y) + kLine;
         out += fitted(middle, line, object.name, kTitleSize, "font-weight=\"bold\"");
-        out += fitted(middle, line += kLine - 1.0,
-                      fmt::format("{}, {}", signed_text(object.curvature, "1/m"),
-                                  sagitta_text(protocol_, object)),
+        out += fitted(middle, line += kLine - 1.0, shape_text(protocol_, object, outlines_[index]),
                       kTextSize - 1.0);
         if (!object.pictured) {
             out += svg_text(middle, line + kLine - 2.0, "felt, not pictured", kTextSize - 1.0,

@@ -6,10 +6,10 @@ namespace palpate::data {
 namespace {
 
 constexpr const char* kTables = R"sql(
--- palpate, schema 4. SI units, in the column names. Times *_utc are wall clock and for people;
+-- palpate, schema 5. SI units, in the column names. Times *_utc are wall clock and for people;
 -- every duration comes from the servo's monotonic clock.
 PRAGMA application_id = 1885432944;
-PRAGMA user_version = 4;
+PRAGMA user_version = 5;
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
@@ -64,12 +64,12 @@ CREATE TABLE plan (
     position         INTEGER NOT NULL CHECK (position >= 0),
     phase            TEXT NOT NULL CHECK (phase IN ('practice', 'main', 'catch')),
     object           TEXT NOT NULL,
-    curvature_per_m  REAL NOT NULL,                 -- > 0 convex, 0 straight, < 0 concave
     friction         TEXT NOT NULL,
     mu_s             REAL NOT NULL CHECK (mu_s >= mu_d),
     mu_d             REAL NOT NULL CHECK (mu_d >= 0),
     break_before     INTEGER NOT NULL CHECK (break_before IN (0, 1)),
     block            INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0),  -- of the main phase; 0 in practice
+    curvature_per_m  REAL,                          -- > 0 convex, 0 straight, < 0 concave; NULL: a free form
     PRIMARY KEY (session, position)
 ) STRICT;
 
@@ -159,7 +159,7 @@ CREATE TABLE event (
 ) STRICT;
 )sql";
 
-/// What analysts read. As of schema 4.
+/// What analysts read. As of schema 5.
 constexpr const char* kViews = R"sql(
 CREATE VIEW trial_result AS
 -- One row per answered trial that counts, practice and catch trials included: filter by phase and kind.
@@ -293,6 +293,18 @@ DROP VIEW trial_result;
 PRAGMA user_version = 4;
 )sql";
 
+constexpr const char* kFreeForms5 = R"sql(
+-- 4 -> 5: objects of a free form have no curvature. The column moves to the end of its table.
+DROP VIEW confusion;
+DROP VIEW trial_result;
+DROP VIEW invalid_trial;
+ALTER TABLE plan RENAME COLUMN curvature_per_m TO old_curvature;
+ALTER TABLE plan ADD COLUMN curvature_per_m REAL;
+UPDATE plan SET curvature_per_m = old_curvature;
+ALTER TABLE plan DROP COLUMN old_curvature;
+PRAGMA user_version = 5;
+)sql";
+
 }  // namespace
 
 std::string_view schema_sql() noexcept {
@@ -303,7 +315,8 @@ std::string_view schema_sql() noexcept {
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
     static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
-    return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from_3;
+    static const std::string from_4 = std::string(kFreeForms5) + kViews;
+    return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 
 }  // namespace palpate::data

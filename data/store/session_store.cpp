@@ -9,6 +9,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "protocols/design/object_outline.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "data/trace/codec.hpp"
 #include "data/trace/columns.hpp"
@@ -44,8 +45,9 @@ std::int64_t participant_row(Database& database, const std::string& code) {
 }
 
 void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
-    Statement trial =
-        database.prepare("INSERT INTO plan VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
+    Statement trial = database.prepare(
+        "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s,"
+        " mu_d, break_before, block) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
     for (const PlannedTrial& planned : spec.plan.trials) {
         const auto& object = spec.protocol.objects.at(planned.condition.object);
         const auto& friction = spec.protocol.frictions.at(planned.condition.friction);
@@ -53,7 +55,7 @@ void write_plan(Database& database, std::int64_t session, const SessionSpec& spe
             .bind(2, static_cast<std::int64_t>(planned.position))
             .bind(3, to_string(planned.phase))
             .bind(4, object.name)
-            .bind(5, object.curvature)
+            .bind(5, curvature_of(object))
             .bind(6, friction.name)
             .bind(7, friction.mu_s)
             .bind(8, friction.mu_d)

@@ -8,6 +8,7 @@
 
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 
 namespace palpate::data {
@@ -33,7 +34,8 @@ void check_row(const StoredRow& row,
     findings.expect(table, "position", row, static_cast<std::int64_t>(planned.position));
     findings.expect(table, "phase", row, std::string(to_string(planned.phase)));
     findings.expect(table, "object", row, object.name);
-    findings.expect(table, "curvature_per_m", row, object.curvature);
+    const auto curvature = curvature_of(object);
+    findings.expect(table, "curvature_per_m", row, curvature ? Value(*curvature) : Value());
     findings.expect(table, "friction", row, friction.name);
     findings.expect(table, "mu_s", row, friction.mu_s);
     findings.expect(table, "mu_d", row, friction.mu_d);

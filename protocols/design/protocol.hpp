@@ -6,16 +6,25 @@
 #include <vector>
 
 #include "engine/geometry/vec.hpp"
+#include "stimuli/free_outline.hpp"
 
 /// The experiment as a value: what a protocol file says, after every check. SI units here; the file
 /// carries its units in the key names. Default members are the default study.
 namespace palpate::protocols {
 
-/// One two-curve object; both curves have the same signed curvature.
+/// One object: two curves of the same signed curvature on the chords of OutlineSpec, or a free form.
+/// Either is then placed: made larger, turned about the origin, moved.
 struct ObjectSpec {
-    std::string name;        ///< e.g. "convex_10"; unique, [a-z0-9_]
-    double curvature = 0.0;  ///< 1/m: > 0 convex, 0 straight, < 0 concave
-    bool pictured = true;    ///< false: a catch object, felt but never among the pictures
+    std::string name;  ///< e.g. "convex_10"; unique, [a-z0-9_]
+    double curvature =
+        0.0;               ///< 1/m: > 0 convex, 0 straight, < 0 concave; no meaning for a free form
+    bool pictured = true;  ///< false: a catch object, felt but never among the pictures
+    double size = 1.0;     ///< factor, > 0; curvatures are divided by it
+    engine::Vec2 offset{};                     ///< m
+    double turn = 0.0;                         ///< rad, anticlockwise
+    std::vector<stimuli::Segment> segments{};  ///< of a free form, closed; none: two curves
+
+    [[nodiscard]] stimuli::Pose pose() const noexcept { return {size, offset, turn}; }
 
     friend bool operator==(const ObjectSpec&, const ObjectSpec&) = default;
 };

@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/math/elementary.hpp"
+#include "protocols/format/object_tables.hpp"
+
 namespace palpate::protocols {
 namespace {
 
@@ -18,6 +21,7 @@ constexpr double kMostEnergy = 10;
 /// Ticks that are looked back on: more of them cannot be late.
 constexpr double kLateWindow = 100;
 
+constexpr double kDegrees = 180.0 / engine::kPi;     // of a radian
 constexpr double kMostSeed = 9223372036854775807.0;  // TOML integers have 63 bits and a sign
 
 using enum Need;
@@ -71,10 +75,16 @@ constexpr std::array kOutline{
 constexpr std::array kObject{
     Key<ObjectSpec>{.name = "name", .member = &ObjectSpec::name, .need = required,
                     .meaning = "names the object in the database"},
-    Key<ObjectSpec>{.name = "curvature_per_m", .member = &ObjectSpec::curvature, .need = required, .lowest = -1000, .highest = 1000,
+    Key<ObjectSpec>{.name = "curvature_per_m", .member = &ObjectSpec::curvature, .need = two_curve, .lowest = -1000, .highest = 1000,
                     .meaning = "signed curvature of both curves: above 0 convex, 0 straight, below 0 concave"},
     Key<ObjectSpec>{.name = "pictured", .member = &ObjectSpec::pictured,
                     .meaning = "false: a catch object, felt but not among the pictures"},
+    Key<ObjectSpec>{.name = "size", .member = &ObjectSpec::size, .lowest = 0.01, .highest = 100, .late = true,
+                    .meaning = "factor about the origin; curvatures are divided by it"},
+    Key<ObjectSpec>{.name = "turn_deg", .member = &ObjectSpec::turn, .lowest = -360, .highest = 360, .per_si = kDegrees, .late = true,
+                    .meaning = "then turned about the origin, anticlockwise"},
+    Key<ObjectSpec>{.name = "offset_mm", .member = &ObjectSpec::offset, .lowest = -1000, .highest = 1000, .per_si = 1000, .late = true,
+                    .meaning = "then moved by [x, y]"},
 };
 
 constexpr std::array kFriction{
@@ -181,7 +191,7 @@ std::span<const std::string_view> words_for(const Key<Record>& key) {
 
 template <class Record>
 std::string default_of(const Key<Record>& key) {
-    if (key.need == required || key.need == gos) {
+    if (key.need == required || key.need == gos || key.need == two_curve) {
         return "required";
     }
     [[maybe_unused]] static const Record defaults{};
@@ -313,6 +323,7 @@ std::string key_reference() {
            section<ApparatusSpec>("[apparatus]") + section<OutlineSpec>("[outline]") +
            section<ObjectSpec>(fmt::format("[[object]]  once each, {} to {} of them pictured",
                                            kMinPictures, kMaxPictures)) +
+           object_reference() +
            section<FrictionSpec>(fmt::format("[[friction]]  once each, 1 to {}", kMaxFrictions)) +
            section<SafetySpec>(
                "[safety]  left out of the study's hash as long as all are default") +

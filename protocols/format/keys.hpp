@@ -19,6 +19,7 @@ enum class Need : std::uint8_t {
     optional,  ///< left out: the default member of the struct
     gos,       ///< friction coefficients: required by the law "gos", refused with "frictionless"
     gos_optional,
+    two_curve,  ///< curvature: required by an object of two curves, refused with a free form
 };
 
 /// How a text is restricted.

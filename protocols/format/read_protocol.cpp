@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "protocols/format/keys.hpp"
+#include "protocols/format/object_tables.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/format/read_text.hpp"
 #include "protocols/format/reader.hpp"
@@ -38,8 +39,13 @@ public:
         table("study", protocol, true);
         table("apparatus", protocol.apparatus, false);
         table("outline", protocol.outline, false);
-        tables("object", protocol.objects);
-        tables("friction", protocol.frictions);
+        tables("object", [&](const Table& found, const Position& at) {
+            read_object(found, at, problems_, places_, protocol.objects);
+        });
+        tables("friction", [&](const Table& found, const Position& at) {
+            const std::string path = fmt::format("friction.{}", protocol.frictions.size() + 1);
+            reader_.read(found, path, at, protocol.frictions.emplace_back());
+        });
         for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
             law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
         }
@@ -91,8 +97,8 @@ private:
         }
     }
 
-    template <class Record>
-    void tables(std::string_view name, std::vector<Record>& records) {
+    template <class Read>
+    void tables(std::string_view name, const Read& read_one) {
         const Entry* entry = find(name);
         if (entry == nullptr) {
             problems_.add({},
@@ -115,8 +121,7 @@ private:
                                                     i + 1, shown(value), name));
                 continue;
             }
-            reader_.read(*found, fmt::format("{}.{}", name, i + 1), value.at,
-                         records.emplace_back());
+            read_one(*found, value.at);
         }
     }
 

@@ -230,15 +230,24 @@ std::string suggestion(std::string_view unknown, std::span<const std::string_vie
 }
 
 template <class Record>
-void Reader::read(const Table& table, const std::string& path, const Position& at, Record& record) {
+void Reader::read(const Table& table,
+                  const std::string& path,
+                  const Position& at,
+                  Record& record,
+                  const Beyond& beyond) {
     const auto keys = keys_of<Record>();
     places_.note(path, at);
     std::vector<std::string_view> known;
     for (const Key<Record>& key : keys) {
         known.push_back(key.name);
     }
+    const auto& elsewhere = beyond.known_elsewhere;
+    known.insert(known.end(), elsewhere.begin(), elsewhere.end());
     std::set<std::string_view> seen;
     for (const Entry& entry : table) {
+        if (std::find(elsewhere.begin(), elsewhere.end(), entry.key) != elsewhere.end()) {
+            continue;
+        }
         const auto key = std::find_if(keys.begin(), keys.end(), [&](const Key<Record>& row) {
             return row.name == entry.key;
         });
@@ -257,22 +266,32 @@ void Reader::read(const Table& table, const std::string& path, const Position& a
         }
     }
     for (const Key<Record>& key : keys) {
-        if (key.need == Need::required && !seen.contains(key.name)) {
+        if (beyond.complete && key.need == Need::required && !seen.contains(key.name)) {
             problems_.add(at, fmt::format("{} lacks the key {}: add it ({}; {})", heading(path),
                                           key.name, range_of(key), key.meaning));
         }
     }
 }
 
-template void Reader::read(const Table&, const std::string&, const Position&, Protocol&);
-template void Reader::read(const Table&, const std::string&, const Position&, ApparatusSpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, OutlineSpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, ObjectSpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, FrictionSpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, SafetySpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, InvalidSpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, DesignSpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, TimingSpec&);
-template void Reader::read(const Table&, const std::string&, const Position&, ObserverSpec&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, Protocol&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, ApparatusSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, OutlineSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, ObjectSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, FrictionSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, SafetySpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, InvalidSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, DesignSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, TimingSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, ObserverSpec&, const Beyond&);
 
 }  // namespace palpate::protocols

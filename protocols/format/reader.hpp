@@ -40,6 +40,12 @@ private:
 [[nodiscard]] std::string suggestion(std::string_view unknown,
                                      std::span<const std::string_view> known);
 
+/// How a table is to be read that says more than the rows of its keys.
+struct Beyond {
+    std::span<const std::string_view> known_elsewhere{};  ///< keys that others read
+    bool complete = true;                                 ///< required keys have to be there
+};
+
 /// Reads tables by the rows of keys_of<Record>().
 class Reader {
 public:
@@ -48,7 +54,11 @@ public:
     /// Fills `record` from `table`. Unknown, missing and bad keys become problems.
     /// @param path  of the table, as in Places
     template <class Record>
-    void read(const Table& table, const std::string& path, const Position& at, Record& record);
+    void read(const Table& table,
+              const std::string& path,
+              const Position& at,
+              Record& record,
+              const Beyond& beyond = {});
 
 private:
     Problems& problems_;

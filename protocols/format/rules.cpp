@@ -1,37 +1,16 @@
 #include "protocols/format/rules.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <map>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "engine/contact/closest_point.hpp"
-#include "stimuli/two_curve.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
+#include "protocols/format/object_rules.hpp"
 
 namespace palpate::protocols {
 namespace {
-
-using engine::Vec2;
-
-/// Largest |curvature| * chord / 2: the sine of an arc's half sweep. 0.95 is a sweep of 144 degrees;
-/// beyond it the two curves look like circles, and the arc comes near what one curve can hold.
-constexpr double kMaxHalfSine = 0.95;
-/// A vertex lower than this above its base line is no object to feel, m.
-constexpr double kMinHeight = 0.001;
-
-double millimetres(double metres) {
-    return std::round(metres * 1e9) / 1e6;
-}
-
-/// Angle between two directions, rad.
-double angle(const Vec2& a, const Vec2& b) {
-    return std::atan2(std::fabs(engine::cross(a, b)), glm::dot(a, b));
-}
 
 class Rules {
 public:
@@ -42,14 +21,7 @@ public:
         unique_names("object", protocol_.objects);
         unique_names("friction", protocol_.frictions);
         numbers();
-        pictures_differ();
-        if (outline()) {
-            for (std::size_t i = 0; i < protocol_.objects.size(); ++i) {
-                if (object_fits(i) && !start_is_outside(i)) {
-                    break;  // one object says it for all
-                }
-            }
-        }
+        check_objects(protocol_, places_, problems_);
         for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
             friction(i);
         }
@@ -96,94 +68,6 @@ private:
                 fmt::format("there are {} frictions: give 1 to {} [[friction]] tables",
                             protocol_.frictions.size(), kMaxFrictions));
         }
-    }
-
-    /// Two equal pictures could not be told apart by anybody.
-    void pictures_differ() {
-        std::map<double, std::size_t> first;
-        for (const std::size_t i : objects_of(protocol_, true)) {
-            const double curvature = protocol_.objects[i].curvature;
-            const auto [known, is_new] = first.emplace(curvature, i);
-            if (!is_new) {
-                add(path("object", i, "curvature_per_m"),
-                    fmt::format("curvature_per_m is {}, as in [[object]] {}: pictured objects need "
-                                "curvatures of their own",
-                                curvature, known->second + 1));
-            }
-        }
-    }
-
-    bool outline() {
-        const auto& [a, vertex, b] = protocol_.outline;
-        if (!(a.x < vertex.x && vertex.x < b.x)) {
-            add("outline.vertex_mm",
-                fmt::format("x of A, V and B are {}, {} and {}: give them from left to right",
-                            millimetres(a.x), millimetres(vertex.x), millimetres(b.x)));
-            return false;
-        }
-        const double height = engine::cross(b - a, vertex - a) / glm::length(b - a);
-        if (height < kMinHeight) {
-            add("outline.vertex_mm",
-                fmt::format("the vertex is {} mm above the base line A-B: give at least {}",
-                            millimetres(height), millimetres(kMinHeight)));
-            return false;
-        }
-        return true;
-    }
-
-    bool object_fits(std::size_t index) {
-        const auto& [a, vertex, b] = protocol_.outline;
-        const double curvature = protocol_.objects[index].curvature;
-        const std::string at = path("object", index, "curvature_per_m");
-        const double chord = std::max(glm::length(vertex - a), glm::length(b - vertex));
-        if (std::fabs(curvature) * chord / 2.0 >= kMaxHalfSine) {
-            add(at,
-                fmt::format(
-                    "curvature_per_m is {}, too strong for a chord of {:.1f} mm: stay below {:.1f} "
-                    "either way",
-                    curvature, 1e3 * chord, 2.0 * kMaxHalfSine / chord));
-            return false;
-        }
-        if (curvature < 0.0 && !leaves_room(-curvature)) {
-            add(at, fmt::format(
-                        "curvature_per_m is {}: curves as hollow as this meet each other or the "
-                        "base line; give a value nearer to 0, or a wider angle at A, V or B",
-                        curvature));
-            return false;
-        }
-        return true;
-    }
-
-    /// Hollow curves stay apart if at every corner the angle between the chords is larger than what
-    /// the arcs take of it: each lies between its chord and its tangent.
-    [[nodiscard]] bool leaves_room(double hollow) const {
-        const auto& [a, vertex, b] = protocol_.outline;
-        const double left = std::asin(hollow * glm::length(vertex - a) / 2.0);
-        const double right = std::asin(hollow * glm::length(b - vertex) / 2.0);
-        return angle(vertex - a, b - a) > left && angle(a - b, vertex - b) > right &&
-               angle(a - vertex, b - vertex) > left + right;
-    }
-
-    bool start_is_outside(std::size_t index) {
-        const ObjectSpec& object = protocol_.objects[index];
-        const Vec2& start = protocol_.apparatus.start;
-        try {
-            const auto outline = stimuli::make_outline({.a = protocol_.outline.a,
-                                                        .vertex = protocol_.outline.vertex,
-                                                        .b = protocol_.outline.b,
-                                                        .curvature = object.curvature});
-            if (engine::OutlineFeet(*outline).closest(start).inside) {
-                add("apparatus.start_mm",
-                    fmt::format("start_mm is [{}, {}], inside the object {}: give a point outside "
-                                "all objects",
-                                millimetres(start.x), millimetres(start.y), object.name));
-                return false;
-            }
-        } catch (const std::invalid_argument& error) {
-            add(path("object", index, "curvature_per_m"),
-                fmt::format("the object {} cannot be built: {}", object.name, error.what()));
-        }
-        return true;
     }
 
     void friction(std::size_t index) {

@@ -7,15 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "engine/geometry/arc.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/format/read_text.hpp"
+#include "protocols/format/segment_table.hpp"
 #include "protocols/format/table_view.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-using engine::Vec2;
 using engine::Vec3;
 
 /// Ends nearer than this, m, close the chain; the same as Outline asks of a joint.
@@ -25,7 +24,6 @@ constexpr std::array<std::string_view, 5> kLaws{"frictionless", "gos", "coulomb"
                                                 "thesis_latched"};
 constexpr std::array<std::string_view, 6> kTrackers{
     "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
-constexpr std::array<std::string_view, 3> kKinds{"nurbs", "line", "arc"};
 
 SceneRenderer read_renderer(TableView table) {
     SceneRenderer r;
@@ -80,48 +78,17 @@ SceneFriction read_friction(TableView table) {
     return f;
 }
 
-template <int D>
-engine::NurbsCurve<D> nurbs(const Positions<D>& points,
-                            int degree,
-                            const std::vector<double>& knots,
-                            const std::vector<double>& weights) {
-    return {degree, knots, points, weights};
-}
-
 void read_segment(TableView table, SceneFile& scene) {
-    const std::size_t kind = table.choice("kind", kKinds, std::nullopt);
-    if (table.broken()) {
-        return;  // what else it needs depends on its kind
-    }
-    if (kind == 0) {
-        const int degree = static_cast<int>(table.required_integer("degree", {.lowest = 1.0}));
-        const std::vector<double> knots = table.numbers("knots");
-        const PointList points = table.points("points_m");
-        const std::vector<double> weights = table.numbers_or_none("weights");
-        table.refuse_unknown();
-        table.attempt([&] {
-            if (points.dimension == 2) {
-                scene.curves.push_back(nurbs<2>(points.plane(), degree, knots, weights));
-            } else {
-                scene.space_curves.push_back(nurbs<3>(points.space(), degree, knots, weights));
-            }
-        });
-        return;
-    }
-    const PointList from = table.point("from_m");
-    const PointList to = table.point("to_m");
-    const double curvature = kind == 2 ? table.required_number("curvature_per_m", {}) : 0.0;
-    table.refuse_unknown();
+    const SegmentTable segment = read_segment_table(table);
     table.attempt([&] {
-        if (from.dimension == 2 && to.dimension == 2) {
-            scene.curves.emplace_back(
-                engine::make_arc(from.plane().at(0), to.plane().at(0), curvature));
-        } else if (kind == 1 && from.dimension == 3 && to.dimension == 3) {
-            scene.space_curves.push_back(
-                nurbs<3>({from.space().at(0), to.space().at(0)}, 1, {0, 0, 1, 1}, {}));
+        if (segment.points.dimension == 2) {
+            scene.curves.push_back(curve_of(plane_segment(segment)));
+        } else if (segment.kind == stimuli::Segment::Kind::nurbs) {
+            scene.space_curves.emplace_back(segment.degree, segment.knots, segment.points.space(),
+                                            segment.weights);
         } else {
-            throw std::invalid_argument(
-                "from_m and to_m need two coordinates each (three only for lines in space)");
+            const std::vector<double> knots{0, 0, 1, 1};
+            scene.space_curves.emplace_back(1, knots, segment.points.space());
         }
     });
 }

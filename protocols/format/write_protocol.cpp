@@ -4,6 +4,7 @@
 
 #include "protocols/design/sha256.hpp"
 #include "protocols/format/keys.hpp"
+#include "protocols/format/object_tables.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/format/toml_text.hpp"
 
@@ -35,10 +36,11 @@ template <class Record>
 void append(std::string& text,
             std::string_view heading,
             const Record& record,
-            bool coefficients = true) {
+            bool described = true) {
     text += fmt::format("\n{}\n", heading);
     for (const Key<Record>& key : keys_of<Record>()) {
-        if (!coefficients && (key.need == Need::gos || key.need == Need::gos_optional)) {
+        if (!described && (key.need == Need::gos || key.need == Need::gos_optional ||
+                           key.need == Need::two_curve)) {
             continue;
         }
         if (left_out(key, record)) {
@@ -58,7 +60,8 @@ std::string to_toml(const Protocol& protocol) {
     append(text, "[apparatus]", protocol.apparatus);
     append(text, "[outline]", protocol.outline);
     for (const ObjectSpec& object : protocol.objects) {
-        append(text, "[[object]]", object);
+        append(text, "[[object]]", object, object.segments.empty());
+        text += segments_toml(object);
     }
     for (const FrictionSpec& friction : protocol.frictions) {
         append(text, "[[friction]]", friction, friction.law != "frictionless");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocols/design/object_outline.hpp"
 #include "protocols/observer/draws.hpp"
 
 namespace palpate::protocols {
@@ -28,6 +29,11 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
     for (const std::size_t object : picture_order) {
         curvatures_.push_back(protocol.objects.at(object).curvature);
     }
+    if (!differ_in_curvature_alone(protocol)) {
+        shapes_.emplace(protocol, picture_order);
+        const double chord = glm::length(protocol.outline.vertex - protocol.outline.a);
+        blur_ = spec_.noise * chord * chord / 8.0;
+    }
 }
 
 Signal SimulatedObserver::welcome(const SessionView& /*session*/) {
@@ -36,6 +42,9 @@ Signal SimulatedObserver::welcome(const SessionView& /*session*/) {
 
 Signal SimulatedObserver::ready(const TrialView& /*trial*/) {
     cues_ = CurvatureCues(outline_);
+    if (shapes_) {
+        shapes_->forget();
+    }
     percept_.reset();
     return Signal::go_on;
 }
@@ -46,7 +55,11 @@ Exploring SimulatedObserver::explore(const TrialView& trial, double elapsed_s) {
 }
 
 void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
-    cues_.add(ticks);
+    if (shapes_) {
+        shapes_->add(ticks);
+    } else {
+        cues_.add(ticks);
+    }
 }
 
 Choice SimulatedObserver::choose(const TrialView& trial, std::span<const Picture> pictures) {
@@ -59,6 +72,10 @@ Choice SimulatedObserver::choose(const TrialView& trial, std::span<const Picture
 
     percept_ = evidence();
     Choice choice{.place = any, .reaction_s = reaction_time(random)};
+    if (shapes_ && shapes_->felt() && !lapse) {
+        choice.place = best_fit(random);
+        return choice;
+    }
     if (percept_) {
         *percept_ += noise;
         if (!lapse) {
@@ -87,6 +104,15 @@ std::optional<double> SimulatedObserver::evidence() const noexcept {
     const double position = felt.position.value_or(force);
     return spec_.force_weight * force + (1.0 - spec_.force_weight) * position +
            spec_.bias_per_mu * felt.friction;
+}
+
+std::size_t SimulatedObserver::best_fit(Pcg32& random) const {
+    std::vector<double> misfits = shapes_->misfits();
+    for (double& misfit : misfits) {
+        misfit += blur_ * normal_draw(random);
+    }
+    return static_cast<std::size_t>(
+        std::distance(misfits.begin(), std::min_element(misfits.begin(), misfits.end())));
 }
 
 std::size_t SimulatedObserver::nearest_place(double curvature) const noexcept {

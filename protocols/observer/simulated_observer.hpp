@@ -8,6 +8,7 @@
 #include "protocols/design/protocol.hpp"
 #include "protocols/design/streams.hpp"
 #include "protocols/observer/curvature_cues.hpp"
+#include "protocols/observer/outline_cues.hpp"
 #include "protocols/running/observer.hpp"
 
 namespace palpate::protocols {
@@ -19,6 +20,15 @@ namespace palpate::protocols {
 /// with the weights of [observer] in the protocol. The answer is the pictured object of the nearest
 /// curvature (criteria midway between neighbours), or any picture with the probability `lapse`. With one
 /// cue missing the other has all the weight; an observer who felt nothing guesses.
+///
+/// That is for objects that differ in curvature alone. Where one of them is a free form, or is placed
+/// elsewhere, the observer compares what it felt with every picture (OutlineCues) and takes the one of the
+/// least misfit, each with an error of its own:
+///
+///     misfit + noise c^2 / 8 * N(0, 1)        c = |V - A| of [outline]
+///
+/// as an error of curvature is one of sagitta on such a chord: 1 mm by default. Cues are not weighted then,
+/// and friction has no bias.
 ///
 /// Reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986): 0.8 s + 0.15 s N(0, 1) + an
 /// exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
@@ -44,12 +54,13 @@ public:
     [[nodiscard]] Signal rest(double seconds, const TrialView& next) override;
     void finish(const SessionView& session) override;
 
-    /// Of the last answer, 1/m; none if nothing was felt.
+    /// Of the last answer, 1/m; none if nothing was felt, or if shapes were compared.
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
 
 private:
     [[nodiscard]] std::optional<double> evidence() const noexcept;
     [[nodiscard]] std::size_t nearest_place(double curvature) const noexcept;
+    [[nodiscard]] std::size_t best_fit(Pcg32& random) const;
 
     OutlineSpec outline_;
     ObserverSpec spec_;
@@ -57,6 +68,8 @@ private:
     std::vector<double> curvatures_;  ///< of the pictures from the left, 1/m
     std::function<bool()> hand_is_done_;
     CurvatureCues cues_;
+    std::optional<OutlineCues> shapes_;  ///< if the objects differ in more than curvature
+    double blur_ = 0.0;                  ///< m, noise of a misfit
     std::optional<double> percept_;
 };
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/safety/passivity.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/design/object_outline.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -87,7 +87,7 @@ struct Spot {
 std::vector<Spot> spots(const Protocol& protocol, const engine::Device& device) {
     std::vector<Spot> found;
     for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
-        const auto outline = stimuli::make_outline(object_of(protocol, i));
+        const auto outline = outline_of(protocol, i);
         for (const auto& side : outline->spans()) {
             for (int k = 0; k < kPieces; ++k) {
                 const engine::Vec2 point = side.at(static_cast<double>(k) / kPieces).point;
@@ -108,7 +108,7 @@ void check_workspace(const Protocol& protocol,
         findings.push_back(
             {Verdict::refuse,
              fmt::format("the handle cannot reach {} of object \"{}\": move or shrink the object "
-                         "(outline.a_mm, vertex_mm, b_mm), or the origin in the calibration",
+                         "(outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm), or the origin in the calibration",
                          point_text(outside->point), outside->object->name)});
     }
     if (!start_in_reach) {

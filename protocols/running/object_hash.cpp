@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/object_outline.hpp"
 #include "protocols/design/sha256.hpp"
-#include "protocols/running/trial_scene.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -36,7 +36,7 @@ std::string outline_text(const engine::Outline& outline) {
 std::vector<std::pair<std::string, std::string>> object_hashes(const Protocol& protocol) {
     std::vector<std::pair<std::string, std::string>> hashes;
     for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
-        const auto outline = stimuli::make_outline(object_of(protocol, i));
+        const auto outline = outline_of(protocol, i);
         hashes.emplace_back("object sha256 " + protocol.objects[i].name,
                             sha256_hex(outline_text(*outline)));
     }

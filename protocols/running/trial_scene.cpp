@@ -1,18 +1,13 @@
 #include "protocols/running/trial_scene.hpp"
 
-namespace palpate::protocols {
+#include "protocols/design/object_outline.hpp"
 
-stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
-    return {.a = protocol.outline.a,
-            .vertex = protocol.outline.vertex,
-            .b = protocol.outline.b,
-            .curvature = protocol.objects.at(object).curvature};
-}
+namespace palpate::protocols {
 
 engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
     const FrictionSpec& friction = protocol.frictions.at(condition.friction);
     const ApparatusSpec& apparatus = protocol.apparatus;
-    return {stimuli::make_outline(object_of(protocol, condition.object)),
+    return {outline_of(protocol, condition.object),
             {.stiffness = apparatus.stiffness,
              .damping = apparatus.damping,
              .period = 1.0 / apparatus.rate_hz,
@@ -27,7 +22,7 @@ std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std
     std::vector<Picture> pictures;
     pictures.reserve(order.size());
     for (const std::size_t object : order) {
-        pictures.push_back({.outline = stimuli::silhouette(object_of(protocol, object))});
+        pictures.push_back({.outline = silhouette_of(protocol, object)});
     }
     return pictures;
 }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "data/store/counterbalance_query.hpp"
@@ -60,9 +61,11 @@ void print_csv(const Sequence& sequence) {
     for (const PlannedTrial& trial : sequence.plan.trials) {
         const auto& object = protocol.objects.at(trial.condition.object);
         const auto& friction = protocol.frictions.at(trial.condition.friction);
+        const auto curvature = curvature_of(object);
         fmt::print("{},{},{},{},{},{},{},{},{}\n", trial.position, to_string(trial.phase),
-                   trial.block, object.name, object.curvature, friction.name, friction.mu_s,
-                   friction.mu_d, trial.break_before ? 1 : 0);
+                   trial.block, object.name,
+                   curvature ? fmt::format("{}", *curvature) : std::string(), friction.name,
+                   friction.mu_s, friction.mu_d, trial.break_before ? 1 : 0);
     }
 }
 

@@ -1,0 +1,43 @@
+#include "protocols/design/object_outline.hpp"
+
+#include <algorithm>
+
+namespace palpate::protocols {
+
+stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
+    const ObjectSpec& spec = protocol.objects.at(object);
+    const OutlineSpec& outline = protocol.outline;
+    const stimuli::Pose pose = spec.pose();
+    if (pose == stimuli::Pose{}) {
+        return {
+            .a = outline.a, .vertex = outline.vertex, .b = outline.b, .curvature = spec.curvature};
+    }
+    return {.a = placed(pose, outline.a),
+            .vertex = placed(pose, outline.vertex),
+            .b = placed(pose, outline.b),
+            .curvature = spec.curvature / spec.size};
+}
+
+std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol, std::size_t object) {
+    const ObjectSpec& spec = protocol.objects.at(object);
+    return spec.segments.empty() ? stimuli::make_outline(object_of(protocol, object))
+                                 : stimuli::make_outline(spec.segments, spec.pose());
+}
+
+std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t object) {
+    const ObjectSpec& spec = protocol.objects.at(object);
+    return spec.segments.empty() ? stimuli::silhouette(object_of(protocol, object))
+                                 : stimuli::silhouette(*outline_of(protocol, object));
+}
+
+std::optional<double> curvature_of(const ObjectSpec& object) noexcept {
+    return object.segments.empty() ? std::optional(object.curvature / object.size) : std::nullopt;
+}
+
+bool differ_in_curvature_alone(const Protocol& protocol) noexcept {
+    return std::all_of(protocol.objects.begin(), protocol.objects.end(), [](const ObjectSpec& one) {
+        return one.segments.empty() && one.pose() == stimuli::Pose{};
+    });
+}
+
+}  // namespace palpate::protocols

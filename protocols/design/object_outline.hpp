@@ -1,0 +1,31 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/geometry/outline.hpp"
+#include "stimuli/two_curve.hpp"
+#include "protocols/design/protocol.hpp"
+
+/// The geometry of a protocol's objects: one outline for what is felt, what is shown and what is hashed.
+namespace palpate::protocols {
+
+/// The object as two curves, placed. @pre it is one: without segments
+[[nodiscard]] stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object);
+
+/// @throws std::invalid_argument if it cannot be built; no object read from a file is like that
+[[nodiscard]] std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol,
+                                                                std::size_t object);
+
+/// Its picture: a closed polyline, m.
+[[nodiscard]] std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t object);
+
+/// Signed curvature of both curves as they are felt, 1/m: of the file, by the size. A free form has none.
+[[nodiscard]] std::optional<double> curvature_of(const ObjectSpec& object) noexcept;
+
+/// All objects are two curves between the chords of [outline], as they stand there: what is felt differs
+/// in curvature alone.
+[[nodiscard]] bool differ_in_curvature_alone(const Protocol& protocol) noexcept;
+
+}  // namespace palpate::protocols

@@ -1,0 +1,54 @@
+#include "protocols/observer/outline_cues.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "protocols/design/object_outline.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+constexpr double kLeastForce = 0.05;  ///< N, a touch below is not felt as a direction
+
+}  // namespace
+
+OutlineCues::OutlineCues(const Protocol& protocol, const std::vector<std::size_t>& pictures)
+    : softness_(1.0 / protocol.apparatus.stiffness) {
+    for (const std::size_t object : pictures) {
+        outlines_.push_back(outline_of(protocol, object));
+        feet_.emplace_back(*outlines_.back());
+    }
+    forget();
+}
+
+void OutlineCues::forget() noexcept {
+    squares_.assign(feet_.size(), 0.0);
+    points_ = 0.0;
+    tick_ = 0;
+}
+
+void OutlineCues::add(std::span<const engine::TickRecord> ticks) noexcept {
+    for (const engine::TickRecord& tick : ticks) {
+        const double pressed = glm::length(tick.force);
+        if (tick.mode == engine::Mode::free || !(pressed > kLeastForce) || tick_++ % kEach != 0) {
+            continue;
+        }
+        const engine::Vec2 surface = tick.hip + softness_ * tick.force;
+        for (std::size_t i = 0; i < feet_.size(); ++i) {
+            const double away = feet_[i].closest(surface).distance;
+            squares_[i] += away * away;
+        }
+        points_ += 1.0;
+    }
+}
+
+std::vector<double> OutlineCues::misfits() const {
+    std::vector<double> misfits(squares_.size(), 0.0);
+    if (felt()) {
+        std::transform(squares_.begin(), squares_.end(), misfits.begin(),
+                       [this](double square) { return std::sqrt(square / points_); });
+    }
+    return misfits;
+}
+
+}  // namespace palpate::protocols
