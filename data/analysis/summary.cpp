@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "data/analysis/exclusion.hpp"
 #include "data/analysis/wilson.hpp"
 
 namespace palpate::data {
@@ -93,32 +95,69 @@ std::string confusion_text(Database& database, const Group& group) {
     return text;
 }
 
-std::string shares_text(Database& database, const Group& group) {
+/// @param left_out  participants whose trials are not counted
+std::string shares_text(Database& database,
+                        const Group& group,
+                        const std::set<std::string>& left_out = {}) {
     struct Share {
         std::int64_t correct, trials;
     };
-    std::vector<std::string> frictions;
-    std::vector<Share> shares;
+    std::map<std::string, Share> shares;
+    std::size_t width = 4;
     Statement row = database.prepare(
-        "SELECT friction, sum(correct), count(*) FROM trial_result WHERE study = ?1 AND kind = ?2 "
-        "AND phase = 'main'"
-        " GROUP BY friction ORDER BY friction");
+        "SELECT friction, participant, sum(correct), count(*) FROM trial_result WHERE study = ?1 "
+        "AND kind = ?2 AND phase = 'main' GROUP BY friction, participant");
     row.bind(1, group.study).bind(2, group.kind);
     while (row.step()) {
-        frictions.push_back(row.text(0));
-        shares.push_back({row.integer(1), row.integer(2)});
+        width = std::max(width, row.text(0).size());
+        if (!left_out.contains(row.text(1))) {
+            Share& share = shares[row.text(0)];
+            share.correct += row.integer(2);
+            share.trials += row.integer(3);
+        }
     }
     std::string text = "\n";
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-        const auto [correct, trials] = shares[i];
+    for (const auto& [friction, share] : shares) {
+        const auto [correct, trials] = share;
         const Interval ci = wilson(correct, trials);
         text += fmt::format(
             "  friction {:<{}} {:>3} of {:>3} correct = {:.2f}   95 % interval {:.2f} to {:.2f} "
             "(Wilson)\n",
-            frictions[i], width_of(frictions, 4), correct, trials,
+            friction, width, correct, trials,
             static_cast<double>(correct) / static_cast<double>(trials), ci.low, ci.high);
     }
     return text;
+}
+
+/// Whom the protocol's rules leave out, and the shares without them; nothing where there are no rules.
+std::string exclusions_text(Database& database, const Group& group) {
+    const Exclusions exclusions = judge(database, group.study, group.kind);
+    if (!exclusions.rules) {
+        return {};
+    }
+    std::set<std::string> everybody;
+    std::set<std::string> left_out;
+    std::string why;
+    for (const Judged& one : exclusions.all) {
+        everybody.insert(one.participant);
+        for (const std::string& rule : one.broken) {
+            left_out.insert(one.participant);
+            why += fmt::format("    {}  {}\n", one.participant, rule);
+        }
+    }
+    if (left_out.empty()) {
+        return fmt::format(
+            "\n  The rules of [exclusion] leave out none of {} participants: with and without them "
+            "it is the same.\n",
+            everybody.size());
+    }
+    return fmt::format(
+               "\n  The above is of all participants. The rules of [exclusion] leave out {} of "
+               "{}:\n{}  Without {}:\n",
+               left_out.size(), everybody.size(), why,
+               left_out.size() == 1 ? "this one" : "these") +
+           (left_out.size() == everybody.size() ? std::string("\n  nobody is left\n")
+                                                : shares_text(database, group, left_out));
 }
 
 /// Trials that a fault cut short; nothing as long as there are none.
@@ -164,7 +203,8 @@ std::string summary_text(Database& database) {
     std::string text;
     for (const Group& group : groups(database)) {
         text += title(group) + confusion_text(database, group) + shares_text(database, group) +
-                faults_text(database, group) + invalid_text(database, group) + '\n';
+                exclusions_text(database, group) + faults_text(database, group) +
+                invalid_text(database, group) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";

@@ -87,6 +87,18 @@ struct InvalidSpec {
     friend bool operator==(const InvalidSpec&, const InvalidSpec&) = default;
 };
 
+/// Who is left out of the analysis: written down before anybody ran, applied by `palpate summary`, which
+/// shows both ways. All default: nobody is.
+struct ExclusionSpec {
+    double catch_correct_min = 0.0;    ///< share of catch trials answered with the outermost picture
+    double share_correct_min = 0.0;    ///< of main trials
+    double timed_out_share_max = 1.0;  ///< of main trials
+    double invalid_share_max = 1.0;    ///< of answers in main trials
+    bool sessions_finished = false;    ///< whoever has a session that is not is left out
+
+    friend bool operator==(const ExclusionSpec&, const ExclusionSpec&) = default;
+};
+
 /// What an order of the main trials must keep.
 enum class OrderRule : std::uint8_t {
     random,       ///< any order within the run limits, each as likely as the others
@@ -154,6 +166,7 @@ struct Protocol {
     ApparatusSpec apparatus{};
     SafetySpec safety{};
     InvalidSpec invalid{};
+    ExclusionSpec exclusion{};
     DesignSpec design{};
     TimingSpec timing{};
     ObserverSpec observer{};

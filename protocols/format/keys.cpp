@@ -128,6 +128,19 @@ constexpr std::array kInvalid{
                      .meaning = "times that a trial which does not count or faulted is run again; 0: never"},
 };
 
+constexpr std::array kExclusion{
+    Key<ExclusionSpec>{.name = "catch_correct_min", .member = &ExclusionSpec::catch_correct_min, .highest = 1,
+                       .meaning = "least share of catch trials answered with the outermost picture on their side"},
+    Key<ExclusionSpec>{.name = "share_correct_min", .member = &ExclusionSpec::share_correct_min, .highest = 1,
+                       .meaning = "least share of correct main trials"},
+    Key<ExclusionSpec>{.name = "timed_out_share_max", .member = &ExclusionSpec::timed_out_share_max, .highest = 1,
+                       .meaning = "largest share of main trials that timed out"},
+    Key<ExclusionSpec>{.name = "invalid_share_max", .member = &ExclusionSpec::invalid_share_max, .highest = 1,
+                       .meaning = "largest share of answers in main trials that do not count"},
+    Key<ExclusionSpec>{.name = "sessions_finished", .member = &ExclusionSpec::sessions_finished,
+                       .meaning = "leave out who has a session that is not finished"},
+};
+
 constexpr std::array kDesign{
     Key<DesignSpec>{.name = "repetitions", .member = &DesignSpec::repetitions, .need = required, .lowest = 1, .highest = 1000,
                     .meaning = "main trials of each object with each friction"},
@@ -253,6 +266,10 @@ std::span<const Key<InvalidSpec>> keys_of() {
     return kInvalid;
 }
 template <>
+std::span<const Key<ExclusionSpec>> keys_of() {
+    return kExclusion;
+}
+template <>
 std::span<const Key<DesignSpec>> keys_of() {
     return kDesign;
 }
@@ -278,6 +295,7 @@ template bool left_out(const Key<ObjectSpec>&, const ObjectSpec&);
 template bool left_out(const Key<FrictionSpec>&, const FrictionSpec&);
 template bool left_out(const Key<SafetySpec>&, const SafetySpec&);
 template bool left_out(const Key<InvalidSpec>&, const InvalidSpec&);
+template bool left_out(const Key<ExclusionSpec>&, const ExclusionSpec&);
 template bool left_out(const Key<DesignSpec>&, const DesignSpec&);
 template bool left_out(const Key<TimingSpec>&, const TimingSpec&);
 template bool left_out(const Key<ObserverSpec>&, const ObserverSpec&);
@@ -314,6 +332,7 @@ template std::string range_of(const Key<ObjectSpec>&);
 template std::string range_of(const Key<FrictionSpec>&);
 template std::string range_of(const Key<SafetySpec>&);
 template std::string range_of(const Key<InvalidSpec>&);
+template std::string range_of(const Key<ExclusionSpec>&);
 template std::string range_of(const Key<DesignSpec>&);
 template std::string range_of(const Key<TimingSpec>&);
 template std::string range_of(const Key<ObserverSpec>&);
@@ -328,6 +347,9 @@ std::string key_reference() {
            section<SafetySpec>(
                "[safety]  left out of the study's hash as long as all are default") +
            section<InvalidSpec>("[invalid]  left out of the hash in the same way") +
+           section<ExclusionSpec>(
+               "[exclusion]  of participants, applied by palpate summary; left out in the same "
+               "way") +
            section<DesignSpec>("[design]") + section<TimingSpec>("[timing]") +
            section<ObserverSpec>("[observer]  of simulated sessions");
 }

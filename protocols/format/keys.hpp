@@ -95,6 +95,8 @@ std::span<const Key<SafetySpec>> keys_of();
 template <>
 std::span<const Key<InvalidSpec>> keys_of();
 template <>
+std::span<const Key<ExclusionSpec>> keys_of();
+template <>
 std::span<const Key<DesignSpec>> keys_of();
 template <>
 std::span<const Key<TimingSpec>> keys_of();

@@ -58,10 +58,8 @@ std::vector<double> curvatures_of(TableView& view, std::size_t set) {
     }
     std::vector<double> curvatures;
     for (std::int64_t i = 0; !view.broken() && i < count; ++i) {
-        // In whole steps from both ends: the last one is exactly `to`.
-        const auto share = static_cast<double>(i);
-        const auto all = static_cast<double>(count - 1);
-        curvatures.push_back((from * (all - share) + to * share) / all);
+        const double share = static_cast<double>(i) / static_cast<double>(count - 1);
+        curvatures.push_back(i + 1 == count ? to : from + share * (to - from));
     }
     return curvatures;
 }

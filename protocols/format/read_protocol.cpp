@@ -17,9 +17,9 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 11> kTables{"format", "study",    "apparatus", "outline",
-                                                   "object", "friction", "safety",    "invalid",
-                                                   "design", "timing",   "observer"};
+constexpr std::array<std::string_view, 12> kTables{
+    "format", "study",   "apparatus", "outline", "object", "friction",
+    "safety", "invalid", "exclusion", "design",  "timing", "observer"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -51,6 +51,7 @@ public:
         }
         table("safety", protocol.safety, false);
         table("invalid", protocol.invalid, false);
+        table("exclusion", protocol.exclusion, false);
         table("design", protocol.design, true);
         table("timing", protocol.timing, false);
         table("observer", protocol.observer, false);

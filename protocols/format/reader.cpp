@@ -288,6 +288,8 @@ template void Reader::read(
 template void Reader::read(
     const Table&, const std::string&, const Position&, InvalidSpec&, const Beyond&);
 template void Reader::read(
+    const Table&, const std::string&, const Position&, ExclusionSpec&, const Beyond&);
+template void Reader::read(
     const Table&, const std::string&, const Position&, DesignSpec&, const Beyond&);
 template void Reader::read(
     const Table&, const std::string&, const Position&, TimingSpec&, const Beyond&);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/format/object_rules.hpp"
@@ -27,6 +28,7 @@ public:
         }
         timing();
         design();
+        exclusion();
     }
 
 private:
@@ -140,6 +142,29 @@ private:
                 fmt::format("{} is {}: {}", key,
                             of_object ? design.max_run_object : design.max_run_friction,
                             why->reason));
+        }
+    }
+
+    /// A rule that nobody could keep or break is a slip.
+    void exclusion() {
+        const double least = protocol_.exclusion.catch_correct_min;
+        if (least == 0.0) {
+            return;
+        }
+        if (protocol_.design.catch_trials == 0) {
+            add("exclusion.catch_correct_min",
+                fmt::format(
+                    "catch_correct_min is {}, but catch_trials is 0: give 0, or catch trials",
+                    least));
+        }
+        for (const ObjectSpec& object : protocol_.objects) {
+            if (!curvature_of(object)) {
+                add("exclusion.catch_correct_min",
+                    fmt::format("catch_correct_min is {}, but {} is a free form, of which no side "
+                                "is the outer one: give 0, or objects with curvature_per_m",
+                                least, object.name));
+                return;
+            }
         }
     }
 

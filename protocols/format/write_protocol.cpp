@@ -72,6 +72,9 @@ std::string to_toml(const Protocol& protocol) {
     if (protocol.invalid != InvalidSpec{}) {
         append(text, "[invalid]", protocol.invalid);
     }
+    if (protocol.exclusion != ExclusionSpec{}) {
+        append(text, "[exclusion]", protocol.exclusion);
+    }
     append(text, "[design]", protocol.design);
     append(text, "[timing]", protocol.timing);
     append(text, "[observer]", protocol.observer);

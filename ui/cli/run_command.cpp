@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/keys.hpp"
 #include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/fault_text.hpp"
@@ -50,6 +51,41 @@ void heed_consent(data::Database& database, const RunOptions& options, const Rig
     fmt::print(stderr, "palpate: {}\n", text);
 }
 
+/// Of a real session with somebody of another handedness than the protocol asks for: refused where the
+/// noted score is on the other side, said where it is weak or unknown.
+void heed_handedness(data::Database& database, const RunOptions& options, const RigSpec& spec) {
+    constexpr std::int64_t kClearly = 40;  // R. C. Oldfield's inventory, as it is commonly cut
+    const protocols::Handedness asked = spec.study.protocol.handedness;
+    if (spec.kind != data::RunKind::real || asked == protocols::Handedness::any) {
+        return;
+    }
+    const std::string_view word = protocols::word_of(asked);
+    const auto person = data::find_participant(database, options.participant);
+    if (!person || !person->notes.handedness) {
+        fmt::print(stderr,
+                   "palpate: this protocol asks for handedness \"{2}\", and that of {0} is not "
+                   "noted; palpate participant {1} {0} --handedness SCORE notes it (-100 left to "
+                   "100 right)\n",
+                   options.participant, options.database, word);
+        return;
+    }
+    const std::int64_t score = *person->notes.handedness;
+    const std::int64_t towards = asked == protocols::Handedness::right ? score : -score;
+    if (towards < 0) {
+        throw std::invalid_argument(fmt::format(
+            "this protocol asks for handedness \"{}\", and {} has a score of {} (-100 left to 100 "
+            "right): ask somebody else, correct the score by palpate participant, or run it with "
+            "--kind pilot",
+            word, options.participant, score));
+    }
+    if (towards < kClearly) {
+        fmt::print(stderr,
+                   "palpate: this protocol asks for handedness \"{}\", and {} has a score of {}, "
+                   "which is neither clearly right nor clearly left\n",
+                   word, options.participant, score);
+    }
+}
+
 }  // namespace
 
 int run_command(const RunOptions& options) {
@@ -79,6 +115,7 @@ int run_command(const RunOptions& options) {
                         spec.study.protocol.id, choice.last + 1));
     }
     heed_consent(database, options, spec);
+    heed_handedness(database, options, spec);
     catch_signals();
     const RigEnd end = run_rig(database, spec);
     switch (end.session.why) {

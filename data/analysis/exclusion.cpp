@@ -1,0 +1,154 @@
+#include "data/analysis/exclusion.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "protocols/design/object_outline.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/format/protocol_file.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::ExclusionSpec;
+using protocols::Protocol;
+
+using People = std::map<std::string, Judged>;
+
+void count_answers(Database& database, std::int64_t study, std::string_view kind, People& people) {
+    Statement session = database.prepare(
+        "SELECT code, sum(finished = 0) FROM session JOIN participant ON participant.id ="
+        " participant WHERE study = ?1 AND kind = ?2 GROUP BY code");
+    session.bind(1, study).bind(2, kind);
+    while (session.step()) {
+        Judged& one = people[session.text(0)];
+        one.participant = session.text(0);
+        one.unfinished = session.integer(1);
+    }
+    Statement row = database.prepare(
+        "SELECT code, count(*), sum(invalid IS NOT NULL), sum(invalid IS NULL AND correct),"
+        " sum(invalid IS NULL AND outcome = 'timed_out') FROM trial"
+        " JOIN response ON response.trial = trial.id"
+        " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
+        " JOIN session ON session.id = trial.session"
+        " JOIN participant ON participant.id = session.participant"
+        " WHERE study = ?1 AND kind = ?2 AND phase = 'main' GROUP BY code");
+    row.bind(1, study).bind(2, kind);
+    while (row.step()) {
+        Judged& one = people.at(row.text(0));
+        one.answers = row.integer(1);
+        one.invalid = row.integer(2);
+        one.main = one.answers - one.invalid;
+        one.correct = row.integer(3);
+        one.timed_out = row.integer(4);
+    }
+}
+
+/// The picture that whoever attends chooses for an object that is not pictured.
+std::optional<std::string> outermost(const Protocol& protocol, const std::string& felt) {
+    const auto object = std::find_if(protocol.objects.begin(), protocol.objects.end(),
+                                     [&](const auto& one) { return one.name == felt; });
+    if (object == protocol.objects.end() || !curvature_of(*object)) {
+        return std::nullopt;
+    }
+    const double side = *curvature_of(*object) > 0.0 ? 1.0 : -1.0;
+    const protocols::ObjectSpec* most = nullptr;
+    for (const std::size_t i : objects_of(protocol, true)) {
+        const protocols::ObjectSpec& picture = protocol.objects[i];
+        if (!curvature_of(picture)) {
+            return std::nullopt;
+        }
+        if (most == nullptr || side * *curvature_of(picture) > side * *curvature_of(*most)) {
+            most = &picture;
+        }
+    }
+    return most == nullptr ? std::nullopt : std::optional(most->name);
+}
+
+void count_catches(Database& database,
+                   std::int64_t study,
+                   std::string_view kind,
+                   const Protocol& protocol,
+                   People& people) {
+    Statement row = database.prepare(
+        "SELECT code, plan.object, response.object FROM trial"
+        " JOIN response ON response.trial = trial.id"
+        " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
+        " JOIN session ON session.id = trial.session"
+        " JOIN participant ON participant.id = session.participant"
+        " WHERE study = ?1 AND kind = ?2 AND phase = 'catch' AND invalid IS NULL");
+    row.bind(1, study).bind(2, kind);
+    while (row.step()) {
+        Judged& one = people.at(row.text(0));
+        if (const auto right = outermost(protocol, row.text(1))) {
+            ++one.catches;
+            one.catches_right += row.text(2) == *right ? 1 : 0;
+        }
+    }
+}
+
+double share_of(std::int64_t some, std::int64_t all) {
+    return static_cast<double>(some) / static_cast<double>(all);
+}
+
+void at_least(
+    Judged& one, std::string_view rule, std::int64_t some, std::int64_t all, double least) {
+    if (all > 0 && share_of(some, all) < least) {
+        one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, below {}", rule, some, all,
+                                         share_of(some, all), least));
+    }
+}
+
+void at_most(Judged& one, std::string_view rule, std::int64_t some, std::int64_t all, double most) {
+    if (all > 0 && share_of(some, all) > most) {
+        one.broken.push_back(fmt::format("{}: {} of {} = {:.3g}, above {}", rule, some, all,
+                                         share_of(some, all), most));
+    }
+}
+
+void apply(const ExclusionSpec& rules, Judged& one) {
+    at_least(one, "catch_correct_min", one.catches_right, one.catches, rules.catch_correct_min);
+    at_least(one, "share_correct_min", one.correct, one.main, rules.share_correct_min);
+    at_most(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max);
+    at_most(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max);
+    if (rules.sessions_finished && one.unfinished > 0) {
+        one.broken.push_back(fmt::format("sessions_finished: {} {} not", one.unfinished,
+                                         one.unfinished == 1 ? "is" : "are"));
+    }
+}
+
+}  // namespace
+
+Exclusions judge(Database& database, std::string_view study, std::string_view kind) {
+    Exclusions found;
+    if (!database.prepare("SELECT 1 FROM sqlite_schema WHERE name = 'invalid_trial'").step()) {
+        return found;
+    }
+    Statement row = database.prepare("SELECT id, protocol_toml FROM study WHERE name = ?1");
+    row.bind(1, study);
+    while (row.step()) {
+        Protocol protocol;
+        try {
+            protocol = protocols::parse_protocol(row.text(1), "protocol");
+        } catch (const protocols::ProtocolError&) {
+            continue;  // palpate verify says it
+        }
+        People people;
+        count_answers(database, row.integer(0), kind, people);
+        count_catches(database, row.integer(0), kind, protocol, people);
+        found.rules = found.rules || protocol.exclusion != ExclusionSpec{};
+        for (auto& [code, one] : people) {
+            apply(protocol.exclusion, one);
+            found.all.push_back(std::move(one));
+        }
+    }
+    std::stable_sort(found.all.begin(), found.all.end(), [](const Judged& a, const Judged& b) {
+        return a.participant < b.participant;
+    });
+    return found;
+}
+
+}  // namespace palpate::data

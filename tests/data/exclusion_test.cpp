@@ -1,0 +1,176 @@
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "data/analysis/exclusion.hpp"
+#include "data/analysis/summary.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::TemporaryFolder;
+
+namespace {
+
+protocols::Protocol study() {
+    protocols::Protocol protocol = tests::small_protocol(4);
+    protocol.objects.push_back({.name = "low", .curvature = -20.0, .pictured = false});
+    protocol.objects.push_back({.name = "high", .curvature = 20.0, .pictured = false});
+    protocol.design.catch_trials = 4;
+    protocol.exclusion = {.catch_correct_min = 0.75,
+                          .share_correct_min = 0.5,
+                          .timed_out_share_max = 0.25,
+                          .invalid_share_max = 0.2,
+                          .sessions_finished = true};
+    return protocol;
+}
+
+/// How a made-up participant answers: the share of each, in order of the trials.
+struct Habits {
+    double correct = 1.0, timed_out = 0.0, invalid = 0.0, catches = 1.0;
+    bool finishes = true;
+};
+
+/// True for `share` of the counts 0, 1, 2, ...: of 24, exactly 24 * share rounded.
+bool due(std::size_t count, double share) {
+    return static_cast<int>(static_cast<double>(count + 1) * share + 1e-9) >
+           static_cast<int>(static_cast<double>(count) * share + 1e-9);
+}
+
+void run(data::Database& database,
+         const protocols::Protocol& protocol,
+         const std::string& code,
+         const Habits& habits,
+         data::RunKind kind = data::RunKind::real) {
+    auto spec = tests::session_spec(protocol, code);
+    spec.kind = kind;
+    const auto opened = data::open_session(database, spec);
+    data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+    std::size_t main = 0;
+    std::size_t catches = 0;
+    for (const auto& planned : spec.plan.trials) {
+        const std::size_t felt = planned.condition.object;
+        if (planned.phase == protocols::Phase::catch_trial) {
+            const std::size_t right = felt == 3 ? 0 : 2;  // concave is place 0, convex 2
+            const std::size_t said = due(catches++, habits.catches) ? right : 1;
+            recorder.end_trial(recorder.begin_trial(planned, {}), tests::answered(said, false));
+            continue;
+        }
+        const bool right = due(main, habits.correct);
+        auto result = tests::answered(right ? felt : (felt + 1) % 3, right);
+        if (due(main, habits.timed_out)) {
+            result.outcome = protocols::Outcome::timed_out;
+        }
+        if (due(main, habits.invalid)) {
+            result.invalid = "short_contact";
+        }
+        recorder.end_trial(recorder.begin_trial(planned, {}), result);
+        ++main;
+    }
+    if (habits.finishes) {
+        database.prepare("UPDATE session SET finished = 1 WHERE id = ?1").bind(1, opened.id).run();
+    }
+}
+
+std::vector<std::string> rules_of(const data::Exclusions& exclusions, const std::string& code) {
+    std::vector<std::string> rules;
+    for (const data::Judged& one : exclusions.all) {
+        for (const std::string& rule : one.broken) {
+            if (one.participant == code) {
+                rules.push_back(rule.substr(0, rule.find(':')));
+            }
+        }
+    }
+    return rules;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "each rule of exclusion leaves out who breaks it and nobody else, on either side of its bound",
+    "[exclusion][law]") {
+    const TemporaryFolder folder;
+    data::Database database(folder.file("e.sqlite"), data::Access::write);
+    const protocols::Protocol protocol = study();
+    using List = std::vector<std::string>;
+    run(database, protocol, "GOOD", {});
+    run(database, protocol, "EDGE", {.correct = 0.5, .timed_out = 0.25, .catches = 0.75});
+    run(database, protocol, "CATCH", {.catches = 0.5});
+    run(database, protocol, "WRONG", {.correct = 11.0 / 24.0});
+    run(database, protocol, "SLOW", {.timed_out = 7.0 / 24.0});
+    run(database, protocol, "SHORT", {.invalid = 5.0 / 24.0});
+    run(database, protocol, "GONE", {.finishes = false});
+    run(database, protocol, "BOTH", {.correct = 0.25, .catches = 0.0});
+    run(database, protocol, "SIM", {.correct = 0.0}, data::RunKind::simulated);
+    const data::Exclusions real = data::judge(database, "small", "real");
+    CHECK(real.rules);
+    CHECK(real.all.size() == 8);
+    CHECK(rules_of(real, "GOOD").empty());
+    CHECK(rules_of(real, "EDGE").empty());
+    CHECK(rules_of(real, "CATCH") == List{"catch_correct_min"});
+    CHECK(rules_of(real, "WRONG") == List{"share_correct_min"});
+    CHECK(rules_of(real, "SLOW") == List{"timed_out_share_max"});
+    CHECK(rules_of(real, "SHORT") == List{"invalid_share_max"});
+    CHECK(rules_of(real, "GONE") == List{"sessions_finished"});
+    CHECK(rules_of(real, "BOTH") == List{"catch_correct_min", "share_correct_min"});
+    CHECK(rules_of(data::judge(database, "small", "simulated"), "SIM") ==
+          List{"share_correct_min"});
+    CHECK(data::judge(database, "other", "real").all.empty());
+}
+
+TEST_CASE("the summary shows the shares of all and without those left out, by hand-made counts",
+          "[exclusion][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{8}));
+    CAPTURE(seed);
+    tests::Random random(seed);
+    const TemporaryFolder folder;
+    data::Database database(folder.file("e.sqlite"), data::Access::write);
+    const protocols::Protocol protocol = study();
+    for (int i = 0; i < 6; ++i) {
+        run(database, protocol, std::string("P").append(std::to_string(i)),
+            {.correct = random.below(25) / 24.0});
+    }
+    // Counted apart: from the rows of the view, participant by participant.
+    std::int64_t all[2] = {0, 0};
+    std::int64_t kept[2] = {0, 0};
+    int left_out = 0;
+    data::Statement row = database.prepare(
+        "SELECT participant, sum(friction = 'off' AND correct), sum(friction = 'on' AND correct),"
+        " avg(correct) FROM trial_result WHERE phase = 'main' GROUP BY participant");
+    while (row.step()) {
+        for (int k = 0; k < 2; ++k) {
+            all[k] += row.integer(1 + k);
+            kept[k] += row.real(3) >= 0.5 ? row.integer(1 + k) : 0;
+        }
+        left_out += row.real(3) >= 0.5 ? 0 : 1;
+    }
+    const std::string text = data::summary_text(database);
+    CAPTURE(text);
+    const auto line = [](const char* friction, std::int64_t n, int people) {
+        return fmt::format("friction {:<4} {:>3} of {:>3} correct", friction, n, 12 * people);
+    };
+    CHECK_THAT(text, ContainsSubstring(line("off", all[0], 6)));
+    CHECK_THAT(text, ContainsSubstring(line("on", all[1], 6)));
+    if (left_out == 0) {
+        CHECK_THAT(text, ContainsSubstring("leave out none of 6 participants"));
+    } else if (left_out < 6) {
+        CHECK_THAT(text, ContainsSubstring(fmt::format("leave out {} of 6", left_out)));
+        CHECK_THAT(text, ContainsSubstring(line("off", kept[0], 6 - left_out)));
+        CHECK_THAT(text, ContainsSubstring(line("on", kept[1], 6 - left_out)));
+    } else {
+        CHECK_THAT(text, ContainsSubstring("nobody is left"));
+    }
+}
+
+TEST_CASE("without rules of exclusion the summary says nothing of them", "[exclusion]") {
+    const TemporaryFolder folder;
+    data::Database database(folder.file("e.sqlite"), data::Access::write);
+    protocols::Protocol protocol = study();
+    protocol.exclusion = {};
+    run(database, protocol, "P1", {.correct = 0.0, .finishes = false});
+    CHECK_FALSE(data::judge(database, "small", "real").rules);
+    CHECK(data::summary_text(database).find("exclusion") == std::string::npos);
+}

@@ -1,0 +1,372 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/contact/closest_point.hpp"
+#include "engine/math/elementary.hpp"
+#include "protocols/design/object_outline.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/observer/outline_cues.hpp"
+#include "protocols/observer/simulated_observer.hpp"
+#include "protocols/running/object_hash.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using engine::Vec2;
+using tests::Random;
+
+namespace {
+
+std::string text_of(const std::string& file) {
+    std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    CAPTURE(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+/// The default study with other [[object]] tables.
+std::string with_objects(const std::string& objects) {
+    const std::string text = text_of("protocols/library/shape_friction.toml");
+    const std::size_t from = text.find("[[object]]");
+    const std::size_t to = text.find("[[friction]]");
+    return text.substr(0, from) + objects + text.substr(to);
+}
+
+Protocol free_forms() {
+    return parse_protocol(text_of("tests/golden/free_forms.toml"), "f.toml");
+}
+
+std::string refusal(const std::string& text) {
+    try {
+        static_cast<void>(parse_protocol(text, "p.toml"));
+    } catch (const ProtocolError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+double distance_to(const std::vector<Vec2>& polyline, const Vec2& p) {
+    double least = 1e9;
+    for (std::size_t i = 0; i < polyline.size(); ++i) {
+        const Vec2 from = polyline[i];
+        const Vec2 along = polyline[(i + 1) % polyline.size()] - from;
+        const double u = std::clamp(glm::dot(p - from, along) / glm::dot(along, along), 0.0, 1.0);
+        least = std::min(least, glm::length(p - from - u * along));
+    }
+    return least;
+}
+
+/// Ticks of a finger that presses `depth` deep all along an object, by a spring of the study's stiffness.
+std::vector<engine::TickRecord> felt(const Protocol& protocol, std::size_t object, double depth) {
+    std::vector<engine::TickRecord> ticks;
+    const auto outline = outline_of(protocol, object);
+    for (const auto& span : outline->spans()) {
+        for (int i = 1; i < 400; ++i) {
+            const engine::Frame frame = engine::frame_at(span, i / 400.0);
+            engine::TickRecord tick;
+            tick.mode = engine::Mode::slip;
+            tick.hip = frame.point - depth * frame.normal;
+            tick.force = protocol.apparatus.stiffness * depth * frame.normal;
+            tick.normal_force = glm::length(tick.force);
+            ticks.push_back(tick);
+        }
+    }
+    return ticks;
+}
+
+}  // namespace
+
+TEST_CASE("a set stands for its objects: the study's hash is that of the objects written out",
+          "[free_forms][law]") {
+    const std::string sets = with_objects(
+        "[[object]]\nset = \"five_shapes\"\n\n[[object]]\nset = "
+        "\"catch_pair\"\n\n");
+    const Protocol study = parse_protocol(sets, "p.toml");
+    const Protocol written =
+        parse_protocol(text_of("protocols/library/shape_friction.toml"), "p.toml");
+    CHECK(study == written);
+    CHECK(protocol_hash(study) == protocol_hash(written));
+}
+
+TEST_CASE("a ladder of curvatures is even, exact at its ends, and named by them",
+          "[free_forms][law]") {
+    Random random(3);
+    for (int i = 0; i < 50; ++i) {
+        const double from = random.in(-15.0, 0.0);
+        const double to = random.in(1.0, 15.0);
+        const int count = 2 + random.below(8);
+        const Protocol study =
+            parse_protocol(with_objects(fmt::format(
+                               "[[object]]\nset = \"curvature_ladder\"\nfrom_per_m = {}\n"
+                               "to_per_m = {}\ncount = {}\nprefix = \"l_\"\n\n[[object]]\nset "
+                               "= \"catch_pair\"\n\n",
+                               from, to, count)),
+                           "p.toml");
+        REQUIRE(study.objects.size() == static_cast<std::size_t>(count) + 2);
+        CHECK(study.objects.front().curvature == from);
+        CHECK(study.objects[static_cast<std::size_t>(count) - 1].curvature == to);
+        for (int k = 1; k + 1 < count; ++k) {
+            CHECK(std::fabs(study.objects[static_cast<std::size_t>(k)].curvature -
+                            (from + (to - from) * k / (count - 1))) < 1e-12);
+        }
+        CHECK(study.objects[static_cast<std::size_t>(count)].name == "concave_20");
+        CHECK_FALSE(study.objects.back().pictured);
+        CHECK(study.objects.front().name.starts_with(from < 0.0 ? "l_concave_" : "l_"));
+    }
+}
+
+TEST_CASE("the canonical text of free forms is explicit and reads back as the same study",
+          "[free_forms][law]") {
+    const Protocol study = free_forms();
+    REQUIRE(study.objects.size() == 6);
+    const std::string text = to_toml(study);
+    CAPTURE(text);
+    CHECK(text.find("set =") == std::string::npos);
+    CHECK(text.find("[[object.segment]]") != std::string::npos);
+    CHECK(parse_protocol(text, "again.toml") == study);
+    CHECK(to_toml(parse_protocol(text, "again.toml")) == text);
+    CHECK_FALSE(curvature_of(study.objects[0]));
+    CHECK(curvature_of(study.objects[2]).value() == -7.5 / 0.9);
+    CHECK_FALSE(differ_in_curvature_alone(study));
+}
+
+TEST_CASE(
+    "two arcs and a base line from control points are the object of that curvature, to the bit",
+    "[free_forms][law]") {
+    const double curvature = GENERATE(-10.0, -5.0, 0.0, 5.0, 10.0, 20.0);
+    Protocol study;
+    study.objects = {{.name = "curves", .curvature = curvature}, {.name = "free"}};
+    using Kind = stimuli::Segment::Kind;
+    const auto& [a, v, b] = study.outline;
+    study.objects[1].segments = {{.kind = Kind::arc, .points = {a, v}, .curvature = curvature},
+                                 {.kind = Kind::arc, .points = {v, b}, .curvature = curvature},
+                                 {.kind = Kind::line, .points = {b, a}}};
+    CHECK(outline_text(*outline_of(study, 0)) == outline_text(*outline_of(study, 1)));
+    for (ObjectSpec& object : study.objects) {
+        object.size = 1.7;
+        object.turn = 0.3;
+        object.offset = {0.01, -0.02};
+    }
+    CHECK(outline_text(*outline_of(study, 0)) == outline_text(*outline_of(study, 1)));
+}
+
+TEST_CASE("a placed object is the object enlarged, then turned, then moved", "[free_forms][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{40}));
+    CAPTURE(seed);
+    Random random(seed);
+    Protocol study = free_forms();
+    const Protocol before = study;
+    const double size = random.in(0.2, 3.0);
+    const double turn = random.in(-3.0, 3.0);
+    const Vec2 offset{random.in(-0.1, 0.1), random.in(-0.1, 0.1)};
+    for (std::size_t i = 0; i < 2; ++i) {
+        study.objects[i].size = size;
+        study.objects[i].turn = turn;
+        study.objects[i].offset = offset;
+        const auto placed = outline_of(study, i);
+        const auto plain = outline_of(before, i);
+        REQUIRE(placed->spans().size() == plain->spans().size());
+        for (std::size_t k = 0; k < plain->spans().size(); ++k) {
+            const Vec2 p = plain->spans()[k].at(0.37).point;
+            const Vec2 expected{size * (std::cos(turn) * p.x - std::sin(turn) * p.y) + offset.x,
+                                size * (std::sin(turn) * p.x + std::cos(turn) * p.y) + offset.y};
+            CHECK(glm::length(placed->spans()[k].at(0.37).point - expected) < 1e-15);
+        }
+    }
+}
+
+TEST_CASE("the picture of a free form is nowhere farther from its outline than it says",
+          "[free_forms][law]") {
+    const Protocol study = free_forms();
+    const double tolerance = GENERATE(20e-6, 200e-6, 2e-3);
+    for (std::size_t i = 0; i < study.objects.size(); ++i) {
+        const auto outline = outline_of(study, i);
+        const std::vector<Vec2> picture = stimuli::silhouette(*outline, tolerance);
+        CHECK(picture.size() < 600);
+        const engine::OutlineFeet feet(*outline);
+        for (const Vec2& corner : picture) {
+            CHECK(feet.closest(corner).distance < 1e-12);
+        }
+        for (const auto& span : outline->spans()) {
+            for (int k = 0; k <= 200; ++k) {
+                CHECK(distance_to(picture, span.at(k / 200.0).point) <= tolerance + 1e-12);
+            }
+        }
+    }
+}
+
+// Corners on a grid of integers: whether two edges meet is decided there without rounding.
+TEST_CASE("a polygon that meets itself is found, and no other", "[free_forms][law]") {
+    int met = 0;
+    for (std::uint64_t seed = 0; seed < 4000; ++seed) {
+        Random random(seed);
+        const int n = 4 + random.below(5);
+        std::vector<std::pair<int, int>> grid;
+        std::vector<Vec2> polygon;
+        for (int i = 0; i < n; ++i) {
+            std::pair<int, int> corner;
+            do {
+                corner = {random.below(12), random.below(12)};
+            } while (std::find(grid.begin(), grid.end(), corner) != grid.end());
+            grid.push_back(corner);
+            polygon.push_back(0.01 * Vec2{corner.first, corner.second});
+            polygon.back() =
+                Vec2{static_cast<double>(corner.first), static_cast<double>(corner.second)};
+        }
+        const auto at = [&](int i) {
+            return grid[static_cast<std::size_t>(i % n)];
+        };
+        const auto turn = [](auto p, auto q, auto r) {
+            const int area = (q.first - p.first) * (r.second - p.second) -
+                             (q.second - p.second) * (r.first - p.first);
+            return (area > 0) - (area < 0);
+        };
+        const auto between = [](auto p, auto q, auto r) {
+            return std::min(p.first, q.first) <= r.first && r.first <= std::max(p.first, q.first) &&
+                   std::min(p.second, q.second) <= r.second &&
+                   r.second <= std::max(p.second, q.second);
+        };
+        bool meets = false;
+        for (int i = 0; i < n; ++i) {
+            for (int k = i + 2; k < n && !(i == 0 && k == n - 1); ++k) {
+                const auto a = at(i), b = at(i + 1), c = at(k), d = at(k + 1);
+                meets = meets ||
+                        (turn(a, b, c) * turn(a, b, d) < 0 && turn(c, d, a) * turn(c, d, b) < 0) ||
+                        (turn(a, b, c) == 0 && between(a, b, c)) ||
+                        (turn(a, b, d) == 0 && between(a, b, d)) ||
+                        (turn(c, d, a) == 0 && between(c, d, a)) ||
+                        (turn(c, d, b) == 0 && between(c, d, b));
+            }
+        }
+        CAPTURE(seed);
+        CHECK(stimuli::self_crossing(polygon).has_value() == meets);
+        met += meets ? 1 : 0;
+    }
+    CHECK(met > 1000);
+    CHECK(met < 3500);
+}
+
+TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
+    struct Change {
+        const char* from;
+        const char* to;
+        const char* says;
+    };
+    const std::string study = text_of("tests/golden/free_forms.toml");
+    for (const Change& change :
+         {Change{"to_m = [-0.04, 0.0]", "to_m = [-0.04, 0.001]",
+                 "the object dome is open: its last segment ends 1 mm from where"},
+          Change{"from_m = [0.04, 0.0]\nto_m = [-0.04", "from_m = [0.04, 0.002]\nto_m = [-0.04",
+                 "the object dome cannot be built: segment 1 starts 0.002"},
+          Change{"[0.0, 0.06], [0.04, 0.03], [0.04, 0.0]]",
+                 "[0.0, 0.06], [-0.06, 0.03], [0.04, 0.0]]", "the outline of dome meets itself"},
+          Change{"degree = 3", "degree = 12", "degree"},
+          Change{"knots = [0, 0, 0, 0, 1, 2, 2, 2, 2]", "knots = [0, 0, 0, 0, 1, 2, 2, 2]",
+                 "[[object.segment]] 1 of [[object]] 1"},
+          Change{"degree = 3\n", "", "needs the key degree"},
+          Change{"degree = 3", "degre = 3", "did you mean degree?"},
+          Change{"kind = \"arc\"", "kind = \"arch\"", "did you mean arc?"},
+          Change{"name = \"dome\"", "name = \"dome\"\ncurvature_per_m = 1",
+                 "has curvature_per_m and [[object.segment]]"},
+          Change{"name = \"dome\"", "name = \"dome\"\noffset_mm = [990, 0]",
+                 "the object dome (its control points) reaches 1030 mm"},
+          Change{"name = \"dome\"", "name = \"dome\"\nsize = 0.01", "give at least 1"},
+          Change{"name = \"dome\"", "name = \"dome\"\nsize = 0", "size is 0: give 0.01 to 100"},
+          Change{"name = \"dome\"", "name = \"dome\"\ncount = 2", "count of [[object]] 1 is for a"},
+          Change{"name = \"dome\"", "name = \"dome\"\nsegmant = 2", "did you mean segment?"},
+          Change{"start_mm = [0, 70]", "start_mm = [0, 30]", "inside the object dome"},
+          Change{"set = \"catch_pair\"", "set = \"catch_par\"", "did you mean catch_pair?"},
+          Change{"set = \"catch_pair\"", "set = \"catch_pair\"\ncount = 3",
+                 "set is not \"curvature_ladder\""},
+          Change{"set = \"catch_pair\"", "set = \"catch_pair\"\nname = \"x\"",
+                 "name is given beside set"},
+          Change{"to_per_m = 7.5", "to_per_m = -7.5", "to_per_m is -7.5, and from_per_m is -7.5"},
+          Change{"prefix = \"small_\"", "prefix = \"Small\"", "give up to 32 letters"},
+          Change{"count = 2", "count = 19", "count is 19: give 2 to 18"},
+          Change{"share_correct_min = 0.3", "share_correct_min = 1.1", "give 0 to 1"},
+          Change{"share_correct_min = 0.3", "catch_correct_min = 0.3", "is a free form"}}) {
+        CAPTURE(change.to);
+        const std::string said = refusal(replaced(study, change.from, change.to));
+        CHECK_THAT(said, Catch::Matchers::ContainsSubstring(change.says));
+        CHECK(said.starts_with("p.toml:"));
+    }
+    CHECK_THAT(refusal(with_objects("[[object]]\nname = \"a\"\n\n[[object]]\nset = "
+                                    "\"five_shapes\"\n\n")),
+               Catch::Matchers::ContainsSubstring("[[object]] 1 lacks the key curvature_per_m"));
+}
+
+TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") {
+    const std::string text = text_of("tests/golden/free_forms.toml");
+    const std::size_t from = text.find("[[object]]");
+    const std::size_t to = text.find("[[object]]", from + 1);
+    std::string copy = text.substr(from, to - from);
+    copy.replace(copy.find("dome"), 4, "dome_2");
+    CHECK_THAT(refusal(text.substr(0, to) + copy + text.substr(to)),
+               Catch::Matchers::ContainsSubstring("has the outline of [[object]] 1"));
+}
+
+TEST_CASE("an observer without noise knows each form by touch, wherever its picture stands",
+          "[free_forms][observer][law]") {
+    Protocol study = free_forms();
+    study.observer = {.noise = 0.0, .lapse = 0.0};
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    CAPTURE(seed);
+    Random random(seed);
+    std::vector<std::size_t> order{0, 1, 2, 3};
+    for (std::size_t i = 3; i > 0; --i) {
+        std::swap(order[i], order[static_cast<std::size_t>(random.below(static_cast<int>(i) + 1))]);
+    }
+    const auto place = static_cast<std::size_t>(random.below(4));
+    const double depth = random.in(0.0005, 0.003);
+    SimulatedObserver observer(study, {.protocol_hash = "h", .participant = "p", .purpose = {}},
+                               order, [] { return true; });
+    auto ticks = felt(study, order[place], depth);
+    observer.feel(ticks);
+    CHECK(observer.choose({}, std::vector<Picture>(4)).place == place);
+    OutlineCues cues(study, order);
+    cues.add(ticks);
+    CHECK(cues.misfits()[place] < 1e-9);
+
+    // What the ticks say of the truth is not read.
+    for (engine::TickRecord& tick : ticks) {
+        tick.cp = tick.go = Vec2{random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
+        tick.parameter = random.in(0.0, 1.0);
+        tick.feature = static_cast<std::int16_t>(random.below(4));
+    }
+    OutlineCues again(study, order);
+    again.add(ticks);
+    CHECK(again.misfits() == cues.misfits());
+}
+
+TEST_CASE("an observer of forms who felt nothing, or only noise, guesses evenly",
+          "[free_forms][observer]") {
+    Protocol study = free_forms();
+    study.observer = {.noise = 1e6, .lapse = 0.0};
+    const bool touched = GENERATE(false, true);
+    const auto ticks = felt(study, 0, 0.001);
+    std::vector<int> chosen(4, 0);
+    for (std::size_t i = 0; i < 2000; ++i) {
+        SimulatedObserver observer(study, {.protocol_hash = "h", .participant = "p", .purpose = {}},
+                                   {0, 1, 2, 3}, [] { return true; });
+        if (touched && i < 400) {
+            observer.feel(std::span(ticks).first(50));
+        }
+        ++chosen[observer.choose({.number = i}, std::vector<Picture>(4)).place];
+    }
+    for (const int n : chosen) {
+        CHECK(std::abs(n - 500) < 5 * 20);  // standard deviation 19.4
+    }
+}
