@@ -1,0 +1,112 @@
+#include <string>
+#include <vector>
+
+#include "data/store/content_hash.hpp"
+#include "data/store/reader.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+
+namespace {
+
+const std::string kForms = PALPATE_SOURCE_DIR "/tests/golden/free_forms.toml";
+
+std::string one(const std::string& file, const std::string& sql) {
+    data::Database database(file, data::Access::read);
+    auto row = database.prepare(sql);
+    return row.step() ? row.text(0) : std::string("nothing");
+}
+
+}  // namespace
+
+TEST_CASE("free forms in friction blocks are felt, told apart, kept, and verified to the bit",
+          "[free_forms][study][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(
+        palpate_command({"run", kForms, "--participant", "P1", "--db", file, "--headless"}).code ==
+        0);
+    const Finished verified = palpate_command({"verify", file});
+    CAPTURE(verified.out);
+    CHECK(verified.code == 0);
+    CHECK_THAT(verified.out, ContainsSubstring("Nothing differs"));
+    // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
+    CHECK(one(file,
+              "SELECT sum(correct) || ' of ' || count(*) FROM trial_result WHERE phase = "
+              "'main'") == "16 of 16");
+    CHECK(one(file,
+              "SELECT group_concat(DISTINCT object) FROM (SELECT object FROM plan WHERE "
+              "curvature_per_m IS NULL ORDER BY object)") == "dome,steps");
+    CHECK(one(file,
+              "SELECT count(*) FROM (SELECT 1 FROM plan GROUP BY block HAVING count(DISTINCT "
+              "friction) > 1)") == "0");
+    CHECK(one(file,
+              "SELECT count(DISTINCT value) FROM session_provenance WHERE key LIKE 'object "
+              "sha256 %'") == "6");
+    CHECK_THAT(palpate_command({"summary", file}).out, ContainsSubstring("[exclusion] leave out "
+                                                                         "none of 1"));
+}
+
+TEST_CASE("another outline under the same name is found by its hash", "[free_forms][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(
+        palpate_command({"run", kForms, "--participant", "P1", "--db", file, "--headless"}).code ==
+        0);
+    {
+        data::Database database(file, data::Access::write);
+        database
+            .prepare(
+                "UPDATE session_provenance SET value = 'ffff' WHERE key = 'object sha256 dome'")
+            .run();
+    }
+    const Finished verified = palpate_command({"verify", file});
+    CHECK(verified.code == 1);
+    CHECK_THAT(verified.out, ContainsSubstring("dome"));
+}
+
+TEST_CASE("sequence and check show friction blocks and free forms",
+          "[free_forms][friction_blocks]") {
+    const TemporaryFolder folder;
+    const std::string sheet = folder.file("o.svg");
+    const Finished check = palpate_command({"check", kForms, "--svg", sheet});
+    CAPTURE(check.error);
+    CHECK(check.code == 0);
+    CHECK_THAT(check.out, ContainsSubstring("16 main in 4 blocks") &&
+                              ContainsSubstring("(one a block)") &&
+                              ContainsSubstring("frictions of the blocks: "));
+    std::ifstream svg(sheet);
+    const std::string drawn{std::istreambuf_iterator<char>(svg), {}};
+    CHECK_THAT(drawn, ContainsSubstring("free form, 80") && ContainsSubstring("dome"));
+    const Finished sequence = palpate_command({"sequence", kForms, "--participant", "P1"});
+    CHECK(sequence.code == 0);
+    CHECK_THAT(sequence.out,
+               ContainsSubstring("friction blocks: row") && ContainsSubstring("of 2 of the"));
+    const Finished csv = palpate_command({"sequence", kForms, "--participant", "P1", "--csv"});
+    CHECK_THAT(csv.out, ContainsSubstring(",dome,,o"));
+    CHECK_THAT(palpate_command({"new", "--keys"}).out,
+               ContainsSubstring("[[object.segment]]") && ContainsSubstring("five_shapes") &&
+                   ContainsSubstring("friction_blocks") && ContainsSubstring("catch_correct_min"));
+}
+
+TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is recorded",
+          "[handedness]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command({"participant", file, "L1", "--handedness=-60"}).code == 0);
+    // Refused before a window is opened: the display need not be there.
+    const Finished run = Process({tests::palpate_program(), "run", "shape_friction",
+                                  "--participant", "L1", "--db", file, "--device", "mouse"},
+                                 {"DISPLAY=:99"})
+                             .wait();
+    CHECK(run.code == 2);
+    CHECK_THAT(run.error, ContainsSubstring("asks for handedness \"right\"") &&
+                              ContainsSubstring("a score of -60") && ContainsSubstring("pilot"));
+    CHECK(one(file, "SELECT count(*) FROM session") == "0");
+}
