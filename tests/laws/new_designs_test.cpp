@@ -55,6 +55,25 @@ TEST_CASE("free forms in friction blocks are felt, told apart, kept, and verifie
                                                                          "none of 1"));
 }
 
+TEST_CASE("whoever is counted, the order of friction blocks is verified as it was",
+          "[friction_blocks][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    for (const char* code : {"P1", "P2", "P3", "P4", "P5", "P6"}) {
+        REQUIRE(palpate_command({"run", kForms, "--participant", code, "--db", file, "--headless"})
+                    .code == 0);
+        // As if people had felt it: only they count for the next one's order.
+        data::Database database(file, data::Access::write);
+        database.prepare("UPDATE session SET kind = 'real'").run();
+    }
+    CHECK(one(file,
+              "SELECT group_concat(n) FROM (SELECT count(*) AS n FROM plan WHERE phase = "
+              "'main' AND block = 0 GROUP BY friction)") == "12,12");
+    const Finished verified = palpate_command({"verify", file});
+    CAPTURE(verified.out);
+    CHECK_THAT(verified.out, !ContainsSubstring("plan_sha256"));
+}
+
 TEST_CASE("another outline under the same name is found by its hash", "[free_forms][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
