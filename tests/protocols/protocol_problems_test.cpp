@@ -98,7 +98,7 @@ const Change kChanges[] = {
      "give \"interleaved\", \"abba\" or \"blocked\""},
     {"friction_blocks = \"interleaved\"", "friction_blocks = \"abba\"", "\"abba\"",
      "there and back, and blocks is 1: give an even number"},
-    {"catch_correct_min = 0 ", "catch_correct_min = 1.5 ", "1.5 ", "give 0 to 1"},
+    {"catch_correct_min = 0 ", "catch_correct_min = 1.5 ", "1.5    # share", "give 0 to 1"},
     {"sessions_finished = false", "sessions_finished = 1", "1\n\n[design]", "give true or false"},
     {"timed_out_share_max", "time_out_share_max", "time_out_share_max",
      "in [exclusion]: did you mean timed_out_share_max?"},
