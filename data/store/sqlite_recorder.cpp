@@ -156,7 +156,9 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
             " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
             "?14,"
             " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17, skipped_ticks = ?18,"
-            " slewed_ticks = ?19, stale_ticks = ?20, fault = ?21, invalid = ?22"
+            " slewed_ticks = ?19, stale_ticks = ?20, fault = ?21, invalid = ?22,"
+            " strokes = ?23, mean_speed_m_per_s = ?24, before_vertex_ticks = ?25,"
+            " after_vertex_ticks = ?26"
             " WHERE id = ?1 AND outcome = 'running'")
         .bind(1, trial)
         .bind(2, to_string(result.outcome))
@@ -181,6 +183,10 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
         .bind(21, result.fault ? std::optional(to_string(result.fault->cause)) : std::nullopt)
         .bind(22, result.invalid.empty() ? std::nullopt
                                          : std::optional<std::string_view>(result.invalid))
+        .bind(23, sum.strokes)
+        .bind(24, sum.mean_speed_m_per_s)
+        .bind(25, sum.before_vertex_ticks)
+        .bind(26, sum.after_vertex_ticks)
         .run();
     if (database_.changes() != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",
