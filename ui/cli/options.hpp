@@ -93,6 +93,16 @@ struct VerifyOptions {
     bool json = false;
 };
 
+struct SqlOptions {
+    std::string database;
+    std::optional<std::string> query;  ///< none: from standard input
+    bool csv = false;
+    bool json = false;
+};
+
+/// Prints where the SQL extension is.
+struct ExtensionOptions {};
+
 struct ScreenshotOptions {
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
@@ -156,6 +166,8 @@ using Options = std::variant<Exit,
                              NoteOptions,
                              MarkOptions,
                              VerifyOptions,
+                             SqlOptions,
+                             ExtensionOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
