@@ -41,6 +41,9 @@ public:
         share_ = share;
     }
     [[nodiscard]] std::optional<double> value() {
+        if (values_.empty()) {
+            return std::nullopt;  // its first row was refused
+        }
         const double place = share_ * static_cast<double>(values_.size() - 1);
         const auto below = static_cast<std::ptrdiff_t>(std::floor(place));
         const auto at = values_.begin() + below;
