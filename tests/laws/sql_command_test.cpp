@@ -89,7 +89,7 @@ TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
           "[{\"t\": \"a\\\"\", \"x\": 0.1, \"n\": null, \"b\": \"0AFF\"},\n"
           "{\"t\": \"c\", \"x\": 1, \"n\": 2, \"b\": 3}]\n");
     CHECK(sql("SELECT 1 AS a WHERE 0", {"--json"}).out == "[]\n");
-    CHECK(sql("SELECT 1; SELECT 2 -- and\n;", {"--csv"}).out == "1\n1\n2\n2\n");
+    CHECK(sql("SELECT 1; SELECT 2 AS b -- and\n;", {"--csv"}).out == "1\n1\nb\n2\n");
 }
 
 TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") {
