@@ -10,6 +10,7 @@
 #include "protocols/format/calibration_file.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/running/object_hash.hpp"
+#include "data/trace/replay.hpp"
 #include "data/verify/plan_check.hpp"
 
 namespace palpate::data {
@@ -107,6 +108,9 @@ void check_provenance(Database& database,
     frame.old = !provenance.contains("build id");
     check_objects(frame, provenance, findings);
     check_calibration(provenance, findings);
+    if (const auto text = provenance.find(kCalibration); text != provenance.end()) {
+        frame.machine = machine_of(text->second);
+    }
     // What a resumed session went on with.
     bool changed = false;
     for (const StoredRow& row :
