@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "data/store/summary_views.hpp"
+#include "data/store/views.hpp"
 
 namespace palpate::data {
 namespace {
@@ -126,6 +126,7 @@ CREATE TABLE trial (
     slewed_ticks        INTEGER,                    -- the slew limit held the force back
     stale_ticks         INTEGER,                    -- without a new reading
     invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
+    chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
     before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
@@ -146,29 +147,6 @@ CREATE TABLE response (
                        CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
 ) STRICT;
 
-CREATE TABLE trace_chunk (
-    -- Servo ticks, 256 a chunk. codec 1: columns as in trace_column, one after the other, each with its
-    -- bytes shuffled (all first bytes, all second bytes, ...), the whole as one zlib stream.
-    trial      INTEGER NOT NULL REFERENCES trial,   -- trial.id
-    first_tick INTEGER NOT NULL CHECK (first_tick >= 0),  -- number of its first tick
-    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 256),  -- how many
-    codec      INTEGER NOT NULL CHECK (codec = 1),  -- how data is made
-    crc32      INTEGER NOT NULL,                    -- of the shuffled bytes before zlib
-    data       BLOB NOT NULL,                       -- a zlib stream
-    PRIMARY KEY (trial, first_tick)
-) STRICT;
-
-CREATE TABLE trace_column (
-    -- What the bytes of a chunk mean.
-    codec    INTEGER NOT NULL,                      -- trace_chunk.codec
-    position INTEGER NOT NULL,                      -- from 0, in the order of the bytes
-    name     TEXT NOT NULL,                         -- of the column
-    type     TEXT NOT NULL                          -- of a value, little-endian
-                 CHECK (type IN ('f64le', 'f32le', 'i64le', 'i32le', 'i16le', 'u8')),
-    unit     TEXT NOT NULL,                         -- of a value
-    PRIMARY KEY (codec, position)
-) STRICT;
-
 CREATE TABLE event (
     -- What happened in a session beside its trials.
     id      INTEGER PRIMARY KEY,                    -- in the order in which they happened
@@ -180,75 +158,47 @@ CREATE TABLE event (
 ) STRICT;
 )sql";
 
-/// What analysts read. As of schema 4.
-constexpr const char* kViews = R"sql(
-CREATE VIEW trial_result AS
--- One row per answered trial that counts, practice and catch trials included: filter by phase and kind.
-SELECT trial.id AS trial,                           -- trial.id
-       study.name AS study,                         -- study.name
-       participant.code AS participant,             -- pseudonym
-       session.number AS session,                   -- number of the participant's session
-       session.kind AS kind,                        -- real, pilot, simulated
-       plan.position AS position,                   -- in the plan, from 0
-       plan.phase AS phase,                         -- practice, main, catch
-       plan.object AS object,                       -- what was felt
-       plan.curvature_per_m AS curvature_per_m,     -- > 0 convex, 0 straight, < 0 concave
-       plan.friction AS friction,                   -- the condition's name
-       response.object AS choice,                   -- what it was taken for
-       response.correct AS correct,                 -- 1: choice is object
-       trial.outcome AS outcome,                    -- complete or timed_out
-       trial.first_contact_s AS first_contact_s,    -- first tick -> first contact
-       trial.done_s AS done_s,                      -- first tick -> done
-       response.reaction_s AS reaction_s,           -- pictures shown -> answer
-       response.uncertainty_s AS uncertainty_s,     -- of reaction_s: it may be up to this much less
-       trial.path_length_m AS path_length_m,        -- of HIP
-       trial.contact_ticks / session.rate_hz AS contact_s,  -- time in contact
-       trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,  -- of contact
-       trial.mean_normal_force_n AS mean_normal_force_n,  -- over contact
-       trial.max_normal_force_n AS max_normal_force_n,    -- largest
-       trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share,  -- of ticks
-       trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share  -- of ticks
-FROM trial
-JOIN response ON response.trial = trial.id
-JOIN plan ON plan.session = trial.session AND plan.position = trial.position
-JOIN session ON session.id = trial.session
-JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study
-WHERE trial.invalid IS NULL;
+/// As of schema 5.
+constexpr const char* kTraces5 = R"sql(
+CREATE TABLE trace_chunk (
+    -- Servo ticks of one interval of a trial. While the trial runs its last chunk is replaced by a longer one.
+    -- codec 2, up to 4096 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
+    -- columns in the order of trace_column without the parts that the chunk does not hold. A stream is a
+    -- zlib stream of the values, bytes shuffled: all first bytes, all second bytes, ... Size 0: all bytes 0.
+    -- codec 1, 256 ticks, of files from before schema 5: all columns, shuffled alike, as one zlib stream.
+    trial      INTEGER NOT NULL REFERENCES trial,   -- trial.id
+    interval   INTEGER NOT NULL CHECK (interval BETWEEN 1 AND 2),  -- of a trial with two things to feel
+    first_tick INTEGER NOT NULL CHECK (first_tick >= 0),  -- number of its first tick
+    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 4096),  -- how many it has
+    codec      INTEGER NOT NULL CHECK (codec IN (1, 2)),  -- how data is made
+    period_ns  INTEGER NOT NULL,                    -- of the servo; codec 1: 0
+    holds      TEXT NOT NULL,                       -- the parts of trace_column that are in here, by words
+    crc32      INTEGER NOT NULL,                    -- codec 2: of data; codec 1: of the bytes before zlib
+    derived    INTEGER CHECK (codec = 1 OR derived IS NOT NULL),  -- XXH3 of the ticks as the servo had them
+    data       BLOB NOT NULL,                       -- the columns
+    PRIMARY KEY (trial, interval, first_tick)
+) STRICT;
 
-CREATE VIEW confusion AS
--- How often each object was taken for which, main trials only.
-SELECT study,        -- study.name
-       kind,         -- real, pilot, simulated
-       friction,     -- the condition's name
-       object,       -- what was felt
-       choice,       -- what it was taken for
-       count(*) AS n -- trials
-FROM trial_result WHERE phase = 'main'
-GROUP BY study, kind, friction, object, choice;
-
-CREATE VIEW invalid_trial AS
--- One row per answered trial that does not count, with its answer and the reason.
-SELECT trial.id AS trial,                  -- trial.id
-       study.name AS study,                -- study.name
-       participant.code AS participant,    -- pseudonym
-       session.number AS session,          -- number of the participant's session
-       session.kind AS kind,               -- real, pilot, simulated
-       trial.position AS position,         -- in the plan, from 0
-       trial.attempt AS attempt,           -- at this position
-       plan.phase AS phase,                -- practice, main, catch
-       plan.object AS object,              -- what was felt
-       plan.friction AS friction,          -- the condition's name
-       response.object AS choice,          -- what it was taken for
-       response.correct AS correct,        -- 1: choice is object
-       trial.invalid AS reason             -- why it does not count
-FROM trial
-JOIN response ON response.trial = trial.id
-JOIN plan ON plan.session = trial.session AND plan.position = trial.position
-JOIN session ON session.id = trial.session
-JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study
-WHERE trial.invalid IS NOT NULL;
+CREATE TABLE trace_column (
+    -- Number * scale is in the unit. Rules say what was taken from a value before it was written: plain
+    -- nothing; delta the value before; after one more than the value before (before the first: first_tick - 1);
+    -- clock tick * period_ns, then as delta; exact nothing. All but plain and exact are folded: 0, -1, 1, -2
+    -- are 0, 1, 2, 3, in two's complement of the type. part: only chunks that hold it have the column; in
+    -- others it follows by replay from the scene. *_xor_*: bits of the command XOR bits of fx_n, fy_n.
+    -- -2147483648 in a column of 100 nm or 100 uN: not a number; 2147483647: that much or more.
+    codec    INTEGER NOT NULL,                      -- trace_chunk.codec
+    position INTEGER NOT NULL,                      -- from 0, in the order of the bytes
+    name     TEXT NOT NULL,                         -- of the column
+    type     TEXT NOT NULL                          -- of a number as written, little-endian
+                 CHECK (type IN ('f64le', 'f32le', 'i64le', 'u64le', 'i32le', 'i16le', 'u8')),
+    unit     TEXT NOT NULL,                         -- of number * scale
+    scale    REAL NOT NULL,                         -- in the unit
+    rule     TEXT NOT NULL                          -- what was taken from a number before it was written
+                 CHECK (rule IN ('plain', 'after', 'clock', 'delta', 'exact')),
+    part     TEXT NOT NULL                          -- '': in every chunk, else in those that hold the part
+                 CHECK (part IN ('', 'hip', 'contact', 'command', 'lateness')),
+    PRIMARY KEY (codec, position)
+) STRICT;
 )sql";
 
 /// Since schema 4.
@@ -299,27 +249,6 @@ CREATE TABLE fault_tick (
     mu          REAL,                               -- friction coefficient in force
     PRIMARY KEY (trial, tick)
 ) STRICT;
-
-CREATE VIEW fault AS
--- One row per faulted trial: whose, which, why, and when.
-SELECT trial.id AS trial,                  -- trial.id
-       study.name AS study,                -- study.name
-       participant.code AS participant,    -- pseudonym
-       session.number AS session,          -- number of the participant's session
-       session.kind AS kind,               -- real, pilot, simulated
-       trial.position AS position,         -- in the plan, from 0
-       trial.attempt AS attempt,           -- at this position
-       plan.phase AS phase,                -- practice, main, catch
-       trial.fault AS cause,               -- why the force went off, e.g. over_speed
-       trial.done_s AS at_s,               -- first tick -> fault
-       trial.ended_utc AS ended_utc,       -- wall clock, ISO 8601
-       (SELECT count(*) FROM fault_tick WHERE fault_tick.trial = trial.id) AS ticks_kept  -- in fault_tick
-FROM trial
-JOIN plan ON plan.session = trial.session AND plan.position = trial.position
-JOIN session ON session.id = trial.session
-JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study
-WHERE trial.outcome = 'faulted';
 )sql";
 
 constexpr const char* kFrom1 = R"sql(
@@ -351,6 +280,14 @@ DROP VIEW trial_result;
 PRAGMA user_version = 4;
 )sql";
 
+/// The views of older schemas; those of this one come at the end of a migration to schema 5.
+constexpr const char* kNoViews = R"sql(
+DROP VIEW IF EXISTS confusion;
+DROP VIEW IF EXISTS trial_result;
+DROP VIEW IF EXISTS invalid_trial;
+DROP VIEW IF EXISTS fault;
+)sql";
+
 /// 4 -> 5: how the hand moved. Trials recorded before stay NULL.
 constexpr const char* kMovement5 = R"sql(
 ALTER TABLE trial ADD COLUMN strokes INTEGER;
@@ -362,7 +299,10 @@ ALTER TABLE trial ADD COLUMN after_vertex_ticks INTEGER;
 /// Other tables and the views keep their references to session by name: foreign keys are off during a
 /// migration. derived_uuid() is Database's own.
 constexpr const char* kFrom4 = R"sql(
--- 4 -> 5: sessions have a name of their own.
+-- 4 -> 5: sessions have a name of their own; traces by replay, chunks of before stay as they are; chains.
+ALTER TABLE trace_chunk RENAME TO trace_chunk_4;
+ALTER TABLE trace_column RENAME TO trace_column_4;
+ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
 CREATE TEMP TABLE session_4 AS SELECT * FROM session;
 DROP TABLE session;
 )sql";
@@ -372,22 +312,27 @@ INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed,
     derived_uuid(protocol_sha256 || ' ' || code || ' ' || number || ' ' || started_utc)
 FROM temp.session_4 JOIN study ON study.id = study JOIN participant ON participant.id = participant;
 DROP TABLE temp.session_4;
+INSERT INTO trace_chunk SELECT trial, 1, first_tick, ticks, codec, 0, '', crc32, NULL, data FROM trace_chunk_4
+    ORDER BY trial, first_tick;
+DROP TABLE trace_chunk_4;
+INSERT INTO trace_column SELECT codec, position, name, type, unit, 1.0, 'exact', '' FROM trace_column_4;
+DROP TABLE trace_column_4;
 PRAGMA user_version = 5;
 )sql";
 
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kPeople + kViews +
-                                   kFaults + std::string(summary_views_sql());
+    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kTraces5 + kPeople +
+                                   kFaults + std::string(views_sql());
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
-    static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
-    static const std::string from_4 = std::string(kFrom4) + kSession5 + kFrom4Rows + kMovement5 +
-                                      std::string(summary_views_sql());
+    static const std::string from_3 = std::string(kFrom3) + kPeople;
+    static const std::string from_4 = std::string(kNoViews) + kFrom4 + kSession5 + kTraces5 +
+                                      kFrom4Rows + kMovement5 + std::string(views_sql());
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 

@@ -144,7 +144,9 @@ void TrialRunner::answer(const PlannedTrial& planned, const TrialView& view, Tri
                                .reaction_s = choice.reaction_s,
                                .uncertainty_s = choice.uncertainty_s,
                                .input = choice.input};
-    result.invalid = why_invalid(protocol_, result.summary, !simulated_);
+    if (!ports_.apparatus.repeats()) {
+        result.invalid = why_invalid(protocol_, result.summary, !simulated_);
+    }
 }
 
 /// @param exploring  the ticks count for the summary and for the observer; the ramp out does not

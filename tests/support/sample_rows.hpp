@@ -49,7 +49,7 @@ inline const std::vector<std::string>& sample_columns() {
 inline std::vector<SampleRow> expected_rows(data::Database& database, std::int64_t trial) {
     std::vector<SampleRow> rows;
     const auto ticks = data::stored_ticks(database, trial);
-    const auto in_steps = [](double newton) {
+    const auto steps_of = [](double newton) {
         const auto steps = data::in_steps(newton, 1e4);
         return exactly(std::isfinite(newton) ? steps / 1e4 : std::nan(""));
     };
@@ -68,7 +68,7 @@ inline std::vector<SampleRow> expected_rows(data::Database& database, std::int64
                         modes[static_cast<std::size_t>(t.mode)], std::to_string(t.feature),
                         exactly(t.parameter), exactly(t.mu), exactly(t.normal_force),
                         exactly(t.tangential_force), exactly(t.force.x), exactly(t.force.y),
-                        in_steps(t.command.x), in_steps(t.command.y),
+                        steps_of(t.command.x), in_steps(t.command.y),
                         exactly(static_cast<double>(t.lateness_us)), std::to_string(t.flags),
                         std::to_string(t.counts[0]), std::to_string(t.counts[1]),
                         std::to_string(t.codes[0]), std::to_string(t.codes[1])});
