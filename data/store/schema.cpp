@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "data/store/views.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -13,61 +15,71 @@ PRAGMA user_version = 5;
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
-    id              INTEGER PRIMARY KEY,
-    name            TEXT NOT NULL,
-    title           TEXT NOT NULL,
-    protocol_sha256 TEXT NOT NULL UNIQUE CHECK (length(protocol_sha256) = 64),
-    protocol_toml   TEXT NOT NULL
+    id              INTEGER PRIMARY KEY,            -- of this file alone; its identity is protocol_sha256
+    name            TEXT NOT NULL,                  -- the protocol's id
+    title           TEXT NOT NULL,                  -- for people
+    protocol_sha256 TEXT NOT NULL UNIQUE CHECK (length(protocol_sha256) = 64),  -- of protocol_toml
+    protocol_toml   TEXT NOT NULL                   -- the protocol's canonical text
 ) STRICT;
 
 CREATE TABLE participant (
     -- Pseudonyms only.
-    id          INTEGER PRIMARY KEY,
-    code        TEXT NOT NULL UNIQUE CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*'),
+    id          INTEGER PRIMARY KEY,                -- of this file alone; people are known by code
+    code        TEXT NOT NULL UNIQUE                -- the pseudonym
+                    CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*'),
     handedness  INTEGER CHECK (handedness BETWEEN -100 AND 100),  -- Edinburgh score: -100 left, 100 right
     consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it
     consent_utc TEXT                                -- when that was noted
 ) STRICT;
 
+)sql";
+
+/// As of schema 5.
+constexpr const char* kSession5 = R"sql(
 CREATE TABLE session (
-    id                  INTEGER PRIMARY KEY,
-    study               INTEGER NOT NULL REFERENCES study,
-    participant         INTEGER NOT NULL REFERENCES participant,
-    number              INTEGER NOT NULL CHECK (number >= 1),
-    kind                TEXT NOT NULL CHECK (kind IN ('real', 'pilot', 'simulated')),
+    -- One sitting of a participant with a study, resumed or not.
+    id                  INTEGER PRIMARY KEY,        -- of this file alone; its identity is uuid
+    study               INTEGER NOT NULL REFERENCES study,              -- study.id
+    participant         INTEGER NOT NULL REFERENCES participant,        -- participant.id
+    number              INTEGER NOT NULL CHECK (number >= 1),           -- 1: the participant's first
+    kind                TEXT NOT NULL CHECK (kind IN ('real', 'pilot', 'simulated')),  -- real data, or not
     seed                TEXT NOT NULL               -- unsigned 64 bit, decimal
                             CHECK (length(seed) BETWEEN 1 AND 20 AND seed NOT GLOB '*[^0-9]*'),
-    plan_sha256         TEXT NOT NULL CHECK (length(plan_sha256) = 64),
+    plan_sha256         TEXT NOT NULL CHECK (length(plan_sha256) = 64),  -- of the whole order
     shuffles            INTEGER NOT NULL CHECK (shuffles >= 1),  -- orders proposed until one kept the limits
-    device              TEXT NOT NULL,
-    rate_hz             REAL NOT NULL CHECK (rate_hz > 0),
-    stiffness_n_per_m   REAL NOT NULL CHECK (stiffness_n_per_m > 0),
-    started_utc         TEXT NOT NULL,
-    finished_utc        TEXT,
-    finished            INTEGER NOT NULL DEFAULT 0 CHECK (finished IN (0, 1)),
+    device              TEXT NOT NULL,              -- as given to --device
+    rate_hz             REAL NOT NULL CHECK (rate_hz > 0),  -- of the servo
+    stiffness_n_per_m   REAL NOT NULL CHECK (stiffness_n_per_m > 0),  -- of the contact
+    started_utc         TEXT NOT NULL,              -- wall clock, ISO 8601
+    finished_utc        TEXT,                       -- NULL: not finished
+    finished            INTEGER NOT NULL DEFAULT 0 CHECK (finished IN (0, 1)),  -- 1: every planned trial is done
     operator            TEXT,                       -- who ran it, as given
+    uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4); of a session from before
+                            CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),  -- schema 5: version 8
     UNIQUE (study, participant, number)
 ) STRICT;
+)sql";
 
+constexpr const char* kTables2 = R"sql(
 CREATE TABLE session_provenance (
     -- What shaped the session besides its protocol: versions, compiler, kernel, the device's calibration,
     -- what the force loop was allowed (scheduling, memory).
-    session INTEGER NOT NULL REFERENCES session,
-    key     TEXT NOT NULL,
-    value   TEXT NOT NULL,
+    session INTEGER NOT NULL REFERENCES session,    -- session.id
+    key     TEXT NOT NULL,                          -- what, e.g. build id
+    value   TEXT NOT NULL,                          -- as it was when the session began
     PRIMARY KEY (session, key)
 ) STRICT;
 
 CREATE TABLE plan (
     -- The whole order, complete before the first trial.
-    session          INTEGER NOT NULL REFERENCES session,
-    position         INTEGER NOT NULL CHECK (position >= 0),
-    phase            TEXT NOT NULL CHECK (phase IN ('practice', 'main', 'catch')),
-    object           TEXT NOT NULL,
-    friction         TEXT NOT NULL,
-    mu_s             REAL NOT NULL CHECK (mu_s >= mu_d),
-    mu_d             REAL NOT NULL CHECK (mu_d >= 0),
-    break_before     INTEGER NOT NULL CHECK (break_before IN (0, 1)),
+    session          INTEGER NOT NULL REFERENCES session,  -- session.id
+    position         INTEGER NOT NULL CHECK (position >= 0),  -- from 0, in the order planned
+    phase            TEXT NOT NULL CHECK (phase IN ('practice', 'main', 'catch')),  -- analyse main
+    object           TEXT NOT NULL,                 -- its name in the protocol
+    friction         TEXT NOT NULL,                 -- the condition's name in the protocol
+    mu_s             REAL NOT NULL CHECK (mu_s >= mu_d),  -- static friction coefficient
+    mu_d             REAL NOT NULL CHECK (mu_d >= 0),     -- dynamic friction coefficient
+    break_before     INTEGER NOT NULL CHECK (break_before IN (0, 1)),  -- 1: a break comes first
     block            INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0),  -- of the main phase; 0 in practice
     curvature_per_m  REAL,                          -- > 0 convex, 0 straight, < 0 concave; NULL: a free form
     PRIMARY KEY (session, position)
@@ -75,9 +87,9 @@ CREATE TABLE plan (
 
 CREATE TABLE picture (
     -- The pictures from left to right, the same for all trials of a participant.
-    session INTEGER NOT NULL REFERENCES session,
-    place   INTEGER NOT NULL CHECK (place >= 0),
-    object  TEXT NOT NULL,
+    session INTEGER NOT NULL REFERENCES session,    -- session.id
+    place   INTEGER NOT NULL CHECK (place >= 0),    -- from 0, from the left
+    object  TEXT NOT NULL,                          -- its name in the protocol
     PRIMARY KEY (session, place),
     UNIQUE (session, object)
 ) STRICT;
@@ -85,28 +97,28 @@ CREATE TABLE picture (
 CREATE TABLE trial (
     -- One attempt at a planned trial. Attempts that faulted or do not count stay, and the position is run
     -- again at a random later place of its block (practice, or main and catch); others at once.
-    id                  INTEGER PRIMARY KEY,
-    session             INTEGER NOT NULL,
-    position            INTEGER NOT NULL,
-    attempt             INTEGER NOT NULL CHECK (attempt >= 1),
-    outcome             TEXT NOT NULL CHECK (outcome IN
+    id                  INTEGER PRIMARY KEY,        -- in the order in which they began
+    session             INTEGER NOT NULL,           -- session.id
+    position            INTEGER NOT NULL,           -- plan.position
+    attempt             INTEGER NOT NULL CHECK (attempt >= 1),  -- at this position
+    outcome             TEXT NOT NULL CHECK (outcome IN  -- complete and timed_out have an answer
                             ('running', 'complete', 'timed_out', 'aborted', 'interrupted', 'faulted')),
     slip_decay          REAL NOT NULL,              -- exp(-T/tau_slip) as computed on this machine
     heal_decay          REAL NOT NULL,              -- exp(-T/tau_heal)
     done_s              REAL,                       -- first tick -> done
-    done_uncertainty_s  REAL,
+    done_uncertainty_s  REAL,                       -- done may have been up to this much earlier
     first_contact_s     REAL,                       -- first tick -> first contact
-    ticks               INTEGER CHECK (ticks >= 0),
-    contact_ticks       INTEGER,
-    slip_ticks          INTEGER,
-    late_ticks          INTEGER,
-    saturated_ticks     INTEGER,
-    path_length_m       REAL,
-    mean_normal_force_n REAL,
-    max_normal_force_n  REAL,
+    ticks               INTEGER CHECK (ticks >= 0), -- of the servo, from the first to done
+    contact_ticks       INTEGER,                    -- with the hand in the object
+    slip_ticks          INTEGER,                    -- of these: slip or transition
+    late_ticks          INTEGER,                    -- woke more than half a period late
+    saturated_ticks     INTEGER,                    -- the device could not give the force
+    path_length_m       REAL,                       -- of HIP
+    mean_normal_force_n REAL,                       -- over contact ticks, 0 without contact
+    max_normal_force_n  REAL,                       -- largest rendered normal force
     energy_j            REAL,                       -- work done on the user
-    started_utc         TEXT NOT NULL,
-    ended_utc           TEXT,
+    started_utc         TEXT NOT NULL,              -- wall clock, ISO 8601
+    ended_utc           TEXT,                       -- wall clock; NULL: it never ended
     contact_episodes    INTEGER,                    -- times that HIP came into contact
     worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
     skipped_ticks       INTEGER,                    -- out of reach: nothing was computed
@@ -114,92 +126,79 @@ CREATE TABLE trial (
     slewed_ticks        INTEGER,                    -- the slew limit held the force back
     stale_ticks         INTEGER,                    -- without a new reading
     invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
+    chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
+    strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
+    mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
+    before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
+    after_vertex_ticks  INTEGER,                    -- in contact with the second curve, right of the vertex
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
 
 CREATE TABLE response (
-    trial          INTEGER PRIMARY KEY REFERENCES trial,
-    place          INTEGER NOT NULL CHECK (place >= 0),
-    object         TEXT NOT NULL,
-    correct        INTEGER NOT NULL CHECK (correct IN (0, 1)),
+    -- The answer of a trial.
+    trial          INTEGER PRIMARY KEY REFERENCES trial,    -- trial.id
+    place          INTEGER NOT NULL CHECK (place >= 0),     -- of the picture chosen, from 0, from the left
+    object         TEXT NOT NULL,                           -- which it was taken for
+    correct        INTEGER NOT NULL CHECK (correct IN (0, 1)),  -- 1: the object that was felt
     reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- pictures shown -> answer
-    uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),
-    input          TEXT NOT NULL CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
-) STRICT;
-
-CREATE TABLE trace_chunk (
-    -- Servo ticks, 256 a chunk. codec 1: columns as in trace_column, one after the other, each with its
-    -- bytes shuffled (all first bytes, all second bytes, ...), the whole as one zlib stream.
-    trial      INTEGER NOT NULL REFERENCES trial,
-    first_tick INTEGER NOT NULL CHECK (first_tick >= 0),
-    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 256),
-    codec      INTEGER NOT NULL CHECK (codec = 1),
-    crc32      INTEGER NOT NULL,                    -- of the shuffled bytes before zlib
-    data       BLOB NOT NULL,
-    PRIMARY KEY (trial, first_tick)
-) STRICT;
-
-CREATE TABLE trace_column (
-    codec    INTEGER NOT NULL,
-    position INTEGER NOT NULL,
-    name     TEXT NOT NULL,
-    type     TEXT NOT NULL CHECK (type IN ('f64le', 'f32le', 'i64le', 'i32le', 'i16le', 'u8')),
-    unit     TEXT NOT NULL,
-    PRIMARY KEY (codec, position)
+    uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),  -- may have been up to this much earlier
+    input          TEXT NOT NULL            -- how it was given
+                       CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
 ) STRICT;
 
 CREATE TABLE event (
-    id      INTEGER PRIMARY KEY,
-    session INTEGER NOT NULL REFERENCES session,
-    trial   INTEGER REFERENCES trial,
-    kind    TEXT NOT NULL,
-    text    TEXT NOT NULL,
-    at_utc  TEXT NOT NULL
+    -- What happened in a session beside its trials.
+    id      INTEGER PRIMARY KEY,                    -- in the order in which they happened
+    session INTEGER NOT NULL REFERENCES session,    -- session.id
+    trial   INTEGER REFERENCES trial,               -- trial.id; NULL: of the session as a whole
+    kind    TEXT NOT NULL,                          -- break, abort, fault, resume, note, ...
+    text    TEXT NOT NULL,                          -- a sentence
+    at_utc  TEXT NOT NULL                           -- wall clock, ISO 8601
 ) STRICT;
 )sql";
 
-/// What analysts read. As of schema 5.
-constexpr const char* kViews = R"sql(
-CREATE VIEW trial_result AS
--- One row per answered trial that counts, practice and catch trials included: filter by phase and kind.
-SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
-       session.kind AS kind, plan.position AS position, plan.phase AS phase, plan.object AS object,
-       plan.curvature_per_m AS curvature_per_m, plan.friction AS friction, response.object AS choice,
-       response.correct AS correct, trial.outcome AS outcome, trial.first_contact_s AS first_contact_s,
-       trial.done_s AS done_s, response.reaction_s AS reaction_s, response.uncertainty_s AS uncertainty_s,
-       trial.path_length_m AS path_length_m, trial.contact_ticks / session.rate_hz AS contact_s,
-       trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,
-       trial.mean_normal_force_n AS mean_normal_force_n, trial.max_normal_force_n AS max_normal_force_n,
-       trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share,
-       trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share
-FROM trial
-JOIN response ON response.trial = trial.id
-JOIN plan ON plan.session = trial.session AND plan.position = trial.position
-JOIN session ON session.id = trial.session
-JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study
-WHERE trial.invalid IS NULL;
+/// As of schema 5.
+constexpr const char* kTraces5 = R"sql(
+CREATE TABLE trace_chunk (
+    -- Servo ticks of one interval of a trial. While the trial runs its last chunk is replaced by a longer one.
+    -- codec 2, up to 4096 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
+    -- columns in the order of trace_column without the parts that the chunk does not hold. A stream is a
+    -- zlib stream of the values, bytes shuffled: all first bytes, all second bytes, ... Size 0: all bytes 0.
+    -- codec 1, 256 ticks, of files from before schema 5: all columns, shuffled alike, as one zlib stream.
+    trial      INTEGER NOT NULL REFERENCES trial,   -- trial.id
+    interval   INTEGER NOT NULL CHECK (interval BETWEEN 1 AND 2),  -- of a trial with two things to feel
+    first_tick INTEGER NOT NULL CHECK (first_tick >= 0),  -- number of its first tick
+    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 4096),  -- how many it has
+    codec      INTEGER NOT NULL CHECK (codec IN (1, 2)),  -- how data is made
+    period_ns  INTEGER NOT NULL,                    -- of the servo; codec 1: 0
+    holds      TEXT NOT NULL,                       -- the parts of trace_column that are in here, by words
+    crc32      INTEGER NOT NULL,                    -- codec 2: of data; codec 1: of the bytes before zlib
+    derived    INTEGER CHECK (codec = 1 OR derived IS NOT NULL),  -- XXH3 of the ticks as the servo had them
+    data       BLOB NOT NULL,                       -- the columns
+    PRIMARY KEY (trial, interval, first_tick)
+) STRICT;
 
-CREATE VIEW confusion AS
--- How often each object was taken for which, main trials only.
-SELECT study, kind, friction, object, choice, count(*) AS n
-FROM trial_result WHERE phase = 'main'
-GROUP BY study, kind, friction, object, choice;
-
-CREATE VIEW invalid_trial AS
--- One row per answered trial that does not count, with its answer and the reason.
-SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
-       session.kind AS kind, trial.position AS position, trial.attempt AS attempt, plan.phase AS phase,
-       plan.object AS object, plan.friction AS friction, response.object AS choice,
-       response.correct AS correct, trial.invalid AS reason
-FROM trial
-JOIN response ON response.trial = trial.id
-JOIN plan ON plan.session = trial.session AND plan.position = trial.position
-JOIN session ON session.id = trial.session
-JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study
-WHERE trial.invalid IS NOT NULL;
+CREATE TABLE trace_column (
+    -- Number * scale is in the unit. Rules say what was taken from a value before it was written: plain
+    -- nothing; delta the value before; after one more than the value before (before the first: first_tick - 1);
+    -- clock tick * period_ns, then as delta; exact nothing. All but plain and exact are folded: 0, -1, 1, -2
+    -- are 0, 1, 2, 3, in two's complement of the type. part: only chunks that hold it have the column; in
+    -- others it follows by replay from the scene. *_xor_*: bits of the command XOR bits of fx_n, fy_n.
+    -- -2147483648 in a column of 100 nm or 100 uN: not a number; 2147483647: that much or more.
+    codec    INTEGER NOT NULL,                      -- trace_chunk.codec
+    position INTEGER NOT NULL,                      -- from 0, in the order of the bytes
+    name     TEXT NOT NULL,                         -- of the column
+    type     TEXT NOT NULL                          -- of a number as written, little-endian
+                 CHECK (type IN ('f64le', 'f32le', 'i64le', 'u64le', 'i32le', 'i16le', 'u8')),
+    unit     TEXT NOT NULL,                         -- of number * scale
+    scale    REAL NOT NULL,                         -- in the unit
+    rule     TEXT NOT NULL                          -- what was taken from a number before it was written
+                 CHECK (rule IN ('plain', 'after', 'clock', 'delta', 'exact')),
+    part     TEXT NOT NULL                          -- '': in every chunk, else in those that hold the part
+                 CHECK (part IN ('', 'hip', 'contact', 'command', 'lateness')),
+    PRIMARY KEY (codec, position)
+) STRICT;
 )sql";
 
 /// Since schema 4.
@@ -207,9 +206,10 @@ constexpr const char* kPeople = R"sql(
 CREATE TABLE participant_detail (
     -- What a study asks of its participants besides: age, gender, ... In a table of its own, so that what
     -- is handed on can leave it out.
-    participant INTEGER NOT NULL REFERENCES participant,
-    key         TEXT NOT NULL CHECK (length(key) BETWEEN 1 AND 64 AND key NOT GLOB '*[^a-z0-9_]*'),
-    value       TEXT NOT NULL,
+    participant INTEGER NOT NULL REFERENCES participant,  -- participant.id
+    key         TEXT NOT NULL                       -- what, e.g. age
+                    CHECK (length(key) BETWEEN 1 AND 64 AND key NOT GLOB '*[^a-z0-9_]*'),
+    value       TEXT NOT NULL,                      -- as given
     PRIMARY KEY (participant, key)
 ) STRICT;
 )sql";
@@ -222,46 +222,33 @@ CREATE TABLE fault_tick (
     -- flags: 1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 held, 64 slewed (the force changed as
     -- fast as it may), 128 stale (no new reading: the last HIP again).
     -- mode: 0 free, 1 stuck, 2 slip, 3 transition. feature: >= 0 a segment, -1 - j vertex j.
-    trial       INTEGER NOT NULL REFERENCES trial,
-    tick        INTEGER NOT NULL,
-    time_ns     INTEGER NOT NULL,
-    count_1     INTEGER NOT NULL,
-    count_2     INTEGER NOT NULL,
-    code_1      INTEGER NOT NULL,
-    code_2      INTEGER NOT NULL,
-    lateness_us REAL,
-    flags       INTEGER NOT NULL,
-    mode        INTEGER NOT NULL,
-    feature     INTEGER NOT NULL,
-    parameter   REAL,
-    hip_x_m     REAL,
-    hip_y_m     REAL,
-    cp_x_m      REAL,
-    cp_y_m      REAL,
-    go_x_m      REAL,
-    go_y_m      REAL,
-    fx_n        REAL,
-    fy_n        REAL,
-    command_x_n REAL,
-    command_y_n REAL,
-    fn_n        REAL,
-    ft_n        REAL,
-    mu          REAL,
+    trial       INTEGER NOT NULL REFERENCES trial,  -- trial.id
+    tick        INTEGER NOT NULL,                   -- number of the tick, from 0
+    time_ns     INTEGER NOT NULL,                   -- since the trial's first deadline
+    count_1     INTEGER NOT NULL,                   -- encoder 1
+    count_2     INTEGER NOT NULL,                   -- encoder 2
+    code_1      INTEGER NOT NULL,                   -- as written to motor 1
+    code_2      INTEGER NOT NULL,                   -- as written to motor 2
+    lateness_us REAL,                               -- wake-up minus deadline
+    flags       INTEGER NOT NULL,                   -- bits, see the table
+    mode        INTEGER NOT NULL,                   -- of the contact, see the table
+    feature     INTEGER NOT NULL,                   -- under the god-object, see the table
+    parameter   REAL,                               -- u on the segment, or angle in rad on a vertex
+    hip_x_m     REAL,                               -- haptic interaction point
+    hip_y_m     REAL,                               -- its y
+    cp_x_m      REAL,                               -- closest point of the outline
+    cp_y_m      REAL,                               -- its y
+    go_x_m      REAL,                               -- god-object
+    go_y_m      REAL,                               -- its y
+    fx_n        REAL,                               -- rendered force on the user
+    fy_n        REAL,                               -- its y
+    command_x_n REAL,                               -- force asked of the device, after the safety chain
+    command_y_n REAL,                               -- its y
+    fn_n        REAL,                               -- F . n at the god-object
+    ft_n        REAL,                               -- F . t at the god-object
+    mu          REAL,                               -- friction coefficient in force
     PRIMARY KEY (trial, tick)
 ) STRICT;
-
-CREATE VIEW fault AS
--- One row per faulted trial: whose, which, why, and when.
-SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
-       session.kind AS kind, trial.position AS position, trial.attempt AS attempt, plan.phase AS phase,
-       trial.fault AS cause, trial.done_s AS at_s, trial.ended_utc AS ended_utc,
-       (SELECT count(*) FROM fault_tick WHERE fault_tick.trial = trial.id) AS ticks_kept
-FROM trial
-JOIN plan ON plan.session = trial.session AND plan.position = trial.position
-JOIN session ON session.id = trial.session
-JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study
-WHERE trial.outcome = 'faulted';
 )sql";
 
 constexpr const char* kFrom1 = R"sql(
@@ -295,27 +282,65 @@ PRAGMA user_version = 4;
 
 constexpr const char* kFreeForms5 = R"sql(
 -- 4 -> 5: objects of a free form have no curvature. The column moves to the end of its table.
-DROP VIEW confusion;
-DROP VIEW trial_result;
-DROP VIEW invalid_trial;
 ALTER TABLE plan RENAME COLUMN curvature_per_m TO old_curvature;
 ALTER TABLE plan ADD COLUMN curvature_per_m REAL;
 UPDATE plan SET curvature_per_m = old_curvature;
 ALTER TABLE plan DROP COLUMN old_curvature;
+)sql";
+
+/// The views of older schemas; those of this one come at the end of a migration to schema 5.
+constexpr const char* kNoViews = R"sql(
+DROP VIEW IF EXISTS confusion;
+DROP VIEW IF EXISTS trial_result;
+DROP VIEW IF EXISTS invalid_trial;
+DROP VIEW IF EXISTS fault;
+)sql";
+
+/// 4 -> 5: how the hand moved. Trials recorded before stay NULL.
+constexpr const char* kMovement5 = R"sql(
+ALTER TABLE trial ADD COLUMN strokes INTEGER;
+ALTER TABLE trial ADD COLUMN mean_speed_m_per_s REAL;
+ALTER TABLE trial ADD COLUMN before_vertex_ticks INTEGER;
+ALTER TABLE trial ADD COLUMN after_vertex_ticks INTEGER;
+)sql";
+
+/// Other tables and the views keep their references to session by name: foreign keys are off during a
+/// migration. derived_uuid() is Database's own.
+constexpr const char* kFrom4 = R"sql(
+-- 4 -> 5: sessions have a name of their own; traces by replay, chunks of before stay as they are; chains.
+ALTER TABLE trace_chunk RENAME TO trace_chunk_4;
+ALTER TABLE trace_column RENAME TO trace_column_4;
+ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
+CREATE TEMP TABLE session_4 AS SELECT * FROM session;
+DROP TABLE session;
+)sql";
+constexpr const char* kFrom4Rows = R"sql(
+INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed, plan_sha256, shuffles, device,
+    rate_hz, stiffness_n_per_m, started_utc, finished_utc, finished, operator,
+    derived_uuid(protocol_sha256 || ' ' || code || ' ' || number || ' ' || started_utc)
+FROM temp.session_4 JOIN study ON study.id = study JOIN participant ON participant.id = participant;
+DROP TABLE temp.session_4;
+INSERT INTO trace_chunk SELECT trial, 1, first_tick, ticks, codec, 0, '', crc32, NULL, data FROM trace_chunk_4
+    ORDER BY trial, first_tick;
+DROP TABLE trace_chunk_4;
+INSERT INTO trace_column SELECT codec, position, name, type, unit, 1.0, 'exact', '' FROM trace_column_4;
+DROP TABLE trace_column_4;
 PRAGMA user_version = 5;
 )sql";
 
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all = std::string(kTables) + kPeople + kViews + kFaults;
+    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kTraces5 + kPeople +
+                                   kFaults + std::string(views_sql());
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
-    static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
-    static const std::string from_4 = std::string(kFreeForms5) + kViews;
+    static const std::string from_3 = std::string(kFrom3) + kPeople;
+    static const std::string from_4 = std::string(kNoViews) + kFreeForms5 + kFrom4 + kSession5 + kTraces5 +
+                                      kFrom4Rows + kMovement5 + std::string(views_sql());
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 

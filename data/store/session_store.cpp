@@ -11,8 +11,9 @@
 
 #include "protocols/design/object_outline.hpp"
 #include "protocols/format/protocol_file.hpp"
-#include "data/trace/codec.hpp"
-#include "data/trace/columns.hpp"
+#include "data/store/uuid.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/stored_columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -73,15 +74,18 @@ void write_plan(Database& database, std::int64_t session, const SessionSpec& spe
 }
 
 void describe_columns(Database& database) {
-    Statement column =
-        database.prepare("INSERT OR IGNORE INTO trace_column VALUES (?1, ?2, ?3, ?4, ?5)");
+    Statement column = database.prepare(
+        "INSERT OR IGNORE INTO trace_column VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
     std::int64_t position = 0;
-    for (const TraceColumn& c : trace_columns()) {
-        column.bind(1, kTraceCodec)
+    for (const StoredColumn& c : stored_columns()) {
+        column.bind(1, kTraceCodec2)
             .bind(2, position++)
             .bind(3, c.name)
             .bind(4, c.type)
             .bind(5, c.unit)
+            .bind(6, c.scale)
+            .bind(7, to_string(c.rule))
+            .bind(8, part_name(c.part))
             .run();
     }
 }
@@ -100,8 +104,8 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .prepare(
             "INSERT INTO session (study, participant, number, kind, seed, plan_sha256, shuffles, "
             "device,"
-            " rate_hz, stiffness_n_per_m, started_utc, operator) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
-            "?7, ?8, ?9, ?10, ?11, nullif(?12, ''))")
+            " rate_hz, stiffness_n_per_m, started_utc, operator, uuid) VALUES (?1, ?2, ?3, ?4, ?5, "
+            "?6, ?7, ?8, ?9, ?10, ?11, nullif(?12, ''), ?13)")
         .bind(1, study)
         .bind(2, participant)
         .bind(3, static_cast<std::int64_t>(spec.key.session))
@@ -114,6 +118,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .bind(10, spec.protocol.apparatus.stiffness)
         .bind(11, utc_now())
         .bind(12, spec.operator_name)
+        .bind(13, random_uuid())
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);

@@ -1,6 +1,7 @@
 #include "data/verify/summary_check.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <span>
@@ -74,6 +75,22 @@ void expect_later(std::string_view column,
         return;
     }
     findings.expect("trial", column, trial, recomputed);
+}
+
+/// The columns of schema 5: an older palpate left all of them NULL.
+void check_movement(const StoredRow& trial,
+                    const protocols::TrialSummary& sum,
+                    Findings& findings) {
+    constexpr std::array kColumns{"strokes", "mean_speed_m_per_s", "before_vertex_ticks",
+                                  "after_vertex_ticks"};
+    if (std::ranges::all_of(kColumns, [&](const char* column) { return trial.null(column); })) {
+        findings.missing("trial.strokes", "an older palpate did not store how the hand moved");
+        return;
+    }
+    findings.expect("trial", "strokes", trial, sum.strokes);
+    findings.expect("trial", "mean_speed_m_per_s", trial, sum.mean_speed_m_per_s);
+    findings.expect("trial", "before_vertex_ticks", trial, sum.before_vertex_ticks);
+    findings.expect("trial", "after_vertex_ticks", trial, sum.after_vertex_ticks);
 }
 
 void check_done(const StoredRow& trial,
@@ -168,6 +185,7 @@ void check_summary(const SessionFrame& frame,
     later("skipped_ticks", sum.skipped_ticks);
     later("slewed_ticks", sum.slewed_ticks);
     later("stale_ticks", sum.stale_ticks);
+    check_movement(trial, sum, findings);
     const auto period_ns =
         static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5));
     check_done(trial, felt, period_ns, answered_by_numbers && on_virtual_clock(trace), findings);

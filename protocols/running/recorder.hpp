@@ -13,7 +13,7 @@
 #include "protocols/design/plan.hpp"
 #include "protocols/running/observer.hpp"
 
-/// The port to whatever keeps the data. Every call is durable when it returns, or throws.
+/// The port to whatever keeps the data. Every call but append() is durable when it returns, or throws.
 namespace palpate::protocols {
 
 enum class Outcome : std::uint8_t {
@@ -41,6 +41,10 @@ struct TrialSummary {
     double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
     double max_normal_force_n = 0.0;
     double energy_j = 0.0;  ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    std::int64_t strokes = 0;          ///< along the surface, see StrokeCounter
+    double mean_speed_m_per_s = 0.0;   ///< of HIP in contact: its path by its time, 0 without contact
+    std::int64_t before_vertex_ticks = 0;  ///< in contact with the first segment: up to the vertex
+    std::int64_t after_vertex_ticks = 0;   ///< with the second: from the vertex on
     std::int64_t contact_episodes = 0;
     double worst_episode_j =
         0.0;  ///< largest engine::EnergyLedger balance of an episode, <= 0: passive
@@ -92,8 +96,10 @@ public:
     /// A new attempt at a planned trial.
     [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned,
                                               const SceneConstants& scene) = 0;
-    /// The next ticks of the running trial, in order and without gaps.
+    /// The next ticks of the running trial, in order and without gaps. Durable with the next save().
     virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
+    /// Makes durable what was appended. @return false if it has to be tried again, nothing is lost
+    virtual bool save() { return true; }
     virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
     /// Something that happened: "break", "abort", "fault", "reconnect", "go on",
     /// "timing", ... with a sentence.

@@ -12,11 +12,17 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
             const engine::Vec2 step = tick.hip - last_hip_;
             sum_.path_length_m += glm::length(step);
             sum_.energy_j += glm::dot(last_force_, step);
+            if (tick.mode != engine::Mode::free) {
+                contact_path_ += glm::length(step);
+                contact_time_ += static_cast<double>(tick.time_ns - last_time_) * 1e-9;
+            }
         }
         started_ = true;
         ledger_.add(tick.hip, tick.force, tick.mode != engine::Mode::free);
         last_hip_ = tick.hip;
         last_force_ = tick.force;
+        last_time_ = tick.time_ns;
+        strokes_.add(tick);
         ++sum_.ticks;
         sum_.late_ticks += (tick.flags & engine::tick_late) != 0 ? 1 : 0;
         sum_.saturated_ticks += (tick.flags & engine::tick_saturated) != 0 ? 1 : 0;
@@ -29,6 +35,8 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         if (sum_.contact_ticks++ == 0) {
             sum_.first_contact_s = static_cast<double>(tick.time_ns) * 1e-9;
         }
+        sum_.before_vertex_ticks += tick.feature == 0 ? 1 : 0;
+        sum_.after_vertex_ticks += tick.feature == 1 ? 1 : 0;
         sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
         force_sum_ += tick.normal_force;
         sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);
@@ -39,6 +47,10 @@ TrialSummary TrialMeter::summary() const {
     TrialSummary summary = sum_;
     summary.contact_episodes = ledger_.episodes();
     summary.worst_episode_j = ledger_.worst();
+    summary.strokes = strokes_.strokes();
+    if (contact_time_ > 0.0) {
+        summary.mean_speed_m_per_s = contact_path_ / contact_time_;
+    }
     if (sum_.contact_ticks > 0) {
         summary.mean_normal_force_n = force_sum_ / static_cast<double>(sum_.contact_ticks);
     }

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
 #include "engine/rendering/energy_ledger.hpp"
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/recorder.hpp"
+#include "protocols/running/stroke_counter.hpp"
 
 namespace palpate::protocols {
 
@@ -20,10 +22,14 @@ public:
 private:
     TrialSummary sum_{};
     engine::EnergyLedger<2> ledger_;
-    double force_sum_ = 0.0;  ///< N, over contact ticks
+    StrokeCounter strokes_;
+    double force_sum_ = 0.0;     ///< N, over contact ticks
+    double contact_path_ = 0.0;  ///< m, of the steps that end in contact
+    double contact_time_ = 0.0;  ///< s, of these steps
     bool started_ = false;
     engine::Vec2 last_hip_{};
     engine::Vec2 last_force_{};
+    std::int64_t last_time_ = 0;  ///< ns
 };
 
 /// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it counts.

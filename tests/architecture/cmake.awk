@@ -5,7 +5,7 @@ BEGIN {
     links["engine"] = "glm::glm Threads::Threads PkgConfig::COMEDI"
     links["stimuli"] = "palpate::engine"
     links["protocols"] = "palpate::stimuli fmt::fmt tomlplusplus::tomlplusplus PkgConfig::SODIUM"
-    links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ" \
+    links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ Boost::headers" \
                     " PostgreSQL::PostgreSQL"
     links["ui"] = "palpate::data CLI11::CLI11 SDL2::SDL2 PkgConfig::SDL2_TTF PkgConfig::SDL2_IMAGE"
     scopes = "PUBLIC PRIVATE INTERFACE palpate::warnings"

@@ -1,5 +1,4 @@
--- palpate, schema 4. SI units, in the column names. Times *_utc are wall clock and for people;
--- every duration comes from the servo's monotonic clock.
+-- The schema of palpate before sessions had names of their own (user_version 4), as that program wrote it.
 PRAGMA application_id = 1885432944;
 PRAGMA user_version = 4;
 

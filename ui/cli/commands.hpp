@@ -17,6 +17,9 @@ namespace palpate::ui {
 [[nodiscard]] int mark_command(const MarkOptions& options);
 /// 0 when nothing differs, else kExitFailure.
 [[nodiscard]] int verify_command(const VerifyOptions& options);
+/// 0, or kExitFailure at a statement that fails.
+[[nodiscard]] int sql_command(const SqlOptions& options);
+[[nodiscard]] int extension_command();
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);

@@ -56,6 +56,9 @@ void add_run(CLI::App& app, Options& chosen) {
         ->check(CLI::PositiveNumber);
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
     command->add_option("--operator", run.operator_name, "Who runs it, kept with the session");
+    command->add_flag(
+        "--durable", run.durable,
+        "Save ticks more often: after a power cut at most 45 ms are lost, not 120 ms");
     command
         ->add_option("--spin", run.spin,
                      "Share of each tick to watch the clock instead of sleeping, for haply and "
@@ -191,6 +194,22 @@ void add_verify(CLI::App& app, Options& chosen) {
     command->add_flag("--json", verify.json, "One JSON object instead of lines");
 }
 
+void add_sql(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "sql", "Query a database: its tables, every servo tick (sample), statistics; only reads");
+    auto options = std::make_shared<SqlOptions>();
+    command->add_option("FILE", options->database, "A palpate database; nothing in it is changed")
+        ->required();
+    command->add_option("-c,--command", options->query,
+                        "SQL, or a word as .tables; without it a shell on standard input");
+    CLI::Option* csv = command->add_flag("--csv", options->csv, "Rows as CSV");
+    command->add_flag("--json", options->json, "Rows as one JSON array")->excludes(csv);
+    command->callback([options, &chosen] { chosen = *options; });
+    CLI::App* extension = app.add_subcommand(
+        "extension", "Print where the SQL extension is, for sqlite3, Python and R");
+    extension->callback([&chosen] { chosen = ExtensionOptions{}; });
+}
+
 void add_screenshots(CLI::App& app, Options& chosen) {
     CLI::App* command =
         app.add_subcommand("screenshots", "Write a picture of every subject screen (PNG)");
@@ -319,6 +338,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     add_note(app, chosen);
     add_mark(app, chosen);
     add_verify(app, chosen);
+    add_sql(app, chosen);
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
     add_emulator(app, chosen);

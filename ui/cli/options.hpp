@@ -29,6 +29,7 @@ struct RunOptions {
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
     std::string operator_name;  ///< kept with the session; empty: not given
+    bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     double spin = 0.0;          ///< see engine::ServoSpec::spin_share
     ScreenOptions screen{};
 };
@@ -93,6 +94,16 @@ struct VerifyOptions {
     bool json = false;
 };
 
+struct SqlOptions {
+    std::string database;
+    std::optional<std::string> query;  ///< none: from standard input
+    bool csv = false;
+    bool json = false;
+};
+
+/// Prints where the SQL extension is.
+struct ExtensionOptions {};
+
 struct ScreenshotOptions {
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
@@ -156,6 +167,8 @@ using Options = std::variant<Exit,
                              NoteOptions,
                              MarkOptions,
                              VerifyOptions,
+                             SqlOptions,
+                             ExtensionOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,

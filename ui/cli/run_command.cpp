@@ -96,6 +96,7 @@ int run_command(const RunOptions& options) {
     spec.calibration = options.calibration;
     spec.screen = options.screen;
     spec.operator_name = options.operator_name;
+    spec.durable = options.durable;
     spec.spin_share = options.spin;
     spec.kind = kind_of(options, spec.device);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
@@ -104,6 +105,7 @@ int run_command(const RunOptions& options) {
     spec.recordings =
         load_recordings(spec.device);  // what is missing is said before a file is made
     data::Database database(options.database, data::Access::write);
+    say_backup(database);
     const SessionChoice choice =
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;

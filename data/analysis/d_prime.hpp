@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+
+namespace palpate::data {
+
+/// Share correct of an unbiased observer who names the largest of m normal percepts, one of which is
+/// d higher than the others, all of deviation 1 (D. M. Green, J. A. Swets, Signal Detection Theory and
+/// Psychophysics, 1966):
+///
+///     P = integral of phi(x - d) Phi(x)^(m - 1) dx
+///
+/// By the trapezoid rule, which converges faster than any power here: error below 1e-13.
+/// @param d  any finite number; below 0: worse than chance
+/// @param m  alternatives, >= 2
+[[nodiscard]] double share_correct(double d, std::int64_t m);
+
+/// The d with share_correct(d, m) = hits / n; sqrt(2) probit(hits / n) for m = 2. Error below 1e-10.
+/// Nobody is perfect: n of n counts as n - 1/2, none as 1/2 (N. A. Macmillan, H. L. Kaplan, Psychol.
+/// Bull. 98:185, 1985), so that d stays finite.
+/// @pre 0 <= hits <= n, n >= 1, m >= 2
+[[nodiscard]] double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m);
+
+}  // namespace palpate::data

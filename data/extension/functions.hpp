@@ -1,0 +1,30 @@
+#pragma once
+
+struct sqlite3;
+
+namespace palpate::data {
+
+/// Statistics as SQL functions, deterministic, NULL for NULL; what is out of range is an SQL error with a
+/// sentence. Formulas and accuracy: data/analysis.
+///
+///     wilson_low(k, n [, confidence]), wilson_high             score interval of a share; 0.95
+///     clopper_pearson_low(k, n [, confidence]), ..._high       exact interval of a share
+///     d_prime(hits, n, alternatives)                           of m-alternative forced choice
+///     probit(p), normal_cdf(z)                                 standard normal; probit(0), (1): -Inf, Inf
+///
+/// @return an SQLite result code
+int add_scalar_functions(sqlite3* db);
+
+/// Aggregates; rows with NULL are left out, and nothing of nothing is NULL.
+///
+///     median(x), quantile(x, p)       linear between order statistics, Hyndman & Fan's type 7 (R's default)
+///     geometric_mean(x)               x > 0
+///     stddev_samp(x)                  n - 1 below, Welford's recurrence; NULL for one row
+///     share(x)                        of rows where x is true (not 0)
+///     mutual_information(stimulus, response [, n])             bits, plug-in
+///     mutual_information_miller_madow(stimulus, response [, n])
+///
+/// @return an SQLite result code
+int add_aggregate_functions(sqlite3* db);
+
+}  // namespace palpate::data

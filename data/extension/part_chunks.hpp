@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <new>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/realtime/tick_record.hpp"
+#include "data/extension/query.hpp"
+#include "data/extension/tick_store.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/fixed_point.hpp"
+
+namespace palpate::data {
+
+/// A chunk's row; the view looks at the bytes beside it.
+struct PartChunk {
+    ChunkView view{};
+    std::vector<std::byte> bytes;
+};
+
+/// Rows of trace_chunk of one part, in the order of their ticks, read when they are asked for.
+class PartChunks {
+public:
+    /// @param old  a file from before schema 5
+    PartChunks(sqlite3* db, bool old, const TrialPart& part);
+
+    [[nodiscard]] std::size_t size() const noexcept { return first_ticks_.size(); }
+    [[nodiscard]] std::int64_t first_tick(std::size_t i) const { return first_ticks_.at(i); }
+    /// @throws TraceError if the row cannot be one of a chunk, SampleError if it cannot be read
+    [[nodiscard]] PartChunk at(std::size_t i);
+
+private:
+    TrialPart part_;
+    Query rows_;
+    std::vector<std::int64_t> first_ticks_;
+};
+
+[[noreturn]] void fail(const TrialPart& part, const std::string& why);
+
+/// Whatever goes wrong in `work` with a part becomes a SampleError that names it.
+template <class Work>
+auto of_part(const TrialPart& part, const Work& work) {
+    try {
+        return work();
+    } catch (const SampleError&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        fail(part, e.what());
+    }
+}
+
+/// A commanded force in the steps that chunks hold, N; NaN for what was no number.
+[[nodiscard]] inline double steps_in_newton(std::int64_t steps) noexcept {
+    return steps == kNotANumber ? std::numeric_limits<double>::quiet_NaN()
+                                : static_cast<double>(steps) / kCommandSteps;
+}
+
+/// The command to these steps, whatever else of the tick is exact: a query gives the same number for it
+/// with and without a replay.
+inline void command_in_steps(std::vector<engine::TickRecord>& ticks) noexcept {
+    for (engine::TickRecord& tick : ticks) {
+        tick.command = {steps_in_newton(in_steps(tick.command.x, kCommandSteps)),
+                        steps_in_newton(in_steps(tick.command.y, kCommandSteps))};
+    }
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "data/extension/sample_columns.hpp"
+#include "data/extension/tick_store.hpp"
+
+namespace palpate::data {
+
+/// What one scan of `sample` is to give.
+struct SampleScan {
+    SampleColumns columns = 0;
+    std::optional<std::int64_t> trial;     ///< only this one
+    std::optional<std::int64_t> interval;  ///< only this one
+    TickRange range{};
+    bool by_time = false;  ///< within a trial by t_s, also where it has two intervals
+    bool by_tick = false;  ///< the same by tick
+    bool nothing = false;  ///< no row can be meant
+};
+
+/// Walks over ticks in the order trial, interval, tick (or as the scan says).
+class SampleCursor {
+public:
+    explicit SampleCursor(TickStore& store) : store_(&store) {}
+
+    /// To the first row. @throws SampleError, also in next()
+    void start(const SampleScan& scan);
+    void next();
+    [[nodiscard]] bool at_end() const noexcept { return tick_ == nullptr; }
+
+    [[nodiscard]] const TrialPart& part() const noexcept { return part_; }
+    [[nodiscard]] const engine::TickRecord& tick() const noexcept { return *tick_; }
+    /// Velocity of HIP from the stored tick before, m/s; NaN without one, or with no time between.
+    [[nodiscard]] engine::Vec2 velocity() const noexcept;
+
+private:
+    void next_part();
+    void next_block();
+    void merge_trial();
+    void next_merged();
+
+    TickStore* store_;
+    SampleScan scan_{};
+    std::vector<TrialPart> parts_;
+    std::size_t next_part_ = 0;
+    TrialPart part_{};
+    std::unique_ptr<TickStore::Blocks> blocks_;
+    std::span<const engine::TickRecord> block_;
+    std::size_t at_ = 0;  ///< in the block
+    const engine::TickRecord* tick_ = nullptr;
+    engine::TickRecord last_{};     ///< of the block before
+    bool has_last_ = false;
+    /// A trial with several intervals in one order: rows by part, and the order they are given in.
+    struct Merged {
+        std::vector<engine::TickRecord> rows;
+        std::vector<TrialPart> of;
+        std::vector<std::size_t> order;
+    };
+    std::optional<Merged> merged_;
+};
+
+}  // namespace palpate::data

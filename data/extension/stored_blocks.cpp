@@ -1,0 +1,187 @@
+#include "data/extension/stored_blocks.hpp"
+
+#include <utility>
+
+#include "data/extension/part_chunks.hpp"
+#include "data/trace/codec.hpp"
+#include "data/trace/replay.hpp"
+#include "data/trace/retrace.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+using C = SampleColumn;
+
+constexpr SampleColumns kTime = bit(C::t_s) | kVelocityColumns;
+
+class StoredBlocks : public TickStore::Blocks {
+public:
+    StoredBlocks(sqlite3* db,
+                 bool old,
+                 const TrialPart& part,
+                 SampleColumns columns,
+                 const TickRange& range,
+                 const std::optional<engine::PantographSpec>& machine)
+        : part_(part), columns_(columns), range_(range), chunks_(db, old, part) {
+        if (machine && (columns & kHipColumns) != 0) {
+            hip_.emplace(*machine);
+        }
+        if (range.to_s < kNoTime || range.from_s > -kNoTime) {
+            columns_ |= bit(C::t_s);
+        }
+        next_ = of_part(part_, [this] { return first_chunk(); });
+    }
+
+    std::span<const TickRecord> next() override {
+        if (next_ == chunks_.size() || chunks_.first_tick(next_) > range_.last) {
+            return {};
+        }
+        of_part(part_, [this] { load(chunks_.at(next_++)); });
+        if (seconds(ticks_.front().time_ns) > range_.to_s) {
+            return {};
+        }
+        return ticks_;
+    }
+
+private:
+    static constexpr double kNoTime = 1e299;
+    static double seconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-9; }
+
+    /// The last chunk that begins at or before the first tick wanted; with velocities, at the one before.
+    /// A chunk's ticks may jump, but never beyond the next chunk; nor does time go back.
+    std::size_t first_chunk() {
+        const std::int64_t lead = (columns_ & kVelocityColumns) != 0 ? 1 : 0;
+        std::size_t low = 0;
+        std::size_t high = chunks_.size();
+        while (high - low > 1) {
+            const std::size_t middle = low + (high - low) / 2;
+            const bool early = chunks_.first_tick(middle) + lead <= range_.first ||
+                               (range_.from_s > -kNoTime && begins_before(middle));
+            (early ? low : high) = middle;
+        }
+        return low;
+    }
+
+    /// Its second tick is not after the range begins, so that the one before that is in it too.
+    bool begins_before(std::size_t i) {
+        const PartChunk chunk = chunks_.at(i);
+        std::vector<std::int64_t> times(chunk.view.ticks);
+        read_stored(chunk.view, Stored::time_ns, times);
+        return times.size() > 1 && seconds(times[1]) < range_.from_s;
+    }
+
+    [[nodiscard]] bool wants(SampleColumns columns) const noexcept {
+        return (columns_ & columns) != 0;
+    }
+
+    void load(const PartChunk& chunk) {
+        if (chunk.view.codec == kTraceCodec) {
+            ticks_ = decode(chunk.view.data, chunk.view.ticks, chunk.view.crc32);
+            command_in_steps(ticks_);
+            return;
+        }
+        ChunkReader reader(chunk.view);
+        ticks_.resize(chunk.view.ticks);
+        values_.resize(chunk.view.ticks);
+        load_numbers(reader);
+        load_lateness(reader);
+        if (wants(kHipColumns)) {
+            load_hip(reader);
+        }
+    }
+
+    template <class Set>
+    void each(ChunkReader& reader, Stored column, SampleColumns wanted, const Set& set) {
+        if (!wants(wanted)) {
+            return;
+        }
+        reader.read(column, values_);
+        for (std::size_t i = 0; i < ticks_.size(); ++i) {
+            set(ticks_[i], values_[i]);
+        }
+    }
+
+    void load_numbers(ChunkReader& reader) {
+        const auto small = [](std::int64_t value) { return static_cast<std::int32_t>(value); };
+        each(reader, Stored::tick, bit(C::tick), [](TickRecord& t, std::int64_t v) { t.tick = v; });
+        each(reader, Stored::time_ns, kTime,
+             [](TickRecord& t, std::int64_t v) { t.time_ns = v; });
+        each(reader, Stored::count_1, bit(C::count_1) | kHipColumns,
+             [&](TickRecord& t, std::int64_t v) { t.counts[0] = small(v); });
+        each(reader, Stored::count_2, bit(C::count_2) | kHipColumns,
+             [&](TickRecord& t, std::int64_t v) { t.counts[1] = small(v); });
+        each(reader, Stored::code_1, bit(C::code_1),
+             [&](TickRecord& t, std::int64_t v) { t.codes[0] = small(v); });
+        each(reader, Stored::code_2, bit(C::code_2),
+             [&](TickRecord& t, std::int64_t v) { t.codes[1] = small(v); });
+        each(reader, Stored::flags, bit(C::flags), [](TickRecord& t, std::int64_t v) {
+            t.flags = static_cast<std::uint8_t>(v);
+        });
+        each(reader, Stored::command_x, bit(C::fx_n),
+             [](TickRecord& t, std::int64_t v) { t.command.x = steps_in_newton(v); });
+        each(reader, Stored::command_y, bit(C::fy_n),
+             [](TickRecord& t, std::int64_t v) { t.command.y = steps_in_newton(v); });
+    }
+
+    void load_lateness(ChunkReader& reader) {
+        each(reader, Stored::lateness_ns, bit(C::lateness_us),
+             [](TickRecord& t, std::int64_t v) { t.lateness_us = lateness_us(v); });
+        if (wants(bit(C::lateness_us)) && (reader.chunk().parts & part_lateness) != 0) {
+            exact_.resize(ticks_.size());
+            reader.read_exact(exact_);
+            for (std::size_t i = 0; i < ticks_.size(); ++i) {
+                ticks_[i].lateness_us = exact_[i].lateness_us;
+            }
+        }
+    }
+
+    /// HIP as the device had it, which is what the fixed-point columns say to 0.1 um.
+    void load_hip(ChunkReader& reader) {
+        const bool stored = (reader.chunk().parts & part_hip) != 0;
+        if (stored) {
+            exact_.resize(ticks_.size());
+            reader.read_exact(exact_);
+        } else if (!hip_) {
+            throw TraceError(
+                "HIP follows from the encoder counts by a calibration that the session has not");
+        }
+        for (std::size_t i = 0; i < ticks_.size(); ++i) {
+            const engine::Vec2 follows = hip_ ? hip_->at(ticks_[i].counts) : engine::Vec2{};
+            ticks_[i].hip = stored ? exact_[i].hip : follows;
+        }
+        const auto check = [&](Stored column, double engine::Vec2::*axis) {
+            reader.read(column, values_);
+            for (std::size_t i = 0; i < ticks_.size(); ++i) {
+                if (in_steps(ticks_[i].hip.*axis, kHipSteps) != values_[i]) {
+                    throw SampleError(replay_sentence(part_.trial, reader.chunk().first_tick));
+                }
+            }
+        };
+        check(Stored::hip_x, &engine::Vec2::x);
+        check(Stored::hip_y, &engine::Vec2::y);
+    }
+
+    TrialPart part_;
+    SampleColumns columns_;
+    TickRange range_;
+    PartChunks chunks_;
+    std::optional<HipFromCounts> hip_;
+    std::size_t next_ = 0;
+    std::vector<TickRecord> ticks_;
+    std::vector<TickRecord> exact_;
+    std::vector<std::int64_t> values_;
+};
+
+}  // namespace
+
+std::unique_ptr<TickStore::Blocks> stored_blocks(sqlite3* db,
+                                                 bool old,
+                                                 const TrialPart& part,
+                                                 SampleColumns columns,
+                                                 const TickRange& range,
+                                                 const std::optional<engine::PantographSpec>& machine) {
+    return std::make_unique<StoredBlocks>(db, old, part, columns, range, machine);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,150 @@
+#include "data/extension/tick_store.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include "data/extension/part_chunks.hpp"
+#include "data/extension/query.hpp"
+#include "data/extension/stored_blocks.hpp"
+#include "data/trace/replay.hpp"
+
+namespace palpate::data {
+
+using engine::TickRecord;
+
+namespace {
+
+/// What follows from the hand's path from tick 0 on: the whole part in one block.
+class ReplayedBlocks : public TickStore::Blocks {
+public:
+    ReplayedBlocks(std::shared_ptr<const std::vector<TickRecord>> ticks, const TickRange& range)
+        : ticks_(std::move(ticks)) {
+        const auto early = [&range](const TickRecord& tick) {
+            return tick.tick < range.first ||
+                   static_cast<double>(tick.time_ns) * 1e-9 < range.from_s;
+        };
+        const auto inside = [&range](const TickRecord& tick) {
+            return tick.tick <= range.last &&
+                   static_cast<double>(tick.time_ns) * 1e-9 <= range.to_s;
+        };
+        auto first = std::partition_point(ticks_->begin(), ticks_->end(), early);
+        const auto last = std::partition_point(first, ticks_->end(), inside);
+        first -= first == ticks_->begin() ? 0 : 1;  // for velocities
+        left_ = std::span(first, last);
+    }
+    std::span<const TickRecord> next() override { return std::exchange(left_, {}); }
+
+private:
+    std::shared_ptr<const std::vector<TickRecord>> ticks_;
+    std::span<const TickRecord> left_;
+};
+
+}  // namespace
+
+struct TickStore::State {
+    explicit State(sqlite3* database) : db(database) {}
+
+    struct Context {
+        TraceTrial trial;
+        SessionTraces* session = nullptr;
+    };
+    Context context_of(const TrialPart& part);
+    std::shared_ptr<const std::vector<TickRecord>> replayed(const TrialPart& part);
+
+    sqlite3* db;
+    bool old = false;  ///< the file is from before schema 5
+    /// By protocol and calibration, so that nothing here can be out of date.
+    std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
+    struct Last {
+        TrialPart part;
+        std::vector<std::vector<std::byte>> chunks;  ///< what it was made of
+        std::shared_ptr<const std::vector<TickRecord>> ticks;
+    };
+    Last last;  ///< a join asks for the same part again and again
+};
+
+TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
+    Query row(db,
+              "SELECT plan.object, plan.friction, trial.slip_decay, trial.heal_decay,"
+              " study.protocol_toml, (SELECT value FROM main.session_provenance AS p"
+              " WHERE p.session = session.id AND p.key = 'calibration')"
+              " FROM main.trial JOIN main.plan USING (session, position)"
+              " JOIN main.session ON session.id = trial.session"
+              " JOIN main.study ON study.id = session.study WHERE trial.id = ?1");
+    if (!row.bind(1, part.trial).step()) {
+        fail(part, "it has ticks, but no row in trial");
+    }
+    const std::pair key(row.text(4), row.text(5));
+    auto session = sessions.find(key);
+    if (session == sessions.end()) {
+        session = sessions.emplace(key, SessionTraces(key.first, key.second)).first;
+    }
+    return {.trial = {.object = row.text(0),
+                      .friction = row.text(1),
+                      .slip_decay = row.real(2),
+                      .heal_decay = row.real(3)},
+            .session = &session->second};
+}
+
+std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const TrialPart& part) {
+    PartChunks rows(db, old, part);
+    std::vector<std::vector<std::byte>> bytes;
+    std::vector<ChunkView> views;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        PartChunk chunk = rows.at(i);
+        views.push_back(chunk.view);
+        bytes.push_back(std::move(chunk.bytes));  // the view looks at the same bytes
+    }
+    if (last.ticks && last.part == part && last.chunks == bytes) {
+        return last.ticks;
+    }
+    const Context context = context_of(part);
+    Replayed all = context.session->replay(context.trial, views);
+    if (all.differs_from) {
+        throw SampleError(replay_sentence(part.trial, *all.differs_from));
+    }
+    command_in_steps(all.ticks);
+    last = {.part = part,
+            .chunks = std::move(bytes),
+            .ticks = std::make_shared<const std::vector<TickRecord>>(std::move(all.ticks))};
+    return last.ticks;
+}
+
+TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}
+TickStore::~TickStore() = default;
+
+std::vector<TrialPart> TickStore::parts(std::optional<std::int64_t> trial) {
+    Query has(state_->db,
+              "SELECT count(*) FROM pragma_table_info('trace_chunk', 'main') WHERE name = 'interval'");
+    has.step();
+    state_->old = has.integer(0) == 0;
+    const std::string interval = state_->old ? "1" : "interval";
+    std::vector<TrialPart> parts;
+    Query query(state_->db, "SELECT DISTINCT trial, " + interval + " FROM main.trace_chunk" +
+                                (trial ? " WHERE trial = ?1" : "") + " ORDER BY 1, 2");
+    if (trial) {
+        query.bind(1, *trial);
+    }
+    while (query.step()) {
+        parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});
+    }
+    return parts;
+}
+
+std::unique_ptr<TickStore::Blocks> TickStore::blocks(const TrialPart& part,
+                                                     SampleColumns columns,
+                                                     const TickRange& range) {
+    State& state = *state_;
+    if ((columns & kReplayedColumns) != 0) {
+        return std::make_unique<ReplayedBlocks>(
+            of_part(part, [&] { return state.replayed(part); }), range);
+    }
+    std::optional<engine::PantographSpec> machine;
+    if ((columns & kHipColumns) != 0) {
+        machine = of_part(part, [&] { return state.context_of(part).session->machine(); });
+    }
+    return stored_blocks(state.db, state.old, part, columns, range, machine);
+}
+
+}  // namespace palpate::data

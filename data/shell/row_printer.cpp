@@ -1,0 +1,183 @@
+#include "data/shell/row_printer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+/// Rows of a table that decide how wide its columns are.
+constexpr std::size_t kLookedAt = 1000;
+
+std::string hexadecimal(const std::string& bytes) {
+    std::string text;
+    for (const char c : bytes) {
+        text += fmt::format("{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+    return text;
+}
+
+std::string plain(const Cell& cell) {
+    struct Visitor {
+        std::string operator()(std::monostate) const { return {}; }
+        std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
+        std::string operator()(double value) const { return fmt::format("{}", value); }
+        std::string operator()(const std::string& text) const { return text; }
+        std::string operator()(const BlobCell& blob) const { return hexadecimal(blob.bytes); }
+    };
+    return std::visit(Visitor{}, cell);
+}
+
+bool is_number(const Cell& cell) {
+    return std::holds_alternative<std::int64_t>(cell) || std::holds_alternative<double>(cell);
+}
+
+/// Characters, not bytes.
+std::size_t width_of(std::string_view text) {
+    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+        return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+    }));
+}
+
+std::string csv_field(const Cell& cell) {
+    std::string text = plain(cell);
+    const bool quote = std::holds_alternative<std::string>(cell) &&
+                       (text.empty() || text.find_first_of("\",\r\n") != std::string::npos);
+    if (!quote) {
+        return text;
+    }
+    std::string quoted = "\"";
+    for (const char c : text) {
+        quoted += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return quoted + '"';
+}
+
+std::string json_text(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') {
+            out += '\\';
+            out += c;
+        } else if (static_cast<unsigned char>(c) < 0x20) {
+            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
+        } else {
+            out += c;
+        }
+    }
+    return out + '"';
+}
+
+std::string json_value(const Cell& cell) {
+    if (const auto* real = std::get_if<double>(&cell)) {
+        return std::isfinite(*real) ? fmt::format("{}", *real) : "null";
+    }
+    if (std::holds_alternative<std::monostate>(cell)) {
+        return "null";
+    }
+    return is_number(cell) ? plain(cell) : json_text(plain(cell));
+}
+
+template <class Fields, class Text>
+std::string joined(const Fields& fields, const Text& text) {
+    std::string line;
+    for (const auto& field : fields) {
+        line += line.empty() && &field == &fields.front() ? "" : ",";
+        line += text(field);
+    }
+    return line;
+}
+
+}  // namespace
+
+std::string harmless(std::string_view text, bool keep_lines) {
+    std::string out(text);
+    for (char& c : out) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((byte < 0x20 && !(keep_lines && c == '\n')) || byte == 0x7F) {
+            c = ' ';
+        }
+    }
+    return out;
+}
+
+RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string> names)
+    : out_(out), format_(format), names_(std::move(names)) {
+    if (format_ == RowFormat::csv) {
+        fmt::print(out_, "{}\n",
+                   joined(names_, [](const std::string& name) { return csv_field(name); }));
+    }
+}
+
+void RowPrinter::row(std::vector<Cell> cells) {
+    ++rows_;
+    if (format_ == RowFormat::csv) {
+        fmt::print(out_, "{}\n", joined(cells, csv_field));
+    } else if (format_ == RowFormat::json) {
+        print_json_row(cells);
+    } else if (head_printed_) {
+        print_table_row(cells);
+    } else {
+        waiting_.push_back(std::move(cells));
+        if (waiting_.size() == kLookedAt) {
+            print_table_rows();
+        }
+    }
+}
+
+void RowPrinter::end() {
+    if (format_ == RowFormat::json) {
+        fmt::print(out_, "{}]\n", rows_ == 0 ? "[" : "");
+    } else if (format_ == RowFormat::table && !head_printed_) {
+        print_table_rows();
+    }
+}
+
+void RowPrinter::print_table_rows() {
+    head_printed_ = true;
+    widths_.resize(names_.size());
+    for (std::size_t i = 0; i < names_.size(); ++i) {
+        widths_[i] = width_of(names_[i]);
+        for (const auto& cells : waiting_) {
+            widths_[i] = std::max(widths_[i], width_of(plain(cells[i])));
+        }
+    }
+    std::vector<Cell> head(names_.begin(), names_.end());
+    std::vector<Cell> line;
+    for (const std::size_t width : widths_) {
+        line.emplace_back(std::string(width, '-'));
+    }
+    print_table_row(head);
+    print_table_row(line);
+    for (const auto& cells : std::exchange(waiting_, {})) {
+        print_table_row(cells);
+    }
+}
+
+void RowPrinter::print_table_row(const std::vector<Cell>& cells) const {
+    std::string line;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        const std::string text = harmless(plain(cells[i]));
+        const std::size_t width = width_of(text);
+        const std::string space(widths_[i] > width ? widths_[i] - width : 0, ' ');
+        line += i > 0 ? "  " : "";
+        line += is_number(cells[i]) ? space + text : text + space;
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    fmt::print(out_, "{}\n", line);
+}
+
+void RowPrinter::print_json_row(const std::vector<Cell>& cells) {
+    std::string text = rows_ == 1 ? "[{" : ",\n{";
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        text += fmt::format("{}{}: {}", i > 0 ? ", " : "", json_text(names_[i]),
+                            json_value(cells[i]));
+    }
+    fmt::print(out_, "{}}}", text);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <cstdio>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace palpate::data {
+
+/// A blob as its bytes; a text is UTF-8.
+struct BlobCell {
+    std::string bytes;
+};
+using Cell = std::variant<std::monostate, std::int64_t, double, std::string, BlobCell>;
+
+enum class RowFormat : std::uint8_t {
+    table,  ///< aligned by the first 1,000 rows, for people; NULL is empty
+    csv,    ///< RFC 4180, "\n"; NULL is empty, an empty text ""; a blob is hexadecimal
+    json,   ///< one array of objects; NULL and what is no finite number are null; a blob is hexadecimal
+};
+
+/// Writes the rows of one statement. Numbers in the fewest digits that read back to the same bits.
+class RowPrinter {
+public:
+    RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string> names);
+    void row(std::vector<Cell> cells);
+    void end();
+
+private:
+    void print_table_rows();
+    void print_table_row(const std::vector<Cell>& cells) const;
+    void print_json_row(const std::vector<Cell>& cells);
+
+    std::FILE* out_;
+    RowFormat format_;
+    std::vector<std::string> names_;
+    std::vector<std::size_t> widths_;
+    std::vector<std::vector<Cell>> waiting_;  ///< rows of a table until its widths are known
+    bool head_printed_ = false;
+    std::size_t rows_ = 0;
+};
+
+/// What a terminal can show: control characters as spaces, new lines kept on request.
+[[nodiscard]] std::string harmless(std::string_view text, bool keep_lines = false);
+
+}  // namespace palpate::data

@@ -1,0 +1,257 @@
+#include "data/shell/sql_shell.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include <fmt/format.h>
+#include <sqlite3.h>
+
+#include "data/extension/sample_columns.hpp"
+#include "data/extension/sample_module.hpp"
+#include "data/store/schema.hpp"
+#include "data/store/schema_manual.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r\n;";
+constexpr std::string_view kHelp =
+    ".tables          tables and views\n"
+    ".columns [NAME]  columns with unit and meaning, of one or of all\n"
+    ".schema [NAME]   the SQL that made them\n"
+    ".help            this\n"
+    ".quit            the end\n"
+    "Anything else is SQL and ends with a semicolon. Beside the tables there is sample, every tick of every\n"
+    "trial: SELECT avg(fn_n) FROM sample WHERE trial_id = 1 AND mode <> 'free';\n"
+    "Functions: wilson_low, wilson_high, clopper_pearson_low, clopper_pearson_high (k, n [, confidence]),\n"
+    "d_prime(hits, n, alternatives), probit(p), normal_cdf(z); aggregates median(x), quantile(x, p),\n"
+    "geometric_mean(x), stddev_samp(x), share(x), mutual_information(stimulus, response [, n]),\n"
+    "mutual_information_miller_madow(stimulus, response [, n]).\n";
+
+struct Finalize {
+    void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using Prepared = std::unique_ptr<sqlite3_stmt, Finalize>;
+
+std::string_view trimmed(std::string_view text, std::string_view what = kSpace) {
+    const std::size_t begin = text.find_first_not_of(what);
+    if (begin == std::string_view::npos) {
+        return {};
+    }
+    return text.substr(begin, text.find_last_not_of(what) - begin + 1);
+}
+
+Cell cell_of(sqlite3_stmt* row, int column) {
+    const auto bytes = [&] {
+        const auto* data = static_cast<const char*>(sqlite3_column_blob(row, column));
+        const auto size = static_cast<std::size_t>(sqlite3_column_bytes(row, column));
+        return data == nullptr ? std::string() : std::string(data, size);
+    };
+    switch (sqlite3_column_type(row, column)) {
+        case SQLITE_INTEGER:
+            return std::int64_t{sqlite3_column_int64(row, column)};
+        case SQLITE_FLOAT:
+            return sqlite3_column_double(row, column);
+        case SQLITE_TEXT:
+            return bytes();
+        case SQLITE_BLOB:
+            return BlobCell{bytes()};
+        default:
+            return {};
+    }
+}
+
+/// What the file says of itself, and the program of what an older one did not say.
+std::vector<TableManual> manual_of(Database& database) {
+    std::string sql;
+    Statement row = database.prepare("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL ORDER BY rowid");
+    while (row.step()) {
+        sql += row.text(0) + ";\n";
+    }
+    std::vector<TableManual> tables = schema_manual(sql + std::string(sample_declaration()));
+    const std::vector<TableManual> ours = schema_manual(schema_sql());
+    for (TableManual& table : tables) {
+        const auto known = std::ranges::find(ours, table.name, &TableManual::name);
+        if (known == ours.end()) {
+            continue;
+        }
+        table.meaning = table.meaning.empty() ? known->meaning : table.meaning;
+        for (ColumnManual& column : table.columns) {
+            const auto said = std::ranges::find(known->columns, column.name, &ColumnManual::name);
+            if (column.meaning.empty() && said != known->columns.end()) {
+                column.meaning = said->meaning;
+            }
+        }
+    }
+    return tables;
+}
+
+}  // namespace
+
+SqlShell::SqlShell(Database& database, RowFormat format, std::FILE* out, std::FILE* error)
+    : database_(database), format_(format), out_(out), error_(error) {
+    if (add_extension(database.handle()) != SQLITE_OK) {
+        database.fail("adding the table sample");
+    }
+}
+
+bool SqlShell::complete(std::string_view text) {
+    const std::string_view all = trimmed(text, " \t\r\n");
+    return all.empty() || all.front() == '.' || sqlite3_complete(std::string(all).c_str()) != 0;
+}
+
+bool SqlShell::run(std::string_view text, std::size_t first_line) {
+    std::string_view rest = text;
+    while (!quit_) {
+        rest.remove_prefix(std::min(rest.find_first_not_of(kSpace), rest.size()));
+        if (rest.empty()) {
+            return true;
+        }
+        if (rest.front() == '.') {
+            const std::size_t end = std::min(rest.find('\n'), rest.size());
+            if (!word(trimmed(rest.substr(0, end)))) {
+                return false;
+            }
+            rest.remove_prefix(end);
+        } else if (!statement(rest, text, first_line)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t first_line) {
+    const char* why = sqlite3_errmsg(database_.handle());
+    if (offset > all.size()) {  // it failed while it ran, or SQLite does not know where
+        fmt::print(error_, "palpate: {}\n", harmless(why));
+        return;
+    }
+    const std::string_view before = all.substr(0, offset);
+    const auto lines = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
+    const std::size_t begin = before.rfind('\n') + 1;  // npos + 1 is 0
+    const std::string_view line = all.substr(begin, std::min(all.find('\n', begin), all.size()) - begin);
+    fmt::print(error_, "palpate: {}:{}: {}\n  {}\n  {}^\n", first_line + lines, offset - begin + 1,
+               harmless(why), harmless(line), std::string(offset - begin, ' '));
+}
+
+bool SqlShell::statement(std::string_view& text, std::string_view all, std::size_t first_line) {
+    sqlite3* db = database_.handle();
+    sqlite3_stmt* raw = nullptr;
+    const char* tail = nullptr;
+    const int code =
+        sqlite3_prepare_v2(db, text.data(), static_cast<int>(text.size()), &raw, &tail);
+    const Prepared prepared(raw);
+    if (code != SQLITE_OK) {
+        const int offset = sqlite3_error_offset(db);
+        complain(all, offset < 0 ? std::string_view::npos
+                                 : static_cast<std::size_t>(text.data() - all.data()) +
+                                       static_cast<std::size_t>(offset),
+                 first_line);
+        return false;
+    }
+    text.remove_prefix(static_cast<std::size_t>(tail - text.data()));
+    if (raw == nullptr) {
+        return true;  // a comment
+    }
+    if (sqlite3_stmt_readonly(raw) == 0) {
+        fmt::print(error_,
+                   "palpate: palpate sql only reads, and this would write: {}\n"
+                   "  To change something take a copy of the file and sqlite3.\n",
+                   harmless(std::string_view(sqlite3_sql(raw)).substr(0, 60)));
+        return false;
+    }
+    const int columns = sqlite3_column_count(raw);
+    std::vector<std::string> names;
+    for (int i = 0; i < columns; ++i) {
+        names.emplace_back(sqlite3_column_name(raw, i));
+    }
+    int step = sqlite3_step(raw);
+    if (columns > 0 && (step == SQLITE_ROW || step == SQLITE_DONE)) {
+        RowPrinter printer(out_, format_, std::move(names));
+        for (; step == SQLITE_ROW; step = sqlite3_step(raw)) {
+            std::vector<Cell> cells;
+            for (int i = 0; i < columns; ++i) {
+                cells.push_back(cell_of(raw, i));
+            }
+            printer.row(std::move(cells));
+        }
+        printer.end();
+    }
+    if (step != SQLITE_DONE) {
+        std::fflush(out_);
+        complain(all, std::string_view::npos, first_line);
+    }
+    return step == SQLITE_DONE;
+}
+
+bool SqlShell::word(std::string_view line) {
+    const std::size_t space = std::min(line.find(' '), line.size());
+    const std::string_view name = line.substr(0, space);
+    const std::string_view rest = trimmed(line.substr(space));
+    if (name == ".quit" || name == ".exit") {
+        quit_ = true;
+        return true;
+    }
+    if (name == ".help") {
+        fmt::print(out_, "{}", kHelp);
+        return true;
+    }
+    if (name == ".tables") {
+        return run("SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') UNION ALL"
+                   " SELECT 'sample', 'virtual table' ORDER BY type, name");
+    }
+    if (name == ".columns") {
+        return columns(rest);
+    }
+    if (name == ".schema") {
+        return schema(rest);
+    }
+    fmt::print(error_, "palpate: there is no word {}; .help lists them\n", harmless(name));
+    return false;
+}
+
+bool SqlShell::columns(std::string_view table) {
+    RowPrinter printer(out_, format_, {"table", "column", "unit", "meaning"});
+    bool found = false;
+    for (const TableManual& one : manual_of(database_)) {
+        if (!table.empty() && one.name != table) {
+            continue;
+        }
+        found = true;
+        for (const ColumnManual& column : one.columns) {
+            printer.row({one.name, column.name, column.unit, column.meaning});
+        }
+    }
+    if (!found) {
+        fmt::print(error_, "palpate: there is no table or view {}; .tables lists them\n",
+                   harmless(table));
+        return false;
+    }
+    printer.end();
+    return true;
+}
+
+bool SqlShell::schema(std::string_view table) {
+    bool found = false;
+    const auto print = [&](std::string_view sql) {
+        fmt::print(out_, "{};\n", harmless(sql, true));
+        found = true;
+    };
+    Statement row = database_.prepare(
+        "SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL AND (?1 = '' OR tbl_name = ?1) ORDER BY rowid");
+    row.bind(1, table);
+    while (row.step()) {
+        print(row.text(0));
+    }
+    if (table.empty() || table == "sample") {
+        print(sample_declaration());
+    }
+    if (!found) {
+        fmt::print(error_, "palpate: there is no table or view {}; .tables lists them\n",
+                   harmless(table));
+    }
+    return found;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,178 @@
+#include "data/store/views.hpp"
+
+#include <string>
+
+namespace palpate::data {
+namespace {
+
+/// Answers, one by one and counted; and faults.
+constexpr const char* kAnswers = R"sql(
+CREATE VIEW trial_result AS
+-- One row per answered trial that counts, practice and catch trials included: filter by phase and kind.
+SELECT trial.id AS trial,                           -- trial.id
+       study.name AS study,                         -- study.name
+       participant.code AS participant,             -- pseudonym
+       session.number AS session,                   -- number of the participant's session
+       session.kind AS kind,                        -- real, pilot, simulated
+       plan.position AS position,                   -- in the plan, from 0
+       plan.phase AS phase,                         -- practice, main, catch
+       plan.object AS object,                       -- what was felt
+       plan.curvature_per_m AS curvature_per_m,     -- > 0 convex, 0 straight, < 0 concave
+       plan.friction AS friction,                   -- the condition's name
+       response.object AS choice,                   -- what it was taken for
+       response.correct AS correct,                 -- 1: choice is object
+       trial.outcome AS outcome,                    -- complete or timed_out
+       trial.first_contact_s AS first_contact_s,    -- first tick -> first contact
+       trial.done_s AS done_s,                      -- first tick -> done
+       response.reaction_s AS reaction_s,           -- pictures shown -> answer
+       response.uncertainty_s AS uncertainty_s,     -- of reaction_s: it may be up to this much less
+       trial.path_length_m AS path_length_m,        -- of HIP
+       trial.contact_ticks / session.rate_hz AS contact_s,  -- time in contact
+       trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,  -- of contact
+       trial.mean_normal_force_n AS mean_normal_force_n,  -- over contact
+       trial.max_normal_force_n AS max_normal_force_n,    -- largest
+       trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share,  -- of ticks
+       trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share  -- of ticks
+FROM trial
+JOIN response ON response.trial = trial.id
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.invalid IS NULL;
+
+CREATE VIEW confusion AS
+-- How often each object was taken for which, main trials only.
+SELECT study,        -- study.name
+       kind,         -- real, pilot, simulated
+       friction,     -- the condition's name
+       object,       -- what was felt
+       choice,       -- what it was taken for
+       count(*) AS n -- trials
+FROM trial_result WHERE phase = 'main'
+GROUP BY study, kind, friction, object, choice;
+
+CREATE VIEW invalid_trial AS
+-- One row per answered trial that does not count, with its answer and the reason.
+SELECT trial.id AS trial,                  -- trial.id
+       study.name AS study,                -- study.name
+       participant.code AS participant,    -- pseudonym
+       session.number AS session,          -- number of the participant's session
+       session.kind AS kind,               -- real, pilot, simulated
+       trial.position AS position,         -- in the plan, from 0
+       trial.attempt AS attempt,           -- at this position
+       plan.phase AS phase,                -- practice, main, catch
+       plan.object AS object,              -- what was felt
+       plan.friction AS friction,          -- the condition's name
+       response.object AS choice,          -- what it was taken for
+       response.correct AS correct,        -- 1: choice is object
+       trial.invalid AS reason             -- why it does not count
+FROM trial
+JOIN response ON response.trial = trial.id
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.invalid IS NOT NULL;
+
+CREATE VIEW fault AS
+-- One row per faulted trial: whose, which, why, and when.
+SELECT trial.id AS trial,                  -- trial.id
+       study.name AS study,                -- study.name
+       participant.code AS participant,    -- pseudonym
+       session.number AS session,          -- number of the participant's session
+       session.kind AS kind,               -- real, pilot, simulated
+       trial.position AS position,         -- in the plan, from 0
+       trial.attempt AS attempt,           -- at this position
+       plan.phase AS phase,                -- practice, main, catch
+       trial.fault AS cause,               -- why the force went off, e.g. over_speed
+       trial.done_s AS at_s,               -- first tick -> fault
+       trial.ended_utc AS ended_utc,       -- wall clock, ISO 8601
+       (SELECT count(*) FROM fault_tick WHERE fault_tick.trial = trial.id) AS ticks_kept  -- in fault_tick
+FROM trial
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.outcome = 'faulted';
+)sql";
+
+/// Since schema 5, for people without the SQL extension.
+constexpr const char* kViews5 = R"sql(
+CREATE VIEW trial_summary AS
+-- One row per attempt at a trial, answered or not. For analysis take those that count:
+-- WHERE invalid IS NULL AND choice IS NOT NULL AND phase = 'main' AND kind = 'real'.
+SELECT trial.id AS trial,                           -- trial.id
+       study.name AS study,                         -- study.name
+       participant.code AS participant,             -- pseudonym
+       session.number AS session,                   -- number of the participant's session
+       session.kind AS kind,                        -- real, pilot, simulated
+       trial.position AS position,                  -- in the plan, from 0
+       trial.attempt AS attempt,                    -- at this position
+       plan.phase AS phase,                         -- practice, main, catch
+       plan.object AS object,                       -- what was felt
+       plan.curvature_per_m AS curvature_per_m,     -- > 0 convex, 0 straight, < 0 concave
+       plan.friction AS friction,                   -- the condition's name
+       trial.outcome AS outcome,                    -- complete and timed_out have an answer
+       trial.invalid AS invalid,                    -- why the answer does not count; NULL: it does
+       response.object AS choice,                   -- what it was taken for; NULL: no answer
+       response.correct AS correct,                 -- 1: choice is object
+       trial.first_contact_s AS first_contact_s,    -- first tick -> first contact
+       trial.done_s AS done_s,                      -- first tick -> done
+       response.reaction_s AS reaction_s,           -- pictures shown -> answer
+       trial.path_length_m AS path_length_m,        -- of HIP
+       trial.strokes AS strokes,                    -- along the surface, 5 mm or more in one direction
+       trial.mean_normal_force_n AS mean_normal_force_n,  -- over contact, 0 without
+       trial.max_normal_force_n AS max_normal_force_n,    -- largest
+       trial.mean_speed_m_per_s AS mean_speed_m_per_s,    -- of HIP in contact
+       trial.contact_ticks / session.rate_hz AS contact_s,                -- time in contact
+       trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,  -- of contact: slip or transition
+       trial.before_vertex_ticks / session.rate_hz AS before_vertex_s,    -- in contact with the first curve, left
+       trial.after_vertex_ticks / session.rate_hz AS after_vertex_s,      -- in contact with the second curve, right
+       trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share,     -- of ticks
+       trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share  -- of ticks
+FROM trial
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+LEFT JOIN response ON response.trial = trial.id;
+
+CREATE VIEW session_health AS
+-- One row per session: how far it went, and how well the rig kept up.
+SELECT session.id AS session_id,                    -- session.id
+       study.name AS study,                         -- study.name
+       participant.code AS participant,             -- pseudonym
+       session.number AS session,                   -- number of the participant's session
+       session.kind AS kind,                        -- real, pilot, simulated
+       session.finished AS finished,                -- 1: every planned trial is done
+       (SELECT count(*) FROM plan WHERE plan.session = session.id) AS planned,  -- trials of the plan
+       count(response.trial) AS answered,           -- attempts with an answer, invalid ones too
+       count(trial.invalid) AS invalid,             -- answers that do not count
+       count(*) FILTER (WHERE trial.outcome = 'faulted') AS faulted,          -- the force went off
+       count(*) FILTER (WHERE trial.outcome = 'aborted') AS aborted,          -- ended by the experimenter
+       count(*) FILTER (WHERE trial.outcome = 'interrupted') AS interrupted,  -- found unfinished later
+       sum(trial.late_ticks) * 1.0 / NULLIF(sum(trial.ticks), 0) AS late_share,  -- of ticks
+       sum(trial.saturated_ticks) * 1.0 / NULLIF(sum(trial.ticks), 0) AS saturated_share,  -- of ticks
+       (SELECT coalesce(sum(CAST(event.text AS INTEGER)), 0) FROM event
+        WHERE event.session = session.id AND event.kind = 'ticks lost') AS lost_ticks,  -- found no room on their way to the disk
+       sum(trial.ticks) / session.rate_hz AS felt_s,  -- on the servo's clock, all attempts that ended
+       (julianday(coalesce(session.finished_utc, max(trial.ended_utc), max(trial.started_utc)))
+        - julianday(session.started_utc)) * 86400.0 AS duration_s,  -- wall clock, pauses included
+       (SELECT count(*) FROM event WHERE event.session = session.id AND event.kind = 'break') AS breaks  -- taken
+FROM session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+LEFT JOIN trial ON trial.session = session.id
+LEFT JOIN response ON response.trial = trial.id
+GROUP BY session.id;
+)sql";
+
+}  // namespace
+
+std::string_view views_sql() noexcept {
+    static const std::string all = std::string(kAnswers) + kViews5;
+    return all;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/realtime/tick_record.hpp"
+
+namespace palpate::protocols {
+
+/// Counts how often a hand stroked along a surface in one direction.
+///
+/// Per contact tick the hand moves s = (h[k] - h[k-1]) . t along the surface, t the tangent at the
+/// god-object in the direction of travel. A stroke is counted when the sum of s has gone kStroke from
+/// where it last turned; the next one when it has come back as far, or when it goes on after the hand was
+/// off the surface for longer than kLift. Shorter bounces neither end a stroke nor add to it.
+///
+/// The stroke along the surface is what hands do to feel shape (contour following, S. J. Lederman,
+/// R. L. Klatzky, Cognitive Psychology 19:342, 1987). Both numbers are our choice: kStroke is above
+/// tremor and a tenth of a side of the default objects, kLift is above the bounces of a stiff contact.
+class StrokeCounter {
+public:
+    static constexpr double kStroke = 0.005;             ///< m
+    static constexpr std::int64_t kLift = 100'000'000;   ///< ns
+
+    /// The next tick. Where the force is 0 there is no tangent, and the tick adds nothing.
+    void add(const engine::TickRecord& tick) noexcept;
+    [[nodiscard]] std::int64_t strokes() const noexcept { return strokes_; }
+
+private:
+    void go(double step) noexcept;
+
+    std::int64_t strokes_ = 0;
+    int direction_ = 0;   ///< of the stroke that goes on; 0: none yet
+    double place_ = 0.0;  ///< along the surface, m
+    double low_ = 0.0;    ///< of place_ since the last turn
+    double high_ = 0.0;
+    bool started_ = false;
+    engine::Vec2 last_hip_{};
+    std::int64_t last_contact_ = 0;  ///< ns
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/bench/data/made_trials.hpp"
+#include "tests/bench/data/trace_store.hpp"
+
+namespace palpate::bench {
+
+/// palpate's own file: what a session writes, chunks while a trial runs, one commit at its end, asked
+/// through the virtual table `sample`.
+[[nodiscard]] std::unique_ptr<TraceStore> own_store(const std::string& folder,
+                                                    const MadeStudy& study);
+
+/// Million samples a second, in memory, one thread.
+struct Own {
+    double encode = 0.0;
+    double decode = 0.0;  ///< of one stored column
+    double replay = 0.0;  ///< of everything, hashes checked
+};
+
+[[nodiscard]] Own measure_own(const MadeStudy& study,
+                              const std::vector<std::vector<engine::TickRecord>>& made);
+
+}  // namespace palpate::bench

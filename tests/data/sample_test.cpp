@@ -1,0 +1,237 @@
+#include "data/extension/sample_module.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/sample_rows.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::rows_of;
+using tests::SampleRow;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Ten trials of the demo, recorded by the program.
+const std::string& demo_file() {
+    static const TemporaryFolder folder;
+    static const std::string file = [] {
+        REQUIRE(tests::palpate_command({"demo", "--headless", "--db", folder.file("a.sqlite")}).code ==
+                0);
+        return folder.file("a.sqlite");
+    }();
+    return file;
+}
+
+struct Opened : data::Database {
+    explicit Opened(const std::string& file, data::Access access = data::Access::read)
+        : data::Database(file, access) {
+        REQUIRE(data::add_extension(handle()) == 0);
+    }
+};
+
+/// A study with trials of arbitrary bits, `sizes` ticks each.
+struct Wild {
+    explicit Wild(const std::vector<std::size_t>& sizes) : database(folder.file("w.sqlite"), data::Access::write) {
+        const auto spec = tests::session_spec(tests::small_protocol());
+        const auto opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        for (std::size_t i = 0; i < sizes.size(); ++i) {
+            const auto id = recorder.begin_trial(spec.plan.trials[i], {.slip_decay = 0.9, .heal_decay = 0.9});
+            recorder.append(id, tests::random_ticks(11 + i, sizes[i]));
+            recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(sizes[i])));
+            ids.push_back(id);
+        }
+    }
+    TemporaryFolder folder;
+    Opened database;
+    std::vector<std::int64_t> ids;
+};
+
+std::string plan_of(data::Database& database, const std::string& sql) {
+    std::string text;
+    for (const SampleRow& row : rows_of(database, "EXPLAIN QUERY PLAN " + sql)) {
+        text += row.back() + '\n';
+    }
+    return text;
+}
+
+std::string error_of(data::Database& database, const std::string& sql) {
+    try {
+        rows_of(database, sql);
+    } catch (const data::StoreError& e) {
+        return e.what();
+    }
+    return {};
+}
+
+/// A column or expression, and what narrows it.
+std::string random_condition(tests::Random& random, const std::string& trial) {
+    const auto number = [&](double scale) { return fmt::format("{}", random.in(-0.1, 1.2) * scale); };
+    const char* const compare[] = {"<", "<=", ">", ">=", "="};
+    const auto op = [&] { return std::string(compare[random.below(5)]); };
+    std::string where = "1";
+    if (random.coin()) {
+        where += random.below(4) == 0
+                     ? fmt::format(" AND {} IN (1, 3, {})", trial, random.below(12))
+                     : fmt::format(" AND {} = {}", trial, random.below(8) == 0 ? "2.5" : std::to_string(random.below(12)));
+    }
+    for (int i = random.below(3); i > 0; --i) {
+        switch (random.below(4)) {
+            case 0:
+                where += fmt::format(" AND tick {} {}", op(), random.below(10000));
+                break;
+            case 1:
+                where += fmt::format(" AND t_s {} {}", op(), random.coin() ? number(10.0) : "2.048");
+                break;
+            case 2:
+                where += fmt::format(" AND tick {} {}", op(), number(9000.0));
+                break;
+            default:
+                where += fmt::format(" AND interval {} {}", op(), random.below(3));
+        }
+    }
+    return where;
+}
+
+}  // namespace
+
+TEST_CASE("every value of sample is the reader's tick to the bit", "[sample][law]") {
+    Opened database(demo_file());
+    std::size_t checked = 0;
+    for (std::int64_t trial = 1; trial <= 10; ++trial) {
+        const auto expected = tests::expected_rows(database, trial);
+        const auto rows = rows_of(database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", trial));
+        REQUIRE(rows.size() == expected.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (rows[i] != expected[i]) {
+                CAPTURE(trial, i);
+                REQUIRE(rows[i] == expected[i]);
+            }
+        }
+        checked += rows.size();
+    }
+    CHECK(checked > 50000);
+}
+
+TEST_CASE("so it is where every bit was arbitrary", "[sample][law]") {
+    Wild wild({1, 255, 256, 257, 5000});
+    for (const std::int64_t id : wild.ids) {
+        const auto expected = tests::expected_rows(wild.database, id);
+        const auto rows = rows_of(wild.database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", id));
+        REQUIRE(rows.size() == expected.size());
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            if (rows[i] != expected[i]) {
+                CAPTURE(id, i);
+                REQUIRE(rows[i] == expected[i]);
+            }
+        }
+    }
+}
+
+TEST_CASE("a column says the same whichever others are asked for with it", "[sample][law]") {
+    const bool is_wild = GENERATE(false, true);
+    static Wild wild({700, 5000});
+    Opened demo(demo_file());
+    data::Database& database = is_wild ? static_cast<data::Database&>(wild.database) : demo;
+    const auto all = rows_of(database, "SELECT * FROM sample WHERE trial_id = 2");
+    for (std::size_t c = 0; c < tests::sample_columns().size(); ++c) {
+        CAPTURE(tests::sample_columns()[c]);
+        const auto alone = rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 2",
+                                                         tests::sample_columns()[c]));
+        REQUIRE(alone.size() == all.size());
+        bool same = true;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            same = same && alone[i][0] == all[i][c];
+        }
+        CHECK(same);
+    }
+}
+
+TEST_CASE("a query gives the same rows with and without the index", "[sample][law]") {
+    Opened database(demo_file());
+    const auto seed = GENERATE(range(0U, 60U));
+    tests::Random with(seed);
+    tests::Random without(seed);
+    const std::string columns[] = {"tick, t_s, x_m", "t_s, vx_m_per_s, vy_m_per_s", "fx_n, flags", "tick, fn_n, mode, vx_m_per_s",
+                                   "count_1, lateness_us", "trial_id, interval"};
+    const std::string& what = columns[seed % 6];
+    const std::string indexed = random_condition(with, "trial_id");
+    // A + keeps SQLite from giving a condition to the table.
+    std::string plain = random_condition(without, "+trial_id");
+    for (const std::string name : {" tick ", " t_s ", " interval "}) {
+        for (std::size_t at = plain.find(name); at != std::string::npos; at = plain.find(name, at + 2)) {
+            plain.insert(at + 1, "+");
+        }
+    }
+    CAPTURE(seed, indexed, plain);
+    const auto sql = [&](const std::string& where) {
+        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s", what, where);
+    };
+    const auto a = rows_of(database, sql(indexed));
+    const auto b = rows_of(database, sql(plain));
+    REQUIRE(a.size() == b.size());
+    CHECK((a == b));
+}
+
+TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[sample]") {
+    Opened database(demo_file());
+    for (const char* sql : {"SELECT * FROM sample ORDER BY trial_id, t_s",
+                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY t_s",
+                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY trial_id, t_s",
+                            "SELECT * FROM sample ORDER BY trial_id, interval, tick",
+                            "SELECT trial_id, avg(fx_n) FROM sample GROUP BY trial_id",
+                            "SELECT trial.id, avg(fn_n) FROM trial JOIN sample ON trial_id = trial.id GROUP BY trial.id"}) {
+        CAPTURE(sql, plan_of(database, sql));
+        CHECK_THAT(plan_of(database, sql), !ContainsSubstring("TEMP B-TREE"));
+    }
+    for (const char* sql : {"SELECT * FROM sample ORDER BY trial_id DESC", "SELECT * FROM sample ORDER BY t_s",
+                            "SELECT * FROM sample ORDER BY trial_id, x_m"}) {
+        CAPTURE(sql);
+        CHECK_THAT(plan_of(database, sql), ContainsSubstring("TEMP B-TREE"));
+    }
+    // A join asks for one trial after the other, whichever is named first.
+    for (const char* sql : {"SELECT count(*) FROM sample JOIN trial ON trial_id = trial.id WHERE outcome = 'complete'",
+                            "SELECT count(*) FROM trial JOIN sample ON trial_id = trial.id WHERE ticks > 8000",
+                            "SELECT count(*) FROM trial_result JOIN sample ON trial_id = trial WHERE friction = 'on'"}) {
+        CAPTURE(sql, plan_of(database, sql));
+        const std::string plan = plan_of(database, sql);
+        CHECK(plan.find("trial") < plan.find("sample VIRTUAL TABLE"));
+    }
+    CHECK(rows_of(database, "SELECT DISTINCT trial_id FROM sample ORDER BY 1").size() == 10);
+}
+
+TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", "[sample][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::filesystem::copy_file(demo_file(), file);
+    Opened database(file, data::Access::write);
+    const auto seed = GENERATE(range(0U, 40U));
+    tests::Random random(seed);
+    const auto chunk = rows_of(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial = 4");
+    const auto& one = chunk[static_cast<std::size_t>(random.below(static_cast<int>(chunk.size())))];
+    data::Statement read = database.prepare("SELECT data FROM trace_chunk WHERE rowid = " + one[0]);
+    REQUIRE(read.step());
+    std::vector<std::byte> bytes(read.blob(0).begin(), read.blob(0).end());
+    read.reset();
+    bytes[static_cast<std::size_t>(random.below(static_cast<int>(bytes.size())))] ^=
+        std::byte(1U << static_cast<unsigned>(random.below(8)));
+    database.prepare("UPDATE trace_chunk SET data = ?1 WHERE rowid = " + one[0])
+        .bind(1, std::span<const std::byte>(bytes))
+        .run();
+    const std::string what = GENERATE("fn_n", "x_m", "count_1");
+    CAPTURE(seed, what);
+    CHECK_THAT(error_of(database, fmt::format("SELECT sum({}) FROM sample WHERE trial_id = 4", what)),
+               ContainsSubstring("trial 4") && ContainsSubstring("damaged") && ContainsSubstring("palpate verify"));
+    CHECK_FALSE(error_of(database, fmt::format("SELECT sum({}) FROM sample", what)).empty());
+    CHECK(error_of(database, fmt::format("SELECT sum({}) FROM sample WHERE trial_id = 5", what)).empty());
+}
+
+TEST_CASE("a file that is no palpate database has no samples, and says so", "[sample]") {
+    const TemporaryFolder folder;
+    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    database.execute("PRAGMA foreign_keys = OFF; DROP TABLE trace_chunk");
+    REQUIRE(data::add_extension(database.handle()) == 0);
+    CHECK_THAT(error_of(database, "SELECT * FROM sample"), ContainsSubstring("trace_chunk"));
+}

@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <set>
+
+#include "data/extension/sample_columns.hpp"
+#include "data/store/database.hpp"
+#include "data/store/schema.hpp"
+#include "data/store/schema_manual.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+
+TEST_CASE("every column of every table and view has a meaning, and every physical one a unit",
+          "[schema][law]") {
+    const tests::TemporaryFolder folder;
+    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    const auto manual = data::schema_manual(data::schema_sql());
+    // What has no unit though it is REAL.
+    const std::set<std::string> plain{"mu_s", "mu_d", "slip_decay", "heal_decay", "parameter", "mu",
+                                      "scale"};
+    std::size_t columns = 0;
+    data::Statement row = database.prepare(
+        "SELECT s.name, c.name, c.type FROM sqlite_schema AS s, pragma_table_info(s.name) AS c"
+        " WHERE s.type IN ('table', 'view')");
+    while (row.step()) {
+        ++columns;
+        CAPTURE(row.text(0), row.text(1));
+        const auto table = std::ranges::find(manual, row.text(0), &data::TableManual::name);
+        REQUIRE(table != manual.end());
+        CHECK_FALSE(table->meaning.empty());
+        const auto column =
+            std::ranges::find(table->columns, row.text(1), &data::ColumnManual::name);
+        REQUIRE(column != table->columns.end());
+        CHECK_FALSE(column->meaning.empty());
+        CHECK((row.text(2) != "REAL" || column->unit != "-" || plain.contains(row.text(1))));
+    }
+    CHECK(columns > 200);
+    std::size_t read = 0;
+    for (const auto& table : manual) {
+        read += table.columns.size();
+    }
+    CHECK(read == columns);  // and the manual makes none up
+}
+
+TEST_CASE("every column of sample has a meaning, in the order of the program", "[schema][sample]") {
+    const auto manual = data::schema_manual(data::sample_declaration());
+    REQUIRE(manual.size() == 1);
+    CHECK(manual[0].columns.size() == static_cast<std::size_t>(data::SampleColumn::count_of_columns));
+    CHECK(manual[0].columns[static_cast<std::size_t>(data::SampleColumn::fn_n)].name == "fn_n");
+    CHECK(manual[0].columns.back().name == "code_2");
+    for (const auto& column : manual[0].columns) {
+        CAPTURE(column.name);
+        CHECK_FALSE(column.meaning.empty());
+    }
+}
+
+TEST_CASE("the manual reads comments, literals and expressions of any statement", "[schema]") {
+    const auto manual = data::schema_manual(
+        "-- CREATE TABLE not (a);\nCREATE TABLE t (\n  -- of the table\n  a_m REAL CHECK (a_m IN ('x,y', '--')),"
+        " -- first\n  b TEXT -- second,\n    NOT NULL, -- goes on\n  UNIQUE (a_m, b)\n) STRICT;\n"
+        "CREATE VIEW v AS\n-- of the view\nSELECT t.b, -- plain\n (SELECT max(x, 1) FROM u) AS m_s -- named\nFROM t;");
+    REQUIRE(manual.size() == 2);
+    CHECK(manual[0].meaning == "of the table");
+    REQUIRE(manual[0].columns.size() == 2);
+    CHECK(manual[0].columns[0].unit == "m");
+    CHECK(manual[0].columns[0].meaning == "first");
+    CHECK(manual[0].columns[1].meaning == "second, goes on");
+    CHECK(manual[1].meaning == "of the view");
+    REQUIRE(manual[1].columns.size() == 2);
+    CHECK(manual[1].columns[0].name == "b");
+    CHECK(manual[1].columns[1].name == "m_s");
+    CHECK(manual[1].columns[1].unit == "s");
+    CHECK(manual[1].columns[1].meaning == "named");
+}

@@ -1,0 +1,241 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using Catch::Matchers::ContainsSubstring;
+using palpate::tests::Finished;
+using palpate::tests::palpate_command;
+using palpate::tests::Process;
+using palpate::tests::TemporaryFolder;
+
+namespace {
+
+const std::string& demo_file() {
+    static const TemporaryFolder folder;
+    static const std::string file = [] {
+        REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("it's a demo.sqlite")}).code == 0);
+        return folder.file("it's a demo.sqlite");
+    }();
+    return file;
+}
+
+Finished sql(const std::string& query, const std::vector<std::string>& words = {}) {
+    std::vector<std::string> command{"sql", demo_file(), "-c", query};
+    command.insert(command.end(), words.begin(), words.end());
+    return palpate_command(command);
+}
+
+std::string extension() {
+    const Finished found = palpate_command({"extension"});
+    REQUIRE(found.code == 0);
+    return found.out.substr(0, found.out.find('\n'));
+}
+
+/// Columns of every kind, of one trial and of all.
+const char* const kQueries[] = {
+    "SELECT tick, t_s, x_m, vy_m_per_s, fn_n, ft_n, fx_n, mu, flags, code_1 FROM sample WHERE trial_id = 3"
+    " AND tick % 97 = 0",
+    "SELECT trial_id, count(*), avg(fn_n), sum(mode = 'slip'), max(vx_m_per_s) FROM sample GROUP BY trial_id",
+    "SELECT clopper_pearson_low(7, 20), wilson_high(7, 20), d_prime(7, 20, 5), probit(0.1), normal_cdf(1)",
+    "SELECT friction, median(path_length_m), stddev_samp(done_s), quantile(done_s, 0.9), share(correct)"
+    " FROM trial_summary GROUP BY friction",
+};
+
+/// Lines of comma-separated values are the same: numbers to the last of 15 digits, texts to the letter.
+void check_same(const std::string& ours, const std::string& theirs) {
+    std::istringstream a(ours);
+    std::istringstream b(theirs);
+    std::string line_a;
+    std::string line_b;
+    std::getline(a, line_a);  // names
+    while (std::getline(a, line_a)) {
+        REQUIRE(std::getline(b, line_b));
+        std::istringstream fields_a(line_a);
+        std::istringstream fields_b(line_b);
+        std::string x;
+        std::string y;
+        CAPTURE(line_a, line_b);
+        while (std::getline(fields_a, x, ',')) {
+            REQUIRE(std::getline(fields_b, y, ','));
+            char* end = nullptr;
+            const double value = std::strtod(x.c_str(), &end);
+            if (!x.empty() && *end == '\0') {
+                REQUIRE(std::strtod(y.c_str(), nullptr) == Approx(value).epsilon(1e-14));
+            } else {
+                REQUIRE(x == y);
+            }
+        }
+    }
+    CHECK_FALSE(std::getline(b, line_b));
+}
+
+}  // namespace
+
+TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
+    const Finished table = sql("SELECT 'a, \"b\"' AS text, 1.5 AS x, NULL AS n, '' AS e");
+    CHECK(table.code == 0);
+    CHECK(table.out == "text    x    n  e\n------  ---  -  -\na, \"b\"  1.5\n");
+    CHECK(sql("SELECT 'a, \"b\"' AS text, 1.5 AS x, NULL AS n, '' AS e", {"--csv"}).out ==
+          "text,x,n,e\n\"a, \"\"b\"\"\",1.5,,\"\"\n");
+    CHECK(sql("SELECT 'a\"' AS t, 0.1 AS x, NULL AS n, x'0aff' AS b UNION ALL SELECT 'c', 1, 2, 3",
+              {"--json"})
+              .out ==
+          "[{\"t\": \"a\\\"\", \"x\": 0.1, \"n\": null, \"b\": \"0AFF\"},\n"
+          "{\"t\": \"c\", \"x\": 1, \"n\": 2, \"b\": 3}]\n");
+    CHECK(sql("SELECT 1 AS a WHERE 0", {"--json"}).out == "[]\n");
+    CHECK(sql("SELECT 1; SELECT 2 AS b -- and\n;", {"--csv"}).out == "1\n1\nb\n2\n");
+}
+
+TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") {
+    const Finished wrong = sql("SELECT count(*)\nFROM trial\nWHERE fnord = 1");
+    CHECK(wrong.code == 1);
+    CHECK(wrong.error == "palpate: 3:7: no such column: fnord\n  WHERE fnord = 1\n        ^\n");
+    CHECK_THAT(sql("SELEC 1").error, ContainsSubstring("palpate: 1:1: near \"SELEC\": syntax error"));
+    const Finished refused = sql("SELECT wilson_low(3, 2)");
+    CHECK(refused.code == 1);
+    CHECK_THAT(refused.error, ContainsSubstring("0 <= k <= n"));
+    CHECK(sql(".nothing").code == 1);
+    CHECK(palpate_command({"sql", "/nowhere/a.sqlite", "-c", "SELECT 1"}).code != 0);
+}
+
+TEST_CASE("palpate sql changes nothing, whatever it is told", "[sql][law]") {
+    const std::string before = sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out;
+    const TemporaryFolder folder;
+    for (const std::string& query :
+         {std::string("DELETE FROM trial"), std::string("DROP TABLE trace_chunk"), std::string("PRAGMA user_version = 99"),
+          std::string("CREATE TABLE t (a)"), std::string("INSERT INTO sample (trial_id) VALUES (1)"),
+          std::string("UPDATE session SET seed = 1"), std::string("VACUUM"),
+          "VACUUM INTO '" + folder.file("x.sqlite") + "'", "ATTACH '" + folder.file("y.sqlite") + "' AS y; CREATE TABLE y.t (a)",
+          std::string("SELECT load_extension('x')"), std::string("SELECT writefile('x', 1)")}) {
+        const Finished refused = sql(query);
+        CAPTURE(query, refused.out, refused.error);
+        CHECK(refused.code == 1);
+        CHECK_FALSE(refused.error.empty());
+    }
+    CHECK_THAT(sql("DELETE FROM trial").error, ContainsSubstring("only reads"));
+    CHECK(folder.names().empty());
+    CHECK(sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out == before);
+}
+
+TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[sql]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("in.sql"))
+        << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS two;\n.columns trial_summary\n"
+           "SELECT 3 AS last";
+    const Finished done =
+        Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate::tests::palpate_program(), demo_file(),
+                 folder.file("in.sql")})
+            .wait();
+    CHECK(done.code == 1);  // one of them failed
+    CHECK_THAT(done.error, ContainsSubstring("palpate: 5:8: no such column: fnord"));
+    CHECK_THAT(done.out, ContainsSubstring("trial_summary") && ContainsSubstring("virtual table") &&
+                             ContainsSubstring("n\n--\n10\n") && ContainsSubstring("two\n---\n  2\n") &&
+                             ContainsSubstring("mean_speed_m_per_s   m/s") && ContainsSubstring("last\n----\n   3\n"));
+    CHECK_THAT(sql(".schema trial").out, ContainsSubstring("CREATE TABLE trial"));
+    CHECK_THAT(sql(".help").out, ContainsSubstring(".columns"));
+    CHECK(sql(".quit\nSELECT 1").out.empty());
+}
+
+TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
+    if (Process({"sqlite3", "--version"}).wait().code != 0) {
+        WARN("sqlite3 is not installed: not checked");
+        return;
+    }
+    for (const char* query : kQueries) {
+        CAPTURE(query);
+        const Finished theirs = Process({"sqlite3", "-readonly", "-csv", "-cmd", ".load " + extension(),
+                                         demo_file(), query})
+                                    .wait();
+        CAPTURE(theirs.error);
+        REQUIRE(theirs.code == 0);
+        check_same(sql(query, {"--csv"}).out, theirs.out);
+    }
+}
+
+TEST_CASE("Python with the extension says what palpate sql says", "[sql][extension][law]") {
+    // Some Pythons are built without extensions.
+    std::string python;
+    for (const char* one : {"/usr/bin/python3", "python3"}) {
+        const auto has = Process({one, "-c", "import sqlite3; sqlite3.Connection.enable_load_extension"}).wait();
+        if (python.empty() && has.code == 0) {
+            python = one;
+        }
+    }
+    if (python.empty()) {
+        WARN("no python3 whose sqlite3 loads extensions: not checked");
+        return;
+    }
+    constexpr const char* kScript =
+        "import sqlite3, sys\n"
+        "db = sqlite3.connect(sys.argv[1])\n"
+        "db.enable_load_extension(True)\n"
+        "db.load_extension(sys.argv[2])\n"
+        "for row in db.execute(sys.argv[3]):\n"
+        "    print(*('' if v is None else v for v in row), sep=',')\n";
+    for (const char* query : kQueries) {
+        CAPTURE(query);
+        const Finished theirs = Process({python, "-c", kScript, demo_file(), extension(), query}).wait();
+        CAPTURE(theirs.error);
+        REQUIRE(theirs.code == 0);
+        check_same(sql(query, {"--csv"}).out, theirs.out);
+    }
+}
+
+TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree", "[sql][extension][law]") {
+    if (Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {
+        WARN("R with RSQLite is not installed: not checked");
+        return;
+    }
+    constexpr const char* kScript =
+        "a <- commandArgs(TRUE)\n"
+        "db <- DBI::dbConnect(RSQLite::SQLite(), a[1], loadable.extensions = TRUE)\n"
+        "invisible(DBI::dbExecute(db, sprintf(\"SELECT load_extension('%s')\", a[2])))\n"
+        "r <- DBI::dbGetQuery(db, a[3])\n"
+        "r[] <- lapply(r, function(x) if (is.numeric(x)) sprintf('%.17g', x) else x)\n"
+        "r[r == 'NA'] <- ''\n"
+        "write.table(r, sep = ',', quote = FALSE, row.names = FALSE, col.names = FALSE, na = '')\n";
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("q.R")) << kScript;
+    const auto ask_r = [&](const std::string& query) {
+        const Finished theirs =
+            Process({"Rscript", folder.file("q.R"), demo_file(), extension(), query}).wait();
+        CAPTURE(theirs.error);
+        REQUIRE(theirs.code == 0);
+        return theirs.out;
+    };
+    for (const char* query : kQueries) {
+        CAPTURE(query);
+        check_same(sql(query, {"--csv"}).out, ask_r(query));
+    }
+    // binom.test, qnorm, and the integral of d' by R's own quadrature.
+    const Finished r = Process({"Rscript", "-e",
+                                "p <- function(d, m) integrate(function(x) dnorm(x - d) * pnorm(x)^(m - 1), -Inf, Inf, "
+                                "rel.tol = 1e-11)$value\n"
+                                "cat('h\\n'); cat(sprintf('%.15g', c(binom.test(13, 47)$conf.int, qnorm(0.123), "
+                                "uniroot(function(d) p(d, 5) - 31/50, c(0, 5), tol = 1e-12)$root, "
+                                "quantile(c(3, 1, 4, 1, 5, 9, 2.5), 0.3), sd(c(3, 1, 4, 1, 5)))), sep = ',')\n"})
+                           .wait();
+    REQUIRE(r.code == 0);
+    std::vector<double> theirs;
+    std::istringstream numbers(r.out.substr(2));
+    for (std::string one; std::getline(numbers, one, ',');) {
+        theirs.push_back(std::stod(one));
+    }
+    const char* const ours[] = {
+        "SELECT clopper_pearson_low(13, 47)", "SELECT clopper_pearson_high(13, 47)", "SELECT probit(0.123)",
+        "SELECT d_prime(31, 50, 5)",
+        "SELECT quantile(column1, 0.3) FROM (VALUES (3), (1), (4), (1), (5), (9), (2.5))",
+        "SELECT stddev_samp(column1) FROM (VALUES (3), (1), (4), (1), (5))"};
+    REQUIRE(theirs.size() == std::size(ours));
+    for (std::size_t i = 0; i < theirs.size(); ++i) {
+        const std::string out = sql(ours[i], {"--csv"}).out;
+        CAPTURE(ours[i], out);
+        CHECK(std::stod(out.substr(out.find('\n') + 1)) == Approx(theirs[i]).epsilon(1e-9));
+    }
+}

@@ -1,0 +1,96 @@
+#include <cmath>
+#include <numbers>
+
+#include "protocols/running/stroke_counter.hpp"
+#include "protocols/running/trial_meter.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using engine::TickRecord;
+using engine::Vec2;
+using protocols::StrokeCounter;
+
+namespace {
+
+/// A hand at `place` along a straight surface turned by `angle`, pressing with 1 N; friction pulls it back.
+TickRecord tick_at(std::int64_t k, double place, double angle, double pull = 0.0) {
+    const Vec2 t{std::cos(angle), std::sin(angle)};
+    const Vec2 n{-t.y, t.x};
+    TickRecord tick;
+    tick.tick = k;
+    tick.time_ns = k * 1'000'000;
+    tick.hip = place * t - 0.001 * n;
+    tick.normal_force = 1.0;
+    tick.tangential_force = pull;
+    tick.force = n + pull * t;
+    tick.mode = engine::Mode::slip;
+    return tick;
+}
+
+/// Half a period each way: every one is a stroke of 2 * amplitude.
+std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle, double tremor) {
+    StrokeCounter counter;
+    constexpr int kTicks = 500;  // a half period
+    for (int k = 0; k <= half_periods * kTicks; ++k) {
+        const double phase = std::numbers::pi * k / kTicks;
+        const double shake = tremor * std::sin(2.0 * std::numbers::pi * 0.009 * k);
+        counter.add(tick_at(k, -amplitude * std::cos(phase) + shake, angle, 0.4));
+    }
+    return counter.strokes();
+}
+
+}  // namespace
+
+TEST_CASE("every sweep along the surface is one stroke, however the surface lies", "[strokes][law]") {
+    const auto seed = GENERATE(range(0U, 60U));
+    CAPTURE(seed);
+    tests::Random random(seed);
+    const int sweeps = 1 + random.below(12);
+    const double amplitude = random.in(0.004, 0.05);
+    const double angle = random.in(-3.2, 3.2);
+    CHECK(strokes_of_sweeps(sweeps, amplitude, angle, 0.0) == sweeps);
+    CHECK(strokes_of_sweeps(sweeps, amplitude, angle, 0.0005) == sweeps);  // 9 Hz tremor, 1 mm to and fro
+    CHECK(strokes_of_sweeps(sweeps, 0.0024, angle, 0.0) == 0);             // 4.8 mm are none
+}
+
+TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][law]") {
+    const auto off = GENERATE(1, 50, 99, 100, 250);
+    StrokeCounter counter;
+    std::int64_t k = 0;
+    const auto stroke = [&](double from, double to) {
+        for (int i = 0; i <= 100; ++i) {
+            counter.add(tick_at(k++, from + (to - from) * i / 100.0, 0.3));
+        }
+    };
+    stroke(0.0, 0.02);
+    for (int i = 0; i < off; ++i) {
+        TickRecord tick = tick_at(k++, 0.02, 0.3);
+        tick.mode = engine::Mode::free;
+        tick.force = {};
+        tick.normal_force = 0.0;
+        counter.add(tick);
+    }
+    stroke(0.02, 0.04);
+    CAPTURE(off);
+    // From contact to contact `off` + 1 ticks of 1 ms; more than 100 ms is a lift.
+    CHECK(counter.strokes() == (off + 1 > 100 ? 2 : 1));
+}
+
+TEST_CASE("the meter says speed in contact and time on each side of the vertex", "[strokes]") {
+    protocols::TrialMeter meter(1000.0);
+    std::vector<TickRecord> ticks;
+    for (int k = 0; k < 1000; ++k) {  // 0.1 m/s along a line, 200 ticks of it in the air
+        TickRecord tick = tick_at(k, 1e-4 * k, 0.7);
+        tick.feature = static_cast<std::int16_t>(k < 500 ? 0 : k < 510 ? -2 : 1);
+        tick.mode = k >= 700 && k < 900 ? engine::Mode::free : engine::Mode::stuck;
+        ticks.push_back(tick);
+    }
+    meter.add(std::span(ticks).first(333));
+    meter.add(std::span(ticks).subspan(333));
+    const auto sum = meter.summary();
+    CHECK(sum.mean_speed_m_per_s == Approx(0.1).epsilon(1e-9));
+    CHECK(sum.before_vertex_ticks == 500);
+    CHECK(sum.after_vertex_ticks == 290);
+    CHECK(sum.strokes == 2);
+}

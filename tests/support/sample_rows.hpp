@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "data/store/database.hpp"
+#include "data/store/reader.hpp"
+#include "data/trace/fixed_point.hpp"
+#include "tests/support/catch.hpp"
+
+/// Rows of the virtual table `sample`, and what they must be by the reader's ticks.
+namespace palpate::tests {
+
+using SampleRow = std::vector<std::string>;
+
+/// A value to the bit; NULL and NaN alike.
+inline std::string exactly(double value) {
+    return std::isnan(value) ? "null" : fmt::format("{:a}", value);
+}
+
+inline std::vector<SampleRow> rows_of(data::Database& database, const std::string& sql) {
+    std::vector<SampleRow> rows;
+    data::Statement row = database.prepare(sql);
+    while (row.step()) {
+        SampleRow& values = rows.emplace_back();
+        for (int i = 0; i < row.columns(); ++i) {
+            values.push_back(row.null(i)        ? "null"
+                             : row.type(i) == 2 ? exactly(row.real(i))
+                                                : row.text(i));
+        }
+    }
+    return rows;
+}
+
+inline const std::vector<std::string>& sample_columns() {
+    static const std::vector<std::string> names{
+        "trial_id", "interval", "tick",         "t_s",          "x_m",  "y_m",  "vx_m_per_s",
+        "vy_m_per_s", "cp_x_m", "cp_y_m",       "go_x_m",       "go_y_m", "mode", "segment",
+        "u",        "mu",       "fn_n",         "ft_n",         "rendered_x_n", "rendered_y_n", "fx_n",
+        "fy_n",     "lateness_us", "flags",     "count_1",      "count_2", "code_1", "code_2"};
+    return names;
+}
+
+/// What `sample` must say of a trial.
+inline std::vector<SampleRow> expected_rows(data::Database& database, std::int64_t trial) {
+    std::vector<SampleRow> rows;
+    const auto ticks = data::stored_ticks(database, trial);
+    const auto steps_of = [](double newton) {
+        const auto steps = data::in_steps(newton, 1e4);
+        return exactly(std::isfinite(newton) ? steps / 1e4 : std::nan(""));
+    };
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const engine::TickRecord& t = ticks[i];
+        engine::Vec2 v{std::nan(""), std::nan("")};
+        if (i > 0 && t.time_ns > ticks[i - 1].time_ns) {
+            v = (t.hip - ticks[i - 1].hip) /
+                (static_cast<double>(t.time_ns - ticks[i - 1].time_ns) * 1e-9);
+        }
+        const char* const modes[] = {"free", "stuck", "slip", "transition"};
+        rows.push_back({std::to_string(trial), "1", std::to_string(t.tick),
+                        exactly(static_cast<double>(t.time_ns) * 1e-9), exactly(t.hip.x),
+                        exactly(t.hip.y), exactly(v.x), exactly(v.y), exactly(t.cp.x),
+                        exactly(t.cp.y), exactly(t.go.x), exactly(t.go.y),
+                        modes[static_cast<std::size_t>(t.mode)], std::to_string(t.feature),
+                        exactly(t.parameter), exactly(t.mu), exactly(t.normal_force),
+                        exactly(t.tangential_force), exactly(t.force.x), exactly(t.force.y),
+                        steps_of(t.command.x), in_steps(t.command.y),
+                        exactly(static_cast<double>(t.lateness_us)), std::to_string(t.flags),
+                        std::to_string(t.counts[0]), std::to_string(t.counts[1]),
+                        std::to_string(t.codes[0]), std::to_string(t.codes[1])});
+    }
+    return rows;
+}
+
+}  // namespace palpate::tests

@@ -1,0 +1,81 @@
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "data/shell/sql_shell.hpp"
+#include "ui/cli/commands.hpp"
+
+namespace palpate::ui {
+namespace {
+
+/// Statements from standard input. At a terminal it goes on after an error.
+int read_input(data::SqlShell& shell, const std::string& file) {
+    const bool person = isatty(STDIN_FILENO) != 0;
+    if (person) {
+        fmt::print("palpate sql {}: it only reads. .help lists what there is.\n", file);
+    }
+    bool good = true;
+    std::string text;
+    std::size_t first = 1;
+    std::size_t lines = 0;
+    const auto prompt = [&] {
+        if (person) {
+            fmt::print("{}", text.empty() ? "palpate> " : "    ...> ");
+        }
+        std::fflush(stdout);
+    };
+    prompt();
+    for (std::string line; !shell.quit() && std::getline(std::cin, line); prompt()) {
+        ++lines;
+        first = text.empty() ? lines : first;
+        text += line + '\n';
+        if (data::SqlShell::complete(text)) {
+            good = shell.run(text, first) && good;
+            text.clear();
+        }
+        if (shell.quit()) {
+            break;
+        }
+    }
+    if (!text.empty() && !shell.quit()) {  // the last semicolon may be missing
+        good = shell.run(text, first) && good;
+    }
+    if (person && !shell.quit()) {
+        fmt::print("\n");
+    }
+    return good || person ? 0 : kExitFailure;
+}
+
+}  // namespace
+
+int sql_command(const SqlOptions& options) {
+    data::Database database(options.database, data::Access::read);
+    const data::RowFormat format = options.csv    ? data::RowFormat::csv
+                                   : options.json ? data::RowFormat::json
+                                                  : data::RowFormat::table;
+    data::SqlShell shell(database, format, stdout, stderr);
+    if (options.query) {
+        return shell.run(*options.query) ? 0 : kExitFailure;
+    }
+    return read_input(shell, options.database);
+}
+
+int extension_command() {
+    std::error_code unknown;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    const auto module = program.parent_path() / "palpate_sample.so";
+    if (unknown || !std::filesystem::exists(module)) {
+        fmt::print(stderr, "palpate: {} is not there: build the target palpate_sample\n",
+                   module.string());
+        return kExitFailure;
+    }
+    fmt::print("{}\n", module.string());
+    return 0;
+}
+
+}  // namespace palpate::ui
