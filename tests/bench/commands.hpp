@@ -25,6 +25,8 @@ int passivity_command(const std::vector<std::string>& words);
 int servo_command(const std::vector<std::string>& words);
 /// guard [--kills N] [--csv FILE]
 int guard_command(const std::vector<std::string>& words);
+/// data [--peers] [--trials N] [--seconds S] [--csv FILE]
+int data_command(const std::vector<std::string>& words);
 /// procedure [--csv FILE]
 int procedure_command(const std::vector<std::string>& words);
 

@@ -35,6 +35,9 @@ constexpr Command kCommands[] = {
     {"procedure", procedure_command,
      "  procedure [--csv FILE]\n"
      "            time in which QUEST+ chooses from 20,000 parameter cells\n"},
+    {"data", data_command,
+     "  data [--peers] [--trials N] [--seconds S] [--csv FILE]\n"
+     "            traces: bytes a sample, ingest, queries; against rows in SQLite, CSV and HDF5\n"},
     {"guard", guard_command,
      "  guard [--kills N] [--csv FILE]\n"
      "            from palpate's death (kill -9) or stop to zero torque at an emulated board\n"},

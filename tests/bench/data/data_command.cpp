@@ -5,9 +5,8 @@
 #include <iostream>
 #include <memory>
 
-#include <unistd.h>
-
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "tests/bench/commands.hpp"
 #include "tests/bench/data/made_trials.hpp"
@@ -49,10 +48,10 @@ double seconds_of(const std::function<void()>& work) {
 struct Result {
     std::string store;
     double bytes_per_sample = 0.0;
-    double ingest = 0.0;       ///< million samples/s
-    double one_trial_ms = 0.0; ///< mean normal force of a trial, median
-    double scan_s = 0.0;       ///< mean x over all trials
-    double mean_force = 0.0;   ///< of the first trial, N: all stores must agree
+    double ingest = 0.0;        ///< million samples/s
+    double one_trial_ms = 0.0;  ///< mean normal force of a trial, median
+    double scan_s = 0.0;        ///< mean x over all trials
+    double mean_force = 0.0;    ///< of the first trial, N: all stores must agree
 };
 
 Result measure(TraceStore& store,
@@ -73,14 +72,11 @@ Result measure(TraceStore& store,
     result.mean_force = store.mean_normal_force(1);
     std::vector<double> times;
     for (std::int64_t trial = 1; trial <= std::min<std::int64_t>(trials, 15); ++trial) {
-        times.push_back(1e3 * seconds_of([&] {
-            static_cast<void>(store.mean_normal_force(trial));
-        }));
+        times.push_back(1e3 *
+                        seconds_of([&] { static_cast<void>(store.mean_normal_force(trial)); }));
     }
     result.one_trial_ms = percentile(times, 0.5);
-    result.scan_s = seconds_of([&] {
-        static_cast<void>(store.mean_x());
-    });
+    result.scan_s = seconds_of([&] { static_cast<void>(store.mean_x()); });
     return result;
 }
 
@@ -114,8 +110,9 @@ int data_command(const std::vector<std::string>& arguments) {
     std::cout << machine() << '\n';
     std::printf("%d trials of %g s at 1 kHz\n", trials, seconds);
     const Own own = measure_own(study, made);
-    std::printf("encode %.2f, decode of one stored column %.1f, full replay %.2f million samples/s\n",
-                own.encode, own.decode, own.replay);
+    std::printf(
+        "encode %.2f, decode of one stored column %.1f, full replay %.2f million samples/s\n",
+        own.encode, own.decode, own.replay);
     std::printf("%-28s %8s %10s %14s %12s %18s\n", "store", "bytes/s.", "ingest M/s",
                 "avg(fn_n) ms", "avg(x) s", "mean fn, trial 1");
     if (csv.is_open()) {
@@ -129,9 +126,10 @@ int data_command(const std::vector<std::string>& arguments) {
                     r.bytes_per_sample, r.ingest, r.one_trial_ms, r.scan_s, r.mean_force);
         std::fflush(stdout);
         if (csv.is_open()) {
-            csv << fmt::format("\"{}\",\"{}\",{},{},{:.3f},{:.4f},{:.3f},{:.4f},{:.3f},{:.2f},{:.3f}\n",
-                               machine(), r.store, trials, seconds, r.bytes_per_sample, r.ingest,
-                               r.one_trial_ms, r.scan_s, own.encode, own.decode, own.replay);
+            csv << fmt::format(
+                "\"{}\",\"{}\",{},{},{:.3f},{:.4f},{:.3f},{:.4f},{:.3f},{:.2f},{:.3f}\n", machine(),
+                r.store, trials, seconds, r.bytes_per_sample, r.ingest, r.one_trial_ms, r.scan_s,
+                own.encode, own.decode, own.replay);
         }
     }
     if (csv.is_open()) {

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include "tests/bench/data/trace_store.hpp"
 #include "data/trace/columns.hpp"
+#include "tests/bench/data/trace_store.hpp"
 
 namespace palpate::bench {
 namespace {

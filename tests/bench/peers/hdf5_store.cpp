@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <hdf5.h>
 
-#include "tests/bench/data/trace_store.hpp"
 #include "data/trace/columns.hpp"
+#include "tests/bench/data/trace_store.hpp"
 
 namespace palpate::bench {
 namespace {

@@ -1,3 +1,4 @@
+#include "tests/bench/data/trace_store.hpp"
 #include "tests/bench/peers/peers.hpp"
 
 namespace palpate::bench {
@@ -16,6 +17,10 @@ Methods<2> occt_methods(const Object& /*object*/) {
 }
 Methods<3> peer_surface_methods(const Surface& /*surface*/) {
     return {};
+}
+
+std::unique_ptr<TraceStore> hdf5_store(const std::string& /*folder*/) {
+    return nullptr;
 }
 
 }  // namespace palpate::bench

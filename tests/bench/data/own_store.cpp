@@ -1,0 +1,168 @@
+#include "tests/bench/data/own_store.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/device/simulated_pantograph.hpp"
+#include "protocols/format/calibration_file.hpp"
+#include "protocols/running/trial_scene.hpp"
+#include "data/extension/sample_module.hpp"
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/derived_hash.hpp"
+#include "data/trace/replay.hpp"
+#include "data/trace/retrace.hpp"
+
+namespace palpate::bench {
+namespace {
+
+using engine::TickRecord;
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t kFirst = 10;  ///< position of the first made trial: after practice
+constexpr std::size_t kMade = 10;
+
+engine::Calibration simulated_machine() {
+    return {.pantograph = engine::PantographModel{}.plant.machine};
+}
+
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+class OwnStore : public TraceStore {
+public:
+    OwnStore(const std::string& folder, const MadeStudy& study)
+        : study_(study),
+          file_(folder + "/palpate.sqlite"),
+          database_(file_, data::Access::write),
+          session_(open_session(
+              database_,
+              {.protocol = study.protocol,
+               .protocol_hash = study.hash,
+               .plan = study.plan,
+               .key = study.key,
+               .seed = study.protocol.seed,
+               .kind = data::RunKind::simulated,
+               .device = "simulated pantograph",
+               .provenance = {{"calibration", protocols::to_toml(simulated_machine())}}})),
+          recorder_(database_, study.protocol, session_.id) {
+        if (data::add_extension(database_.handle()) != 0) {
+            throw std::runtime_error("cannot add the table sample");
+        }
+    }
+
+    [[nodiscard]] std::string name() const override { return "palpate"; }
+
+    /// A trial as one transaction, as after a session without pauses: its chunks, then its end.
+    void write(std::int64_t trial, std::span<const TickRecord> ticks) override {
+        const auto& planned =
+            study_.plan.trials.at(kFirst + static_cast<std::size_t>(trial - 1) % kMade);
+        const engine::Scene scene = make_scene(study_.protocol, planned.condition);
+        const protocols::TrialId id = recorder_.begin_trial(
+            planned, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
+        recorder_.append(id, ticks);
+        recorder_.end_trial(id, {.outcome = protocols::Outcome::aborted});
+        ids_.push_back(id);
+    }
+    void finish() override { database_.checkpoint(); }
+    [[nodiscard]] std::uintmax_t bytes() const override {
+        return std::filesystem::file_size(file_);
+    }
+    [[nodiscard]] double mean_normal_force(std::int64_t trial) override {
+        return value(fmt::format("SELECT avg(fn_n) FROM sample WHERE trial_id = {}",
+                                 ids_.at(static_cast<std::size_t>(trial - 1))));
+    }
+    [[nodiscard]] double mean_x() override { return value("SELECT avg(x_m) FROM sample"); }
+
+private:
+    [[nodiscard]] double value(const std::string& sql) {
+        data::Statement row = database_.prepare(sql);
+        row.step();
+        return row.real(0);
+    }
+
+    const MadeStudy& study_;
+    std::string file_;
+    data::Database database_;
+    data::OpenedSession session_;
+    data::SqliteRecorder recorder_;
+    std::vector<protocols::TrialId> ids_;
+};
+
+/// The chunks of one trial in memory.
+struct Chunks {
+    std::vector<data::EncodedChunk2> encoded;
+    std::vector<data::ChunkView> views;
+};
+
+Chunks encode_all(const std::vector<TickRecord>& ticks,
+                  const engine::Scene& scene,
+                  std::int64_t period_ns) {
+    Chunks chunks;
+    data::Retrace retrace(simulated_machine().pantograph, &scene);
+    for (std::size_t first = 0; first < ticks.size(); first += data::kChunk2Ticks) {
+        const auto part =
+            std::span(ticks).subspan(first, std::min(data::kChunk2Ticks, ticks.size() - first));
+        std::uint8_t parts = 0;
+        for (const TickRecord& tick : part) {
+            parts = static_cast<std::uint8_t>(parts | retrace.parts(tick));
+        }
+        chunks.views.push_back({.first_tick = part.front().tick,
+                                .ticks = part.size(),
+                                .period_ns = period_ns,
+                                .parts = parts,
+                                .derived = data::derived_hash(part)});
+        chunks.encoded.push_back(data::encode_chunk(part, part.front().tick, period_ns, parts));
+    }
+    for (std::size_t i = 0; i < chunks.views.size(); ++i) {
+        chunks.views[i].crc32 = chunks.encoded[i].crc32;
+        chunks.views[i].data = chunks.encoded[i].data;
+    }
+    return chunks;
+}
+
+}  // namespace
+
+std::unique_ptr<TraceStore> own_store(const std::string& folder, const MadeStudy& study) {
+    return std::make_unique<OwnStore>(folder, study);
+}
+
+Own measure_own(const MadeStudy& study, const std::vector<std::vector<TickRecord>>& made) {
+    const std::int64_t period_ns = 1'000'000;
+    double encode = 0.0;
+    double decode = 0.0;
+    double replay = 0.0;
+    std::size_t samples = 0;
+    for (std::size_t i = 0; i < made.size(); ++i) {
+        const auto& condition = study.plan.trials.at(kFirst + i).condition;
+        const engine::Scene scene = make_scene(study.protocol, condition);
+        const auto start = Clock::now();
+        const Chunks chunks = encode_all(made[i], scene, period_ns);
+        encode += seconds_since(start);
+
+        std::vector<std::int64_t> values(data::kChunk2Ticks);
+        const auto before = Clock::now();
+        for (const data::ChunkView& view : chunks.views) {
+            read_stored(view, data::Stored::hip_x, std::span(values).first(view.ticks));
+        }
+        decode += seconds_since(before);
+
+        const auto between = Clock::now();
+        const data::Replayed again =
+            data::replay(&scene, simulated_machine().pantograph, chunks.views);
+        replay += seconds_since(between);
+        if (again.differs_from || again.ticks.size() != made[i].size()) {
+            throw std::runtime_error("the replay differs from what was made");
+        }
+        samples += made[i].size();
+    }
+    const double millions = 1e-6 * static_cast<double>(samples);
+    return {.encode = millions / encode, .decode = millions / decode, .replay = millions / replay};
+}
+
+}  // namespace palpate::bench
