@@ -44,8 +44,7 @@ Information mutual_information(const ConfusionCounts& counts) {
     const Entropy both = entropy(counts, all);
     const double plug_in = x.bits + y.bits - both.bits;
     const double cells = x.cells + y.cells - both.cells - 1.0;
-    return {.plug_in = plug_in,
-            .miller_madow = plug_in + cells / (2.0 * all * std::numbers::ln2)};
+    return {.plug_in = plug_in, .miller_madow = plug_in + cells / (2.0 * all * std::numbers::ln2)};
 }
 
 }  // namespace palpate::data

@@ -121,9 +121,7 @@ public:
         }
         counts_[{text(values[0]), text(values[1])}] += static_cast<std::int64_t>(n);
     }
-    [[nodiscard]] std::optional<double> value() const {
-        return mutual_information(counts_).*Kind;
-    }
+    [[nodiscard]] std::optional<double> value() const { return mutual_information(counts_).*Kind; }
 
 private:
     static std::string text(sqlite3_value* value) {
@@ -207,9 +205,8 @@ int add_aggregate_functions(sqlite3* db) {
         add<MillerMadow>(db, "mutual_information_miller_madow", 2),
         add<MillerMadow>(db, "mutual_information_miller_madow", 3),
     };
-    const auto* const failed = std::find_if(std::begin(codes), std::end(codes), [](int code) {
-        return code != SQLITE_OK;
-    });
+    const auto* const failed = std::find_if(std::begin(codes), std::end(codes),
+                                            [](int code) { return code != SQLITE_OK; });
     return failed == std::end(codes) ? SQLITE_OK : *failed;
 }
 

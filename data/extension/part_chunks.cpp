@@ -22,8 +22,9 @@ std::uint32_t checksum(std::int64_t stored) {
 }  // namespace
 
 void fail(const TrialPart& part, const std::string& why) {
-    throw SampleError(fmt::format("trial {}, interval {}: {}; palpate verify lists all that is wrong",
-                                  part.trial, part.interval, why));
+    throw SampleError(
+        fmt::format("trial {}, interval {}: {}; palpate verify lists all that is wrong", part.trial,
+                    part.interval, why));
 }
 
 PartChunks::PartChunks(sqlite3* db, bool old, const TrialPart& part)

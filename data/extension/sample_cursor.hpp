@@ -52,7 +52,7 @@ private:
     std::span<const engine::TickRecord> block_;
     std::size_t at_ = 0;  ///< in the block
     const engine::TickRecord* tick_ = nullptr;
-    engine::TickRecord last_{};     ///< of the block before
+    engine::TickRecord last_{};  ///< of the block before
     bool has_last_ = false;
     /// A trial with several intervals in one order: rows by part, and the order they are given in.
     struct Merged {

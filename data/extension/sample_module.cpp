@@ -241,7 +241,9 @@ void give_mode(sqlite3_context* context, engine::Mode mode) {
 /// Whole numbers and texts. @return false: the column is a REAL
 bool give_whole(sqlite3_context* context, const SampleCursor& at, SampleColumn column) {
     const engine::TickRecord& tick = at.tick();
-    const auto give = [context](std::int64_t value) { sqlite3_result_int64(context, value); };
+    const auto give = [context](std::int64_t value) {
+        sqlite3_result_int64(context, value);
+    };
     switch (column) {
         case SampleColumn::trial_id:
             give(at.part().trial);

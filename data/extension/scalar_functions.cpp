@@ -131,9 +131,9 @@ int add(sqlite3* db,
         int arguments,
         void (*function)(sqlite3_context*, int, sqlite3_value**),
         const void* data = nullptr) {
-    return sqlite3_create_function_v2(
-        db, name, arguments, SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS,
-        const_cast<void*>(data), function, nullptr, nullptr, nullptr);
+    return sqlite3_create_function_v2(db, name, arguments,
+                                      SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS,
+                                      const_cast<void*>(data), function, nullptr, nullptr, nullptr);
 }
 
 }  // namespace
@@ -143,8 +143,8 @@ int add_scalar_functions(sqlite3* db) {
     for (const IntervalFunction& function : kIntervals) {
         for (const int arguments : {2, 3}) {
             code = code != SQLITE_OK
-                       ? code
-                       : add(db, function.name, arguments, interval_function, &function);
+                     ? code
+                     : add(db, function.name, arguments, interval_function, &function);
         }
     }
     code = code != SQLITE_OK ? code : add(db, "d_prime", 3, d_prime_function);

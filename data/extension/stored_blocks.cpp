@@ -103,10 +103,11 @@ private:
     }
 
     void load_numbers(ChunkReader& reader) {
-        const auto small = [](std::int64_t value) { return static_cast<std::int32_t>(value); };
+        const auto small = [](std::int64_t value) {
+            return static_cast<std::int32_t>(value);
+        };
         each(reader, Stored::tick, bit(C::tick), [](TickRecord& t, std::int64_t v) { t.tick = v; });
-        each(reader, Stored::time_ns, kTime,
-             [](TickRecord& t, std::int64_t v) { t.time_ns = v; });
+        each(reader, Stored::time_ns, kTime, [](TickRecord& t, std::int64_t v) { t.time_ns = v; });
         each(reader, Stored::count_1, bit(C::count_1) | kHipColumns,
              [&](TickRecord& t, std::int64_t v) { t.counts[0] = small(v); });
         each(reader, Stored::count_2, bit(C::count_2) | kHipColumns,
@@ -115,9 +116,8 @@ private:
              [&](TickRecord& t, std::int64_t v) { t.codes[0] = small(v); });
         each(reader, Stored::code_2, bit(C::code_2),
              [&](TickRecord& t, std::int64_t v) { t.codes[1] = small(v); });
-        each(reader, Stored::flags, bit(C::flags), [](TickRecord& t, std::int64_t v) {
-            t.flags = static_cast<std::uint8_t>(v);
-        });
+        each(reader, Stored::flags, bit(C::flags),
+             [](TickRecord& t, std::int64_t v) { t.flags = static_cast<std::uint8_t>(v); });
         each(reader, Stored::command_x, bit(C::fx_n),
              [](TickRecord& t, std::int64_t v) { t.command.x = steps_in_newton(v); });
         each(reader, Stored::command_y, bit(C::fy_n),
@@ -175,12 +175,13 @@ private:
 
 }  // namespace
 
-std::unique_ptr<TickStore::Blocks> stored_blocks(sqlite3* db,
-                                                 bool old,
-                                                 const TrialPart& part,
-                                                 SampleColumns columns,
-                                                 const TickRange& range,
-                                                 const std::optional<engine::PantographSpec>& machine) {
+std::unique_ptr<TickStore::Blocks> stored_blocks(
+    sqlite3* db,
+    bool old,
+    const TrialPart& part,
+    SampleColumns columns,
+    const TickRange& range,
+    const std::optional<engine::PantographSpec>& machine) {
     return std::make_unique<StoredBlocks>(db, old, part, columns, range, machine);
 }
 

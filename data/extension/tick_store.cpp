@@ -7,6 +7,7 @@
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/stored_blocks.hpp"
+#include "data/trace/codec.hpp"
 #include "data/trace/replay.hpp"
 
 namespace palpate::data {
@@ -51,6 +52,7 @@ struct TickStore::State {
     };
     Context context_of(const TrialPart& part);
     std::shared_ptr<const std::vector<TickRecord>> replayed(const TrialPart& part);
+    Replayed replay_of(const TrialPart& part, std::span<const ChunkView> views);
 
     sqlite3* db;
     bool old = false;  ///< the file is from before schema 5
@@ -87,6 +89,15 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
             .session = &session->second};
 }
 
+/// Chunks of codec 1 need no scene: they hold everything.
+Replayed TickStore::State::replay_of(const TrialPart& part, std::span<const ChunkView> views) {
+    if (std::ranges::all_of(views, [](const ChunkView& v) { return v.codec == kTraceCodec; })) {
+        return replay(nullptr, std::nullopt, views);
+    }
+    const Context context = context_of(part);
+    return context.session->replay(context.trial, views);
+}
+
 std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const TrialPart& part) {
     PartChunks rows(db, old, part);
     std::vector<std::vector<std::byte>> bytes;
@@ -99,8 +110,7 @@ std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const 
     if (last.ticks && last.part == part && last.chunks == bytes) {
         return last.ticks;
     }
-    const Context context = context_of(part);
-    Replayed all = context.session->replay(context.trial, views);
+    Replayed all = replay_of(part, views);
     if (all.differs_from) {
         throw SampleError(replay_sentence(part.trial, *all.differs_from));
     }
@@ -115,8 +125,9 @@ TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}
 TickStore::~TickStore() = default;
 
 std::vector<TrialPart> TickStore::parts(std::optional<std::int64_t> trial) {
-    Query has(state_->db,
-              "SELECT count(*) FROM pragma_table_info('trace_chunk', 'main') WHERE name = 'interval'");
+    Query has(
+        state_->db,
+        "SELECT count(*) FROM pragma_table_info('trace_chunk', 'main') WHERE name = 'interval'");
     has.step();
     state_->old = has.integer(0) == 0;
     const std::string interval = state_->old ? "1" : "interval";
@@ -137,11 +148,11 @@ std::unique_ptr<TickStore::Blocks> TickStore::blocks(const TrialPart& part,
                                                      const TickRange& range) {
     State& state = *state_;
     if ((columns & kReplayedColumns) != 0) {
-        return std::make_unique<ReplayedBlocks>(
-            of_part(part, [&] { return state.replayed(part); }), range);
+        return std::make_unique<ReplayedBlocks>(of_part(part, [&] { return state.replayed(part); }),
+                                                range);
     }
     std::optional<engine::PantographSpec> machine;
-    if ((columns & kHipColumns) != 0) {
+    if ((columns & kHipColumns) != 0 && !state.old) {
         machine = of_part(part, [&] { return state.context_of(part).session->machine(); });
     }
     return stored_blocks(state.db, state.old, part, columns, range, machine);

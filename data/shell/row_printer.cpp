@@ -174,8 +174,8 @@ void RowPrinter::print_table_row(const std::vector<Cell>& cells) const {
 void RowPrinter::print_json_row(const std::vector<Cell>& cells) {
     std::string text = rows_ == 1 ? "[{" : ",\n{";
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        text += fmt::format("{}{}: {}", i > 0 ? ", " : "", json_text(names_[i]),
-                            json_value(cells[i]));
+        text +=
+            fmt::format("{}{}: {}", i > 0 ? ", " : "", json_text(names_[i]), json_value(cells[i]));
     }
     fmt::print(out_, "{}}}", text);
 }

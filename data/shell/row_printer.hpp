@@ -17,7 +17,7 @@ using Cell = std::variant<std::monostate, std::int64_t, double, std::string, Blo
 enum class RowFormat : std::uint8_t {
     table,  ///< aligned by the first 1,000 rows, for people; NULL is empty
     csv,    ///< RFC 4180, "\n"; NULL is empty, an empty text ""; a blob is hexadecimal
-    json,   ///< one array of objects; NULL and what is no finite number are null; a blob is hexadecimal
+    json,  ///< one array of objects; NULL and what is no finite number are null; a blob is hexadecimal
 };
 
 /// Writes the rows of one statement. Numbers in the fewest digits that read back to the same bits.

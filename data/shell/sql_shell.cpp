@@ -22,10 +22,13 @@ constexpr std::string_view kHelp =
     ".schema [NAME]   the SQL that made them\n"
     ".help            this\n"
     ".quit            the end\n"
-    "Anything else is SQL and ends with a semicolon. Beside the tables there is sample, every tick of every\n"
+    "Anything else is SQL and ends with a semicolon. Beside the tables there is sample, every tick "
+    "of every\n"
     "trial: SELECT avg(fn_n) FROM sample WHERE trial_id = 1 AND mode <> 'free';\n"
-    "Functions: wilson_low, wilson_high, clopper_pearson_low, clopper_pearson_high (k, n [, confidence]),\n"
-    "d_prime(hits, n, alternatives), probit(p), normal_cdf(z); aggregates median(x), quantile(x, p),\n"
+    "Functions: wilson_low, wilson_high, clopper_pearson_low, clopper_pearson_high (k, n [, "
+    "confidence]),\n"
+    "d_prime(hits, n, alternatives), probit(p), normal_cdf(z); aggregates median(x), quantile(x, "
+    "p),\n"
     "geometric_mean(x), stddev_samp(x), share(x), mutual_information(stimulus, response [, n]),\n"
     "mutual_information_miller_madow(stimulus, response [, n]).\n";
 
@@ -65,7 +68,8 @@ Cell cell_of(sqlite3_stmt* row, int column) {
 /// What the file says of itself, and the program of what an older one did not say.
 std::vector<TableManual> manual_of(Database& database) {
     std::string sql;
-    Statement row = database.prepare("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL ORDER BY rowid");
+    Statement row =
+        database.prepare("SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL ORDER BY rowid");
     while (row.step()) {
         sql += row.text(0) + ";\n";
     }
@@ -130,7 +134,8 @@ void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t fi
     const std::string_view before = all.substr(0, offset);
     const auto lines = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
     const std::size_t begin = before.rfind('\n') + 1;  // npos + 1 is 0
-    const std::string_view line = all.substr(begin, std::min(all.find('\n', begin), all.size()) - begin);
+    const std::string_view line =
+        all.substr(begin, std::min(all.find('\n', begin), all.size()) - begin);
     fmt::print(error_, "palpate: {}:{}: {}\n  {}\n  {}^\n", first_line + lines, offset - begin + 1,
                harmless(why), harmless(line), std::string(offset - begin, ' '));
 }
@@ -144,9 +149,10 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
     const Prepared prepared(raw);
     if (code != SQLITE_OK) {
         const int offset = sqlite3_error_offset(db);
-        complain(all, offset < 0 ? std::string_view::npos
-                                 : static_cast<std::size_t>(text.data() - all.data()) +
-                                       static_cast<std::size_t>(offset),
+        complain(all,
+                 offset < 0 ? std::string_view::npos
+                            : static_cast<std::size_t>(text.data() - all.data()) +
+                                  static_cast<std::size_t>(offset),
                  first_line);
         return false;
     }
@@ -198,8 +204,9 @@ bool SqlShell::word(std::string_view line) {
         return true;
     }
     if (name == ".tables") {
-        return run("SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') UNION ALL"
-                   " SELECT 'sample', 'virtual table' ORDER BY type, name");
+        return run(
+            "SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') UNION ALL"
+            " SELECT 'sample', 'virtual table' ORDER BY type, name");
     }
     if (name == ".columns") {
         return columns(rest);
@@ -239,7 +246,8 @@ bool SqlShell::schema(std::string_view table) {
         found = true;
     };
     Statement row = database_.prepare(
-        "SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL AND (?1 = '' OR tbl_name = ?1) ORDER BY rowid");
+        "SELECT sql FROM sqlite_schema WHERE sql IS NOT NULL AND (?1 = '' OR tbl_name = ?1) ORDER "
+        "BY rowid");
     row.bind(1, table);
     while (row.step()) {
         print(row.text(0));

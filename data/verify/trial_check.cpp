@@ -35,13 +35,29 @@ bool is_trip(const std::string& name) {
 }
 
 /// Columns of a trial that was cut off: nothing of it was added up.
-constexpr std::array kOfAnEnd{
-    "done_s",        "done_uncertainty_s",  "first_contact_s",     "ticks",
-    "contact_ticks", "slip_ticks",          "late_ticks",          "saturated_ticks",
-    "path_length_m", "mean_normal_force_n", "max_normal_force_n",  "energy_j",
-    "ended_utc",     "contact_episodes",    "worst_episode_j",     "skipped_ticks",
-    "fault",         "slewed_ticks",        "stale_ticks",         "strokes",
-    "mean_speed_m_per_s", "before_vertex_ticks", "after_vertex_ticks"};
+constexpr std::array kOfAnEnd{"done_s",
+                              "done_uncertainty_s",
+                              "first_contact_s",
+                              "ticks",
+                              "contact_ticks",
+                              "slip_ticks",
+                              "late_ticks",
+                              "saturated_ticks",
+                              "path_length_m",
+                              "mean_normal_force_n",
+                              "max_normal_force_n",
+                              "energy_j",
+                              "ended_utc",
+                              "contact_episodes",
+                              "worst_episode_j",
+                              "skipped_ticks",
+                              "fault",
+                              "slewed_ticks",
+                              "stale_ticks",
+                              "strokes",
+                              "mean_speed_m_per_s",
+                              "before_vertex_ticks",
+                              "after_vertex_ticks"};
 
 protocols::RequeueRule rule_of(const SessionFrame& frame) {
     return {.key = {.protocol_hash = frame.protocol_hash,

@@ -40,9 +40,10 @@ struct TrialSummary {
     double path_length_m = 0.0;        ///< of HIP
     double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
     double max_normal_force_n = 0.0;
-    double energy_j = 0.0;  ///< work done on the user, sum F[k] . (h[k+1] - h[k])
-    std::int64_t strokes = 0;          ///< along the surface, see StrokeCounter
-    double mean_speed_m_per_s = 0.0;   ///< of HIP in contact: its path by its time, 0 without contact
+    double energy_j = 0.0;     ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    std::int64_t strokes = 0;  ///< along the surface, see StrokeCounter
+    double mean_speed_m_per_s =
+        0.0;  ///< of HIP in contact: its path by its time, 0 without contact
     std::int64_t before_vertex_ticks = 0;  ///< in contact with the first segment: up to the vertex
     std::int64_t after_vertex_ticks = 0;   ///< with the second: from the vertex on
     std::int64_t contact_episodes = 0;

@@ -18,8 +18,8 @@ namespace palpate::protocols {
 /// tremor and a tenth of a side of the default objects, kLift is above the bounces of a stiff contact.
 class StrokeCounter {
 public:
-    static constexpr double kStroke = 0.005;             ///< m
-    static constexpr std::int64_t kLift = 100'000'000;   ///< ns
+    static constexpr double kStroke = 0.005;            ///< m
+    static constexpr std::int64_t kLift = 100'000'000;  ///< ns
 
     /// The next tick. Where the force is 0 there is no tangent, and the tick adds nothing.
     void add(const engine::TickRecord& tick) noexcept;

@@ -16,8 +16,8 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     const auto manual = data::schema_manual(data::schema_sql());
     // What has no unit though it is REAL.
-    const std::set<std::string> plain{"mu_s", "mu_d", "slip_decay", "heal_decay", "parameter", "mu",
-                                      "scale"};
+    const std::set<std::string> plain{"mu_s",      "mu_d", "slip_decay", "heal_decay",
+                                      "parameter", "mu",   "scale"};
     std::size_t columns = 0;
     data::Statement row = database.prepare(
         "SELECT s.name, c.name, c.type FROM sqlite_schema AS s, pragma_table_info(s.name) AS c"
@@ -45,7 +45,8 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
 TEST_CASE("every column of sample has a meaning, in the order of the program", "[schema][sample]") {
     const auto manual = data::schema_manual(data::sample_declaration());
     REQUIRE(manual.size() == 1);
-    CHECK(manual[0].columns.size() == static_cast<std::size_t>(data::SampleColumn::count_of_columns));
+    CHECK(manual[0].columns.size() ==
+          static_cast<std::size_t>(data::SampleColumn::count_of_columns));
     CHECK(manual[0].columns[static_cast<std::size_t>(data::SampleColumn::fn_n)].name == "fn_n");
     CHECK(manual[0].columns.back().name == "code_2");
     for (const auto& column : manual[0].columns) {
@@ -56,9 +57,11 @@ TEST_CASE("every column of sample has a meaning, in the order of the program", "
 
 TEST_CASE("the manual reads comments, literals and expressions of any statement", "[schema]") {
     const auto manual = data::schema_manual(
-        "-- CREATE TABLE not (a);\nCREATE TABLE t (\n  -- of the table\n  a_m REAL CHECK (a_m IN ('x,y', '--')),"
+        "-- CREATE TABLE not (a);\nCREATE TABLE t (\n  -- of the table\n  a_m REAL CHECK (a_m IN "
+        "('x,y', '--')),"
         " -- first\n  b TEXT -- second,\n    NOT NULL, -- goes on\n  UNIQUE (a_m, b)\n) STRICT;\n"
-        "CREATE VIEW v AS\n-- of the view\nSELECT t.b, -- plain\n (SELECT max(x, 1) FROM u) AS m_s -- named\nFROM t;");
+        "CREATE VIEW v AS\n-- of the view\nSELECT t.b, -- plain\n (SELECT max(x, 1) FROM u) AS m_s "
+        "-- named\nFROM t;");
     REQUIRE(manual.size() == 2);
     CHECK(manual[0].meaning == "of the table");
     REQUIRE(manual[0].columns.size() == 2);

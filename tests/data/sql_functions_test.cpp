@@ -122,7 +122,8 @@ TEST_CASE("at the ends of an exact interval the binomial tails are what is left 
                Approx(tail).epsilon(1e-10)));
 }
 
-TEST_CASE("d' gives back the share that it came from, by closed forms for two and three", "[sql][functions][law]") {
+TEST_CASE("d' gives back the share that it came from, by closed forms for two and three",
+          "[sql][functions][law]") {
     const auto seed = GENERATE(range(0U, 40U));
     tests::Random random(seed);
     const double d = random.in(-1.0, 4.0);
@@ -151,10 +152,11 @@ TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL", "[s
     CHECK_THAT(asked.error("SELECT median('abc')"), ContainsSubstring("abc"));
     CHECK_THAT(asked.error("SELECT quantile(column1, column2) FROM (VALUES (1, 0.2), (2, 0.3))"),
                ContainsSubstring("one share"));
-    CHECK_THAT(asked.error("SELECT mutual_information('a', 'b', -1)"), ContainsSubstring("n is -1"));
-    for (const char* sql :
-         {"SELECT wilson_low(NULL, 3)", "SELECT d_prime(0, 0, 2)", "SELECT probit(NULL)",
-          "SELECT median(NULL)", "SELECT stddev_samp(1)", "SELECT share(column1) FROM (VALUES (NULL))"}) {
+    CHECK_THAT(asked.error("SELECT mutual_information('a', 'b', -1)"),
+               ContainsSubstring("n is -1"));
+    for (const char* sql : {"SELECT wilson_low(NULL, 3)", "SELECT d_prime(0, 0, 2)",
+                            "SELECT probit(NULL)", "SELECT median(NULL)", "SELECT stddev_samp(1)",
+                            "SELECT share(column1) FROM (VALUES (NULL))"}) {
         CAPTURE(sql);
         CHECK(asked.null(sql));
     }
@@ -180,12 +182,13 @@ TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][function
         return asked.real(fmt::format("SELECT {} FROM (VALUES {}, (NULL))", what, rows));
     };
     std::sort(x.begin(), x.end());
-    const auto quantile = [&x](double share) {  // Hyndman & Fan, Am. Statistician 50:361 (1996), type 7
-        const double h = share * static_cast<double>(x.size() - 1);
-        const auto low = static_cast<std::size_t>(h);
-        const auto high = std::min(low + 1, x.size() - 1);
-        return x[low] + (h - static_cast<double>(low)) * (x[high] - x[low]);
-    };
+    const auto quantile =
+        [&x](double share) {  // Hyndman & Fan, Am. Statistician 50:361 (1996), type 7
+            const double h = share * static_cast<double>(x.size() - 1);
+            const auto low = static_cast<std::size_t>(h);
+            const auto high = std::min(low + 1, x.size() - 1);
+            return x[low] + (h - static_cast<double>(low)) * (x[high] - x[low]);
+        };
     const auto n = static_cast<double>(x.size());
     double sum = 0.0;
     double logs = 0.0;
@@ -207,23 +210,30 @@ TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][function
     CHECK(ask("share(column1 > 4)") == Approx(above / n).epsilon(1e-14));
 }
 
-TEST_CASE("information is log2 of what is told apart, none where answers ignore the object", "[sql][functions]") {
+TEST_CASE("information is log2 of what is told apart, none where answers ignore the object",
+          "[sql][functions]") {
     Asked asked;
-    const auto five = std::string("(VALUES ('a','a',7), ('b','b',7), ('c','c',7), ('d','d',7), ('e','e',7))");
+    const auto five =
+        std::string("(VALUES ('a','a',7), ('b','b',7), ('c','c',7), ('d','d',7), ('e','e',7))");
     CHECK(asked.real("SELECT mutual_information(column1, column2, column3) FROM " + five) ==
           Approx(std::log2(5.0)).epsilon(1e-13));
     // 5 + 5 - 5 - 1 cells by 2 N ln 2.
-    CHECK(asked.real("SELECT mutual_information_miller_madow(column1, column2, column3) FROM " + five) ==
+    CHECK(asked.real("SELECT mutual_information_miller_madow(column1, column2, column3) FROM " +
+                     five) ==
           Approx(std::log2(5.0) + 4.0 / (2.0 * 35.0 * std::numbers::ln2)).epsilon(1e-13));
     const auto blind = std::string("(VALUES ('a','a',2), ('a','b',4), ('b','a',3), ('b','b',6))");
     CHECK(asked.real("SELECT mutual_information(column1, column2, column3) FROM " + blind) ==
           Approx(0.0).margin(1e-13));
     // A binary channel with an error of 0.11: 1 - H(0.11) bits (T. M. Cover, J. A. Thomas, Elements of
     // Information Theory, 7.1.4).
-    CHECK(asked.real("SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,89), (0,1,11),"
-                     " (1,0,11), (1,1,89))") ==
-          Approx(1.0 + 0.11 * std::log2(0.11) + 0.89 * std::log2(0.89)).epsilon(1e-12));
+    CHECK(
+        asked.real(
+            "SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,89), (0,1,11),"
+            " (1,0,11), (1,1,89))") ==
+        Approx(1.0 + 0.11 * std::log2(0.11) + 0.89 * std::log2(0.89)).epsilon(1e-12));
     // Rows are counts: one row a trial says the same.
-    CHECK(asked.real("SELECT mutual_information(column1, column2) FROM (VALUES (0,0), (0,0), (1,1), (1,0))") ==
-          asked.real("SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,2), (1,1,1), (1,0,1))"));
+    CHECK(asked.real("SELECT mutual_information(column1, column2) FROM (VALUES (0,0), (0,0), "
+                     "(1,1), (1,0))") ==
+          asked.real("SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,2), "
+                     "(1,1,1), (1,0,1))"));
 }

@@ -19,7 +19,8 @@ namespace {
 const std::string& demo_file() {
     static const TemporaryFolder folder;
     static const std::string file = [] {
-        REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("it's a demo.sqlite")}).code == 0);
+        REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("it's a demo.sqlite")})
+                    .code == 0);
         return folder.file("it's a demo.sqlite");
     }();
     return file;
@@ -37,13 +38,27 @@ std::string extension() {
     return found.out.substr(0, found.out.find('\n'));
 }
 
+/// A module built with a sanitizer needs its runtime in the program that loads it.
+bool loadable() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    WARN("built with a sanitizer: no other program can load the extension");
+    return false;
+#else
+    return true;
+#endif
+}
+
 /// Columns of every kind, of one trial and of all.
 const char* const kQueries[] = {
-    "SELECT tick, t_s, x_m, vy_m_per_s, fn_n, ft_n, fx_n, mu, flags, code_1 FROM sample WHERE trial_id = 3"
+    "SELECT tick, t_s, x_m, vy_m_per_s, fn_n, ft_n, fx_n, mu, flags, code_1 FROM sample WHERE "
+    "trial_id = 3"
     " AND tick % 97 = 0",
-    "SELECT trial_id, count(*), avg(fn_n), sum(mode = 'slip'), max(vx_m_per_s) FROM sample GROUP BY trial_id",
-    "SELECT clopper_pearson_low(7, 20), wilson_high(7, 20), d_prime(7, 20, 5), probit(0.1), normal_cdf(1)",
-    "SELECT friction, median(path_length_m), stddev_samp(done_s), quantile(done_s, 0.9), share(correct)"
+    "SELECT trial_id, count(*), avg(fn_n), sum(mode = 'slip'), max(vx_m_per_s) FROM sample GROUP "
+    "BY trial_id",
+    "SELECT clopper_pearson_low(7, 20), wilson_high(7, 20), d_prime(7, 20, 5), probit(0.1), "
+    "normal_cdf(1)",
+    "SELECT friction, median(path_length_m), stddev_samp(done_s), quantile(done_s, 0.9), "
+    "share(correct)"
     " FROM trial_summary GROUP BY friction",
 };
 
@@ -96,7 +111,8 @@ TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") 
     const Finished wrong = sql("SELECT count(*)\nFROM trial\nWHERE fnord = 1");
     CHECK(wrong.code == 1);
     CHECK(wrong.error == "palpate: 3:7: no such column: fnord\n  WHERE fnord = 1\n        ^\n");
-    CHECK_THAT(sql("SELEC 1").error, ContainsSubstring("palpate: 1:1: near \"SELEC\": syntax error"));
+    CHECK_THAT(sql("SELEC 1").error,
+               ContainsSubstring("palpate: 1:1: near \"SELEC\": syntax error"));
     const Finished refused = sql("SELECT wilson_low(3, 2)");
     CHECK(refused.code == 1);
     CHECK_THAT(refused.error, ContainsSubstring("0 <= k <= n"));
@@ -108,10 +124,12 @@ TEST_CASE("palpate sql changes nothing, whatever it is told", "[sql][law]") {
     const std::string before = sql("SELECT count(*), sum(length(data)) FROM trace_chunk").out;
     const TemporaryFolder folder;
     for (const std::string& query :
-         {std::string("DELETE FROM trial"), std::string("DROP TABLE trace_chunk"), std::string("PRAGMA user_version = 99"),
-          std::string("CREATE TABLE t (a)"), std::string("INSERT INTO sample (trial_id) VALUES (1)"),
+         {std::string("DELETE FROM trial"), std::string("DROP TABLE trace_chunk"),
+          std::string("PRAGMA user_version = 99"), std::string("CREATE TABLE t (a)"),
+          std::string("INSERT INTO sample (trial_id) VALUES (1)"),
           std::string("UPDATE session SET seed = 1"), std::string("VACUUM"),
-          "VACUUM INTO '" + folder.file("x.sqlite") + "'", "ATTACH '" + folder.file("y.sqlite") + "' AS y; CREATE TABLE y.t (a)",
+          "VACUUM INTO '" + folder.file("x.sqlite") + "'",
+          "ATTACH '" + folder.file("y.sqlite") + "' AS y; CREATE TABLE y.t (a)",
           std::string("SELECT load_extension('x')"), std::string("SELECT writefile('x', 1)")}) {
         const Finished refused = sql(query);
         CAPTURE(query, refused.out, refused.error);
@@ -125,32 +143,37 @@ TEST_CASE("palpate sql changes nothing, whatever it is told", "[sql][law]") {
 
 TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[sql]") {
     const TemporaryFolder folder;
-    std::ofstream(folder.file("in.sql"))
-        << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS two;\n.columns trial_summary\n"
-           "SELECT 3 AS last";
+    std::ofstream(folder.file("in.sql")) << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT "
+                                            "fnord;\nSELECT 2 AS two;\n.columns trial_summary\n"
+                                            "SELECT 3 AS last";
     const Finished done =
-        Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate::tests::palpate_program(), demo_file(),
-                 folder.file("in.sql")})
+        Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate::tests::palpate_program(),
+                 demo_file(), folder.file("in.sql")})
             .wait();
     CHECK(done.code == 1);  // one of them failed
     CHECK_THAT(done.error, ContainsSubstring("palpate: 5:8: no such column: fnord"));
     CHECK_THAT(done.out, ContainsSubstring("trial_summary") && ContainsSubstring("virtual table") &&
-                             ContainsSubstring("n\n--\n10\n") && ContainsSubstring("two\n---\n  2\n") &&
-                             ContainsSubstring("mean_speed_m_per_s   m/s") && ContainsSubstring("last\n----\n   3\n"));
+                             ContainsSubstring("n\n--\n10\n") &&
+                             ContainsSubstring("two\n---\n  2\n") &&
+                             ContainsSubstring("mean_speed_m_per_s   m/s") &&
+                             ContainsSubstring("last\n----\n   3\n"));
     CHECK_THAT(sql(".schema trial").out, ContainsSubstring("CREATE TABLE trial"));
     CHECK_THAT(sql(".help").out, ContainsSubstring(".columns"));
     CHECK(sql(".quit\nSELECT 1").out.empty());
 }
 
 TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
+    if (!loadable()) {
+        return;
+    }
     if (Process({"sqlite3", "--version"}).wait().code != 0) {
         WARN("sqlite3 is not installed: not checked");
         return;
     }
     for (const char* query : kQueries) {
         CAPTURE(query);
-        const Finished theirs = Process({"sqlite3", "-readonly", "-csv", "-cmd", ".load " + extension(),
-                                         demo_file(), query})
+        const Finished theirs = Process({"sqlite3", "-readonly", "-csv", "-cmd",
+                                         ".load " + extension(), demo_file(), query})
                                     .wait();
         CAPTURE(theirs.error);
         REQUIRE(theirs.code == 0);
@@ -159,10 +182,14 @@ TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extens
 }
 
 TEST_CASE("Python with the extension says what palpate sql says", "[sql][extension][law]") {
+    if (!loadable()) {
+        return;
+    }
     // Some Pythons are built without extensions.
     std::string python;
     for (const char* one : {"/usr/bin/python3", "python3"}) {
-        const auto has = Process({one, "-c", "import sqlite3; sqlite3.Connection.enable_load_extension"}).wait();
+        const auto has =
+            Process({one, "-c", "import sqlite3; sqlite3.Connection.enable_load_extension"}).wait();
         if (python.empty() && has.code == 0) {
             python = one;
         }
@@ -180,14 +207,19 @@ TEST_CASE("Python with the extension says what palpate sql says", "[sql][extensi
         "    print(*('' if v is None else v for v in row), sep=',')\n";
     for (const char* query : kQueries) {
         CAPTURE(query);
-        const Finished theirs = Process({python, "-c", kScript, demo_file(), extension(), query}).wait();
+        const Finished theirs =
+            Process({python, "-c", kScript, demo_file(), extension(), query}).wait();
         CAPTURE(theirs.error);
         REQUIRE(theirs.code == 0);
         check_same(sql(query, {"--csv"}).out, theirs.out);
     }
 }
 
-TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree", "[sql][extension][law]") {
+TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree",
+          "[sql][extension][law]") {
+    if (!loadable()) {
+        return;
+    }
     if (Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {
         WARN("R with RSQLite is not installed: not checked");
         return;
@@ -214,13 +246,15 @@ TEST_CASE("R with the extension says what palpate sql says, and R's own statisti
         check_same(sql(query, {"--csv"}).out, ask_r(query));
     }
     // binom.test, qnorm, and the integral of d' by R's own quadrature.
-    const Finished r = Process({"Rscript", "-e",
-                                "p <- function(d, m) integrate(function(x) dnorm(x - d) * pnorm(x)^(m - 1), -Inf, Inf, "
-                                "rel.tol = 1e-11)$value\n"
-                                "cat('h\\n'); cat(sprintf('%.15g', c(binom.test(13, 47)$conf.int, qnorm(0.123), "
-                                "uniroot(function(d) p(d, 5) - 31/50, c(0, 5), tol = 1e-12)$root, "
-                                "quantile(c(3, 1, 4, 1, 5, 9, 2.5), 0.3), sd(c(3, 1, 4, 1, 5)))), sep = ',')\n"})
-                           .wait();
+    const Finished r =
+        Process({"Rscript", "-e",
+                 "p <- function(d, m) integrate(function(x) dnorm(x - d) * pnorm(x)^(m - 1), -Inf, "
+                 "Inf, "
+                 "rel.tol = 1e-11)$value\n"
+                 "cat('h\\n'); cat(sprintf('%.15g', c(binom.test(13, 47)$conf.int, qnorm(0.123), "
+                 "uniroot(function(d) p(d, 5) - 31/50, c(0, 5), tol = 1e-12)$root, "
+                 "quantile(c(3, 1, 4, 1, 5, 9, 2.5), 0.3), sd(c(3, 1, 4, 1, 5)))), sep = ',')\n"})
+            .wait();
     REQUIRE(r.code == 0);
     std::vector<double> theirs;
     std::istringstream numbers(r.out.substr(2));
@@ -228,7 +262,9 @@ TEST_CASE("R with the extension says what palpate sql says, and R's own statisti
         theirs.push_back(std::stod(one));
     }
     const char* const ours[] = {
-        "SELECT clopper_pearson_low(13, 47)", "SELECT clopper_pearson_high(13, 47)", "SELECT probit(0.123)",
+        "SELECT clopper_pearson_low(13, 47)",
+        "SELECT clopper_pearson_high(13, 47)",
+        "SELECT probit(0.123)",
         "SELECT d_prime(31, 50, 5)",
         "SELECT quantile(column1, 0.3) FROM (VALUES (3), (1), (4), (1), (5), (9), (2.5))",
         "SELECT stddev_samp(column1) FROM (VALUES (3), (1), (4), (1), (5))"};

@@ -42,7 +42,8 @@ std::int64_t strokes_of_sweeps(int half_periods, double amplitude, double angle,
 
 }  // namespace
 
-TEST_CASE("every sweep along the surface is one stroke, however the surface lies", "[strokes][law]") {
+TEST_CASE("every sweep along the surface is one stroke, however the surface lies",
+          "[strokes][law]") {
     const auto seed = GENERATE(range(0U, 60U));
     CAPTURE(seed);
     tests::Random random(seed);
@@ -50,8 +51,9 @@ TEST_CASE("every sweep along the surface is one stroke, however the surface lies
     const double amplitude = random.in(0.004, 0.05);
     const double angle = random.in(-3.2, 3.2);
     CHECK(strokes_of_sweeps(sweeps, amplitude, angle, 0.0) == sweeps);
-    CHECK(strokes_of_sweeps(sweeps, amplitude, angle, 0.0005) == sweeps);  // 9 Hz tremor, 1 mm to and fro
-    CHECK(strokes_of_sweeps(sweeps, 0.0024, angle, 0.0) == 0);             // 4.8 mm are none
+    CHECK(strokes_of_sweeps(sweeps, amplitude, angle, 0.0005) ==
+          sweeps);                                              // 9 Hz tremor, 1 mm to and fro
+    CHECK(strokes_of_sweeps(sweeps, 0.0024, angle, 0.0) == 0);  // 4.8 mm are none
 }
 
 TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][law]") {

@@ -38,10 +38,11 @@ inline std::vector<SampleRow> rows_of(data::Database& database, const std::strin
 
 inline const std::vector<std::string>& sample_columns() {
     static const std::vector<std::string> names{
-        "trial_id", "interval", "tick",         "t_s",          "x_m",  "y_m",  "vx_m_per_s",
-        "vy_m_per_s", "cp_x_m", "cp_y_m",       "go_x_m",       "go_y_m", "mode", "segment",
-        "u",        "mu",       "fn_n",         "ft_n",         "rendered_x_n", "rendered_y_n", "fx_n",
-        "fy_n",     "lateness_us", "flags",     "count_1",      "count_2", "code_1", "code_2"};
+        "trial_id",     "interval",     "tick",   "t_s",    "x_m",         "y_m",
+        "vx_m_per_s",   "vy_m_per_s",   "cp_x_m", "cp_y_m", "go_x_m",      "go_y_m",
+        "mode",         "segment",      "u",      "mu",     "fn_n",        "ft_n",
+        "rendered_x_n", "rendered_y_n", "fx_n",   "fy_n",   "lateness_us", "flags",
+        "count_1",      "count_2",      "code_1", "code_2"};
     return names;
 }
 
@@ -61,17 +62,34 @@ inline std::vector<SampleRow> expected_rows(data::Database& database, std::int64
                 (static_cast<double>(t.time_ns - ticks[i - 1].time_ns) * 1e-9);
         }
         const char* const modes[] = {"free", "stuck", "slip", "transition"};
-        rows.push_back({std::to_string(trial), "1", std::to_string(t.tick),
-                        exactly(static_cast<double>(t.time_ns) * 1e-9), exactly(t.hip.x),
-                        exactly(t.hip.y), exactly(v.x), exactly(v.y), exactly(t.cp.x),
-                        exactly(t.cp.y), exactly(t.go.x), exactly(t.go.y),
-                        modes[static_cast<std::size_t>(t.mode)], std::to_string(t.feature),
-                        exactly(t.parameter), exactly(t.mu), exactly(t.normal_force),
-                        exactly(t.tangential_force), exactly(t.force.x), exactly(t.force.y),
-                        steps_of(t.command.x), in_steps(t.command.y),
-                        exactly(static_cast<double>(t.lateness_us)), std::to_string(t.flags),
-                        std::to_string(t.counts[0]), std::to_string(t.counts[1]),
-                        std::to_string(t.codes[0]), std::to_string(t.codes[1])});
+        rows.push_back({std::to_string(trial),
+                        "1",
+                        std::to_string(t.tick),
+                        exactly(static_cast<double>(t.time_ns) * 1e-9),
+                        exactly(t.hip.x),
+                        exactly(t.hip.y),
+                        exactly(v.x),
+                        exactly(v.y),
+                        exactly(t.cp.x),
+                        exactly(t.cp.y),
+                        exactly(t.go.x),
+                        exactly(t.go.y),
+                        modes[static_cast<std::size_t>(t.mode)],
+                        std::to_string(t.feature),
+                        exactly(t.parameter),
+                        exactly(t.mu),
+                        exactly(t.normal_force),
+                        exactly(t.tangential_force),
+                        exactly(t.force.x),
+                        exactly(t.force.y),
+                        steps_of(t.command.x),
+                        steps_of(t.command.y),
+                        exactly(static_cast<double>(t.lateness_us)),
+                        std::to_string(t.flags),
+                        std::to_string(t.counts[0]),
+                        std::to_string(t.counts[1]),
+                        std::to_string(t.codes[0]),
+                        std::to_string(t.codes[1])});
     }
     return rows;
 }

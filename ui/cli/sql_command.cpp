@@ -55,9 +55,9 @@ int read_input(data::SqlShell& shell, const std::string& file) {
 
 int sql_command(const SqlOptions& options) {
     data::Database database(options.database, data::Access::read);
-    const data::RowFormat format = options.csv    ? data::RowFormat::csv
-                                   : options.json ? data::RowFormat::json
-                                                  : data::RowFormat::table;
+    const data::RowFormat format = options.csv  ? data::RowFormat::csv
+                                 : options.json ? data::RowFormat::json
+                                                : data::RowFormat::table;
     data::SqlShell shell(database, format, stdout, stderr);
     if (options.query) {
         return shell.run(*options.query) ? 0 : kExitFailure;
