@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -117,8 +118,32 @@ struct ObserverSpec {
     friend bool operator==(const ObserverSpec&, const ObserverSpec&) = default;
 };
 
+/// Noise on the headphones, so that nobody hears the motors.
+enum class Noise : std::uint8_t { none, pink };
+
+struct MaskingSpec {
+    Noise noise = Noise::none;
+    double level_db = -30.0;  ///< root mean square against full scale, -60 to 0
+
+    friend bool operator==(const MaskingSpec&, const MaskingSpec&) = default;
+};
+
 /// Of the participant's screen.
 enum class Language : std::uint8_t { en, tr };
+
+inline constexpr std::size_t kLanguageCount = 2;
+
+/// Sentences shown instead of the screen's own, in one language; empty: the screen's own. A line break
+/// begins a new paragraph.
+struct InstructionTexts {
+    std::string welcome;  ///< before the first trial: what the study is about to ask
+    std::string ready;    ///< before each trial: what to do now
+    std::string choose;   ///< the question above the answers
+    std::string rest;     ///< in a break; the key is "break"
+    std::string end;      ///< after the last trial
+
+    friend bool operator==(const InstructionTexts&, const InstructionTexts&) = default;
+};
 
 /// Of the participants that are asked for.
 enum class Handedness : std::uint8_t { right, left, any };
@@ -140,6 +165,8 @@ struct Protocol {
     DesignSpec design{};
     TimingSpec timing{};
     ObserverSpec observer{};
+    MaskingSpec masking{};
+    std::array<InstructionTexts, kLanguageCount> instructions{};  ///< by Language
 
     friend bool operator==(const Protocol&, const Protocol&) = default;
 };

@@ -22,7 +22,14 @@ enum class Need : std::uint8_t {
 };
 
 /// How a text is restricted.
-enum class Text : std::uint8_t { name, free };  ///< name: [a-z0-9_]+, at most 64
+enum class Text : std::uint8_t {
+    name,   ///< [a-z0-9_]+, at most 64
+    free,   ///< one line, at most 200 bytes
+    lines,  ///< lines of a screen, at most kMostInstruction bytes
+};
+
+/// Longest instruction, bytes: it still fits onto a screen of 800 x 600 pixels in a legible size.
+inline constexpr std::size_t kMostInstruction = 600;
 
 /// One key of a table that becomes a Record.
 template <class Record>
@@ -35,6 +42,7 @@ struct Key {
                  engine::Vec2 Record::*,
                  OrderRule Record::*,
                  Handedness Record::*,
+                 Noise Record::*,
                  Language Record::*>
         member;
     Need need = Need::optional;
@@ -50,7 +58,8 @@ struct Key {
 // What a key for an enumeration may say, by its numbers.
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
-inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
+inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "tr"};
+inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
     return kOrderRules;
@@ -60,6 +69,10 @@ inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Language) {
     return kLanguages;
+}
+
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Noise) {
+    return kNoises;
 }
 
 /// Its word in a file.
@@ -94,6 +107,10 @@ template <>
 std::span<const Key<TimingSpec>> keys_of();
 template <>
 std::span<const Key<ObserverSpec>> keys_of();
+template <>
+std::span<const Key<MaskingSpec>> keys_of();
+template <>
+std::span<const Key<InstructionTexts>> keys_of();
 
 /// Whether the canonical text leaves this key out: it is late, and the member is the default's.
 template <class Record>
