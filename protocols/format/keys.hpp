@@ -35,7 +35,9 @@ struct Key {
                  engine::Vec2 Record::*,
                  OrderRule Record::*,
                  Handedness Record::*,
-                 Language Record::*>
+                 Language Record::*,
+                 ResponseKind Record::*,
+                 Feedback Record::*>
         member;
     Need need = Need::optional;
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
@@ -51,6 +53,9 @@ struct Key {
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
 inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
+inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
+                                                                "yes_no", "rating"};
+inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
     return kOrderRules;
@@ -60,6 +65,12 @@ inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Language) {
     return kLanguages;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(ResponseKind) {
+    return kResponseKinds;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Feedback) {
+    return kFeedbacks;
 }
 
 /// Its word in a file.
@@ -92,6 +103,8 @@ template <>
 std::span<const Key<DesignSpec>> keys_of();
 template <>
 std::span<const Key<TimingSpec>> keys_of();
+template <>
+std::span<const Key<ResponseSpec>> keys_of();
 template <>
 std::span<const Key<ObserverSpec>> keys_of();
 

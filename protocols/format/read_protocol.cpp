@@ -16,9 +16,9 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 11> kTables{"format", "study",    "apparatus", "outline",
+constexpr std::array<std::string_view, 12> kTables{"format", "study",    "apparatus", "outline",
                                                    "object", "friction", "safety",    "invalid",
-                                                   "design", "timing",   "observer"};
+                                                   "design", "timing",   "response",  "observer"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -47,6 +47,7 @@ public:
         table("invalid", protocol.invalid, false);
         table("design", protocol.design, true);
         table("timing", protocol.timing, false);
+        table("response", protocol.response, false);
         table("observer", protocol.observer, false);
         return protocol;
     }

@@ -132,7 +132,7 @@ void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
 }
 
 void TrialRunner::answer(const PlannedTrial& planned, const TrialView& view, TrialResult& result) {
-    const Choice choice = ports_.observer.choose(view, pictures_);
+    const Choice choice = ports_.observer.choose(view, which_of(pictures_));
     if (choice.signal == Signal::abort) {
         result.outcome = Outcome::aborted;
         return;
