@@ -37,6 +37,7 @@ void check_row(const StoredRow& row,
     findings.expect(table, "mu_s", row, friction.mu_s);
     findings.expect(table, "mu_d", row, friction.mu_d);
     findings.expect(table, "break_before", row, std::int64_t{planned.break_before ? 1 : 0});
+    findings.expect(table, "block", row, static_cast<std::int64_t>(planned.block));
 }
 
 /// The plan as its rows say it: enough to replay trials.
@@ -55,7 +56,8 @@ std::optional<protocols::Plan> stored_plan(const std::vector<StoredRow>& rows,
                                       : phase == "main"     ? protocols::Phase::main
                                                             : protocols::Phase::catch_trial,
                                .condition = {*object, *friction},
-                               .break_before = row.integer("break_before") != 0});
+                               .break_before = row.integer("break_before") != 0,
+                               .block = static_cast<std::size_t>(row.integer("block"))});
     }
     for (const std::string& name : frame.pictures) {
         const auto object = index_of(frame.protocol.objects, name);

@@ -42,6 +42,7 @@ bool read_key(const StoredRow& session, SessionFrame& frame, Findings& findings)
     frame.protocol_hash = session.text("protocol_sha256");
     frame.key = {session.text("code"), static_cast<std::size_t>(session.integer("number"))};
     frame.simulated = session.text("kind") == "simulated";
+    frame.replayed = session.text("device").starts_with("replay of ");
     const std::string seed = session.text("seed");
     const auto read = std::from_chars(seed.data(), seed.data() + seed.size(), frame.seed);
     const bool good = read.ec == std::errc() && std::to_string(frame.seed) == seed;
@@ -107,6 +108,10 @@ void check_provenance(Database& database,
     frame.old = !provenance.contains("build id");
     check_objects(frame, provenance, findings);
     check_calibration(provenance, findings);
+    for (const StoredRow& row : rows_of(
+             database, "SELECT text FROM event WHERE session = ?1 AND kind = 'device'", session)) {
+        frame.replayed = frame.replayed || row.text("text").starts_with("goes on with replay of ");
+    }
     // What a resumed session went on with.
     bool changed = false;
     for (const StoredRow& row :

@@ -178,7 +178,7 @@ void check_invalid(Database& database,
                    const StoredRow& trial,
                    const StoredTrace& trace,
                    Findings& findings) {
-    if (!trace.whole || (frame.old && trial.null("invalid"))) {
+    if (!trace.whole || frame.replayed || (frame.old && trial.null("invalid"))) {
         return;
     }
     protocols::TrialMeter meter(frame.protocol.apparatus.stiffness);

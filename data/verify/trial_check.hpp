@@ -20,7 +20,8 @@ struct SessionFrame {
     protocols::Plan plan;  ///< as drawn again; as stored for sessions of an older palpate
     std::vector<std::string> pictures;  ///< as stored, from the left
     bool simulated = false;
-    bool old = false;  ///< an older palpate wrote the session: it did not store everything
+    bool replayed = false;  ///< by recorded hands: no answer was judged by how its object was felt
+    bool old = false;       ///< an older palpate wrote the session: it did not store everything
 };
 
 /// Checks the attempts of one session in the order in which they were made.

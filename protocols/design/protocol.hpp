@@ -108,6 +108,29 @@ struct TimingSpec {
     friend bool operator==(const TimingSpec&, const TimingSpec&) = default;
 };
 
+/// What the participant is asked after feeling.
+enum class ResponseKind : std::uint8_t {
+    identification,  ///< which of the pictured objects?
+    two_interval,    ///< two things are felt: which of them, the first or the second?
+    yes_no,
+    rating,  ///< a level of a scale
+};
+
+/// When the participant is told whether an answer was right.
+enum class Feedback : std::uint8_t { none, practice, all };
+
+struct ResponseSpec {
+    ResponseKind kind = ResponseKind::identification;
+    std::string question;    ///< empty: the screen's own sentence
+    std::size_t levels = 7;  ///< of a rating, 2..9
+    std::string low;         ///< label of a rating's first level, or of no; empty: the screen's own
+    std::string high;        ///< label of a rating's last level, or of yes
+    bool confidence = false;             ///< asked for after the answer, 1..4
+    Feedback feedback = Feedback::none;  ///< of answers that can be right or wrong
+
+    friend bool operator==(const ResponseSpec&, const ResponseSpec&) = default;
+};
+
 /// The simulated observer of demos and simulations.
 struct ObserverSpec {
     double noise = 2.62;        ///< 1/m, standard deviation of the curvature percept
@@ -164,6 +187,7 @@ struct Protocol {
     InvalidSpec invalid{};
     DesignSpec design{};
     TimingSpec timing{};
+    ResponseSpec response{};
     ObserverSpec observer{};
     MaskingSpec masking{};
     std::array<InstructionTexts, kLanguageCount> instructions{};  ///< by Language

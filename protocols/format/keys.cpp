@@ -297,6 +297,7 @@ template bool left_out(const Key<SafetySpec>&, const SafetySpec&);
 template bool left_out(const Key<InvalidSpec>&, const InvalidSpec&);
 template bool left_out(const Key<DesignSpec>&, const DesignSpec&);
 template bool left_out(const Key<TimingSpec>&, const TimingSpec&);
+template bool left_out(const Key<ResponseSpec>&, const ResponseSpec&);
 template bool left_out(const Key<ObserverSpec>&, const ObserverSpec&);
 template bool left_out(const Key<MaskingSpec>&, const MaskingSpec&);
 template bool left_out(const Key<InstructionTexts>&, const InstructionTexts&);
@@ -337,6 +338,7 @@ template std::string range_of(const Key<SafetySpec>&);
 template std::string range_of(const Key<InvalidSpec>&);
 template std::string range_of(const Key<DesignSpec>&);
 template std::string range_of(const Key<TimingSpec>&);
+template std::string range_of(const Key<ResponseSpec>&);
 template std::string range_of(const Key<ObserverSpec>&);
 template std::string range_of(const Key<MaskingSpec>&);
 template std::string range_of(const Key<InstructionTexts>&);
@@ -351,6 +353,7 @@ std::string key_reference() {
                "[safety]  left out of the study's hash as long as all are default") +
            section<InvalidSpec>("[invalid]  left out of the hash in the same way") +
            section<DesignSpec>("[design]") + section<TimingSpec>("[timing]") +
+           section<ResponseSpec>("[response]  left out of the hash in the same way") +
            section<ObserverSpec>("[observer]  of simulated sessions") +
            section<MaskingSpec>("[masking]  left out of the hash while there is no noise") +
            section<InstructionTexts>(

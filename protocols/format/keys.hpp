@@ -43,7 +43,9 @@ struct Key {
                  OrderRule Record::*,
                  Handedness Record::*,
                  Noise Record::*,
-                 Language Record::*>
+                 Language Record::*,
+                 ResponseKind Record::*,
+                 Feedback Record::*>
         member;
     Need need = Need::optional;
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
@@ -60,6 +62,9 @@ inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_or
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
 inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "tr"};
 inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
+inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
+                                                                "yes_no", "rating"};
+inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
     return kOrderRules;
@@ -69,6 +74,12 @@ inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Language) {
     return kLanguages;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(ResponseKind) {
+    return kResponseKinds;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Feedback) {
+    return kFeedbacks;
 }
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Noise) {
@@ -105,6 +116,8 @@ template <>
 std::span<const Key<DesignSpec>> keys_of();
 template <>
 std::span<const Key<TimingSpec>> keys_of();
+template <>
+std::span<const Key<ResponseSpec>> keys_of();
 template <>
 std::span<const Key<ObserverSpec>> keys_of();
 template <>

@@ -16,9 +16,9 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 13> kTables{
-    "format",  "study",  "apparatus", "outline",  "object",  "friction",    "safety",
-    "invalid", "design", "timing",    "observer", "masking", "instructions"};
+constexpr std::array<std::string_view, 14> kTables{
+    "format",  "study",  "apparatus", "outline",  "object",   "friction", "safety",
+    "invalid", "design", "timing",    "response", "observer", "masking",  "instructions"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -47,6 +47,7 @@ public:
         table("invalid", protocol.invalid, false);
         table("design", protocol.design, true);
         table("timing", protocol.timing, false);
+        table("response", protocol.response, false);
         table("observer", protocol.observer, false);
         table("masking", protocol.masking, false);
         instructions(protocol);

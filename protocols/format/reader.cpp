@@ -288,6 +288,7 @@ template void Reader::read(const Table&, const std::string&, const Position&, Sa
 template void Reader::read(const Table&, const std::string&, const Position&, InvalidSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, DesignSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, TimingSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, ResponseSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, ObserverSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, MaskingSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, InstructionTexts&);

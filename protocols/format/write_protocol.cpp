@@ -71,6 +71,9 @@ std::string to_toml(const Protocol& protocol) {
     }
     append(text, "[design]", protocol.design);
     append(text, "[timing]", protocol.timing);
+    if (protocol.response != ResponseSpec{}) {
+        append(text, "[response]", protocol.response);
+    }
     append(text, "[observer]", protocol.observer);
     if (protocol.masking != MaskingSpec{}) {
         append(text, "[masking]", protocol.masking);

@@ -32,6 +32,9 @@ public:
     /// Nothing more will come (end of a replay): exploration ends now.
     [[nodiscard]] virtual bool exhausted() const noexcept { return false; }
     [[nodiscard]] virtual std::string device_name() const = 0;
+    /// Recorded hands: they feel the same each time, so that running a trial again would change nothing
+    /// and no answer is judged by how its object was felt.
+    [[nodiscard]] virtual bool repeats() const noexcept { return false; }
 
     /// The dead-man switch is held. Any thread.
     virtual void hold(bool held) { static_cast<void>(held); }

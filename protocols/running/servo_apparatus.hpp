@@ -87,6 +87,7 @@ public:
     [[nodiscard]] bool hand_is_done() const noexcept override { return exhausted(); }
     [[nodiscard]] bool exhausted() const noexcept override;
     [[nodiscard]] std::string device_name() const override { return "replay of " + source_; }
+    [[nodiscard]] bool repeats() const noexcept override { return true; }
     [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
 
 protected:

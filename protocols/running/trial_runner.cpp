@@ -132,7 +132,7 @@ void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
 }
 
 void TrialRunner::answer(const PlannedTrial& planned, const TrialView& view, TrialResult& result) {
-    const Choice choice = ports_.observer.choose(view, pictures_);
+    const Choice choice = ports_.observer.choose(view, which_of(pictures_));
     if (choice.signal == Signal::abort) {
         result.outcome = Outcome::aborted;
         return;
@@ -144,7 +144,9 @@ void TrialRunner::answer(const PlannedTrial& planned, const TrialView& view, Tri
                                .reaction_s = choice.reaction_s,
                                .uncertainty_s = choice.uncertainty_s,
                                .input = choice.input};
-    result.invalid = why_invalid(protocol_, result.summary, !simulated_);
+    if (!ports_.apparatus.repeats()) {
+        result.invalid = why_invalid(protocol_, result.summary, !simulated_);
+    }
 }
 
 /// @param exploring  the ticks count for the summary and for the observer; the ramp out does not

@@ -231,6 +231,6 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(lines(database,
                 "SELECT number, event.kind, text FROM event JOIN session ON session.id = session"
                 " ORDER BY event.id") ==
-          "2 note tired \n1 note early \n1 mark after trial 4: bell rang \n");
+          "2 note tired \n1 note early \n1 mark after trial 2: bell rang \n");
     CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
 }

@@ -45,6 +45,7 @@ Protocol held_protocol() {
     Protocol protocol = tests::small_protocol();
     protocol.timing.explore_min = 0.0;
     protocol.safety.dead_man = true;
+    protocol.invalid = {.late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};
     return protocol;
 }
 
@@ -88,13 +89,15 @@ constexpr const char* kAttempts =
     "SELECT trial.position, outcome, coalesce(cause, '-') FROM trial LEFT JOIN fault ON fault.trial"
     " = trial.id ORDER BY trial.id";
 
-/// The first trial faulted by `cause`, the others went well, and then the first one came again.
-std::string one_fault(std::size_t trials, const std::string& cause) {
+/// The first trial faulted by `cause` and came again where its key says; all others went well.
+std::string one_fault(const data::SessionSpec& spec, const std::string& cause) {
     std::string text = "0 faulted " + cause + " \n";
-    for (std::size_t i = 1; i < trials; ++i) {
-        text += std::to_string(i) + " complete - \n";
+    PendingTrials pending(spec.plan, data::requeue_rule(spec));
+    for (pending.note(0, Outcome::faulted); !pending.empty();) {
+        text += std::to_string(pending.next()) + " complete - \n";
+        pending.note(pending.next(), Outcome::complete);
     }
-    return text + "0 complete - \n";
+    return text;
 }
 
 /// What the database keeps of a trial that faulted: its trace and its last ticks end with the trip.
@@ -134,7 +137,7 @@ TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and a
     Run run(held_protocol());
     Acting observer([&] { run.apparatus.stop(); });
     CHECK(run.with(observer).why == SessionEnd::Why::finished);
-    CHECK(run.lines(kAttempts) == one_fault(run.spec.plan.trials.size(), "stopped"));
+    CHECK(run.lines(kAttempts) == one_fault(run.spec, "stopped"));
     check_last_ticks(run);
     // In the slice after the key, and the force was on before.
     CHECK(run.lines("SELECT count(*), max(tick) FROM fault_tick") == "100 400 \n");
@@ -154,7 +157,7 @@ TEST_CASE("letting go where a dead-man key is wanted ends the force, until it is
         run.apparatus.hold(true);
     };
     CHECK(run.with(observer).why == SessionEnd::Why::finished);
-    CHECK(run.lines(kAttempts) == one_fault(run.spec.plan.trials.size(), "let_go"));
+    CHECK(run.lines(kAttempts) == one_fault(run.spec, "let_go"));
     check_last_ticks(run);
     CHECK(run.lines("SELECT count(*), max(tick) FROM fault_tick") == "100 400 \n");
 }
