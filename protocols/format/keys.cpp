@@ -309,8 +309,9 @@ std::string range_of(const Key<Record>& key) {
     }
     if (std::holds_alternative<std::string Record::*>(key.member)) {
         return key.text == Text::name ? "letters a-z, digits and _"
-             : key.text == Text::free ? "text"
-                                      : fmt::format("text, up to {} bytes", kMostInstruction);
+             : key.text == Text::free
+                 ? "text"
+                 : fmt::format("up to {} bytes, {} lines", kMostInstruction, kMostInstructionLines);
     }
     if (const auto words = words_for(key); !words.empty()) {
         std::string text;

@@ -25,11 +25,12 @@ enum class Need : std::uint8_t {
 enum class Text : std::uint8_t {
     name,   ///< [a-z0-9_]+, at most 64
     free,   ///< one line, at most 200 bytes
-    lines,  ///< lines of a screen, at most kMostInstruction bytes
+    lines,  ///< lines of a screen, at most kMostInstruction bytes and kMostInstructionLines
 };
 
 /// Longest instruction, bytes: it still fits onto a screen of 800 x 600 pixels in a legible size.
 inline constexpr std::size_t kMostInstruction = 600;
+inline constexpr std::size_t kMostInstructionLines = 8;
 
 /// One key of a table that becomes a Record.
 template <class Record>

@@ -48,6 +48,8 @@ bool is_free_text(std::string_view text) {
 /// Lines end with \n alone; each is free text, or empty to leave room.
 bool is_instruction(std::string_view text) {
     return text.size() <= kMostInstruction &&
+           std::count(text.begin(), text.end(), '\n') <
+               static_cast<std::ptrdiff_t>(kMostInstructionLines) &&
            std::any_of(text.begin(), text.end(), [](char c) { return c != ' ' && c != '\n'; }) &&
            std::all_of(text.begin(), text.end(), [](char c) {
                return c == '\n' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
@@ -116,9 +118,9 @@ public:
         }
         if (key_.text == Text::lines && !is_instruction(*text)) {
             return fmt::format(
-                "{} is {}, {} bytes: give 1 to {} bytes of text; line breaks may be in it, tabs "
-                "may not",
-                key_.name, shown(*text), text->size(), kMostInstruction);
+                "{} is {}, {} bytes: give 1 to {} bytes of text in at most {} lines, without "
+                "tabs",
+                key_.name, shown(*text), text->size(), kMostInstruction, kMostInstructionLines);
         }
         out = *text;
         return {};

@@ -79,6 +79,9 @@ TEST_CASE("what cannot be shown or played is refused with its place", "[protocol
         CHECK(refusal("[instructions.tr]\nend = \"" + std::string(empty) + "\"\n")
                   .find("2:7: end is ") == 0);
     }
+    CHECK(refusal("[instructions.en]\nend = \"1\\n2\\n\\n4\\n5\\n6\\n7\\n8\"\n") == "accepted");
+    CHECK(refusal("[instructions.en]\nend = \"1\\n2\\n\\n4\\n5\\n6\\n7\\n8\\n\"\n")
+              .find("2:7: end is ") == 0);
     CHECK(refusal("[instructions.en]\nready = \"a\\tb\"\n").find("2:9: ready is ") == 0);
     CHECK(
         refusal("[instructions.en]\nready = 4\n").find("2:9: ready is 4 (an integer): give text") ==

@@ -67,9 +67,8 @@ public:
         return {.signal = elapsed_s > 0.2 ? Signal::done : Signal::go_on, .at_s = elapsed_s};
     }
     Choice choose(const TrialView& /*trial*/, const Question& question) override {
-        const std::span<const Picture> pictures = question.pictures;
-        screen_.stage().show([pictures](ui::Window& window) {
-            draw(window, ui::ChooseFace{pictures, 0, false});
+        screen_.stage().show([question](ui::Window& window) {
+            draw(window, ui::ChooseFace{question, 0, false});
         });
         pictures_.insert(frame());
         return {};
@@ -133,7 +132,10 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
 TEST_CASE("nothing of the condition is among what the explore screen is drawn from",
           "[blind][law]") {
     // Whoever adds a member to the face must come here and say why it cannot tell the shape.
-    const auto [number, total, practice, may_finish, prompt, dead_man] = ui::ExploreFace{};
+    const auto [number, total, practice, may_finish, prompt, dead_man, interval, intervals,
+                asks_shape] = ui::ExploreFace{};
+    // Every trial has as many intervals as the others, and asks the same question.
+    CHECK((interval == 1 && intervals == 1 && asks_shape));
     CHECK(std::is_same_v<std::remove_const_t<decltype(number)>, std::size_t>);
     CHECK(std::is_same_v<std::remove_const_t<decltype(total)>, std::size_t>);
     CHECK_FALSE((practice || may_finish || prompt || dead_man));

@@ -43,6 +43,9 @@ SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& a
     options.window.fullscreen = spec.screen.fullscreen;
     options.window.font = spec.screen.font;
     options.window.language = spec.study.protocol.language;
+    options.window.instructions = spec.study.protocol.instructions.at(
+        static_cast<std::size_t>(spec.study.protocol.language));
+    options.asks = spec.study.protocol.response.kind;
     options.start = spec.study.protocol.apparatus.start;
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
                       : spec.kind == data::RunKind::pilot     ? "PILOT"

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "protocols/running/observer.hpp"
-#include "ui/subject/picture_row.hpp"
 #include "ui/subject/window.hpp"
 
 /// What each screen looks like: pure functions from a few values to pixels.
@@ -15,6 +14,7 @@ struct WelcomeFace {
     std::size_t trials = 0;
     bool resumed = false;
     bool moves_pointer = false;  ///< the mouse is the handle
+    protocols::ResponseKind asks = protocols::ResponseKind::identification;
 };
 void draw(Window& window, const WelcomeFace& face);
 
@@ -22,7 +22,9 @@ struct ReadyFace {
     std::size_t number = 0;
     std::size_t total = 0;
     bool practice = false;
-    bool dead_man = false;  ///< Space has to be held
+    bool dead_man = false;     ///< Space has to be held
+    std::size_t interval = 1;  ///< of the trial, 1 .. intervals
+    std::size_t intervals = 1;
 };
 void draw(Window& window, const ReadyFace& face);
 
@@ -32,20 +34,36 @@ struct ExploreFace {
     std::size_t number = 0;
     std::size_t total = 0;
     bool practice = false;
-    bool may_finish = false;  ///< the least exploration time has passed
-    bool prompt = false;      ///< time to decide
-    bool dead_man = false;    ///< Space is held, Enter is done
+    bool may_finish = false;   ///< the least exploration time has passed
+    bool prompt = false;       ///< time to decide
+    bool dead_man = false;     ///< Space is held, Enter is done
+    std::size_t interval = 1;  ///< of the trial, 1 .. intervals
+    std::size_t intervals = 1;
+    bool asks_shape = true;  ///< pictures will come; the same for all trials of a session
 
     friend bool operator==(const ExploreFace&, const ExploreFace&) = default;
 };
 void draw(Window& window, const ExploreFace& face);
 
+/// The question with its answers, which are the same for every trial of a session.
 struct ChooseFace {
-    std::span<const protocols::Picture> pictures;
+    protocols::Question question;  ///< its pictures outlive the face
     std::optional<std::size_t> selected;
     bool watched = false;  ///< a simulated observer chooses, people only look on
 };
 void draw(Window& window, const ChooseFace& face);
+
+/// After the answer: how sure, 1 to 4.
+struct ConfidenceFace {
+    std::optional<std::size_t> selected;
+};
+void draw(Window& window, const ConfidenceFace& face);
+
+/// After the answer, where the protocol says so.
+struct FeedbackFace {
+    bool right = false;
+};
+void draw(Window& window, const FeedbackFace& face);
 
 struct BreakFace {
     int seconds_left = 0;  ///< 0: the participant may go on

@@ -1,10 +1,12 @@
 #include "ui/subject/subject_screen.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "engine/realtime/servo.hpp"
+#include "ui/subject/answer_row.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -60,7 +62,8 @@ void SubjectScreen::stop() {
 Signal SubjectScreen::welcome(const protocols::SessionView& session) {
     stage_.show(drawing(WelcomeFace{.trials = session.trials - session.next,
                                     .resumed = session.next > 0,
-                                    .moves_pointer = static_cast<bool>(options_.on_pointer)}));
+                                    .moves_pointer = static_cast<bool>(options_.on_pointer),
+                                    .asks = options_.asks}));
     return wait_for_go();
 }
 
@@ -68,7 +71,12 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
     in_trouble_.reset();
     hold(false);
-    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice, options_.dead_man}));
+    stage_.show(drawing(ReadyFace{.number = trial.number,
+                                  .total = trial.total,
+                                  .practice = trial.practice,
+                                  .dead_man = options_.dead_man,
+                                  .interval = trial.interval,
+                                  .intervals = trial.intervals}));
     const Signal signal = wait_for_go(options_.dead_man);
     hold(signal == Signal::go_on);
     return signal;
@@ -108,7 +116,10 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
                            .practice = trial.practice,
                            .may_finish = elapsed_s >= trial.explore_min_s,
                            .prompt = elapsed_s >= trial.explore_prompt_s,
-                           .dead_man = options_.dead_man};
+                           .dead_man = options_.dead_man,
+                           .interval = trial.interval,
+                           .intervals = trial.intervals,
+                           .asks_shape = options_.asks == protocols::ResponseKind::identification};
     if (!exploring_) {
         begin_exploring();
     }
@@ -158,15 +169,11 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
     }
 }
 
-Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
-                             const protocols::Question& question) {
-    const std::span<const protocols::Picture> pictures = question.pictures;
-    stage_.window().show_pointer(true);
+Choice SubjectScreen::pick(const std::vector<Card>& cards,
+                           const std::function<std::int64_t(std::optional<std::size_t>)>& show) {
     std::optional<std::size_t> selected;
-    const std::int64_t shown =
-        stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
-    stage_
-        .forget_earlier();  // a press while the pictures were being drawn was not an answer to them
+    const std::int64_t shown = show(selected);
+    stage_.forget_earlier();  // a press while the answers were being drawn was not one of them
     const auto chosen = [&](std::size_t place, const Input& input, InputKind kind) {
         return Choice{.signal = Signal::done,
                       .place = place,
@@ -174,20 +181,19 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
                       .uncertainty_s = input.uncertainty_s,
                       .input = kind};
     };
+    const std::size_t last = cards.size() - 1;
     for (;;) {
         const Input input = stage_.next(kIdleWaitMs);
-        const std::size_t last = pictures.size() - 1;
         switch (input.kind) {
             case Input::Kind::abort:
                 return {.signal = Signal::abort};
             case Input::Kind::digit:
-                if (input.digit <= static_cast<int>(pictures.size())) {
+                if (input.digit <= static_cast<int>(cards.size())) {
                     return chosen(static_cast<std::size_t>(input.digit - 1), input, InputKind::key);
                 }
                 break;
             case Input::Kind::click:
-                if (const auto place = card_at(
-                        lay_out_cards(pictures.size(), stage_.window().size()), input.pixel)) {
+                if (const auto place = card_at(cards, input.pixel)) {
                     return chosen(*place, input, InputKind::mouse);
                 }
                 break;
@@ -198,16 +204,41 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
                 break;
             case Input::Kind::left:
                 selected = selected ? (*selected > 0 ? *selected - 1 : 0) : last;
-                stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+                show(selected);
                 break;
             case Input::Kind::right:
                 selected = selected ? std::min(*selected + 1, last) : 0;
-                stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+                show(selected);
                 break;
             default:
                 break;
         }
     }
+}
+
+Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
+                             const protocols::Question& question) {
+    stage_.window().show_pointer(true);
+    const engine::Vec2 size = stage_.window().size();
+    Choice choice = pick(lay_out_answers(question, size), [&](auto selected) {
+        return stage_.show(drawing(ChooseFace{question, selected, false}));
+    });
+    if (question.confidence && choice.signal == Signal::done) {
+        const Choice sure =
+            pick(lay_out_scale(protocols::kMostConfidence, size),
+                 [this](auto selected) { return stage_.show(drawing(ConfidenceFace{selected})); });
+        if (sure.signal == Signal::abort) {
+            return {.signal = Signal::abort};
+        }
+        choice.confidence = static_cast<int>(sure.place) + 1;
+        choice.confidence_reaction_s = sure.reaction_s;
+    }
+    return choice;
+}
+
+Signal SubjectScreen::feedback(const protocols::TrialView& /*trial*/, bool correct) {
+    stage_.show(drawing(FeedbackFace{correct}));
+    return stage_.wait_or_abort(kFeedbackSeconds) ? Signal::abort : Signal::go_on;
 }
 
 Signal SubjectScreen::gap(double seconds) {
