@@ -62,6 +62,9 @@ void add_run(CLI::App& app, Options& chosen) {
                      "comedi: 0.3 wakes up on time to a microsecond and costs processor time")
         ->check(CLI::Range(0.0, 0.5))
         ->capture_default_str();
+    command->add_flag(
+        "--no-sound", run.screen.no_sound,
+        "No masking noise, whatever the protocol asks for; recorded with the session");
     add_screen(*command, run.screen);
 }
 

@@ -15,8 +15,10 @@
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/open_apparatus.hpp"
+#include "ui/cli/open_masking.hpp"
 #include "ui/cli/provenance.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/sound/masked_observer.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
 
@@ -43,8 +45,8 @@ SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& a
     options.window.fullscreen = spec.screen.fullscreen;
     options.window.font = spec.screen.font;
     options.window.language = spec.study.protocol.language;
-    options.window.instructions = spec.study.protocol.instructions.at(
-        static_cast<std::size_t>(spec.study.protocol.language));
+    options.window.instructions =
+        spec.study.protocol.instructions.at(static_cast<std::size_t>(spec.study.protocol.language));
     options.asks = spec.study.protocol.response.kind;
     options.start = spec.study.protocol.apparatus.start;
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
@@ -186,6 +188,7 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     heed(felt);
     const auto& apparatus = felt.port;
     const Observers observers = make_observers(spec, plan, *apparatus);
+    const OpenedMasking masking = open_masking(spec);
     auto shaped_by = provenance(protocol);
     shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());
 
@@ -206,23 +209,31 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     data::SqliteRecorder recorder(database, protocol, opened.id);
     const auto writer =
         observers.screen ? std::make_unique<data::AsyncRecorder>(recorder) : nullptr;
-    return {.session = run_session(
-                protocol, plan,
-                {.title = protocol.title,
-                 .participant = spec.key.participant,
-                 .trials = plan.trials.size(),
-                 .next = opened.pending.answered(),
-                 .simulated = spec.kind == data::RunKind::simulated,
-                 .device = apparatus->device_name()},
-                opened.pending,
-                {.apparatus = *apparatus,
-                 .observer = observers.port(),
-                 .recorder = writer ? static_cast<protocols::Recorder&>(*writer) : recorder,
-                 .interrupted = [] { return interrupted(); },
-                 .progress =
-                     [&](const PlannedTrial& planned, const TrialResult& result) {
-                         print_trial(spec, plan.trials.size(), planned, result);
-                     }})};
+    protocols::Recorder& record = writer ? static_cast<protocols::Recorder&>(*writer) : recorder;
+    if (!masking.note.empty()) {
+        record.event("masking", masking.note);
+    }
+    const auto masked = masking.player
+                          ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
+                                                             record, masking.required)
+                          : nullptr;
+    return {.session =
+                run_session(protocol, plan,
+                            {.title = protocol.title,
+                             .participant = spec.key.participant,
+                             .trials = plan.trials.size(),
+                             .next = opened.pending.answered(),
+                             .simulated = spec.kind == data::RunKind::simulated,
+                             .device = apparatus->device_name()},
+                            opened.pending,
+                            {.apparatus = *apparatus,
+                             .observer = masked ? *masked : observers.port(),
+                             .recorder = record,
+                             .interrupted = [] { return interrupted(); },
+                             .progress =
+                                 [&](const PlannedTrial& planned, const TrialResult& result) {
+                                     print_trial(spec, plan.trials.size(), planned, result);
+                                 }})};
 }
 
 }  // namespace palpate::ui
