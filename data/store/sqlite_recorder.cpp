@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "protocols/running/pending_trials.hpp"
+#include "data/store/people.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
@@ -220,6 +221,10 @@ void SqliteRecorder::event(std::string_view kind, std::string_view text) {
         .bind(3, text)
         .bind(4, utc_now())
         .run();
+}
+
+void SqliteRecorder::mark(protocols::TrialId trial, std::string_view reason) {
+    mark_invalid(database_, trial, reason);
 }
 
 void SqliteRecorder::finish_session() {

@@ -137,6 +137,9 @@ public:
     [[nodiscard]] virtual Signal gap(double seconds) = 0;
     /// A break of at least `seconds`; returns when the participant goes on. go_on or abort.
     [[nodiscard]] virtual Signal rest(double seconds, const TrialView& next) = 0;
+    /// The experimenter asked for a pause; returns when the experimenter ends it. go_on or abort. The default
+    /// has nobody to wait for.
+    [[nodiscard]] virtual Signal pause(const TrialView& next);
     /// After a fault, again and again, with the device asked in between; must return within a few ms.
     /// go_on (taken only when solved), abort, give_up, or nothing: still waiting.
     /// The default has nobody to wait for: it goes on at once when solved, and gives up after kMostTries

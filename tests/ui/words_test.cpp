@@ -79,6 +79,11 @@ constexpr Row kRows[] = {
     {&Words::end, 0, 2.2},
     {&Words::tell_experimenter, 0, 1.15},
     {&Words::stop_question, 0, 1.0},
+    {&Words::mark_question, 0, 1.0},
+    {&Words::pause_comes, 0, 1.0},
+    {&Words::pause, 0, 2.2},
+    {&Words::please_wait, 0, 1.15},
+    {&Words::end_of_pause, 0, 0.75},
 };
 static_assert(std::size(kRows) * sizeof(std::string_view) == sizeof(Words), "a row each");
 

@@ -40,8 +40,11 @@ std::unique_ptr<protocols::Observer> make_simulated_observer(
         plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
 }
 
-SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& apparatus) {
+SubjectScreenOptions screen_options(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk) {
     SubjectScreenOptions options;
+    options.desk = &desk;
     options.window.fullscreen = spec.screen.fullscreen;
     options.window.font = spec.screen.font;
     options.window.language = spec.study.protocol.language;
@@ -80,7 +83,8 @@ struct Observers {
 
 Observers make_observers(const RigSpec& spec,
                          const protocols::Plan& plan,
-                         protocols::Apparatus& apparatus) {
+                         protocols::Apparatus& apparatus,
+                         protocols::OperatorDesk& desk) {
     Observers observers;
     const bool window = wants_window(spec.screen);
     if (!window || spec.watch_only) {
@@ -88,9 +92,9 @@ Observers make_observers(const RigSpec& spec,
     }
     if (window && spec.watch_only) {
         observers.screen = std::make_unique<SpectatorScreen>(*observers.simulated,
-                                                             screen_options(spec, apparatus));
+                                                             screen_options(spec, apparatus, desk));
     } else if (window) {
-        observers.screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus));
+        observers.screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk));
     }
     return observers;
 }
@@ -187,7 +191,8 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const OpenedApparatus felt = open_apparatus(spec);
     heed(felt);
     const auto& apparatus = felt.port;
-    const Observers observers = make_observers(spec, plan, *apparatus);
+    protocols::OperatorDesk desk;
+    const Observers observers = make_observers(spec, plan, *apparatus, desk);
     const OpenedMasking masking = open_masking(spec);
     auto shaped_by = provenance(protocol);
     shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());

@@ -111,6 +111,11 @@ Signal MaskedObserver::rest(double seconds, const protocols::TrialView& next) {
     return observer_.rest(seconds, next);
 }
 
+Signal MaskedObserver::pause(const protocols::TrialView& next) {
+    end();
+    return observer_.pause(next);
+}
+
 std::optional<Signal> MaskedObserver::trouble(const protocols::TroubleView& view) {
     end();
     return observer_.trouble(view);

@@ -187,6 +187,13 @@ void draw(Window& window, const TroubleFace& face) {
     }
 }
 
+void draw(Window& window, const PauseFace& /*face*/) {
+    const Words& words = window.words();
+    line(window, words.pause, 0.36, 2.2, kText);
+    line(window, words.please_wait, 0.48, 1.15, kText);
+    line(window, words.end_of_pause, 0.88, 0.75, kQuiet);
+}
+
 void draw(Window& /*window*/, const GapFace& /*face*/) {}
 
 void draw(Window& window, const EndFace& /*face*/) {
@@ -205,12 +212,11 @@ void draw_watermark(Window& window, const std::string& text) {
     window.text(text, {size.x - type, 1.2 * type}, 0.8 * type, kQuiet, Align::right);
 }
 
-void draw_stop_question(Window& window) {
+void draw_bar(Window& window, std::string_view sentence) {
     const Vec2 size = window.size();
     const double type = type_size(size);
     window.triangles(rectangle({0.0, size.y - 2.6 * type}, {size.x, 2.6 * type}), kAccent);
-    window.text(window.words().stop_question, {0.5 * size.x, size.y - 1.3 * type}, type,
-                kBackground);
+    window.text(sentence, {0.5 * size.x, size.y - 1.3 * type}, type, kBackground);
 }
 
 }  // namespace palpate::ui

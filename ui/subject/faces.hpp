@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "protocols/running/observer.hpp"
 #include "ui/subject/window.hpp"
@@ -81,6 +82,10 @@ struct TroubleFace {
 };
 void draw(Window& window, const TroubleFace& face);
 
+/// Until the experimenter goes on.
+struct PauseFace {};
+void draw(Window& window, const PauseFace& face);
+
 struct GapFace {};
 void draw(Window& window, const GapFace& face);
 
@@ -89,7 +94,7 @@ void draw(Window& window, const EndFace& face);
 
 /// In the upper right corner of every screen: SIMULATED or PILOT.
 void draw_watermark(Window& window, const std::string& text);
-/// The second step of stopping a session.
-void draw_stop_question(Window& window);
+/// A sentence for the experimenter at the lower edge, over whatever is shown.
+void draw_bar(Window& window, std::string_view sentence);
 
 }  // namespace palpate::ui

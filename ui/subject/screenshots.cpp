@@ -53,6 +53,7 @@ std::vector<std::string> write_screenshots(const std::string& directory,
     take("feedback_right", FeedbackFace{true});
     take("feedback_wrong", FeedbackFace{false});
     take("break", BreakFace{.seconds_left = 18, .next = 31, .total = 114});
+    take("pause", PauseFace{});
     take("trouble",
          TroubleFace{.sentence = "the device stopped answering: check its cable and power"});
     take("trouble_solved",

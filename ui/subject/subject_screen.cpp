@@ -32,14 +32,18 @@ std::function<void(Window&)> drawing(Face face) {
 
 SubjectScreen::SubjectScreen(SubjectScreenOptions options)
     : options_(std::move(options)),
-      stage_(options_.window, options_.watermark, options_.interrupted) {}
+      stage_(options_.window, options_.watermark, options_.interrupted, options_.desk) {}
 
-Signal SubjectScreen::wait_for_go(bool space_only) {
+/// @param heeds_desk  returns as well when the experimenter wants something
+Signal SubjectScreen::wait_for_go(bool space_only, bool heeds_desk) {
     stage_.forget_earlier();
     for (;;) {
         const Input input = stage_.next(kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {
             return Signal::abort;
+        }
+        if (heeds_desk && options_.desk != nullptr && options_.desk->wants()) {
+            return Signal::go_on;
         }
         if (input.kind == Input::Kind::go || (input.kind == Input::Kind::enter && !space_only)) {
             return Signal::go_on;
@@ -77,8 +81,8 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
                                   .dead_man = options_.dead_man,
                                   .interval = trial.interval,
                                   .intervals = trial.intervals}));
-    const Signal signal = wait_for_go(options_.dead_man);
-    hold(signal == Signal::go_on);
+    const Signal signal = wait_for_go(options_.dead_man, true);
+    hold(signal == Signal::go_on && !(options_.desk != nullptr && options_.desk->wants()));
     return signal;
 }
 
@@ -263,6 +267,18 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
             return Signal::abort;
         }
     }
+}
+
+Signal SubjectScreen::pause(const protocols::TrialView& /*next*/) {
+    stage_.drop_bar();  // it has come
+    stage_.show(drawing(PauseFace{}));
+    while (options_.desk != nullptr && !options_.desk->take_pause()) {
+        if (stage_.next(kIdleWaitMs).kind == Input::Kind::abort) {
+            return Signal::abort;
+        }
+    }
+    stage_.drop_bar();
+    return Signal::go_on;
 }
 
 void SubjectScreen::finish(const protocols::SessionView& /*session*/) {

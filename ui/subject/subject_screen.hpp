@@ -26,6 +26,7 @@ struct SubjectScreenOptions {
     /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at latest
     /// with the first explore() after the key was let go.
     std::function<void(bool)> on_hold;
+    protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
     /// The experimenter's key, Escape, while an object is felt: the force off, now.
     std::function<void()> on_stop;
 };
@@ -49,6 +50,7 @@ public:
                                              bool correct) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
+    [[nodiscard]] protocols::Signal pause(const protocols::TrialView& next) override;
     [[nodiscard]] std::optional<protocols::Signal> trouble(
         const protocols::TroubleView& view) override;
     void finish(const protocols::SessionView& session) override;
@@ -56,7 +58,7 @@ public:
     [[nodiscard]] Stage& stage() { return stage_; }
 
 private:
-    [[nodiscard]] protocols::Signal wait_for_go(bool space_only = false);
+    [[nodiscard]] protocols::Signal wait_for_go(bool space_only = false, bool heeds_desk = false);
     /// One of the answers on `cards`. @param show  draws them with the one that is marked
     [[nodiscard]] protocols::Choice pick(
         const std::vector<Card>& cards,

@@ -62,6 +62,11 @@ constexpr Words kEnglish{
     .end = "That was all. Thank you!",
     .tell_experimenter = "Please tell the experimenter. Space closes this window.",
     .stop_question = "Experimenter: press Y to stop the session, any other key to go on",
+    .mark_question = "Experimenter: press Y if this trial shall not count, any other key to go on",
+    .pause_comes = "Experimenter: the pause comes before the next trial",
+    .pause = "Pause",
+    .please_wait = "Please wait for the experimenter.",
+    .end_of_pause = "Experimenter: Ctrl+Shift+P goes on",
 };
 
 constexpr Words kTurkish{
@@ -126,6 +131,12 @@ constexpr Words kTurkish{
     .tell_experimenter = "Lütfen deneyi yürütene haber verin. Boşluk tuşu bu pencereyi kapatır.",
     .stop_question =
         "Deneyi yürüten: oturumu bitirmek için Y'ye, sürdürmek için başka bir tuşa basın",
+    .mark_question =
+        "Deneyi yürüten: bu deneme sayılmayacaksa Y'ye, sürdürmek için başka bir tuşa basın",
+    .pause_comes = "Deneyi yürüten: sıradaki denemeden önce ara verilecek",
+    .pause = "Ara",
+    .please_wait = "Lütfen deneyi yürüteni bekleyin.",
+    .end_of_pause = "Deneyi yürüten: Ctrl+Shift+P ile sürer",
 };
 
 }  // namespace

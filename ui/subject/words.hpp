@@ -27,7 +27,8 @@ struct Words {
     std::string_view rest, let_go, next_trial, wait, go_on;  ///< next: {0} of {1}; wait: {0} s
     std::string_view moment, can_go_on, help_comes, thank_you_for_waiting, for_experimenter;
     std::string_view end, tell_experimenter;
-    std::string_view stop_question;
+    std::string_view stop_question, mark_question, pause_comes;
+    std::string_view pause, please_wait, end_of_pause;
 };
 
 [[nodiscard]] const Words& words_in(protocols::Language language) noexcept;
