@@ -53,9 +53,9 @@ public:
         }
         return Patient::explore(trial, elapsed_s);
     }
-    Choice choose(const TrialView& trial, const Question& question) override {
+    Signal ready(const TrialView& trial) override {
         decided_ = false;
-        return Patient::choose(trial, question);
+        return Patient::ready(trial);
     }
     Signal gap(double seconds) override {
         ++gaps_;
@@ -177,11 +177,11 @@ private:
 
 TEST_CASE("with marks at the desk a session that is resumed runs the order of an unbroken one",
           "[session][desk][law]") {
-    const auto seed = GENERATE(range(0ULL, 6ULL));
+    const auto seed = GENERATE(range(0ULL, 2ULL));
     CAPTURE(seed);
     const std::string unbroken = attempts(seed, 0);
     CHECK(unbroken.find(kMarkedAtDesk) != std::string::npos);
-    for (const int stop_every : {1, 2, 3, 5}) {
+    for (const int stop_every : {1, 4}) {
         CAPTURE(stop_every);
         CHECK(attempts(seed, stop_every) == unbroken);
     }
@@ -189,11 +189,12 @@ TEST_CASE("with marks at the desk a session that is resumed runs the order of an
 
 TEST_CASE("verify finds nothing wrong in a session with marks and pauses on every screen",
           "[session][desk][law]") {
-    const auto seed = GENERATE(range(0ULL, 4ULL));
+    const auto seed = GENERATE(range(0ULL, 2ULL));
     CAPTURE(seed);
     const tests::TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     Protocol protocol = tests::short_protocol();
+    protocol.timing.explore_prompt = 3.0;
     protocol.timing.explore_timeout = 3.0;
     const data::SessionSpec spec = tests::session_spec(protocol);
     SimulatedApparatus apparatus(protocol, {protocol, spec.protocol_hash, spec.key, spec.seed});
@@ -202,14 +203,15 @@ TEST_CASE("verify finds nothing wrong in a session with marks and pauses on ever
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         OperatorDesk desk;
         AtTheDesk observer(spec, seed, desk, [&] { return apparatus.hand_is_done(); });
-        const SessionEnd end =
-            run_session(spec.protocol, spec.plan,
-                        {.trials = spec.plan.trials.size(), .simulated = true}, opened.pending,
-                        {.apparatus = apparatus,
-                         .observer = observer,
-                         .recorder = recorder,
-                         .pause = [](double) {},
-                         .desk = &desk});
+        SessionView view;
+        view.trials = spec.plan.trials.size();
+        view.simulated = true;
+        const SessionEnd end = run_session(spec.protocol, spec.plan, view, opened.pending,
+                                           {.apparatus = apparatus,
+                                            .observer = observer,
+                                            .recorder = recorder,
+                                            .pause = [](double) {},
+                                            .desk = &desk});
         CHECK(end.why == SessionEnd::Why::finished);
     }
     CHECK(lines(database, "SELECT count(*) > 2 FROM event WHERE kind = 'mark'") == "1 \n");
