@@ -200,6 +200,10 @@ void add_screenshots(CLI::App& app, Options& chosen) {
     auto& shots = options_of<ScreenshotOptions>(command, chosen);
     command->add_option("-o,--output", shots.directory, "Folder for the pictures")
         ->capture_default_str();
+    command
+        ->add_option("--protocol", shots.protocol,
+                     "Whose pictures and instructions to show: a protocol file or a shipped one")
+        ->capture_default_str();
     command->add_option("--font", shots.font, "A TrueType font");
     command->add_option("--language", shots.language, "Of the sentences: en or tr")
         ->check(CLI::IsMember({"en", "tr"}))

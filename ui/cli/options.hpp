@@ -95,6 +95,8 @@ struct VerifyOptions {
 };
 
 struct ScreenshotOptions {
+    std::string protocol =
+        "shape_friction";  ///< a file or a shipped one: its pictures, instructions
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
     std::string font;
