@@ -1,3 +1,5 @@
+#include <atomic>
+
 #include "tests/support/catch.hpp"
 #include "tests/ui/keys.hpp"
 
@@ -76,6 +78,25 @@ TEST_CASE("the experimenter marks a trial in two steps, on every screen of it", 
     CHECK(rig.screen.gap(0.2) == Signal::go_on);
     CHECK(rig.desk.take_mark());
     CHECK_FALSE(rig.desk.wants());
+}
+
+TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does",
+          "[screen][desk][law]") {
+    Rig rig;
+    TrialView second = kTrial;
+    second.interval = second.intervals = 2;
+    std::atomic<bool> pressed{false};
+    const Later both(
+        [&] {
+            press(SDLK_p, kChord);
+            std::this_thread::sleep_for(std::chrono::milliseconds(300));
+            pressed = true;
+            press(SDLK_SPACE);
+        },
+        300);
+    CHECK(rig.screen.ready(second) == Signal::go_on);
+    CHECK(pressed);
+    CHECK(rig.desk.take_pause());  // it comes after the trial
 }
 
 TEST_CASE("a pause lasts until the experimenter ends it, and Space does not",

@@ -154,6 +154,23 @@ TEST_CASE("noise that was not played while an object was felt is an event", "[so
     CHECK(notes.all.size() == 1);
 }
 
+TEST_CASE("noise goes on between the intervals of a trial, and stops for its question",
+          "[sound][law]") {
+    FakePlayer player;
+    tests::Patient patient;
+    Notes notes;
+    ui::MaskedObserver masked(patient, player, notes, true);
+    TrialView trial{.number = 3, .total = 9, .intervals = 2};
+    CHECK(masked.ready(trial) == Signal::go_on);
+    CHECK(masked.gap(0.0) == Signal::go_on);
+    CHECK(player.wanted);
+    trial.interval = 2;
+    CHECK(masked.ready(trial) == Signal::go_on);
+    CHECK(player.full());
+    static_cast<void>(masked.choose(trial, {}));
+    CHECK_FALSE(player.wanted);
+}
+
 TEST_CASE("a lost sound device ends a real session before the next trial, a pilot goes on",
           "[sound][law]") {
     const bool required = GENERATE(false, true);

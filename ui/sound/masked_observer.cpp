@@ -101,8 +101,8 @@ Signal MaskedObserver::feedback(const protocols::TrialView& trial, bool correct)
     return observer_.feedback(trial, correct);
 }
 
+/// Between two intervals of a trial the noise goes on, and after an answer there is none.
 Signal MaskedObserver::gap(double seconds) {
-    end();
     return observer_.gap(seconds);
 }
 

@@ -81,8 +81,10 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
                                   .dead_man = options_.dead_man,
                                   .interval = trial.interval,
                                   .intervals = trial.intervals}));
-    const Signal signal = wait_for_go(options_.dead_man, true);
-    hold(signal == Signal::go_on && !(options_.desk != nullptr && options_.desk->wants()));
+    const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
+    const Signal signal = wait_for_go(options_.dead_man, first);
+    const bool held_up = first && options_.desk != nullptr && options_.desk->wants();
+    hold(signal == Signal::go_on && !held_up);
     return signal;
 }
 
