@@ -134,6 +134,10 @@ void AsyncRecorder::event(std::string_view kind, std::string_view text) {
     wait_for([&] { recorder_.event(kind, text); });
 }
 
+void AsyncRecorder::mark(protocols::TrialId trial, std::string_view reason) {
+    wait_for([&] { recorder_.mark(trial, reason); });
+}
+
 void AsyncRecorder::finish_session() {
     wait_for([&] { recorder_.finish_session(); });
 }

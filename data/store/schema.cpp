@@ -331,16 +331,16 @@ PRAGMA user_version = 5;
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kTraces5 + kPeople +
-                                   kFaults + std::string(views_sql());
+    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kTraces5 +
+                                   kPeople + kFaults + std::string(views_sql());
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
     static const std::string from_3 = std::string(kFrom3) + kPeople;
-    static const std::string from_4 = std::string(kNoViews) + kFreeForms5 + kFrom4 + kSession5 + kTraces5 +
-                                      kFrom4Rows + kMovement5 + std::string(views_sql());
+    static const std::string from_4 = std::string(kNoViews) + kFreeForms5 + kFrom4 + kSession5 +
+                                      kTraces5 + kFrom4Rows + kMovement5 + std::string(views_sql());
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 

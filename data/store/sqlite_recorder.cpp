@@ -12,6 +12,7 @@
 
 #include "protocols/running/pending_trials.hpp"
 #include "protocols/running/trial_scene.hpp"
+#include "data/store/people.hpp"
 #include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
@@ -247,6 +248,10 @@ void SqliteRecorder::event(std::string_view kind, std::string_view text) {
         .bind(3, text)
         .bind(4, utc_now())
         .run();
+}
+
+void SqliteRecorder::mark(protocols::TrialId trial, std::string_view reason) {
+    mark_invalid(database_, trial, reason);
 }
 
 void SqliteRecorder::finish_session() {

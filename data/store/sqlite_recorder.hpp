@@ -30,6 +30,7 @@ public:
     bool save() override;
     void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;
     void event(std::string_view kind, std::string_view text) override;
+    void mark(protocols::TrialId trial, std::string_view reason) override;
     void finish_session() override;
 
 private:

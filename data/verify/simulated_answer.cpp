@@ -35,7 +35,8 @@ void check_simulated_answer(const SessionFrame& frame,
                                           frame.plan.picture_order, [] { return true; });
     observer.feel(std::span(trace.ticks).first(static_cast<std::size_t>(felt)));
     const auto pictures = protocols::make_pictures(frame.protocol, frame.plan.picture_order);
-    const protocols::Choice choice = observer.choose({.number = number}, pictures);
+    const protocols::Choice choice =
+        observer.choose({.number = number}, protocols::which_of(pictures));
     findings.expect("response", "place", response, static_cast<std::int64_t>(choice.place));
     if (!(std::fabs(response.real("reaction_s") - choice.reaction_s) <= kSameTime)) {
         findings.expect("response", "reaction_s", response, choice.reaction_s);

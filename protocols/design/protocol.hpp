@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -136,6 +137,29 @@ struct TimingSpec {
     friend bool operator==(const TimingSpec&, const TimingSpec&) = default;
 };
 
+/// What the participant is asked after feeling.
+enum class ResponseKind : std::uint8_t {
+    identification,  ///< which of the pictured objects?
+    two_interval,    ///< two things are felt: which of them, the first or the second?
+    yes_no,
+    rating,  ///< a level of a scale
+};
+
+/// When the participant is told whether an answer was right.
+enum class Feedback : std::uint8_t { none, practice, all };
+
+struct ResponseSpec {
+    ResponseKind kind = ResponseKind::identification;
+    std::string question;    ///< empty: the screen's own sentence
+    std::size_t levels = 7;  ///< of a rating, 2..9
+    std::string low;         ///< label of a rating's first level, or of no; empty: the screen's own
+    std::string high;        ///< label of a rating's last level, or of yes
+    bool confidence = false;             ///< asked for after the answer, 1..4
+    Feedback feedback = Feedback::none;  ///< of answers that can be right or wrong
+
+    friend bool operator==(const ResponseSpec&, const ResponseSpec&) = default;
+};
+
 /// The simulated observer of demos and simulations.
 struct ObserverSpec {
     double noise = 2.62;        ///< 1/m, standard deviation of the curvature percept
@@ -146,8 +170,32 @@ struct ObserverSpec {
     friend bool operator==(const ObserverSpec&, const ObserverSpec&) = default;
 };
 
+/// Noise on the headphones, so that nobody hears the motors.
+enum class Noise : std::uint8_t { none, pink };
+
+struct MaskingSpec {
+    Noise noise = Noise::none;
+    double level_db = -30.0;  ///< root mean square against full scale, -60 to 0
+
+    friend bool operator==(const MaskingSpec&, const MaskingSpec&) = default;
+};
+
 /// Of the participant's screen.
 enum class Language : std::uint8_t { en, tr };
+
+inline constexpr std::size_t kLanguageCount = 2;
+
+/// Sentences shown instead of the screen's own, in one language; empty: the screen's own. A line break
+/// begins a new paragraph.
+struct InstructionTexts {
+    std::string welcome;  ///< before the first trial: what the study is about to ask
+    std::string ready;    ///< before each trial: what to do now
+    std::string choose;   ///< the question above the answers
+    std::string rest;     ///< in a break; the key is "break"
+    std::string end;      ///< after the last trial
+
+    friend bool operator==(const InstructionTexts&, const InstructionTexts&) = default;
+};
 
 /// Of the participants that are asked for.
 enum class Handedness : std::uint8_t { right, left, any };
@@ -169,7 +217,10 @@ struct Protocol {
     ExclusionSpec exclusion{};
     DesignSpec design{};
     TimingSpec timing{};
+    ResponseSpec response{};
     ObserverSpec observer{};
+    MaskingSpec masking{};
+    std::array<InstructionTexts, kLanguageCount> instructions{};  ///< by Language
 
     friend bool operator==(const Protocol&, const Protocol&) = default;
 };

@@ -36,8 +36,10 @@ inline constexpr std::string_view observer =
     "observer";                                         ///< session, block = position: its answers
 inline constexpr std::string_view requeue = "requeue";  ///< session, block = position: place of the
                                                         ///< 1st, 2nd, ... repetition
-inline constexpr std::array all = {practice_order,  main_order, catch_trials, pictures,
-                                   friction_blocks, hand,       observer,     requeue};
+inline constexpr std::string_view masking = "masking";  ///< session: noise on the headphones
+inline constexpr std::array all = {practice_order, main_order,      catch_trials,
+                                   pictures,       friction_blocks, hand,
+                                   observer,       requeue,         masking};
 }  // namespace purpose
 
 /// The text that is hashed: one `name=value` a line. Texts carry their length in bytes, so that no

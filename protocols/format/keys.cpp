@@ -185,6 +185,26 @@ constexpr std::array kObserver{
     Key<ObserverSpec>{.name = "bias_per_m_per_mu", .member = &ObserverSpec::bias_per_mu, .lowest = -1000, .highest = 1000,
                       .meaning = "curvature added per unit of felt friction"},
 };
+
+constexpr std::array kMasking{
+    Key<MaskingSpec>{.name = "noise", .member = &MaskingSpec::noise, .late = true,
+                     .meaning = "on the headphones from the ready screen until the answer, over the sound of the motors"},
+    Key<MaskingSpec>{.name = "level_db", .member = &MaskingSpec::level_db, .lowest = -60, .highest = 0, .late = true,
+                     .meaning = "root mean square against full scale; how loud that is, measure on your headphones"},
+};
+
+constexpr std::array kInstructions{
+    Key<InstructionTexts>{.name = "welcome", .member = &InstructionTexts::welcome, .text = Text::lines, .late = true,
+                          .meaning = "before the first trial"},
+    Key<InstructionTexts>{.name = "ready", .member = &InstructionTexts::ready, .text = Text::lines, .late = true,
+                          .meaning = "before every trial"},
+    Key<InstructionTexts>{.name = "choose", .member = &InstructionTexts::choose, .text = Text::lines, .late = true,
+                          .meaning = "the question above the answers"},
+    Key<InstructionTexts>{.name = "break", .member = &InstructionTexts::rest, .text = Text::lines, .late = true,
+                          .meaning = "in a break"},
+    Key<InstructionTexts>{.name = "end", .member = &InstructionTexts::end, .text = Text::lines, .late = true,
+                          .meaning = "after the last trial"},
+};
 // clang-format on
 
 /// What a key for an enumeration may say, nothing for other keys.
@@ -282,6 +302,15 @@ std::span<const Key<ObserverSpec>> keys_of() {
     return kObserver;
 }
 
+template <>
+std::span<const Key<MaskingSpec>> keys_of() {
+    return kMasking;
+}
+template <>
+std::span<const Key<InstructionTexts>> keys_of() {
+    return kInstructions;
+}
+
 template <class Record>
 bool left_out(const Key<Record>& key, const Record& record) {
     static const Record defaults{};
@@ -298,7 +327,10 @@ template bool left_out(const Key<InvalidSpec>&, const InvalidSpec&);
 template bool left_out(const Key<ExclusionSpec>&, const ExclusionSpec&);
 template bool left_out(const Key<DesignSpec>&, const DesignSpec&);
 template bool left_out(const Key<TimingSpec>&, const TimingSpec&);
+template bool left_out(const Key<ResponseSpec>&, const ResponseSpec&);
 template bool left_out(const Key<ObserverSpec>&, const ObserverSpec&);
+template bool left_out(const Key<MaskingSpec>&, const MaskingSpec&);
+template bool left_out(const Key<InstructionTexts>&, const InstructionTexts&);
 
 template <class Record>
 std::string range_of(const Key<Record>& key) {
@@ -306,7 +338,10 @@ std::string range_of(const Key<Record>& key) {
         return "true or false";
     }
     if (std::holds_alternative<std::string Record::*>(key.member)) {
-        return key.text == Text::name ? "letters a-z, digits and _" : "text";
+        return key.text == Text::name ? "letters a-z, digits and _"
+             : key.text == Text::free
+                 ? "text"
+                 : fmt::format("up to {} bytes, {} lines", kMostInstruction, kMostInstructionLines);
     }
     if (const auto words = words_for(key); !words.empty()) {
         std::string text;
@@ -335,7 +370,10 @@ template std::string range_of(const Key<InvalidSpec>&);
 template std::string range_of(const Key<ExclusionSpec>&);
 template std::string range_of(const Key<DesignSpec>&);
 template std::string range_of(const Key<TimingSpec>&);
+template std::string range_of(const Key<ResponseSpec>&);
 template std::string range_of(const Key<ObserverSpec>&);
+template std::string range_of(const Key<MaskingSpec>&);
+template std::string range_of(const Key<InstructionTexts>&);
 
 std::string key_reference() {
     return fmt::format("format = {}\n", kFormat) + section<Protocol>("[study]") +
@@ -351,7 +389,13 @@ std::string key_reference() {
                "[exclusion]  of participants, applied by palpate summary; left out in the same "
                "way") +
            section<DesignSpec>("[design]") + section<TimingSpec>("[timing]") +
-           section<ObserverSpec>("[observer]  of simulated sessions");
+           section<ResponseSpec>("[response]  left out of the hash in the same way") +
+           section<ObserverSpec>("[observer]  of simulated sessions") +
+           section<MaskingSpec>("[masking]  left out of the hash while there is no noise") +
+           section<InstructionTexts>(
+               fmt::format("[instructions.{}]  shown instead of the screen's own sentences; left "
+                           "out of the hash where they are not given",
+                           fmt::join(kLanguages, "], [instructions.")));
 }
 
 }  // namespace palpate::protocols

@@ -23,7 +23,15 @@ enum class Need : std::uint8_t {
 };
 
 /// How a text is restricted.
-enum class Text : std::uint8_t { name, free };  ///< name: [a-z0-9_]+, at most 64
+enum class Text : std::uint8_t {
+    name,   ///< [a-z0-9_]+, at most 64
+    free,   ///< one line, at most 200 bytes
+    lines,  ///< lines of a screen, at most kMostInstruction bytes and kMostInstructionLines
+};
+
+/// Longest instruction, bytes: it still fits onto a screen of 800 x 600 pixels in a legible size.
+inline constexpr std::size_t kMostInstruction = 600;
+inline constexpr std::size_t kMostInstructionLines = 8;
 
 /// One key of a table that becomes a Record.
 template <class Record>
@@ -37,7 +45,10 @@ struct Key {
                  OrderRule Record::*,
                  FrictionBlocks Record::*,
                  Handedness Record::*,
-                 Language Record::*>
+                 Noise Record::*,
+                 Language Record::*,
+                 ResponseKind Record::*,
+                 Feedback Record::*>
         member;
     Need need = Need::optional;
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
@@ -53,7 +64,11 @@ struct Key {
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
 inline constexpr std::array<std::string_view, 3> kFrictionBlocks{"interleaved", "abba", "blocked"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
-inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
+inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "tr"};
+inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
+inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
+                                                                "yes_no", "rating"};
+inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
     return kOrderRules;
@@ -66,6 +81,16 @@ inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Language) {
     return kLanguages;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(ResponseKind) {
+    return kResponseKinds;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Feedback) {
+    return kFeedbacks;
+}
+
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Noise) {
+    return kNoises;
 }
 
 /// Its word in a file.
@@ -101,7 +126,13 @@ std::span<const Key<DesignSpec>> keys_of();
 template <>
 std::span<const Key<TimingSpec>> keys_of();
 template <>
+std::span<const Key<ResponseSpec>> keys_of();
+template <>
 std::span<const Key<ObserverSpec>> keys_of();
+template <>
+std::span<const Key<MaskingSpec>> keys_of();
+template <>
+std::span<const Key<InstructionTexts>> keys_of();
 
 /// Whether the canonical text leaves this key out: it is late, and the member is the default's.
 template <class Record>

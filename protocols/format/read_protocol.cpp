@@ -17,9 +17,10 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 12> kTables{
-    "format", "study",   "apparatus", "outline", "object", "friction",
-    "safety", "invalid", "exclusion", "design",  "timing", "observer"};
+constexpr std::array<std::string_view, 15> kTables{
+    "format",   "study",    "apparatus", "outline",   "object",
+    "friction", "safety",   "invalid",   "exclusion", "design",
+    "timing",   "response", "observer",  "masking",   "instructions"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -54,7 +55,10 @@ public:
         table("exclusion", protocol.exclusion, false);
         table("design", protocol.design, true);
         table("timing", protocol.timing, false);
+        table("response", protocol.response, false);
         table("observer", protocol.observer, false);
+        table("masking", protocol.masking, false);
+        instructions(protocol);
         return protocol;
     }
 
@@ -95,6 +99,41 @@ private:
         } else {
             problems_.add(entry->at, fmt::format("{} is {}: write it as a table, [{}]", name,
                                                  shown(entry->value), name));
+        }
+    }
+
+    /// One table a language.
+    void instructions(Protocol& protocol) {
+        const Entry* entry = find("instructions");
+        if (entry == nullptr) {
+            return;
+        }
+        const auto* languages = std::get_if<Table>(&entry->value.data);
+        if (languages == nullptr) {
+            problems_.add(entry->at, fmt::format("instructions is {}: write a table for each "
+                                                 "language, [instructions.en]",
+                                                 shown(entry->value)));
+            return;
+        }
+        for (const Entry& language : *languages) {
+            const auto known = std::find(kLanguages.begin(), kLanguages.end(), language.key);
+            const auto* texts = std::get_if<Table>(&language.value.data);
+            if (texts == nullptr) {
+                problems_.add(language.at,
+                              fmt::format("{} stands in [instructions]: put it into a table of "
+                                          "its language, [instructions.en]",
+                                          shown(language.key)));
+            } else if (known == kLanguages.end()) {
+                problems_.add(language.at,
+                              fmt::format("[instructions.{}]: the screen knows the languages {} "
+                                          "only{}",
+                                          shown(language.key), fmt::join(kLanguages, " and "),
+                                          suggestion(language.key, kLanguages)));
+            } else {
+                const auto index = static_cast<std::size_t>(known - kLanguages.begin());
+                reader_.read(*texts, "instructions." + language.key, language.at,
+                             protocol.instructions.at(index));
+            }
         }
     }
 

@@ -45,10 +45,21 @@ bool is_free_text(std::string_view text) {
                        [](char c) { return static_cast<unsigned char>(c) >= 0x20 && c != 0x7f; });
 }
 
-/// "[design]", or "[[object]] 3" for the third of them.
+/// Lines end with \n alone; each is free text, or empty to leave room.
+bool is_instruction(std::string_view text) {
+    return text.size() <= kMostInstruction &&
+           std::count(text.begin(), text.end(), '\n') <
+               static_cast<std::ptrdiff_t>(kMostInstructionLines) &&
+           std::any_of(text.begin(), text.end(), [](char c) { return c != ' ' && c != '\n'; }) &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+               return c == '\n' || (static_cast<unsigned char>(c) >= 0x20 && c != 0x7f);
+           });
+}
+
+/// "[design]", "[instructions.en]", or "[[object]] 3" for the third of them.
 std::string heading(const std::string& path) {
     const std::size_t dot = path.find('.');
-    return dot == std::string::npos
+    return dot == std::string::npos || path[dot + 1] < '0' || path[dot + 1] > '9'
              ? fmt::format("[{}]", path)
              : fmt::format("[[{}]] {}", path.substr(0, dot), path.substr(dot + 1));
 }
@@ -104,6 +115,12 @@ public:
         if (key_.text == Text::free && !is_free_text(*text)) {
             return fmt::format("{} is {}: give 1 to 200 bytes of text on one line", key_.name,
                                shown(*text));
+        }
+        if (key_.text == Text::lines && !is_instruction(*text)) {
+            return fmt::format(
+                "{} is {}, {} bytes: give 1 to {} bytes of text in at most {} lines, without "
+                "tabs",
+                key_.name, shown(*text), text->size(), kMostInstruction, kMostInstructionLines);
         }
         out = *text;
         return {};
@@ -295,5 +312,11 @@ template void Reader::read(
     const Table&, const std::string&, const Position&, TimingSpec&, const Beyond&);
 template void Reader::read(
     const Table&, const std::string&, const Position&, ObserverSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, ResponseSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, MaskingSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, InstructionTexts&, const Beyond&);
 
 }  // namespace palpate::protocols

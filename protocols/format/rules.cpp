@@ -9,6 +9,7 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/format/object_rules.hpp"
+#include "protocols/format/response_rules.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -195,6 +196,7 @@ private:
 
 void check_rules(const Protocol& protocol, const Places& places, Problems& problems) {
     Rules(protocol, places, problems).check();
+    check_response(protocol, places, problems);
 }
 
 }  // namespace palpate::protocols

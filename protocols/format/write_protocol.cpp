@@ -77,7 +77,18 @@ std::string to_toml(const Protocol& protocol) {
     }
     append(text, "[design]", protocol.design);
     append(text, "[timing]", protocol.timing);
+    if (protocol.response != ResponseSpec{}) {
+        append(text, "[response]", protocol.response);
+    }
     append(text, "[observer]", protocol.observer);
+    if (protocol.masking != MaskingSpec{}) {
+        append(text, "[masking]", protocol.masking);
+    }
+    for (std::size_t i = 0; i < kLanguageCount; ++i) {
+        if (protocol.instructions[i] != InstructionTexts{}) {
+            append(text, fmt::format("[instructions.{}]", kLanguages[i]), protocol.instructions[i]);
+        }
+    }
     return text;
 }
 

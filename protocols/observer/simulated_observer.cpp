@@ -62,13 +62,13 @@ void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
     }
 }
 
-Choice SimulatedObserver::choose(const TrialView& trial, std::span<const Picture> pictures) {
+Choice SimulatedObserver::choose(const TrialView& trial, const Question& question) {
     key_.block = trial.number;
     Pcg32 random = stream(key_);
     const bool lapse = uniform_draw(random) < spec_.lapse;
     const double noise = spec_.noise * normal_draw(random);
     const auto any =
-        random.bounded(static_cast<std::uint32_t>(std::max<std::size_t>(pictures.size(), 1)));
+        random.bounded(static_cast<std::uint32_t>(std::max<std::size_t>(question.answers, 1)));
 
     percept_ = evidence();
     Choice choice{.place = any, .reaction_s = reaction_time(random)};

@@ -49,7 +49,7 @@ public:
     [[nodiscard]] Signal ready(const TrialView& trial) override;
     [[nodiscard]] Exploring explore(const TrialView& trial, double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
-    [[nodiscard]] Choice choose(const TrialView& trial, std::span<const Picture> pictures) override;
+    [[nodiscard]] Choice choose(const TrialView& trial, const Question& question) override;
     [[nodiscard]] Signal gap(double seconds) override;
     [[nodiscard]] Signal rest(double seconds, const TrialView& next) override;
     void finish(const SessionView& session) override;

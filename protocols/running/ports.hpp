@@ -4,6 +4,7 @@
 
 #include "protocols/running/apparatus.hpp"
 #include "protocols/running/observer.hpp"
+#include "protocols/running/operator_desk.hpp"
 #include "protocols/running/recorder.hpp"
 
 namespace palpate::protocols {
@@ -23,6 +24,7 @@ struct Ports {
                                                                                const TrialResult&) {
     };
     std::function<void(double)> pause = sleep_for;  ///< between two questions after a fault, s
+    OperatorDesk* desk = nullptr;                   ///< none: nobody asks for anything
 };
 
 }  // namespace palpate::protocols

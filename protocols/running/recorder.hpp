@@ -77,6 +77,8 @@ struct TrialResult {
     std::optional<Fault> fault;        ///< none unless faulted
     std::string
         invalid;  ///< why an answer does not count, a phrase; empty: it does, or there is none
+    bool begun =
+        true;  ///< false: the desk wanted something before the first tick, nothing is recorded
 };
 
 /// Constants of the compiled scene that needed exp, kept because exp differs between machines.
@@ -105,6 +107,11 @@ public:
     /// Something that happened: "break", "abort", "fault", "reconnect", "go on",
     /// "timing", ... with a sentence.
     virtual void event(std::string_view kind, std::string_view text) = 0;
+    /// The answer of a trial that has ended does not count after all: it stays, with the reason.
+    virtual void mark(TrialId trial, std::string_view reason) {
+        static_cast<void>(trial);
+        static_cast<void>(reason);
+    }
     /// All planned trials are done.
     virtual void finish_session() = 0;
 };

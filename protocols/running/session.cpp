@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/servo.hpp"
 #include "protocols/running/trial_runner.hpp"
 #include "protocols/running/trouble.hpp"
 
@@ -29,16 +30,30 @@ public:
         if (ports_.observer.welcome(view) == Signal::abort) {
             return stopped();
         }
-        for (bool first = true; !pending_.empty(); first = false) {
+        for (bool fresh = true; heed_mark(), !pending_.empty();) {
+            const TrialView next = view_of_next();
+            if (heed_pause(next) == Signal::abort || (!fresh && between(next) == Signal::abort)) {
+                return stopped();
+            }
+            fresh = true;  // what is wanted now comes without another gap
+            if (wanted()) {
+                continue;
+            }
             const PlannedTrial& planned = plan_.trials.at(pending_.next());
-            const TrialView trial = runner_.view_of(planned, pending_.answered() + 1);
-            if (!first && between(trial) == Signal::abort) {
-                return stopped();
-            }
-            const TrialResult result = runner_.run(planned, trial);
+            const TrialResult result = runner_.run(planned, next);
             if (result.outcome == Outcome::aborted) {
+                if (result.begun) {
+                    last_
+                        .reset();  // a mark that was made meanwhile was not meant for the one before
+                }
                 return stopped();
             }
+            if (!result.begun) {
+                continue;
+            }
+            fresh = false;
+            last_ = Last{planned.position, result.outcome, runner_.last(),
+                         result.response && result.invalid.empty(), pending_};
             pending_.note(planned.position, result.outcome, result.invalid.empty());
             note_invalid(planned, result);
             faults_ = result.fault ? faults_ + 1 : 0;
@@ -63,6 +78,41 @@ public:
     }
 
 private:
+    [[nodiscard]] TrialView view_of_next() const {
+        return runner_.view_of(plan_.trials.at(pending_.next()), pending_.answered() + 1);
+    }
+
+    [[nodiscard]] bool wanted() const { return ports_.desk != nullptr && ports_.desk->wants(); }
+
+    /// A mark concerns the last attempt, which was the last to change what is left: that change is made
+    /// again, with an answer that does not count. So does whoever resumes from the database.
+    void heed_mark() {
+        if (ports_.desk == nullptr || !ports_.desk->take_mark()) {
+            return;
+        }
+        if (!last_ || !last_->counts) {
+            ports_.recorder.event("note", "a mark found no answer that counts");
+            return;
+        }
+        ports_.recorder.mark(last_->id, kMarkedAtDesk);
+        pending_ = last_->before;
+        pending_.note(last_->position, last_->outcome, false);
+        last_.reset();
+    }
+
+    Signal heed_pause(const TrialView& next) {
+        if (ports_.desk == nullptr || !ports_.desk->take_pause()) {
+            return Signal::go_on;
+        }
+        ports_.recorder.event("pause", before_next());
+        const std::int64_t begun = engine::monotonic_ns();
+        const Signal signal = ports_.observer.pause(next);
+        ports_.recorder.event(
+            "go on", fmt::format("after a pause of {:.1f} s",
+                                 static_cast<double>(engine::monotonic_ns() - begun) * 1e-9));
+        return signal;
+    }
+
     /// A break where the plan has one after as many answered trials, once; a gap elsewhere.
     Signal between(const TrialView& next) {
         const std::size_t done = pending_.answered();
@@ -84,6 +134,7 @@ private:
     }
 
     SessionEnd stopped() {
+        heed_mark();
         note_timing();
         ports_.recorder.event("abort", before_next());
         return {.why = SessionEnd::Why::aborted, .next = pending_.next()};
@@ -118,6 +169,16 @@ private:
     PendingTrials pending_;
     std::size_t rested_;      ///< answered trials at the last break, or when this run began
     std::size_t faults_ = 0;  ///< in a row
+
+    /// The attempt before now.
+    struct Last {
+        std::size_t position = 0;
+        Outcome outcome{};
+        TrialId id = 0;
+        bool counts = false;   ///< it has an answer, and no rule of [invalid] was broken
+        PendingTrials before;  ///< what was left when it began
+    };
+    std::optional<Last> last_;
 };
 
 }  // namespace

@@ -33,6 +33,10 @@ struct SessionEnd {
 /// ticks, and is set back too; the session goes on when the device works and the observer agrees. Breaks
 /// come after as many answered trials as the plan says, whichever these were.
 ///
+/// At the desk the experimenter may mark the running or the last trial: its answer stays, does not count,
+/// and its position is set back as if it had never counted; and may pause before the next trial: events
+/// "pause" and "go on" tell when and for how long. Both work from the welcome to the ready screen as well.
+///
 /// In real time an event "timing" at each fault and at the end tells how late the ticks so far were.
 [[nodiscard]] SessionEnd run_session(const Protocol& protocol,
                                      const Plan& plan,

@@ -51,11 +51,17 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, const TrialView& view)
     TrialResult result;
     if (ports_.observer.ready(view) == Signal::abort || ports_.interrupted()) {
         result.outcome = Outcome::aborted;
+        result.begun = false;
+        return result;
+    }
+    if (ports_.desk != nullptr && ports_.desk->wants()) {
+        result.begun = false;
         return result;
     }
     const engine::Scene scene = make_scene(protocol_, planned.condition);
     const TrialId id = ports_.recorder.begin_trial(
         planned, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
+    last_ = id;
     meter_ = TrialMeter(protocol_.apparatus.stiffness);
     tripped_s_.reset();
     {
@@ -132,7 +138,7 @@ void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
 }
 
 void TrialRunner::answer(const PlannedTrial& planned, const TrialView& view, TrialResult& result) {
-    const Choice choice = ports_.observer.choose(view, pictures_);
+    const Choice choice = ports_.observer.choose(view, which_of(pictures_));
     if (choice.signal == Signal::abort) {
         result.outcome = Outcome::aborted;
         return;

@@ -20,6 +20,9 @@ public:
     /// and when anything is thrown.
     TrialResult run(const PlannedTrial& planned, const TrialView& view);
 
+    /// The attempt that was recorded last; 0: none yet.
+    [[nodiscard]] TrialId last() const noexcept { return last_; }
+
     /// @param number  of the trial as shown, 1, 2, ...
     [[nodiscard]] TrialView view_of(const PlannedTrial& planned, std::size_t number) const;
 
@@ -35,6 +38,7 @@ private:
     Ports& ports_;
     bool simulated_;
     std::vector<Picture> pictures_;
+    TrialId last_ = 0;
     TrialMeter meter_{1.0};
     std::optional<double> tripped_s_;  ///< when the running trial's force went off by itself
     std::int64_t dropped_ = 0;         ///< ticks lost so far in this run

@@ -54,6 +54,12 @@ constexpr std::array<std::string_view, 36> kSplinters{"-",
                                                       "[exclusion]\n",
                                                       "catch_correct_min = 0.5\n"};
 
+/// Tables that the default study leaves out.
+constexpr std::string_view kYounger =
+    "[masking]\nnoise = \"pink\"\nlevel_db = -24\n[instructions.en]\nwelcome = "
+    "\"Feel.\\nAnswer.\"\n"
+    "[instructions.tr]\nwelcome = \"Hissedin.\"\nbreak = \"Mola\"\n";
+
 std::string mutated(std::string text, Random& random) {
     const auto somewhere = [&] {
         return static_cast<std::size_t>(random.below(static_cast<int>(text.size())));
@@ -98,7 +104,8 @@ TEST_CASE("no file, however broken, does more than be refused line by line", "[p
     const std::string file = GENERATE(as<std::string>{}, "protocols/library/shape_friction.toml",
                                       "tests/golden/free_forms.toml");
     std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
-    const std::string study{std::istreambuf_iterator<char>(stream), {}};
+    std::string study{std::istreambuf_iterator<char>(stream), {}};
+    study += kYounger;
     const std::regex form("^[^:]+:[0-9]+:[0-9]+: .+");
     int accepted = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {

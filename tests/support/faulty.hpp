@@ -136,7 +136,7 @@ public:
                 .at_s = elapsed_s};
     }
     protocols::Choice choose(const protocols::TrialView& /*trial*/,
-                             std::span<const protocols::Picture> /*pictures*/) override {
+                             const protocols::Question& /*question*/) override {
         return {};
     }
     protocols::Signal gap(double /*seconds*/) override { return protocols::Signal::go_on; }

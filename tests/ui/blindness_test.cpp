@@ -1,4 +1,7 @@
+#include <atomic>
 #include <chrono>
+#include <functional>
+#include <map>
 #include <set>
 #include <string>
 #include <thread>
@@ -66,9 +69,9 @@ public:
         ++frames_;
         return {.signal = elapsed_s > 0.2 ? Signal::done : Signal::go_on, .at_s = elapsed_s};
     }
-    Choice choose(const TrialView& /*trial*/, std::span<const Picture> pictures) override {
-        screen_.stage().show([pictures](ui::Window& window) {
-            draw(window, ui::ChooseFace{pictures, 0, false});
+    Choice choose(const TrialView& /*trial*/, const Question& question) override {
+        screen_.stage().show([question](ui::Window& window) {
+            draw(window, ui::ChooseFace{question, 0, false});
         });
         pictures_.insert(frame());
         return {};
@@ -132,7 +135,10 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
 TEST_CASE("nothing of the condition is among what the explore screen is drawn from",
           "[blind][law]") {
     // Whoever adds a member to the face must come here and say why it cannot tell the shape.
-    const auto [number, total, practice, may_finish, prompt, dead_man] = ui::ExploreFace{};
+    const auto [number, total, practice, may_finish, prompt, dead_man, interval, intervals,
+                asks_shape] = ui::ExploreFace{};
+    // Every trial has as many intervals as the others, and asks the same question.
+    CHECK((interval == 1 && intervals == 1 && asks_shape));
     CHECK(std::is_same_v<std::remove_const_t<decltype(number)>, std::size_t>);
     CHECK(std::is_same_v<std::remove_const_t<decltype(total)>, std::size_t>);
     CHECK_FALSE((practice || may_finish || prompt || dead_man));
@@ -201,4 +207,122 @@ TEST_CASE("nothing of the condition is among what the trouble screen is drawn fr
     CHECK((sentence.empty() && !solved));
     const auto [text, is_solved, tries, in_a_row] = TroubleView{};
     CHECK((text.empty() && !is_solved && tries == 0 && in_a_row == 1));
+}
+
+TEST_CASE(
+    "every screen of a trial of two intervals is the same to the pixel for all conditions, the "
+    "question too",
+    "[blind][answers][law]") {
+    /// Shows the real screens of both intervals for each trial of a session, and answers by itself.
+    class TwoIntervals : public tests::Patient {
+    public:
+        TwoIntervals()
+            : screen_({.window = {.font = {}, .instructions = {}},
+                       .watermark = {},
+                       .interrupted = {},
+                       .on_pointer = {},
+                       .asks = ResponseKind::two_interval,
+                       .on_hold = {},
+                       .on_stop = {}}) {}
+        Signal ready(const TrialView& trial) override {
+            for (const std::size_t interval : {std::size_t{1}, std::size_t{2}}) {
+                press_soon(SDLK_SPACE,
+                           [&] { static_cast<void>(screen_.ready(of(trial, interval))); });
+                see("ready", interval);
+            }
+            return Signal::go_on;
+        }
+        Exploring explore(const TrialView& trial, double elapsed_s) override {
+            const std::size_t interval = elapsed_s < 0.1 ? 1 : 2;
+            static_cast<void>(screen_.explore(of(trial, interval), elapsed_s));
+            see("explore", interval);
+            return Patient::explore(trial, elapsed_s);
+        }
+        Choice choose(const TrialView& trial, const Question& question) override {
+            Question asked = question;
+            asked.kind = ResponseKind::two_interval;
+            asked.answers = 2;
+            asked.confidence = true;
+            press_soon(SDLK_1, [&] { static_cast<void>(screen_.choose(of(trial, 2), asked)); });
+            see("confidence", 2);
+            screen_.stage().show([&](ui::Window& window) {
+                draw(window, ui::ChooseFace{asked, 1, false});
+            });
+            see("question", 2);
+            return {};
+        }
+        Signal gap(double /*seconds*/) override {
+            static_cast<void>(screen_.gap(0.0));
+            see("gap", 0);
+            return Signal::go_on;
+        }
+        std::map<std::string, std::set<std::string>> seen;
+
+    private:
+        /// One and the same number for all trials.
+        static TrialView of(const TrialView& trial, std::size_t interval) {
+            TrialView view = trial;
+            view.number = 1;
+            view.practice = false;
+            view.interval = interval;
+            view.intervals = 2;
+            return view;
+        }
+        static void press_soon(SDL_Keycode key, const std::function<void()>& ask) {
+            std::atomic<bool> answered{false};
+            std::thread subject([&] {
+                while (!answered) {
+                    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+                    SDL_Event event{};
+                    event.type = SDL_KEYDOWN;
+                    event.key.keysym.sym = key;
+                    SDL_PushEvent(&event);
+                }
+            });
+            ask();
+            answered = true;
+            subject.join();
+        }
+        void see(const std::string& screen, std::size_t interval) {
+            const std::vector<std::uint8_t> pixels = screen_.stage().window().pixels();
+            seen[screen + std::to_string(interval)].insert(
+                sha256_hex(std::string(pixels.begin(), pixels.end())));
+        }
+        ui::SubjectScreen screen_;
+    };
+    tests::draw_into_memory();
+    const Protocol protocol = tests::short_protocol();
+    const Plan plan = tests::plan_of(protocol);
+    tests::World world;
+    tests::FaultyApparatus apparatus(world);
+    TwoIntervals screen;
+    Forgetful recorder;
+    const SessionEnd end =
+        run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, screen, recorder});
+    CHECK(end.why == SessionEnd::Why::finished);
+    CHECK(recorder.conditions.size() >= 6);
+    std::set<std::string> all;
+    for (const auto& [name, pictures] : screen.seen) {
+        CAPTURE(name);
+        CHECK(pictures.size() == 1);
+        all.insert(pictures.begin(), pictures.end());
+    }
+    CHECK(screen.seen.size() == 7);
+    CHECK(all.size() == 7);  // the test sees differences where there are some
+}
+
+TEST_CASE("nothing of the condition is among what the ready and answer screens are drawn from",
+          "[blind][answers][law]") {
+    // As above. What a question says is the same for every trial of a session.
+    const auto [number, total, practice, dead_man, interval, intervals] = ui::ReadyFace{};
+    CHECK((number == 0 && total == 0 && !practice && !dead_man && interval == 1 && intervals == 1));
+    const auto [question, selected, watched] = ui::ChooseFace{};
+    const auto& [kind, text, pictures, answers, labels, confidence] = question;
+    CHECK((kind == ResponseKind::identification && text.empty() && pictures.empty() &&
+           answers == 0 && labels.empty() && !confidence && !selected && !watched));
+    const auto [sure] = ui::ConfidenceFace{};
+    CHECK_FALSE(sure);
+    const auto [shown, of, practising, least_s, prompt_s, timeout_s, nth, in_all] = TrialView{};
+    CHECK((shown == 0 && of == 0 && !practising && least_s == 0.0 && prompt_s == 0.0 &&
+           timeout_s == 0.0 && nth == 1 && in_all == 1));
 }

@@ -14,6 +14,7 @@
 #include "ui/cli/commands.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/plan_text.hpp"
+#include "ui/cli/study_advice.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -65,6 +66,16 @@ void print_duration(const Protocol& protocol, const Plan& plan) {
         minutes(duration.longest));
 }
 
+void print_advice(const Protocol& protocol) {
+    if (protocol.masking.noise != protocols::Noise::none) {
+        fmt::print("masking noise: {} at {:g} dB re full scale\n",
+                   protocols::word_of(protocol.masking.noise), protocol.masking.level_db);
+    }
+    for (const std::string& sentence : advice_on(protocol)) {
+        fmt::print("  warning: {}\n", sentence);
+    }
+}
+
 /// @return whether it can be run
 bool print_feasibility(const Study& study,
                        const protocols::SessionKey& key,
@@ -103,6 +114,7 @@ int check_command(const CheckOptions& options) {
     }
     print_design(study, plan);
     print_duration(study.protocol, plan);
+    print_advice(study.protocol);
     std::fflush(stdout);
     const bool feasible = print_feasibility(study, key, options);
     if (!options.svg.empty()) {

@@ -65,6 +65,9 @@ void add_run(CLI::App& app, Options& chosen) {
                      "comedi: 0.3 wakes up on time to a microsecond and costs processor time")
         ->check(CLI::Range(0.0, 0.5))
         ->capture_default_str();
+    command->add_flag(
+        "--no-sound", run.screen.no_sound,
+        "No masking noise, whatever the protocol asks for; recorded with the session");
     add_screen(*command, run.screen);
 }
 
@@ -215,6 +218,10 @@ void add_screenshots(CLI::App& app, Options& chosen) {
         app.add_subcommand("screenshots", "Write a picture of every subject screen (PNG)");
     auto& shots = options_of<ScreenshotOptions>(command, chosen);
     command->add_option("-o,--output", shots.directory, "Folder for the pictures")
+        ->capture_default_str();
+    command
+        ->add_option("--protocol", shots.protocol,
+                     "Whose pictures and instructions to show: a protocol file or a shipped one")
         ->capture_default_str();
     command->add_option("--font", shots.font, "A TrueType font");
     command->add_option("--language", shots.language, "Of the sentences: en or tr")

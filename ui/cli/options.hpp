@@ -14,8 +14,9 @@ namespace palpate::ui {
 struct ScreenOptions {
     bool headless = false;  ///< no window: the simulated observer answers
     bool fullscreen = false;
-    std::string font;    ///< a TTF file; empty: DejaVu Sans of the system
-    double speed = 0.0;  ///< multiple of real time of simulated and replayed hands, 0: default
+    std::string font;       ///< a TTF file; empty: DejaVu Sans of the system
+    double speed = 0.0;     ///< multiple of real time of simulated and replayed hands, 0: default
+    bool no_sound = false;  ///< no masking noise, whatever the protocol asks for
 };
 
 struct RunOptions {
@@ -105,6 +106,8 @@ struct SqlOptions {
 struct ExtensionOptions {};
 
 struct ScreenshotOptions {
+    std::string protocol =
+        "shape_friction";  ///< a file or a shipped one: its pictures, instructions
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
     std::string font;

@@ -15,8 +15,10 @@
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/open_apparatus.hpp"
+#include "ui/cli/open_masking.hpp"
 #include "ui/cli/provenance.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/sound/masked_observer.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
 
@@ -38,11 +40,17 @@ std::unique_ptr<protocols::Observer> make_simulated_observer(
         plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
 }
 
-SubjectScreenOptions screen_options(const RigSpec& spec, protocols::Apparatus& apparatus) {
+SubjectScreenOptions screen_options(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk) {
     SubjectScreenOptions options;
+    options.desk = &desk;
     options.window.fullscreen = spec.screen.fullscreen;
     options.window.font = spec.screen.font;
     options.window.language = spec.study.protocol.language;
+    options.window.instructions =
+        spec.study.protocol.instructions.at(static_cast<std::size_t>(spec.study.protocol.language));
+    options.asks = spec.study.protocol.response.kind;
     options.start = spec.study.protocol.apparatus.start;
     options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
                       : spec.kind == data::RunKind::pilot     ? "PILOT"
@@ -75,7 +83,8 @@ struct Observers {
 
 Observers make_observers(const RigSpec& spec,
                          const protocols::Plan& plan,
-                         protocols::Apparatus& apparatus) {
+                         protocols::Apparatus& apparatus,
+                         protocols::OperatorDesk& desk) {
     Observers observers;
     const bool window = wants_window(spec.screen);
     if (!window || spec.watch_only) {
@@ -83,9 +92,9 @@ Observers make_observers(const RigSpec& spec,
     }
     if (window && spec.watch_only) {
         observers.screen = std::make_unique<SpectatorScreen>(*observers.simulated,
-                                                             screen_options(spec, apparatus));
+                                                             screen_options(spec, apparatus, desk));
     } else if (window) {
-        observers.screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus));
+        observers.screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk));
     }
     return observers;
 }
@@ -182,7 +191,9 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const OpenedApparatus felt = open_apparatus(spec);
     heed(felt);
     const auto& apparatus = felt.port;
-    const Observers observers = make_observers(spec, plan, *apparatus);
+    protocols::OperatorDesk desk;
+    const Observers observers = make_observers(spec, plan, *apparatus, desk);
+    const OpenedMasking masking = open_masking(spec);
     auto shaped_by = provenance(protocol);
     shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());
 
@@ -201,8 +212,15 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
     data::SqliteRecorder recorder(database, protocol, opened.id);
-    data::AsyncRecorder writer(
+    data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
+    if (!masking.note.empty()) {
+        record.event("masking", masking.note);
+    }
+    const auto masked = masking.player
+                          ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
+                                                             record, masking.required)
+                          : nullptr;
     return {.session =
                 run_session(protocol, plan,
                             {.title = protocol.title,
@@ -213,8 +231,8 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                              .device = apparatus->device_name()},
                             opened.pending,
                             {.apparatus = *apparatus,
-                             .observer = observers.port(),
-                             .recorder = writer,
+                             .observer = masked ? *masked : observers.port(),
+                             .recorder = record,
                              .interrupted = [] { return interrupted(); },
                              .progress =
                                  [&](const PlannedTrial& planned, const TrialResult& result) {

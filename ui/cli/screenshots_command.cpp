@@ -11,14 +11,16 @@
 namespace palpate::ui {
 
 int screenshots_command(const ScreenshotOptions& options) {
-    const Study study = load_study("shape_friction");
+    const Study study = load_study(options.protocol);
     const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
+    const auto language =
+        options.language == "tr" ? protocols::Language::tr : protocols::Language::en;
     std::filesystem::create_directories(options.directory);
-    for (const std::string& file :
-         write_screenshots(options.directory, pictures,
-                           {.font = options.font,
-                           .language = options.language == "tr" ? protocols::Language::tr
-                                                                : protocols::Language::en})) {
+    for (const std::string& file : write_screenshots(
+             options.directory, pictures,
+             {.font = options.font,
+             .language = language,
+             .instructions = study.protocol.instructions.at(static_cast<std::size_t>(language))})) {
         fmt::print("{}\n", file);
     }
     return 0;

@@ -1,11 +1,10 @@
 #include <cstring>
 
 #include <SDL.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "ui/doctor/checks.hpp"
+#include "ui/sound/hush.hpp"
 #include "ui/subject/window.hpp"
 
 namespace palpate::ui {
@@ -27,32 +26,6 @@ public:
 private:
     Uint32 flag_;
     bool works_;
-};
-
-/// Sends standard error nowhere while it lives: sound libraries write pages there when there is no sound,
-/// and what matters of it is in SDL's error.
-class Hush {
-public:
-    Hush() : saved_(dup(STDERR_FILENO)), nowhere_(open("/dev/null", O_WRONLY | O_CLOEXEC)) {
-        if (saved_ >= 0 && nowhere_ >= 0) {
-            dup2(nowhere_, STDERR_FILENO);
-        }
-    }
-    Hush(const Hush&) = delete;
-    Hush& operator=(const Hush&) = delete;
-    ~Hush() {
-        if (saved_ >= 0) {
-            dup2(saved_, STDERR_FILENO);
-            close(saved_);
-        }
-        if (nowhere_ >= 0) {
-            close(nowhere_);
-        }
-    }
-
-private:
-    int saved_;
-    int nowhere_;
 };
 
 bool is_real(const char* driver) {

@@ -2,9 +2,9 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "protocols/running/observer.hpp"
-#include "ui/subject/picture_row.hpp"
 #include "ui/subject/window.hpp"
 
 /// What each screen looks like: pure functions from a few values to pixels.
@@ -15,6 +15,7 @@ struct WelcomeFace {
     std::size_t trials = 0;
     bool resumed = false;
     bool moves_pointer = false;  ///< the mouse is the handle
+    protocols::ResponseKind asks = protocols::ResponseKind::identification;
 };
 void draw(Window& window, const WelcomeFace& face);
 
@@ -22,7 +23,9 @@ struct ReadyFace {
     std::size_t number = 0;
     std::size_t total = 0;
     bool practice = false;
-    bool dead_man = false;  ///< Space has to be held
+    bool dead_man = false;     ///< Space has to be held
+    std::size_t interval = 1;  ///< of the trial, 1 .. intervals
+    std::size_t intervals = 1;
 };
 void draw(Window& window, const ReadyFace& face);
 
@@ -32,20 +35,36 @@ struct ExploreFace {
     std::size_t number = 0;
     std::size_t total = 0;
     bool practice = false;
-    bool may_finish = false;  ///< the least exploration time has passed
-    bool prompt = false;      ///< time to decide
-    bool dead_man = false;    ///< Space is held, Enter is done
+    bool may_finish = false;   ///< the least exploration time has passed
+    bool prompt = false;       ///< time to decide
+    bool dead_man = false;     ///< Space is held, Enter is done
+    std::size_t interval = 1;  ///< of the trial, 1 .. intervals
+    std::size_t intervals = 1;
+    bool asks_shape = true;  ///< pictures will come; the same for all trials of a session
 
     friend bool operator==(const ExploreFace&, const ExploreFace&) = default;
 };
 void draw(Window& window, const ExploreFace& face);
 
+/// The question with its answers, which are the same for every trial of a session.
 struct ChooseFace {
-    std::span<const protocols::Picture> pictures;
+    protocols::Question question;  ///< its pictures outlive the face
     std::optional<std::size_t> selected;
     bool watched = false;  ///< a simulated observer chooses, people only look on
 };
 void draw(Window& window, const ChooseFace& face);
+
+/// After the answer: how sure, 1 to 4.
+struct ConfidenceFace {
+    std::optional<std::size_t> selected;
+};
+void draw(Window& window, const ConfidenceFace& face);
+
+/// After the answer, where the protocol says so.
+struct FeedbackFace {
+    bool right = false;
+};
+void draw(Window& window, const FeedbackFace& face);
 
 struct BreakFace {
     int seconds_left = 0;  ///< 0: the participant may go on
@@ -63,6 +82,10 @@ struct TroubleFace {
 };
 void draw(Window& window, const TroubleFace& face);
 
+/// Until the experimenter goes on.
+struct PauseFace {};
+void draw(Window& window, const PauseFace& face);
+
 struct GapFace {};
 void draw(Window& window, const GapFace& face);
 
@@ -71,7 +94,7 @@ void draw(Window& window, const EndFace& face);
 
 /// In the upper right corner of every screen: SIMULATED or PILOT.
 void draw_watermark(Window& window, const std::string& text);
-/// The second step of stopping a session.
-void draw_stop_question(Window& window);
+/// A sentence for the experimenter at the lower edge, over whatever is shown.
+void draw_bar(Window& window, std::string_view sentence);
 
 }  // namespace palpate::ui

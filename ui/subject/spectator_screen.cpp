@@ -30,18 +30,23 @@ Signal or_abort(bool aborted, Signal signal) {
 SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScreenOptions& options)
     : observer_(observer),
       on_stop_(options.on_stop),
+      asks_(options.asks),
       stage_(options.window, options.watermark, options.interrupted) {}
 
 Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
-    stage_.show(
-        drawing(WelcomeFace{.trials = session.trials - session.next, .resumed = session.next > 0}));
+    stage_.show(drawing(WelcomeFace{
+        .trials = session.trials - session.next, .resumed = session.next > 0, .asks = asks_}));
     return or_abort(stage_.wait_or_abort(3.0 * kLook), observer_.welcome(session));
 }
 
 Signal SpectatorScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
     in_trouble_.reset();
-    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice, false}));
+    stage_.show(drawing(ReadyFace{.number = trial.number,
+                                  .total = trial.total,
+                                  .practice = trial.practice,
+                                  .interval = trial.interval,
+                                  .intervals = trial.intervals}));
     return or_abort(stage_.wait_or_abort(kLook), observer_.ready(trial));
 }
 
@@ -51,7 +56,10 @@ Exploring SpectatorScreen::explore(const protocols::TrialView& trial, double ela
                            .practice = trial.practice,
                            .may_finish = elapsed_s >= trial.explore_min_s,
                            .prompt = elapsed_s >= trial.explore_prompt_s,
-                           .dead_man = false};
+                           .dead_man = false,
+                           .interval = trial.interval,
+                           .intervals = trial.intervals,
+                           .asks_shape = asks_ == protocols::ResponseKind::identification};
     if (exploring_ != face) {
         exploring_ = face;
         stage_.show(drawing(face));
@@ -71,16 +79,24 @@ void SpectatorScreen::feel(std::span<const engine::TickRecord> ticks) {
 }
 
 Choice SpectatorScreen::choose(const protocols::TrialView& trial,
-                               std::span<const protocols::Picture> pictures) {
-    stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = {}, .watched = true}));
-    const bool stopped = stage_.wait_or_abort(2.0 * kLook);
-    const Choice choice = observer_.choose(trial, pictures);
+                               const protocols::Question& question) {
+    stage_.show(drawing(ChooseFace{.question = question, .selected = {}, .watched = true}));
+    bool stopped = stage_.wait_or_abort(2.0 * kLook);
+    const Choice choice = observer_.choose(trial, question);
     stage_.show(
-        drawing(ChooseFace{.pictures = pictures, .selected = choice.place, .watched = true}));
-    if (stopped || stage_.wait_or_abort(1.5 * kLook)) {
-        return {.signal = Signal::abort};
+        drawing(ChooseFace{.question = question, .selected = choice.place, .watched = true}));
+    stopped = stopped || stage_.wait_or_abort(1.5 * kLook);
+    if (choice.confidence) {
+        stage_.show(
+            drawing(ConfidenceFace{.selected = static_cast<std::size_t>(*choice.confidence - 1)}));
+        stopped = stopped || stage_.wait_or_abort(kLook);
     }
-    return choice;
+    return stopped ? Choice{.signal = Signal::abort} : choice;
+}
+
+Signal SpectatorScreen::feedback(const protocols::TrialView& trial, bool correct) {
+    stage_.show(drawing(FeedbackFace{correct}));
+    return or_abort(stage_.wait_or_abort(kLook), observer_.feedback(trial, correct));
 }
 
 Signal SpectatorScreen::gap(double seconds) {

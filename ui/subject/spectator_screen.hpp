@@ -18,7 +18,9 @@ public:
                                                double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
-                                           std::span<const protocols::Picture> pictures) override;
+                                           const protocols::Question& question) override;
+    [[nodiscard]] protocols::Signal feedback(const protocols::TrialView& trial,
+                                             bool correct) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
     [[nodiscard]] std::optional<protocols::Signal> trouble(
@@ -28,6 +30,7 @@ public:
 private:
     protocols::Observer& observer_;
     std::function<void()> on_stop_;
+    protocols::ResponseKind asks_;
     Stage stage_;
     std::optional<ExploreFace> exploring_;
     std::optional<TroubleFace> in_trouble_;

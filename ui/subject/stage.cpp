@@ -24,11 +24,15 @@ bool is_release(const SDL_Event& event) {
 
 }  // namespace
 
-Stage::Stage(const WindowOptions& window, std::string watermark, std::function<bool()> interrupted)
+Stage::Stage(const WindowOptions& window,
+             std::string watermark,
+             std::function<bool()> interrupted,
+             protocols::OperatorDesk* desk)
     : window_(window),
       watermark_(std::move(watermark)),
       interrupted_(std::move(interrupted)),
-      looked_ns_(monotonic_ns()) {}
+      looked_ns_(monotonic_ns()),
+      desk_(desk) {}
 
 std::int64_t Stage::show(std::function<void(Window&)> face) {
     face_ = std::move(face);
@@ -44,8 +48,11 @@ void Stage::redraw() {
     if (!watermark_.empty()) {
         draw_watermark(window_, watermark_);
     }
-    if (asked_until_ns_ != 0) {
-        draw_stop_question(window_);
+    if (bar_ != Bar::none) {
+        const Words& words = window_.words();
+        draw_bar(window_, bar_ == Bar::stop   ? words.stop_question
+                          : bar_ == Bar::mark ? words.mark_question
+                                              : words.pause_comes);
     }
     window_.present();
 }
@@ -64,17 +71,45 @@ Forgotten Stage::forget_earlier() {
     return forgotten;
 }
 
-void Stage::ask_to_stop() {
-    asked_until_ns_ = monotonic_ns() + kStopQuestionNs;
+void Stage::show_bar(Bar bar) {
+    bar_ = bar;
+    bar_until_ns_ = monotonic_ns() + kStopQuestionNs;
     redraw();
 }
 
+void Stage::drop_bar() {
+    bar_ = Bar::none;
+}
+
 Input Stage::answer_question(std::int32_t symbol) {
-    asked_until_ns_ = 0;
+    const Bar asked = std::exchange(bar_, Bar::none);
     redraw();
-    return {.kind = symbol == SDLK_y      ? Input::Kind::abort
-                  : symbol == SDLK_ESCAPE ? Input::Kind::stop
-                                          : Input::Kind::none};
+    if (symbol == SDLK_ESCAPE) {
+        return {.kind = Input::Kind::stop};
+    }
+    if (symbol == SDLK_y && asked == Bar::mark) {
+        desk_->mark();
+    }
+    return {.kind =
+                symbol == SDLK_y && asked == Bar::stop ? Input::Kind::abort : Input::Kind::none};
+}
+
+/// Chords that no participant presses by accident. Whether it was one.
+bool Stage::chord(std::int32_t symbol, std::uint16_t modifiers) {
+    if ((modifiers & KMOD_CTRL) == 0 || (modifiers & KMOD_SHIFT) == 0) {
+        return false;
+    }
+    if (symbol == SDLK_q) {
+        show_bar(Bar::stop);
+    } else if (symbol == SDLK_m && desk_ != nullptr) {
+        show_bar(Bar::mark);
+    } else if (symbol == SDLK_p && desk_ != nullptr) {
+        desk_->pause();
+        show_bar(Bar::pause_comes);
+    } else {
+        return false;
+    }
+    return true;
 }
 
 Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
@@ -82,11 +117,10 @@ Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
         return {};
     }
     const bool modifier_alone = symbol >= SDLK_LCTRL && symbol <= SDLK_RGUI;
-    if (asked_until_ns_ != 0 && !modifier_alone) {
+    if ((bar_ == Bar::stop || bar_ == Bar::mark) && !modifier_alone) {
         return answer_question(symbol);
     }
-    if (symbol == SDLK_q && (modifiers & KMOD_CTRL) != 0 && (modifiers & KMOD_SHIFT) != 0) {
-        ask_to_stop();
+    if (chord(symbol, modifiers)) {
         return {};
     }
     switch (symbol) {
@@ -119,8 +153,8 @@ Input Stage::next(int wait_ms) {
         if (interrupted_ && interrupted_()) {
             return {.kind = Input::Kind::abort};
         }
-        if (asked_until_ns_ != 0 && monotonic_ns() > asked_until_ns_) {
-            asked_until_ns_ = 0;
+        if (bar_ != Bar::none && monotonic_ns() > bar_until_ns_) {
+            bar_ = Bar::none;
             redraw();
         }
         SDL_Event event;
@@ -143,7 +177,7 @@ Input Stage::next(int wait_ms) {
         } else if (event.type == SDL_MOUSEMOTION) {
             input = {.kind = Input::Kind::motion, .pixel = {event.motion.x, event.motion.y}};
         } else if (event.type == SDL_QUIT) {
-            ask_to_stop();
+            show_bar(Bar::stop);
         } else if (event.type == SDL_WINDOWEVENT &&
                    (event.window.event == SDL_WINDOWEVENT_EXPOSED ||
                     event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "protocols/running/operator_desk.hpp"
 #include "ui/subject/window.hpp"
 
 namespace palpate::ui {
@@ -38,14 +39,21 @@ struct Forgotten {
 
 /// A window, what it shows now, and what people do. Knows the two-step stop: Ctrl+Shift+Q or closing the
 /// window asks, Y within 3 s stops; nothing else can end a session. Escape is one step, and ends no more
-/// than a trial.
+/// than a trial. For the experimenter's desk, Ctrl+Shift+M and Y within 3 s marks the trial, and
+/// Ctrl+Shift+P asks for a pause; both say so at the lower edge.
 class Stage {
 public:
     /// @param interrupted  a signal asks the session to end
-    Stage(const WindowOptions& window, std::string watermark, std::function<bool()> interrupted);
+    /// @param desk         outlives this; none: its keys do nothing
+    Stage(const WindowOptions& window,
+          std::string watermark,
+          std::function<bool()> interrupted,
+          protocols::OperatorDesk* desk = nullptr);
 
     /// Shows `face` from now on, redrawn whenever the window needs it. Returns the time of presentation.
     std::int64_t show(std::function<void(Window&)> face);
+    /// Nothing at the lower edge from the next show() on.
+    void drop_bar();
     /// Waits up to `wait_ms` for something that matters.
     Input next(int wait_ms);
     /// Forgets presses and clicks that came before now: they were meant for another screen.
@@ -61,14 +69,19 @@ private:
     void redraw();
     Input key(std::int32_t symbol, std::uint16_t modifiers, bool repeat);
     Input answer_question(std::int32_t symbol);
-    void ask_to_stop();
+    /// What the bar at the lower edge says: questions to be answered by Y, and a notice.
+    enum class Bar : std::uint8_t { none, stop, mark, pause_comes };
+    void show_bar(Bar bar);
+    bool chord(std::int32_t symbol, std::uint16_t modifiers);
 
     Window window_;
     std::string watermark_;
     std::function<bool()> interrupted_;
     std::function<void(Window&)> face_;
-    std::int64_t looked_ns_ = 0;       ///< when the queue was last seen empty
-    std::int64_t asked_until_ns_ = 0;  ///< the stop question is open until then, 0: it is not
+    std::int64_t looked_ns_ = 0;  ///< when the queue was last seen empty
+    protocols::OperatorDesk* desk_;
+    Bar bar_ = Bar::none;
+    std::int64_t bar_until_ns_ = 0;
 };
 
 }  // namespace palpate::ui

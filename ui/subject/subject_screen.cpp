@@ -1,10 +1,12 @@
 #include "ui/subject/subject_screen.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
 
 #include "engine/realtime/servo.hpp"
+#include "ui/subject/answer_row.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -30,14 +32,18 @@ std::function<void(Window&)> drawing(Face face) {
 
 SubjectScreen::SubjectScreen(SubjectScreenOptions options)
     : options_(std::move(options)),
-      stage_(options_.window, options_.watermark, options_.interrupted) {}
+      stage_(options_.window, options_.watermark, options_.interrupted, options_.desk) {}
 
-Signal SubjectScreen::wait_for_go(bool space_only) {
+/// @param heeds_desk  returns as well when the experimenter wants something
+Signal SubjectScreen::wait_for_go(bool space_only, bool heeds_desk) {
     stage_.forget_earlier();
     for (;;) {
         const Input input = stage_.next(kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {
             return Signal::abort;
+        }
+        if (heeds_desk && options_.desk != nullptr && options_.desk->wants()) {
+            return Signal::go_on;
         }
         if (input.kind == Input::Kind::go || (input.kind == Input::Kind::enter && !space_only)) {
             return Signal::go_on;
@@ -60,7 +66,8 @@ void SubjectScreen::stop() {
 Signal SubjectScreen::welcome(const protocols::SessionView& session) {
     stage_.show(drawing(WelcomeFace{.trials = session.trials - session.next,
                                     .resumed = session.next > 0,
-                                    .moves_pointer = static_cast<bool>(options_.on_pointer)}));
+                                    .moves_pointer = static_cast<bool>(options_.on_pointer),
+                                    .asks = options_.asks}));
     return wait_for_go();
 }
 
@@ -68,9 +75,16 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
     in_trouble_.reset();
     hold(false);
-    stage_.show(drawing(ReadyFace{trial.number, trial.total, trial.practice, options_.dead_man}));
-    const Signal signal = wait_for_go(options_.dead_man);
-    hold(signal == Signal::go_on);
+    stage_.show(drawing(ReadyFace{.number = trial.number,
+                                  .total = trial.total,
+                                  .practice = trial.practice,
+                                  .dead_man = options_.dead_man,
+                                  .interval = trial.interval,
+                                  .intervals = trial.intervals}));
+    const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
+    const Signal signal = wait_for_go(options_.dead_man, first);
+    const bool held_up = first && options_.desk != nullptr && options_.desk->wants();
+    hold(signal == Signal::go_on && !held_up);
     return signal;
 }
 
@@ -108,7 +122,10 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
                            .practice = trial.practice,
                            .may_finish = elapsed_s >= trial.explore_min_s,
                            .prompt = elapsed_s >= trial.explore_prompt_s,
-                           .dead_man = options_.dead_man};
+                           .dead_man = options_.dead_man,
+                           .interval = trial.interval,
+                           .intervals = trial.intervals,
+                           .asks_shape = options_.asks == protocols::ResponseKind::identification};
     if (!exploring_) {
         begin_exploring();
     }
@@ -158,14 +175,11 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
     }
 }
 
-Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
-                             std::span<const protocols::Picture> pictures) {
-    stage_.window().show_pointer(true);
+Choice SubjectScreen::pick(const std::vector<Card>& cards,
+                           const std::function<std::int64_t(std::optional<std::size_t>)>& show) {
     std::optional<std::size_t> selected;
-    const std::int64_t shown =
-        stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
-    stage_
-        .forget_earlier();  // a press while the pictures were being drawn was not an answer to them
+    const std::int64_t shown = show(selected);
+    stage_.forget_earlier();  // a press while the answers were being drawn was not one of them
     const auto chosen = [&](std::size_t place, const Input& input, InputKind kind) {
         return Choice{.signal = Signal::done,
                       .place = place,
@@ -173,20 +187,19 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
                       .uncertainty_s = input.uncertainty_s,
                       .input = kind};
     };
+    const std::size_t last = cards.size() - 1;
     for (;;) {
         const Input input = stage_.next(kIdleWaitMs);
-        const std::size_t last = pictures.size() - 1;
         switch (input.kind) {
             case Input::Kind::abort:
                 return {.signal = Signal::abort};
             case Input::Kind::digit:
-                if (input.digit <= static_cast<int>(pictures.size())) {
+                if (input.digit <= static_cast<int>(cards.size())) {
                     return chosen(static_cast<std::size_t>(input.digit - 1), input, InputKind::key);
                 }
                 break;
             case Input::Kind::click:
-                if (const auto place = card_at(
-                        lay_out_cards(pictures.size(), stage_.window().size()), input.pixel)) {
+                if (const auto place = card_at(cards, input.pixel)) {
                     return chosen(*place, input, InputKind::mouse);
                 }
                 break;
@@ -197,16 +210,41 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
                 break;
             case Input::Kind::left:
                 selected = selected ? (*selected > 0 ? *selected - 1 : 0) : last;
-                stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+                show(selected);
                 break;
             case Input::Kind::right:
                 selected = selected ? std::min(*selected + 1, last) : 0;
-                stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = selected}));
+                show(selected);
                 break;
             default:
                 break;
         }
     }
+}
+
+Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
+                             const protocols::Question& question) {
+    stage_.window().show_pointer(true);
+    const engine::Vec2 size = stage_.window().size();
+    Choice choice = pick(lay_out_answers(question, size), [&](auto selected) {
+        return stage_.show(drawing(ChooseFace{question, selected, false}));
+    });
+    if (question.confidence && choice.signal == Signal::done) {
+        const Choice sure =
+            pick(lay_out_scale(protocols::kMostConfidence, size),
+                 [this](auto selected) { return stage_.show(drawing(ConfidenceFace{selected})); });
+        if (sure.signal == Signal::abort) {
+            return {.signal = Signal::abort};
+        }
+        choice.confidence = static_cast<int>(sure.place) + 1;
+        choice.confidence_reaction_s = sure.reaction_s;
+    }
+    return choice;
+}
+
+Signal SubjectScreen::feedback(const protocols::TrialView& /*trial*/, bool correct) {
+    stage_.show(drawing(FeedbackFace{correct}));
+    return stage_.wait_or_abort(kFeedbackSeconds) ? Signal::abort : Signal::go_on;
 }
 
 Signal SubjectScreen::gap(double seconds) {
@@ -231,6 +269,18 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
             return Signal::abort;
         }
     }
+}
+
+Signal SubjectScreen::pause(const protocols::TrialView& /*next*/) {
+    stage_.drop_bar();  // it has come
+    stage_.show(drawing(PauseFace{}));
+    while (options_.desk != nullptr && !options_.desk->take_pause()) {
+        if (stage_.next(kIdleWaitMs).kind == Input::Kind::abort) {
+            return Signal::abort;
+        }
+    }
+    stage_.drop_bar();
+    return Signal::go_on;
 }
 
 void SubjectScreen::finish(const protocols::SessionView& /*session*/) {

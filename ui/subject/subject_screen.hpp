@@ -3,9 +3,11 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "protocols/running/observer.hpp"
 #include "ui/subject/faces.hpp"
+#include "ui/subject/picture_row.hpp"
 #include "ui/subject/pointer_map.hpp"
 #include "ui/subject/stage.hpp"
 
@@ -20,12 +22,17 @@ struct SubjectScreenOptions {
     engine::Vec2 start{0.0, 0.060};  ///< where a pointer starts exploring, m
     /// The participant holds Space while feeling, and Enter is done: protocol.safety.dead_man.
     bool dead_man = false;
+    protocols::ResponseKind asks = protocols::ResponseKind::identification;
     /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at latest
     /// with the first explore() after the key was let go.
     std::function<void(bool)> on_hold;
+    protocols::OperatorDesk* desk = nullptr;  ///< outlives the screen; none: its keys do nothing
     /// The experimenter's key, Escape, while an object is felt: the force off, now.
     std::function<void()> on_stop;
 };
+
+/// How long the screen says right or wrong, s.
+inline constexpr double kFeedbackSeconds = 1.0;
 
 /// A person at the subject's screen. Times are of CLOCK_MONOTONIC, taken when a press is seen; how late
 /// that may be is stored with each.
@@ -38,9 +45,12 @@ public:
     [[nodiscard]] protocols::Exploring explore(const protocols::TrialView& trial,
                                                double elapsed_s) override;
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
-                                           std::span<const protocols::Picture> pictures) override;
+                                           const protocols::Question& question) override;
+    [[nodiscard]] protocols::Signal feedback(const protocols::TrialView& trial,
+                                             bool correct) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
+    [[nodiscard]] protocols::Signal pause(const protocols::TrialView& next) override;
     [[nodiscard]] std::optional<protocols::Signal> trouble(
         const protocols::TroubleView& view) override;
     void finish(const protocols::SessionView& session) override;
@@ -48,7 +58,11 @@ public:
     [[nodiscard]] Stage& stage() { return stage_; }
 
 private:
-    [[nodiscard]] protocols::Signal wait_for_go(bool space_only = false);
+    [[nodiscard]] protocols::Signal wait_for_go(bool space_only = false, bool heeds_desk = false);
+    /// One of the answers on `cards`. @param show  draws them with the one that is marked
+    [[nodiscard]] protocols::Choice pick(
+        const std::vector<Card>& cards,
+        const std::function<std::int64_t(std::optional<std::size_t>)>& show);
     void begin_exploring();
     void pass_on(const Input& input);
     void hold(bool held);

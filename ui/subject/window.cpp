@@ -93,7 +93,9 @@ struct Window::Parts {
 };
 
 Window::Window(const WindowOptions& options)
-    : parts_(std::make_unique<Parts>()), words_(&words_in(options.language)) {
+    : parts_(std::make_unique<Parts>()),
+      words_(&words_in(options.language)),
+      instructions_(options.instructions) {
     parts_->font_file = find_font(options.font);
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");

@@ -37,6 +37,7 @@ struct WindowOptions {
     int height = 800;
     std::string font;  ///< TrueType file; empty: DejaVu Sans where Debian keeps it
     protocols::Language language = protocols::Language::en;
+    protocols::InstructionTexts instructions{};  ///< in that language; empty: the words' sentence
 };
 
 /// The subject's window: a canvas with triangles and text. Anti-aliasing is the caller's: a corner of
@@ -51,6 +52,10 @@ public:
 
     [[nodiscard]] engine::Vec2 size() const;  ///< pixels
     [[nodiscard]] const Words& words() const noexcept { return *words_; }
+    /// What the protocol says in place of some of the words.
+    [[nodiscard]] const protocols::InstructionTexts& instructions() const noexcept {
+        return instructions_;
+    }
     void clear(Colour colour);
     /// Corners in threes. Both windings are drawn.
     void triangles(std::span<const Corner> corners, Colour colour);
@@ -80,6 +85,7 @@ private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
     const Words* words_;
+    protocols::InstructionTexts instructions_;
 };
 
 /// `asked` if it is there; for an empty one DejaVu Sans where Linux systems keep it.

@@ -1,0 +1,127 @@
+#include <atomic>
+
+#include "tests/support/catch.hpp"
+#include "tests/ui/keys.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using namespace palpate::ui;
+using namespace palpate::tests;
+
+namespace {
+
+constexpr auto kChord = static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT);
+
+struct Rig {
+    SubjectScreenOptions with() {
+        SubjectScreenOptions all = options();
+        all.desk = &desk;
+        return all;
+    }
+    OperatorDesk desk;
+    SubjectScreen screen{with()};
+};
+
+}  // namespace
+
+TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever is pressed",
+          "[screen][desk][law]") {
+    Rig rig;
+    const Later participant([] {
+        for (const SDL_Keycode key : {SDLK_m, SDLK_p, SDLK_y, SDLK_m, SDLK_y}) {
+            press(key);
+            press(key, KMOD_CTRL);
+            press(key, KMOD_SHIFT);
+            press(key, KMOD_ALT);
+        }
+        press(SDLK_m, kChord);  // the question alone does nothing
+        press(SDLK_n);
+        press(SDLK_y);
+        press(SDLK_SPACE);
+    });
+    CHECK(rig.screen.ready(kTrial) == Signal::go_on);
+    CHECK_FALSE(rig.desk.wants());
+}
+
+TEST_CASE("the experimenter marks a trial in two steps, on every screen of it", "[screen][desk]") {
+    Rig rig;
+    const auto mark = [] {
+        press(SDLK_m, kChord);
+        press(SDLK_y);
+    };
+    {
+        const Later experimenter(mark);
+        CHECK(rig.screen.ready(kTrial) ==
+              Signal::go_on);  // at once: the session takes it from here
+        CHECK(rig.desk.take_mark());
+    }
+    static_cast<void>(rig.screen.explore(kTrial, 0.0));
+    mark();
+    for (int i = 0; i < 20; ++i) {
+        CHECK(rig.screen.explore(kTrial, 0.1).signal == Signal::go_on);
+    }
+    CHECK(rig.desk.take_mark());
+    {
+        const Later experimenter([&] {
+            mark();
+            press(SDLK_2);
+        });
+        Question question{.kind = ResponseKind::two_interval,
+                          .text = {},
+                          .pictures = {},
+                          .answers = 2,
+                          .labels = {}};
+        CHECK(rig.screen.choose(kTrial, question).place == 1);  // the answer is kept
+        CHECK(rig.desk.take_mark());
+    }
+    mark();
+    CHECK(rig.screen.gap(0.2) == Signal::go_on);
+    CHECK(rig.desk.take_mark());
+    CHECK_FALSE(rig.desk.wants());
+}
+
+TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does",
+          "[screen][desk][law]") {
+    Rig rig;
+    TrialView second = kTrial;
+    second.interval = second.intervals = 2;
+    std::atomic<bool> pressed{false};
+    const Later both(
+        [&] {
+            press(SDLK_p, kChord);
+            std::this_thread::sleep_for(std::chrono::milliseconds(300));
+            pressed = true;
+            press(SDLK_SPACE);
+        },
+        300);
+    CHECK(rig.screen.ready(second) == Signal::go_on);
+    CHECK(pressed);
+    CHECK(rig.desk.take_pause());  // it comes after the trial
+}
+
+TEST_CASE("a pause lasts until the experimenter ends it, and Space does not",
+          "[screen][desk][law]") {
+    Rig rig;
+    {
+        const Later experimenter([] { press(SDLK_p, kChord); });
+        CHECK(rig.screen.ready(kTrial) == Signal::go_on);
+        CHECK(rig.desk.take_pause());
+    }
+    {
+        const Later all([] {
+            press(SDLK_SPACE);
+            press(SDLK_RETURN);
+            press(SDLK_p);
+            press(SDLK_p, kChord);
+        });
+        CHECK(rig.screen.pause(kTrial) == Signal::go_on);
+        CHECK_FALSE(rig.desk.wants());
+    }
+    {
+        const Later experimenter([] {
+            press(SDLK_q, kChord);
+            press(SDLK_y);
+        });
+        CHECK(rig.screen.pause(kTrial) == Signal::abort);
+    }
+}

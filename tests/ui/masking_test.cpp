@@ -1,0 +1,284 @@
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+#include <vector>
+
+#include <unistd.h>
+
+#include "protocols/running/session.hpp"
+#include "ui/cli/open_masking.hpp"
+#include "ui/cli/study_advice.hpp"
+#include "ui/sound/masked_observer.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/faulty.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// Comes in after it was asked a few times, as fast as a test wants it.
+class FakePlayer : public ui::NoisePlayer {
+public:
+    void on() override {
+        wanted = true;
+        asked_ = asked_ > 0 ? asked_ : 3;
+    }
+    void off() override {
+        wanted = false;
+        asked_ = 0;
+    }
+    [[nodiscard]] bool full() const override {
+        asked_ = asked_ > 1 ? asked_ - 1 : asked_;
+        return wanted && asked_ == 1 && there;
+    }
+    [[nodiscard]] double full_s() const override { return played_s; }
+    [[nodiscard]] bool works() const override { return there; }
+    [[nodiscard]] std::string name() const override { return "fake"; }
+    [[nodiscard]] bool audible() const override { return true; }
+
+    bool wanted = false;
+    bool there = true;
+    double played_s = 0.0;
+
+private:
+    mutable int asked_ = 0;
+};
+
+/// Keeps the events.
+class Notes : public Recorder {
+public:
+    TrialId begin_trial(const PlannedTrial& /*p*/, const SceneConstants& /*s*/) override {
+        return 1;
+    }
+    void append(TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {}
+    void end_trial(TrialId /*t*/, const TrialResult& /*r*/) override {}
+    void event(std::string_view kind, std::string_view text) override {
+        all.push_back(std::string(kind) + ": " + std::string(text));
+    }
+    void finish_session() override {}
+    std::vector<std::string> all;
+};
+
+/// A participant who hears whether there is noise when there should be.
+class Listener : public tests::Patient {
+public:
+    explicit Listener(FakePlayer& player) : player_(player) {}
+    Signal ready(const TrialView& trial) override {
+        silent_while_ready += player_.wanted ? 0 : 1;
+        return Patient::ready(trial);
+    }
+    Exploring explore(const TrialView& trial, double elapsed_s) override {
+        silent_under_force += player_.full() ? 0 : 1;
+        ++explored;
+        return Patient::explore(trial, elapsed_s);
+    }
+    Choice choose(const TrialView& trial, const Question& question) override {
+        noise_elsewhere += player_.wanted ? 1 : 0;
+        return Patient::choose(trial, question);
+    }
+    Signal gap(double seconds) override {
+        noise_elsewhere += player_.wanted ? 1 : 0;
+        return Patient::gap(seconds);
+    }
+    std::optional<Signal> trouble(const TroubleView& view) override {
+        noise_elsewhere += player_.wanted ? 1 : 0;
+        ++troubles;
+        return Patient::trouble(view);
+    }
+    int silent_while_ready = 0, silent_under_force = 0, noise_elsewhere = 0, explored = 0;
+    int troubles = 0;
+
+private:
+    FakePlayer& player_;
+};
+
+void set_driver(const char* name) {
+    setenv("SDL_AUDIODRIVER", name, 1);
+}
+
+constexpr MaskingSpec kPink{.noise = Noise::pink, .level_db = -30.0};
+const StreamKey kKey{.protocol_hash = "h", .participant = "P1", .purpose = {}, .seed = 5};
+
+}  // namespace
+
+TEST_CASE("there is noise whenever the force is on, and none at questions, gaps and in trouble",
+          "[sound][law]") {
+    const Protocol protocol = tests::short_protocol();
+    const Plan plan = tests::plan_of(protocol);
+    tests::World world{.fault_share = 0.5, .most_faults = 1};
+    tests::FaultyApparatus apparatus(world);
+    FakePlayer player;
+    Listener listener(player);
+    Notes notes;
+    {
+        ui::MaskedObserver masked(listener, player, notes, true);
+        const SessionEnd end = run_session(
+            protocol, plan, {}, PendingTrials(plan),
+            {.apparatus = apparatus, .observer = masked, .recorder = notes, .pause = [](double) {
+             }});
+        CHECK(end.why == SessionEnd::Why::finished);
+    }
+    CHECK(listener.explored > 50);
+    CHECK(listener.troubles > 0);
+    CHECK(listener.silent_while_ready == 0);
+    CHECK(listener.silent_under_force == 0);
+    CHECK(listener.noise_elsewhere == 0);
+    CHECK_FALSE(player.wanted);
+}
+
+TEST_CASE("noise that was not played while an object was felt is an event", "[sound][law]") {
+    FakePlayer player;
+    Listener listener(player);
+    Notes notes;
+    ui::MaskedObserver masked(listener, player, notes, false);
+    const TrialView trial{.number = 7, .total = 9};
+    const auto feel = [&](double felt_s, double played_s) {
+        static_cast<void>(masked.ready(trial));
+        std::this_thread::sleep_for(std::chrono::duration<double>(felt_s));
+        player.played_s += played_s;
+        static_cast<void>(masked.choose(trial, {}));
+    };
+    feel(0.5, 2.0);  // more than was needed: a device that runs ahead
+    CHECK(notes.all.empty());
+    feel(0.5, 0.0);
+    REQUIRE(notes.all.size() == 1);
+    CHECK_THAT(notes.all.front(), ContainsSubstring("masking: 0.5") &&
+                                      ContainsSubstring("trial 7 were without noise"));
+    feel(0.01, 0.0);  // less than a device may hold back
+    CHECK(notes.all.size() == 1);
+}
+
+TEST_CASE("noise goes on between the intervals of a trial, and stops for its question",
+          "[sound][law]") {
+    FakePlayer player;
+    tests::Patient patient;
+    Notes notes;
+    ui::MaskedObserver masked(patient, player, notes, true);
+    TrialView trial{.number = 3, .total = 9, .intervals = 2};
+    CHECK(masked.ready(trial) == Signal::go_on);
+    CHECK(masked.gap(0.0) == Signal::go_on);
+    CHECK(player.wanted);
+    trial.interval = 2;
+    CHECK(masked.ready(trial) == Signal::go_on);
+    CHECK(player.full());
+    static_cast<void>(masked.choose(trial, {}));
+    CHECK_FALSE(player.wanted);
+}
+
+TEST_CASE("a lost sound device ends a real session before the next trial, a pilot goes on",
+          "[sound][law]") {
+    const bool required = GENERATE(false, true);
+    FakePlayer player;
+    Listener listener(player);
+    Notes notes;
+    ui::MaskedObserver masked(listener, player, notes, required);
+    const TrialView trial{.number = 3, .total = 9};
+    CHECK(masked.ready(trial) == Signal::go_on);
+    static_cast<void>(masked.choose(trial, {}));
+    player.there = false;
+    if (required) {
+        CHECK_THROWS_WITH(masked.ready(trial), ContainsSubstring("was lost: connect it again"));
+        CHECK_FALSE(player.wanted);
+        CHECK_THAT(notes.all.back(), ContainsSubstring("the sound device was lost"));
+    } else {
+        CHECK(masked.ready(trial) == Signal::go_on);
+    }
+}
+
+TEST_CASE(
+    "what SDL sends to the device is the noise, the same left and right, beginning in silence",
+    "[sound][law]") {
+    const std::filesystem::path file = std::filesystem::temp_directory_path() /
+                                       ("palpate-noise-" + std::to_string(getpid()) + ".raw");
+    set_driver("disk");
+    setenv("SDL_DISKAUDIOFILE", file.c_str(), 1);
+    {
+        const auto player = ui::open_noise(kPink, kKey);
+        CHECK(player->works());
+        CHECK_FALSE(player->audible());
+        CHECK_THAT(player->name(),
+                   ContainsSubstring("pink noise at -30 dB re full scale, 48000 Hz, driver disk"));
+        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        player->on();
+        while (!player->full()) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        while (player->full_s() < 0.3) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        player->off();
+        std::this_thread::sleep_for(std::chrono::milliseconds(600));
+    }
+    std::ifstream stream(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    std::filesystem::remove(file);
+    std::vector<float> samples(bytes.size() / sizeof(float));
+    std::memcpy(samples.data(), bytes.data(), samples.size() * sizeof(float));
+    REQUIRE(samples.size() > 2 * 48000 / 2);
+    CHECK(samples.front() == 0.0F);
+    CHECK(samples.back() == 0.0F);
+    double loudest = 0.0;
+    bool alike = true;
+    for (std::size_t i = 0; i + 1 < samples.size(); i += 2) {
+        alike = alike && samples[i] == samples[i + 1];
+        loudest = std::max(loudest, std::fabs(static_cast<double>(samples[i])));
+    }
+    CHECK(alike);
+    CHECK(loudest > 2.0 * std::pow(10.0, -30.0 / 20.0));
+    CHECK(loudest < 6.0 * std::pow(10.0, -30.0 / 20.0));
+}
+
+TEST_CASE("a real session that asks for noise is refused where nobody would hear it, a pilot told",
+          "[sound][law]") {
+    ui::RigSpec spec;
+    spec.study.protocol = tests::short_protocol();
+    spec.study.protocol.masking = kPink;
+    spec.kind = data::RunKind::real;
+    set_driver("no_such_driver");
+    CHECK_THROWS_WITH(ui::open_masking(spec), ContainsSubstring("masking noise cannot be played") &&
+                                                  ContainsSubstring("--no-sound"));
+    set_driver("dummy");
+    CHECK_THROWS_WITH(ui::open_masking(spec), ContainsSubstring("would reach nobody"));
+    spec.kind = data::RunKind::pilot;
+    CHECK(ui::open_masking(spec).player);
+    set_driver("no_such_driver");
+    const ui::OpenedMasking pilot = ui::open_masking(spec);
+    CHECK_FALSE(pilot.player);
+    CHECK_THAT(pilot.note, ContainsSubstring("none: masking noise cannot be played"));
+    spec.kind = data::RunKind::real;
+    spec.screen.no_sound = true;
+    const ui::OpenedMasking declined = ui::open_masking(spec);
+    CHECK_FALSE(declined.player);
+    CHECK(declined.note == "none: --no-sound was given");
+    spec.screen.no_sound = false;
+    spec.kind = data::RunKind::simulated;
+    CHECK(ui::open_masking(spec).note.empty());
+    spec.kind = data::RunKind::real;
+    spec.study.protocol.masking = {};
+    CHECK(ui::open_masking(spec).note.empty());
+}
+
+TEST_CASE("check warns of instructions that the screen's language lacks, and of noise that is cut",
+          "[sound][instructions]") {
+    Protocol protocol = tests::short_protocol();
+    CHECK(ui::advice_on(protocol).empty());
+    protocol.instructions[0].welcome = "Hello";
+    CHECK(ui::advice_on(protocol).empty());
+    protocol.language = Language::tr;
+    const auto lacking = ui::advice_on(protocol);
+    REQUIRE(lacking.size() == 1);
+    CHECK_THAT(lacking.front(), ContainsSubstring("[instructions.tr] has no welcome"));
+    protocol.instructions[1].welcome = "Merhaba";
+    CHECK(ui::advice_on(protocol).empty());
+    protocol.masking = {.noise = Noise::pink, .level_db = -11.9};
+    REQUIRE(ui::advice_on(protocol).size() == 1);
+    CHECK_THAT(ui::advice_on(protocol).front(), ContainsSubstring("is cut at full scale"));
+    protocol.masking.noise = Noise::none;
+    CHECK(ui::advice_on(protocol).empty());
+}

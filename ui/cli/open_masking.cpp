@@ -1,0 +1,53 @@
+#include "ui/cli/open_masking.hpp"
+
+#include <cstdio>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace palpate::ui {
+namespace {
+
+OpenedMasking silent(const std::string& why) {
+    fmt::print(stderr, "palpate: no masking noise: {}\n", why);
+    return {.player = nullptr, .note = "none: " + why};
+}
+
+}  // namespace
+
+OpenedMasking open_masking(const RigSpec& spec) {
+    const protocols::MaskingSpec& asked = spec.study.protocol.masking;
+    if (asked.noise == protocols::Noise::none || spec.kind == data::RunKind::simulated) {
+        return {};
+    }
+    if (spec.screen.no_sound) {
+        return silent("--no-sound was given");
+    }
+    OpenedMasking opened{
+        .player = nullptr, .note = {}, .required = spec.kind == data::RunKind::real};
+    try {
+        opened.player = open_noise(asked, {.protocol_hash = spec.study.hash,
+                                           .participant = spec.key.participant,
+                                           .session = spec.key.session,
+                                           .purpose = {},
+                                           .seed = spec.seed});
+    } catch (const std::runtime_error& error) {
+        if (opened.required) {
+            throw;
+        }
+        return silent(error.what());
+    }
+    opened.note = opened.player->name();
+    if (!opened.player->audible()) {
+        if (opened.required) {
+            throw std::runtime_error(
+                fmt::format("masking noise ({}) would reach nobody: leave SDL_AUDIODRIVER unset, "
+                            "or give --no-sound",
+                            opened.note));
+        }
+        fmt::print(stderr, "palpate: the masking noise ({}) reaches nobody\n", opened.note);
+    }
+    return opened;
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "protocols/design/protocol.hpp"
+#include "protocols/design/streams.hpp"
+
+namespace palpate::ui {
+
+/// Noise on the headphones, on and off.
+class NoisePlayer {
+public:
+    NoisePlayer() = default;
+    NoisePlayer(const NoisePlayer&) = delete;
+    NoisePlayer& operator=(const NoisePlayer&) = delete;
+    virtual ~NoisePlayer() = default;
+
+    virtual void on() = 0;
+    virtual void off() = 0;
+    /// It has come in fully.
+    [[nodiscard]] virtual bool full() const = 0;
+    /// For how long it was handed to the device at its full level so far, s.
+    [[nodiscard]] virtual double full_s() const = 0;
+    /// The device is still there.
+    [[nodiscard]] virtual bool works() const = 0;
+    /// "pink noise at -30 dB re full scale, 48000 Hz, on default, driver pulseaudio"
+    [[nodiscard]] virtual std::string name() const = 0;
+    /// Somebody may hear it: the driver is not one of SDL's for tests.
+    [[nodiscard]] virtual bool audible() const = 0;
+};
+
+/// Plays the noise that `spec` asks for on the default sound device, through SDL: the same in all channels.
+/// @param key  of the session; the purpose is its own. Nothing of a trial is in it
+/// @pre spec.noise is not none
+/// @throws std::runtime_error if there is no device: what is wrong and what to do
+[[nodiscard]] std::unique_ptr<NoisePlayer> open_noise(const protocols::MaskingSpec& spec,
+                                                      const protocols::StreamKey& key);
+
+}  // namespace palpate::ui
