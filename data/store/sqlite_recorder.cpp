@@ -12,6 +12,8 @@
 
 #include "protocols/running/pending_trials.hpp"
 #include "protocols/running/trial_scene.hpp"
+#include "data/store/chain.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/people.hpp"
 #include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
@@ -79,6 +81,7 @@ SqliteRecorder::SqliteRecorder(Database& database,
 TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
     running_ = 0;
+    require_space(database_.file(), protocol_, 1);
     std::unique_ptr<engine::Scene> felt(
         new engine::Scene(protocols::make_scene(protocol_, planned.condition)));
     felt->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
@@ -161,6 +164,7 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
     if (result.fault) {
         write_fault(trial, *result.fault);
     }
+    chain_trial(database_, trial);
     all.commit();  // what fails before leaves the ticks for another try
     trace_.saved();
     running_ = 0;
@@ -255,10 +259,13 @@ void SqliteRecorder::mark(protocols::TrialId trial, std::string_view reason) {
 }
 
 void SqliteRecorder::finish_session() {
+    Transaction all(database_);
     database_.prepare("UPDATE session SET finished = 1, finished_utc = ?2 WHERE id = ?1")
         .bind(1, session_)
         .bind(2, utc_now())
         .run();
+    chain_session(database_, session_);
+    all.commit();
     database_.checkpoint();
 }
 
