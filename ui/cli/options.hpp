@@ -95,7 +95,6 @@ struct VerifyOptions {
     bool json = false;
 };
 
-<<<<<<< HEAD
 struct SqlOptions {
     std::string database;
     std::optional<std::string> query;  ///< none: from standard input
@@ -106,14 +105,12 @@ struct SqlOptions {
 /// Prints where the SQL extension is.
 struct ExtensionOptions {};
 
-=======
 struct TraceOptions {
     std::string database;
     std::int64_t trial = 0;
     std::int64_t interval = 1;
 };
 
->>>>>>> h-trace
 struct ScreenshotOptions {
     std::string protocol =
         "shape_friction";  ///< a file or a shipped one: its pictures, instructions
@@ -179,12 +176,9 @@ using Options = std::variant<Exit,
                              NoteOptions,
                              MarkOptions,
                              VerifyOptions,
-<<<<<<< HEAD
                              SqlOptions,
                              ExtensionOptions,
-=======
                              TraceOptions,
->>>>>>> h-trace
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,

@@ -218,7 +218,6 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
-<<<<<<< HEAD
     if (!masking.note.empty()) {
         record.event("masking", masking.note);
     }
@@ -226,24 +225,6 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                           ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
                                                              record, masking.required)
                           : nullptr;
-    return {.session =
-                run_session(protocol, plan,
-                            {.title = protocol.title,
-                             .participant = spec.key.participant,
-                             .trials = plan.trials.size(),
-                             .next = opened.pending.answered(),
-                             .simulated = spec.kind == data::RunKind::simulated,
-                             .device = apparatus->device_name()},
-                            opened.pending,
-                            {.apparatus = *apparatus,
-                             .observer = masked ? *masked : observers.port(),
-                             .recorder = record,
-                             .interrupted = [] { return interrupted(); },
-                             .progress =
-                                 [&](const PlannedTrial& planned, const TrialResult& result) {
-                                     print_trial(spec, plan.trials.size(), planned, result);
-                                 }})};
-=======
     protocols::SessionEnd end =
         run_session(protocol, plan,
                     {.title = protocol.title,
@@ -254,15 +235,14 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                      .device = apparatus->device_name()},
                     opened.pending,
                     {.apparatus = *apparatus,
-                     .observer = observers.port(),
-                     .recorder = writer,
+                     .observer = masked ? *masked : observers.port(),
+                     .recorder = record,
                      .interrupted = [] { return interrupted(); },
                      .progress =
                          [&](const PlannedTrial& planned, const TrialResult& result) {
                              print_trial(spec, plan.trials.size(), planned, result);
                          }});
     return {.session = std::move(end), .head = data::chain_head(database, opened.id)};
->>>>>>> h-trace
 }
 
 }  // namespace palpate::ui
