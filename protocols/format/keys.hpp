@@ -141,6 +141,8 @@ template <class Record>
 /// The version of the format that this program reads: `format = 1`.
 inline constexpr std::int64_t kFormat = 1;
 
+/// Of a seed: TOML integers have 63 bits and a sign.
+inline constexpr double kMostSeed = 9223372036854775807.0;
 inline constexpr std::size_t kMinPictures = 2;
 inline constexpr std::size_t kMaxPictures = 9;  ///< answered by the keys 1-9
 inline constexpr std::size_t kMaxObjects = 18;

@@ -335,7 +335,8 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
                                order, [] { return true; });
     auto ticks = felt(study, order[place], depth);
     observer.feel(ticks);
-    CHECK(observer.choose({}, std::vector<Picture>(4)).place == place);
+    const std::vector<Picture> pictures(4);
+    CHECK(observer.choose({}, which_of(pictures)).place == place);
     OutlineCues cues(study, order);
     cues.add(ticks);
     CHECK(cues.misfits()[place] < 1e-9);
@@ -357,6 +358,7 @@ TEST_CASE("an observer of forms who felt nothing, or only noise, guesses evenly"
     study.observer = {.noise = 1e6, .lapse = 0.0};
     const bool touched = GENERATE(false, true);
     const auto ticks = felt(study, 0, 0.001);
+    const std::vector<Picture> pictures(4);
     std::vector<int> chosen(4, 0);
     for (std::size_t i = 0; i < 2000; ++i) {
         SimulatedObserver observer(study, {.protocol_hash = "h", .participant = "p", .purpose = {}},
@@ -364,7 +366,7 @@ TEST_CASE("an observer of forms who felt nothing, or only noise, guesses evenly"
         if (touched && i < 400) {
             observer.feel(std::span(ticks).first(50));
         }
-        ++chosen[observer.choose({.number = i}, std::vector<Picture>(4)).place];
+        ++chosen[observer.choose({.number = i}, which_of(pictures)).place];
     }
     for (const int n : chosen) {
         CHECK(std::abs(n - 500) < 5 * 20);  // standard deviation 19.4
