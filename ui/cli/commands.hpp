@@ -20,6 +20,7 @@ namespace palpate::ui {
 /// 0, or kExitFailure at a statement that fails.
 [[nodiscard]] int sql_command(const SqlOptions& options);
 [[nodiscard]] int extension_command();
+[[nodiscard]] int trace_command(const TraceOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);

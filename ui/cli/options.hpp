@@ -104,6 +104,12 @@ struct SqlOptions {
 /// Prints where the SQL extension is.
 struct ExtensionOptions {};
 
+struct TraceOptions {
+    std::string database;
+    std::int64_t trial = 0;
+    std::int64_t interval = 1;
+};
+
 struct ScreenshotOptions {
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
@@ -169,6 +175,7 @@ using Options = std::variant<Exit,
                              VerifyOptions,
                              SqlOptions,
                              ExtensionOptions,
+                             TraceOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
