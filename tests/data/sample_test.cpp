@@ -18,7 +18,6 @@ using tests::SampleRow;
 using tests::TemporaryFolder;
 
 namespace {
-
 /// Ten trials of the demo, recorded by the program.
 const std::string& demo_file() {
     static const TemporaryFolder folder;
@@ -75,7 +74,6 @@ std::string error_of(data::Database& database, const std::string& sql) {
     return {};
 }
 
-/// A column or expression, and what narrows it.
 std::string random_condition(tests::Random& random, const std::string& trial) {
     const auto number = [&](double scale) {
         return fmt::format("{}", random.in(-0.1, 1.2) * scale);
