@@ -399,11 +399,3 @@ TEST_CASE("files of older schemas have the same table", "[sample][law]") {
         REQUIRE(rows[i][4] == "1");
     }
 }
-
-TEST_CASE("a file that is no palpate database has no samples, and says so", "[sample]") {
-    const TemporaryFolder folder;
-    data::Database database(folder.file("a.sqlite"), data::Access::write);
-    database.execute("PRAGMA foreign_keys = OFF; DROP TABLE trace_chunk");
-    REQUIRE(data::add_extension(database.handle()) == 0);
-    CHECK_THAT(error_of(database, "SELECT * FROM sample"), ContainsSubstring("trace_chunk"));
-}
