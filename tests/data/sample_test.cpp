@@ -172,7 +172,6 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
     const std::string columns[] = {"tick, t_s, x_m",       "t_s, vx_m_per_s, vy_m_per_s",
                                    "fx_n, flags",          "tick, fn_n, mode, vx_m_per_s",
                                    "count_1, lateness_us", "trial_id, interval"};
-    const std::string& what = columns[seed % 6];
     const std::string indexed = random_condition(with, "trial_id");
     // A + keeps SQLite from giving a condition to the table.
     std::string plain = random_condition(without, "+trial_id");
@@ -184,7 +183,7 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
     }
     CAPTURE(seed, indexed, plain);
     const auto sql = [&](const std::string& where) {
-        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s", what, where);
+        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s", columns[seed % 6], where);
     };
     const auto a = rows_of(database, sql(indexed));
     const auto b = rows_of(database, sql(plain));
