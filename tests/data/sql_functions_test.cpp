@@ -237,3 +237,12 @@ TEST_CASE("information is log2 of what is told apart, none where answers ignore 
           asked.real("SELECT mutual_information(column1, column2, column3) FROM (VALUES (0,0,2), "
                      "(1,1,1), (1,0,1))"));
 }
+
+TEST_CASE("a file without ticks' table has no samples, and says so", "[sample]") {
+    const tests::TemporaryFolder folder;
+    data::Database database(folder.file("a.sqlite"), data::Access::write);
+    database.execute("PRAGMA foreign_keys = OFF; DROP TABLE trace_chunk");
+    REQUIRE(data::add_extension(database.handle()) == 0);
+    const auto ask = [&] { return database.prepare("SELECT * FROM sample").step(); };
+    CHECK_THROWS_WITH(ask(), ContainsSubstring("trace_chunk"));
+}
