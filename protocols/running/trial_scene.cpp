@@ -2,17 +2,31 @@
 
 namespace palpate::protocols {
 
-stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
+namespace {
+
+stimuli::TwoCurve curves_of(const Protocol& protocol, const ObjectSpec& object) {
     return {.a = protocol.outline.a,
             .vertex = protocol.outline.vertex,
             .b = protocol.outline.b,
-            .curvature = protocol.objects.at(object).curvature};
+            .curvature = object.curvature};
+}
+
+}  // namespace
+
+stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
+    return curves_of(protocol, protocol.objects.at(object));
 }
 
 engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
-    const FrictionSpec& friction = protocol.frictions.at(condition.friction);
+    return make_scene(protocol,
+                      Presentation{.object = protocol.objects.at(condition.object),
+                                   .friction = protocol.frictions.at(condition.friction)});
+}
+
+engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
+    const FrictionSpec& friction = felt.friction;
     const ApparatusSpec& apparatus = protocol.apparatus;
-    return {stimuli::make_outline(object_of(protocol, condition.object)),
+    return {stimuli::make_outline(curves_of(protocol, felt.object)),
             {.stiffness = apparatus.stiffness,
              .damping = apparatus.damping,
              .period = 1.0 / apparatus.rate_hz,

@@ -7,11 +7,15 @@
 #include "stimuli/two_curve.hpp"
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/observer.hpp"
+#include "protocols/running/presentation.hpp"
 
 /// From a condition to what is felt and what is shown.
 namespace palpate::protocols {
 
 [[nodiscard]] stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object);
+
+/// The compiled scene of an interval. @throws std::invalid_argument if it cannot be built
+[[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Presentation& felt);
 
 /// The compiled scene of a condition. @throws std::invalid_argument if it cannot be built
 [[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Condition& condition);
