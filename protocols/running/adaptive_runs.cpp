@@ -18,8 +18,9 @@ AdaptiveRuns::AdaptiveRuns(const Protocol& protocol, const StreamKey& session) {
     }
     const ProcedureSpec spec = parse_procedure(protocol.procedure->rule, "[procedure]").spec;
     for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
-        procedures_.emplace_back(spec, stream(run_key(session, run)));
+        begun_.emplace_back(spec, stream(run_key(session, run)));
     }
+    procedures_ = begun_;
 }
 
 double AdaptiveRuns::next(std::size_t run) const {
@@ -30,9 +31,29 @@ double AdaptiveRuns::next(std::size_t run) const {
     return procedure.next().front();
 }
 
-AdaptiveStep AdaptiveRuns::update(std::size_t run, double shown, std::size_t outcome) {
+void AdaptiveRuns::forget(std::int64_t trial) {
+    const auto found = std::find_if(answers_.begin(), answers_.end(),
+                                    [trial](const Answer& one) { return one.trial == trial; });
+    if (found == answers_.end()) {
+        return;
+    }
+    const std::size_t run = found->run;
+    answers_.erase(found);
+    procedures_[run] = begun_[run];
+    for (const Answer& one : answers_) {
+        if (one.run == run) {
+            procedures_[run].update(std::span(&one.shown, 1), one.outcome);
+        }
+    }
+}
+
+AdaptiveStep AdaptiveRuns::update(std::size_t run,
+                                  double shown,
+                                  std::size_t outcome,
+                                  std::int64_t trial) {
     Procedure& procedure = procedures_.at(run);
     procedure.update(std::span(&shown, 1), outcome);
+    answers_.push_back({trial, run, shown, outcome});
     return {.run = run,
             .stimulus = shown,
             .outcome = outcome,

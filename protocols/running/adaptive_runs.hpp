@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -37,13 +38,26 @@ public:
 
     /// What the rule shows next. @throws std::logic_error if the run has ended
     [[nodiscard]] double next(std::size_t run) const;
+    /// @param trial  names the answer for forget()
     /// @throws std::invalid_argument as Procedure::update
-    AdaptiveStep update(std::size_t run, double shown, std::size_t outcome);
+    AdaptiveStep update(std::size_t run, double shown, std::size_t outcome, std::int64_t trial);
+    /// As if this answer had never come: the run is built again from the others, each with what was shown
+    /// then. Nothing happens if it is not among them.
+    void forget(std::int64_t trial);
     [[nodiscard]] const Procedure& of(std::size_t run) const { return procedures_.at(run); }
     [[nodiscard]] std::size_t size() const noexcept { return procedures_.size(); }
 
 private:
+    struct Answer {
+        std::int64_t trial = 0;
+        std::size_t run = 0;
+        double shown = 0.0;
+        std::size_t outcome = 0;
+    };
+
+    std::vector<Procedure> begun_;  ///< before the first answer
     std::vector<Procedure> procedures_;
+    std::vector<Answer> answers_;
 };
 
 /// The stimulus of a planned trial: the rule's next one, in practice that of the protocol; none without a

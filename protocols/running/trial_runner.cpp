@@ -107,7 +107,7 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     }
     if (is_answered(result.outcome)) {
         result.outcome = timed_out ? Outcome::timed_out : Outcome::complete;
-        answer(planned, felt, view, result);
+        answer(id, planned, felt, view, result);
     }
     ports_.recorder.end_trial(id, result);
     note_lost_ticks(planned);
@@ -207,7 +207,8 @@ std::string TrialRunner::invalid(const TrialResult& result) const {
     return why;
 }
 
-void TrialRunner::answer(const PlannedTrial& planned,
+void TrialRunner::answer(TrialId id,
+                         const PlannedTrial& planned,
                          std::span<const Presentation> felt,
                          const TrialView& view,
                          TrialResult& result) {
@@ -231,7 +232,7 @@ void TrialRunner::answer(const PlannedTrial& planned,
         const double stimulus =
             felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1].stimulus.value();
         result.step =
-            runs_.update(planned.adaptive->run, stimulus, outcome_of(protocol_, planned, response));
+            runs_.update(planned.adaptive->run, stimulus, outcome_of(protocol_, planned, response), id);
     }
     result.response = response;
 }

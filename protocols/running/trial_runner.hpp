@@ -42,7 +42,8 @@ private:
     [[nodiscard]] std::string invalid(const TrialResult& result) const;
     void note_fault(const PlannedTrial& planned, TrialResult& result);
     void note_lost_ticks(const PlannedTrial& planned);
-    void answer(const PlannedTrial& planned,
+    void answer(TrialId id,
+                const PlannedTrial& planned,
                 std::span<const Presentation> felt,
                 const TrialView& view,
                 TrialResult& result);
