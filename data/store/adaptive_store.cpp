@@ -57,8 +57,7 @@ void write_adaptive_plan(Database& database,
                          std::int64_t session,
                          const protocols::Protocol& protocol,
                          const protocols::Plan& plan) {
-    Statement row =
-        database.prepare("INSERT INTO adaptive_plan VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+    Statement row = database.prepare("INSERT INTO adaptive_plan VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
     for (const protocols::PlannedTrial& planned : plan.trials) {
         if (planned.adaptive) {
             const protocols::AdaptiveTrial& adaptive = *planned.adaptive;

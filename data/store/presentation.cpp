@@ -57,8 +57,8 @@ CREATE TABLE response (
 )sql";
 
 const char* const kResponse5From4 = R"sql(
-INSERT INTO response SELECT *, place, NULL, NULL FROM response_4;
-DROP TABLE response_4;
+INSERT INTO response SELECT *, place, NULL, NULL FROM temp.response_4;
+DROP TABLE temp.response_4;
 )sql";
 
 void write_presentation(Database& database,
@@ -67,7 +67,8 @@ void write_presentation(Database& database,
                         const protocols::SceneConstants& scene) {
     database
         .prepare(
-            "INSERT INTO presentation (trial, interval, stimulus, object, curvature_per_m, friction, "
+            "INSERT INTO presentation (trial, interval, stimulus, object, curvature_per_m, "
+            "friction, "
             "mu_s, mu_d, slip_decay, heal_decay) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
         .bind(1, trial)
         .bind(2, static_cast<std::int64_t>(felt.interval))
@@ -117,11 +118,10 @@ void write_response(Database& database,
         return value ? std::optional(static_cast<std::int64_t>(*value)) : std::nullopt;
     };
     const std::optional<std::string_view> object =
-        response.object ? std::optional<std::string_view>(
-                              protocol.objects.at(*response.object).name)
-                        : std::nullopt;
-    database
-        .prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
+        response.object
+            ? std::optional<std::string_view>(protocol.objects.at(*response.object).name)
+            : std::nullopt;
+    database.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
         .bind(1, trial)
         .bind(2, response.object ? std::optional(static_cast<std::int64_t>(response.place))
                                  : std::nullopt)
@@ -132,8 +132,8 @@ void write_response(Database& database,
         .bind(7, to_string(response.input))
         .bind(8, static_cast<std::int64_t>(response.place))
         .bind(9, integer(response.confidence))
-        .bind(10, response.confidence ? std::optional(response.confidence_reaction_s)
-                                      : std::nullopt)
+        .bind(10,
+              response.confidence ? std::optional(response.confidence_reaction_s) : std::nullopt)
         .run();
 }
 

@@ -12,7 +12,7 @@ namespace palpate::data {
 extern const char* const kPresentation5;
 /// For trials from before: one interval each, by plan and trial.
 extern const char* const kPresentation5From4;
-/// The table response as of schema 5, and how the one of before gets there: renamed response_4 first.
+/// The table response as of schema 5, and how it is filled from temp.response_4.
 extern const char* const kResponse5;
 extern const char* const kResponse5From4;
 

@@ -59,7 +59,7 @@ struct OpenedSession {
     bool finished = false;
     std::size_t next = 0;  ///< position to run first; as many as planned: nothing is left
     protocols::PendingTrials pending{};  ///< all that is left, in its order
-    protocols::AdaptiveRuns runs{};  ///< of the protocol's rule, with all answers so far
+    protocols::AdaptiveRuns runs{};      ///< of the protocol's rule, with all answers so far
     std::size_t interrupted = 0;         ///< attempts found running and marked so
 };
 

@@ -1,17 +1,32 @@
 #include "data/store/sqlite_recorder.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "protocols/running/pending_trials.hpp"
+#include "protocols/running/trial_scene.hpp"
+#include "data/store/adaptive_store.hpp"
+#include "data/store/presentation.hpp"
+#include "data/store/stored_chunks.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
+
+/// An answer, and whatever else a person waits for, waits this long for the lock of another program.
+constexpr int kPatienceMs = 60'000;
+
+std::int64_t period_of(double rate_hz) {
+    return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
+}
 
 /// A value of a tick as SQL has it, by the type of its column.
 void bind_value(Statement& row, int parameter, const TraceColumn& column, const std::byte* at) {
@@ -53,15 +68,20 @@ using protocols::TrialResult;
 SqliteRecorder::SqliteRecorder(Database& database,
                                const protocols::Protocol& protocol,
                                std::int64_t session)
-    : database_(database), protocol_(protocol), session_(session) {
-    pending_.reserve(kChunkTicks);
+    : database_(database),
+      protocol_(protocol),
+      session_(session),
+      trace_(database,
+             machine_of(first_calibration(database, session)),
+             period_of(protocol.apparatus.rate_hz)) {
+    database.wait_for_locks(kPatienceMs);
 }
 
 TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
-    pending_.clear();
-    cut_ = false;
     running_ = 0;
+    interval_ = 0;
+    Transaction all(database_);
     database_
         .prepare(
             "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
@@ -74,8 +94,43 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
         .bind(4, scene.heal_decay)
         .bind(5, utc_now())
         .run();
-    running_ = database_.last_row();
-    return running_;
+    const TrialId id = database_.last_row();
+    if (!planned.adaptive) {
+        const auto felt = presentations_of(protocol_, planned);
+        write_presentation(database_, id, felt.front(), scene);
+        all.commit();
+        begin_trace(id, felt.front(), scene);
+    } else {
+        all.commit();
+    }
+    running_ = id;
+    return id;
+}
+
+void SqliteRecorder::begin_interval(TrialId trial,
+                                    const protocols::Presentation& felt,
+                                    const protocols::SceneConstants& scene) {
+    require_running(trial);
+    const auto interval = static_cast<std::int64_t>(felt.interval);
+    if (interval_ == interval) {
+        return;  // begin_trial() knew it
+    }
+    Transaction all(database_);
+    if (interval_ > 0) {
+        trace_.write();
+    }
+    write_presentation(database_, trial, felt, scene);
+    all.commit();
+    begin_trace(trial, felt, scene);
+}
+
+void SqliteRecorder::begin_trace(TrialId trial,
+                                 const protocols::Presentation& felt,
+                                 const protocols::SceneConstants& scene) {
+    auto compiled = std::make_unique<engine::Scene>(make_scene(protocol_, felt));
+    compiled->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
+    interval_ = static_cast<std::int64_t>(felt.interval);
+    trace_.begin(trial, interval_, std::move(compiled));
 }
 
 void SqliteRecorder::require_running(TrialId trial) const {
@@ -86,34 +141,35 @@ void SqliteRecorder::require_running(TrialId trial) const {
 
 void SqliteRecorder::append(TrialId trial, std::span<const engine::TickRecord> ticks) {
     require_running(trial);
-    if (cut_) {
-        throw StoreError(fmt::format("{}: trial {} takes no more ticks after an earlier error",
-                                     database_.file(), trial));
-    }
-    cut_ = true;  // until all of them are in
-    for (const engine::TickRecord& tick : ticks) {
-        pending_.push_back(tick);
-        if (pending_.size() == kChunkTicks) {
-            write_chunk(trial);
-            pending_.clear();
+    while (!ticks.empty()) {
+        const std::size_t n = std::min(ticks.size(), kChunk2Ticks);
+        trace_.add(ticks.first(n));
+        ticks = ticks.subspan(n);
+        if (trace_.is_full()) {
+            save();
         }
     }
-    cut_ = false;
 }
 
-void SqliteRecorder::write_chunk(TrialId trial) {
-    if (pending_.empty()) {
-        return;
+bool SqliteRecorder::save() {
+    if (!trace_.has_unsaved()) {
+        return true;
     }
-    const EncodedChunk chunk = encode(pending_);
-    database_.prepare("INSERT INTO trace_chunk VALUES (?1, ?2, ?3, ?4, ?5, ?6)")
-        .bind(1, trial)
-        .bind(2, pending_.front().tick)
-        .bind(3, static_cast<std::int64_t>(pending_.size()))
-        .bind(4, kTraceCodec)
-        .bind(5, std::int64_t{chunk.crc32})
-        .bind(6, std::span<const std::byte>(chunk.data))
-        .run();
+    database_.wait_for_locks(0);
+    try {
+        Transaction all(database_);
+        trace_.write();
+        all.commit();
+        trace_.saved();
+    } catch (const LockedFile&) {  // an analyst holds a lock: the ticks wait here
+        database_.wait_for_locks(kPatienceMs);
+        return false;
+    } catch (...) {
+        database_.wait_for_locks(kPatienceMs);
+        throw;
+    }
+    database_.wait_for_locks(kPatienceMs);
+    return true;
 }
 
 void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
@@ -131,16 +187,20 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
             fmt::format("trial {} is {} with a fault", trial, to_string(result.outcome)));
     }
     Transaction all(database_);
-    write_chunk(trial);
+    trace_.write();
     write_result(trial, result);
+    write_intervals(trial, result);
     if (result.response) {
-        write_response(trial, *result.response);
+        write_response(database_, trial, protocol_, *result.response);
+    }
+    if (result.step) {
+        write_step(database_, trial, *result.step);
     }
     if (result.fault) {
         write_fault(trial, *result.fault);
     }
     all.commit();  // what fails before leaves the ticks for another try
-    pending_.clear();
+    trace_.saved();
     running_ = 0;
     database_.checkpoint();
 }
@@ -188,16 +248,17 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
     }
 }
 
-void SqliteRecorder::write_response(TrialId trial, const protocols::Response& response) {
-    database_.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
-        .bind(1, trial)
-        .bind(2, static_cast<std::int64_t>(response.place))
-        .bind(3, protocol_.objects.at(response.object.value()).name)
-        .bind(4, std::int64_t{response.correct.value() ? 1 : 0})
-        .bind(5, response.reaction_s)
-        .bind(6, response.uncertainty_s)
-        .bind(7, to_string(response.input))
-        .run();
+void SqliteRecorder::write_intervals(TrialId trial, const TrialResult& result) {
+    if (result.intervals.empty()) {  // a trial of one interval, from elsewhere than a session
+        write_interval_result(database_, trial, 1,
+                              {.done_s = result.done_s,
+                               .done_uncertainty_s = result.done_uncertainty_s,
+                               .summary = result.summary});
+    }
+    for (std::size_t i = 0; i < result.intervals.size(); ++i) {
+        write_interval_result(database_, trial, static_cast<std::int64_t>(i + 1),
+                              result.intervals[i]);
+    }
 }
 
 void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {

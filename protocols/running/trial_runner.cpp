@@ -231,8 +231,8 @@ void TrialRunner::answer(TrialId id,
     if (planned.adaptive && planned.phase != Phase::practice && result.invalid.empty()) {
         const double stimulus =
             felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1].stimulus.value();
-        result.step =
-            runs_.update(planned.adaptive->run, stimulus, outcome_of(protocol_, planned, response), id);
+        result.step = runs_.update(planned.adaptive->run, stimulus,
+                                   outcome_of(protocol_, planned, response), id);
     }
     result.response = response;
 }
