@@ -156,7 +156,7 @@ CREATE TABLE trace_chunk (
     period_ns  INTEGER NOT NULL,                    -- of the servo; codec 1: 0
     holds      TEXT NOT NULL,                       -- the parts of trace_column that are in here, by words
     crc32      INTEGER NOT NULL,                    -- codec 2: of data; codec 1: of the bytes before zlib
-    derived    INTEGER CHECK (codec = 1 OR derived IS NOT NULL),  -- hash of what a replay must give:
+    derived    INTEGER CHECK (codec = 1 OR derived IS NOT NULL),  -- hash of the ticks as the servo had them:
                                                     -- data/trace/derived_hash.hpp
     data       BLOB NOT NULL,
     PRIMARY KEY (trial, interval, first_tick)

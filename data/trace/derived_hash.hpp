@@ -7,13 +7,13 @@
 
 namespace palpate::data {
 
-/// XXH3 (64 bits, seed 0, xxHash 0.8) over the columns that a chunk does not hold as they were: for every
-/// tick, in this order and without gaps, little endian,
+/// XXH3 (64 bits, seed 0, xxHash 0.8) over the ticks as the servo recorded them, 152 bytes a tick, little
+/// endian, without gaps:
 ///
-///     hip, cp, go, force, command (x, y: f64 each), normal_force, tangential_force, mu, parameter (f64),
-///     feature (i16), mode (u8), flags & (skipped | held) (u8), zero (u32)          120 bytes a tick
+///     tick, time_ns (i64); hip, cp, go, force, command (x, y), normal_force, tangential_force, mu,
+///     parameter (f64); counts (2), codes (2) (i32); lateness_us (f32); feature (i16); mode, flags (u8)
 ///
-/// Written by the recorder from the servo's own records. A replay that gives another hash is none.
+/// A chunk holds only some of that. A reading that gives another hash is not what the servo had.
 [[nodiscard]] std::uint64_t derived_hash(std::span<const engine::TickRecord> ticks) noexcept;
 
 /// The flags that the scene sets; the others are the safety chain's and the device's.
