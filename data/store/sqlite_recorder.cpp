@@ -127,7 +127,7 @@ void SqliteRecorder::begin_interval(TrialId trial,
 void SqliteRecorder::begin_trace(TrialId trial,
                                  const protocols::Presentation& felt,
                                  const protocols::SceneConstants& scene) {
-    auto compiled = std::make_unique<engine::Scene>(make_scene(protocol_, felt));
+    std::unique_ptr<engine::Scene> compiled(new engine::Scene(make_scene(protocol_, felt)));
     compiled->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
     interval_ = static_cast<std::int64_t>(felt.interval);
     trace_.begin(trial, interval_, std::move(compiled));

@@ -92,4 +92,19 @@ std::string why_invalid(const Protocol& protocol, const TrialSummary& summary, b
     return why;
 }
 
+std::string why_invalid(const Protocol& protocol,
+                        std::span<const TrialSummary> intervals,
+                        bool late_counts) {
+    std::string why;
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        const std::string one = why_invalid(protocol, intervals[i], late_counts);
+        if (!one.empty()) {
+            why +=
+                fmt::format("{}{}{}", why.empty() ? "" : "; ",
+                            intervals.size() == 1 ? "" : fmt::format("interval {}: ", i + 1), one);
+        }
+    }
+    return why;
+}
+
 }  // namespace palpate::protocols

@@ -35,5 +35,9 @@ private:
 [[nodiscard]] std::string why_invalid(const Protocol& protocol,
                                       const TrialSummary& summary,
                                       bool late_counts);
+/// Of all intervals of a trial: each has to be felt, and of two it is said which was not.
+[[nodiscard]] std::string why_invalid(const Protocol& protocol,
+                                      std::span<const TrialSummary> intervals,
+                                      bool late_counts);
 
 }  // namespace palpate::protocols

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/adaptive_plan.hpp"
 #include "protocols/running/pending_trials.hpp"
 #include "protocols/running/trial_scene.hpp"
 
@@ -32,19 +31,6 @@ public:
 private:
     Apparatus* apparatus_;
 };
-
-Question question_of(const Protocol& protocol, std::span<const Picture> pictures) {
-    const ResponseSpec& response = protocol.response;
-    const bool labelled =
-        response.kind == ResponseKind::yes_no || response.kind == ResponseKind::rating;
-    return {
-        .kind = response.kind,
-        .text = response.question,
-        .pictures = pictures,
-        .answers = answers_of(protocol),
-        .labels = labelled ? std::vector{response.low, response.high} : std::vector<std::string>(),
-        .confidence = response.confidence};
-}
 
 }  // namespace
 
@@ -193,20 +179,6 @@ void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
                          .last = ports_.apparatus.last_ticks()};
 }
 
-/// Every interval has to be felt; what is wrong with one of two says which.
-std::string TrialRunner::invalid(const TrialResult& result) const {
-    std::string why;
-    for (std::size_t i = 0; i < result.intervals.size(); ++i) {
-        const std::string one = why_invalid(protocol_, result.intervals[i].summary, !simulated_);
-        if (!one.empty()) {
-            why += fmt::format(
-                "{}{}{}", why.empty() ? "" : "; ",
-                result.intervals.size() == 1 ? "" : fmt::format("interval {}: ", i + 1), one);
-        }
-    }
-    return why;
-}
-
 void TrialRunner::answer(TrialId id,
                          const PlannedTrial& planned,
                          std::span<const Presentation> felt,
@@ -227,7 +199,11 @@ void TrialRunner::answer(TrialId id,
     if (question_.kind == ResponseKind::identification) {
         response.object = plan_.picture_order.at(choice.place);
     }
-    result.invalid = invalid(result);
+    std::vector<TrialSummary> summaries;
+    for (const IntervalResult& one : result.intervals) {
+        summaries.push_back(one.summary);
+    }
+    result.invalid = why_invalid(protocol_, summaries, !simulated_);
     if (planned.adaptive && planned.phase != Phase::practice && result.invalid.empty()) {
         const double stimulus =
             felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1].stimulus.value();

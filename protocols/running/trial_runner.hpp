@@ -39,7 +39,6 @@ private:
               const TrialView& view,
               TrialResult& result);
     void explore(TrialId id, const TrialView& view, TrialResult& result);
-    [[nodiscard]] std::string invalid(const TrialResult& result) const;
     void note_fault(const PlannedTrial& planned, TrialResult& result);
     void note_lost_ticks(const PlannedTrial& planned);
     void answer(TrialId id,

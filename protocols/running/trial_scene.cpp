@@ -1,5 +1,7 @@
 #include "protocols/running/trial_scene.hpp"
 
+#include "protocols/design/adaptive_plan.hpp"
+
 namespace palpate::protocols {
 
 namespace {
@@ -44,6 +46,19 @@ std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std
         pictures.push_back({.outline = stimuli::silhouette(object_of(protocol, object))});
     }
     return pictures;
+}
+
+Question question_of(const Protocol& protocol, std::span<const Picture> pictures) {
+    const ResponseSpec& response = protocol.response;
+    const bool labelled =
+        response.kind == ResponseKind::yes_no || response.kind == ResponseKind::rating;
+    return {
+        .kind = response.kind,
+        .text = response.question,
+        .pictures = pictures,
+        .answers = answers_of(protocol),
+        .labels = labelled ? std::vector{response.low, response.high} : std::vector<std::string>(),
+        .confidence = response.confidence};
 }
 
 }  // namespace palpate::protocols

@@ -24,4 +24,7 @@ namespace palpate::protocols {
 [[nodiscard]] std::vector<Picture> make_pictures(const Protocol& protocol,
                                                  std::span<const std::size_t> order);
 
+/// What is asked after every trial. @param pictures  outlive it
+[[nodiscard]] Question question_of(const Protocol& protocol, std::span<const Picture> pictures);
+
 }  // namespace palpate::protocols
