@@ -113,7 +113,8 @@ protocols::AdaptiveRuns rebuilt_runs(Database& database,
         });
     };
     Statement row = database.prepare(
-        "SELECT trial.id, adaptive_plan.run, presentation.stimulus, outcome, state_sha256"
+        "SELECT trial.id, adaptive_plan.run, presentation.stimulus, adaptive_step.outcome,"
+        " state_sha256"
         " FROM adaptive_step JOIN trial ON trial.id = adaptive_step.trial"
         " JOIN adaptive_plan ON adaptive_plan.session = trial.session"
         " AND adaptive_plan.position = trial.position"

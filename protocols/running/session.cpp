@@ -1,6 +1,7 @@
 #include "protocols/running/session.hpp"
 
 #include <chrono>
+#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
@@ -145,6 +146,10 @@ SessionEnd run_session(const Protocol& protocol,
                        PendingTrials pending,
                        Ports ports,
                        AdaptiveRuns runs) {
+    if (runs.size() != protocol.runs.size()) {
+        throw std::logic_error(
+            fmt::format("{} rules for {} runs", runs.size(), protocol.runs.size()));
+    }
     return Session(protocol, plan, std::move(pending), ports, view.simulated, runs).run(view);
 }
 

@@ -245,7 +245,8 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                              .progress =
                                  [&](const PlannedTrial& planned, const TrialResult& result) {
                                      print_trial(spec, plan.trials.size(), planned, result);
-                                 }})};
+                                 }},
+                            opened.runs)};
 }
 
 }  // namespace palpate::ui
