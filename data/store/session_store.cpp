@@ -241,11 +241,19 @@ protocols::PendingTrials pending_trials(Database& database,
                                         std::int64_t session,
                                         const SessionSpec& spec) {
     protocols::PendingTrials pending(spec.plan, requeue_rule(spec));
+    std::vector<Redo> redos = redos_of(database, session);
+    const auto begin_again = [&](std::optional<std::int64_t> before) {
+        while (!redos.empty() && (!before || redos.front().after < *before)) {
+            pending.begin_again(redos.front().part);
+            redos.erase(redos.begin());
+        }
+    };
     Statement row = database.prepare(
-        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL FROM trial"
+        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL, trial.id FROM trial"
         " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 ORDER BY trial.id");
     row.bind(1, session);
     while (row.step()) {
+        begin_again(row.integer(4));
         const bool answered = row.integer(2) != 0;
         if (answered || row.text(1) == to_string(protocols::Outcome::faulted)) {
             pending.note(static_cast<std::size_t>(row.integer(0)),
@@ -253,6 +261,7 @@ protocols::PendingTrials pending_trials(Database& database,
                          row.integer(3) != 0);
         }
     }
+    begin_again(std::nullopt);
     return pending;
 }
 
@@ -323,6 +332,9 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
         opened.interrupted = mark_interrupted(database, id);
     }
     opened.pending = pending_trials(database, id, spec);
+    if (there && !there->finished) {
+        begin_again(database, id, spec.resume, opened.pending);
+    }
     opened.next = opened.pending.next();
     opened.runs = rebuilt_runs(database, id, spec);
     all.commit();

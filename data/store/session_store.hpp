@@ -12,6 +12,7 @@
 #include "protocols/running/adaptive_runs.hpp"
 #include "protocols/running/pending_trials.hpp"
 #include "data/store/database.hpp"
+#include "data/store/resume_policy.hpp"
 
 namespace palpate::data {
 
@@ -27,7 +28,8 @@ struct SessionSpec {
     std::uint64_t seed = 0;
     RunKind kind = RunKind::simulated;
     std::string device;
-    std::string operator_name{};  ///< who runs it; empty: not given
+    Resume resume = Resume::go_on;  ///< if it is there already
+    std::string operator_name{};    ///< who runs it; empty: not given
     std::vector<std::pair<std::string, std::string>> provenance;
 };
 

@@ -50,12 +50,16 @@ protocols::RequeueRule rule_of(const SessionFrame& frame) {
 
 }  // namespace
 
-TrialCheck::TrialCheck(Database& database, const SessionFrame& frame, Findings& findings)
+TrialCheck::TrialCheck(Database& database,
+                       std::int64_t session,
+                       const SessionFrame& frame,
+                       Findings& findings)
     : database_(database),
       frame_(frame),
       findings_(findings),
       pending_(frame.plan, rule_of(frame)),
       runs_(frame.protocol, rule_of(frame).key),
+      redos_(redos_of(database, session)),
       period_ns_(
           static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5))) {}
 
@@ -111,24 +115,37 @@ void TrialCheck::check(const StoredRow& trial) {
     findings_.look_at({});
 }
 
-/// A session that goes on after a mark orders what is left as if the answer had never counted.
+/// A session that goes on after a mark, or begins a part again, orders what is left as if the answers had
+/// never counted.
 void TrialCheck::heed_marks(const StoredRow& trial) {
-    bool marked = false;
+    const std::int64_t now = trial.integer("id");
+    bool changed = std::any_of(redos_.begin(), redos_.end(), [&](const Redo& redo) {
+        return redo.after < now && redo.after >= last_;
+    });
+    last_ = now;
     for (Attempt& attempt : made_) {
-        if (attempt.marked_after > 0 && attempt.marked_after < trial.integer("id")) {
+        if (attempt.marked_after > 0 && attempt.marked_after < now) {
             attempt.counted = false;
             attempt.marked_after = 0;
             runs_.forget(attempt.trial);
-            marked = true;
+            changed = true;
         }
     }
-    if (!marked) {
+    if (!changed) {
         return;
     }
     pending_ = protocols::PendingTrials(frame_.plan, rule_of(frame_));
+    auto redo = redos_.begin();
+    const auto begin_again = [&](std::int64_t before) {
+        for (; redo != redos_.end() && redo->after < before; ++redo) {
+            pending_.begin_again(redo->part);
+        }
+    };
     for (const Attempt& attempt : made_) {
+        begin_again(attempt.trial);
         pending_.note(attempt.position, attempt.outcome, attempt.counted);
     }
+    begin_again(now);
 }
 
 void TrialCheck::check_attempt(const StoredRow& trial, bool answered) {

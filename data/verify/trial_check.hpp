@@ -11,6 +11,7 @@
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/adaptive_runs.hpp"
 #include "protocols/running/pending_trials.hpp"
+#include "data/store/resume_policy.hpp"
 #include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {
@@ -34,7 +35,10 @@ struct SessionFrame {
 /// Checks the attempts of one session in the order in which they were made.
 class TrialCheck {
 public:
-    TrialCheck(Database& database, const SessionFrame& frame, Findings& findings);
+    TrialCheck(Database& database,
+               std::int64_t session,
+               const SessionFrame& frame,
+               Findings& findings);
 
     void check(const StoredRow& trial);
     [[nodiscard]] std::int64_t replayed() const noexcept { return replayed_; }
@@ -62,6 +66,8 @@ private:
     };
     protocols::PendingTrials pending_;
     protocols::AdaptiveRuns runs_;
+    std::vector<Redo> redos_;
+    std::int64_t last_ = 0;  ///< trial that was looked at
     std::vector<Attempt> made_;
     std::map<std::size_t, std::int64_t> attempts_;  ///< so far, by position
     std::int64_t period_ns_;

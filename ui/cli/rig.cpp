@@ -220,6 +220,7 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                                       .seed = spec.seed,
                                       .kind = spec.kind,
                                       .device = apparatus->device_name(),
+                                      .resume = spec.resume,
                                       .operator_name = spec.operator_name,
                                       .provenance = std::move(shaped_by)});
     print_start(spec, plan, opened, *apparatus);
