@@ -203,12 +203,6 @@ JOIN participant ON participant.id = session.participant
 JOIN study ON study.id = session.study
 WHERE trial.invalid IS NULL;
 
-CREATE VIEW confusion AS
--- How often each object was taken for which, main trials only.
-SELECT study, kind, friction, object, choice, count(*) AS n
-FROM trial_result WHERE phase = 'main'
-GROUP BY study, kind, friction, object, choice;
-
 CREATE VIEW invalid_trial AS
 -- One row per answered trial that does not count, with its answer and the reason.
 SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
@@ -222,6 +216,15 @@ JOIN session ON session.id = trial.session
 JOIN participant ON participant.id = session.participant
 JOIN study ON study.id = session.study
 WHERE trial.invalid IS NOT NULL;
+)sql";
+
+/// As of schema 5: answers without pictures confuse no objects.
+constexpr const char* kConfusion5 = R"sql(
+CREATE VIEW confusion AS
+-- How often each object was taken for which, main trials only.
+SELECT study, kind, friction, object, choice, count(*) AS n
+FROM trial_result WHERE phase = 'main' AND choice IS NOT NULL
+GROUP BY study, kind, friction, object, choice;
 )sql";
 
 /// Since schema 4.
@@ -324,6 +327,7 @@ ALTER TABLE trace_column RENAME TO trace_column_4;
 ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
 CREATE TEMP TABLE session_4 AS SELECT * FROM session;
 DROP TABLE session;
+DROP VIEW confusion;
 CREATE TEMP TABLE response_4 AS SELECT * FROM response;
 DROP TABLE response;
 )sql";
@@ -346,16 +350,16 @@ PRAGMA user_version = 5;
 std::string_view schema_sql() noexcept {
     static const std::string all = std::string(kTables) + kSession5 + kTables2 + kResponse5 +
                                    kTraces5 + kPresentation5 + kAdaptive5 + kPeople + kViews +
-                                   kFaults + kAdaptiveViews5;
+                                   kConfusion5 + kFaults + kAdaptiveViews5;
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
-    static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
+    static const std::string from_3 = std::string(kFrom3) + kPeople + kViews + kConfusion5;
     static const std::string from_4 = std::string(kFrom4) + kSession5 + kTraces5 + kResponse5 +
                                       kResponse5From4 + kPresentation5 + kPresentation5From4 +
-                                      kAdaptive5 + kAdaptiveViews5 + kFrom4Rows;
+                                      kAdaptive5 + kConfusion5 + kAdaptiveViews5 + kFrom4Rows;
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 
