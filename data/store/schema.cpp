@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "data/store/adaptive_store.hpp"
+#include "data/store/presentation.hpp"
 #include "data/store/views.hpp"
 
 namespace palpate::data {
@@ -136,18 +138,6 @@ CREATE TABLE trial (
     after_vertex_ticks  INTEGER,                    -- in contact with the second curve, right of the vertex
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
-) STRICT;
-
-CREATE TABLE response (
-    -- The answer of a trial.
-    trial          INTEGER PRIMARY KEY REFERENCES trial,    -- trial.id
-    place          INTEGER NOT NULL CHECK (place >= 0),     -- of the picture chosen, from 0, from the left
-    object         TEXT NOT NULL,                           -- which it was taken for
-    correct        INTEGER NOT NULL CHECK (correct IN (0, 1)),  -- 1: the object that was felt
-    reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- pictures shown -> answer
-    uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),  -- may have been up to this much earlier
-    input          TEXT NOT NULL            -- how it was given
-                       CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
 ) STRICT;
 
 CREATE TABLE event (
@@ -317,6 +307,8 @@ ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
 ALTER TABLE trial ADD COLUMN chain_events INTEGER;
 CREATE TEMP TABLE session_4 AS SELECT * FROM session;
 DROP TABLE session;
+CREATE TEMP TABLE response_4 AS SELECT * FROM response;
+DROP TABLE response;
 )sql";
 constexpr const char* kFrom4Rows = R"sql(
 INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed, plan_sha256, shuffles, device,
@@ -335,8 +327,9 @@ PRAGMA user_version = 5;
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kTraces5 +
-                                   kPeople + kFaults + std::string(views_sql());
+    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kResponse5 +
+                                   kTraces5 + kPresentation5 + kAdaptive5 + kPeople + kFaults +
+                                   std::string(views_sql());
     return all;
 }
 
@@ -344,7 +337,9 @@ std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
     static const std::string from_3 = std::string(kFrom3) + kPeople;
     static const std::string from_4 = std::string(kNoViews) + kFreeForms5 + kFrom4 + kSession5 +
-                                      kTraces5 + kFrom4Rows + kMovement5 + std::string(views_sql());
+                                      kTraces5 + kResponse5 + kResponse5From4 + kPresentation5 +
+                                      kPresentation5From4 + kAdaptive5 + kFrom4Rows + kMovement5 +
+                                      std::string(views_sql());
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 

@@ -11,6 +11,7 @@
 
 #include "protocols/design/object_outline.hpp"
 #include "protocols/format/protocol_file.hpp"
+#include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
@@ -123,6 +124,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);
+    write_adaptive_plan(database, session, spec.protocol, spec.plan);
     write_provenance(database, session, spec);
     describe_columns(database);
     return session;
@@ -248,11 +250,19 @@ protocols::PendingTrials pending_trials(Database& database,
                                         std::int64_t session,
                                         const SessionSpec& spec) {
     protocols::PendingTrials pending(spec.plan, requeue_rule(spec));
+    std::vector<Redo> redos = redos_of(database, session);
+    const auto begin_again = [&](std::optional<std::int64_t> before) {
+        while (!redos.empty() && (!before || redos.front().after < *before)) {
+            pending.begin_again(redos.front().part);
+            redos.erase(redos.begin());
+        }
+    };
     Statement row = database.prepare(
-        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL FROM trial"
+        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL, trial.id FROM trial"
         " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 ORDER BY trial.id");
     row.bind(1, session);
     while (row.step()) {
+        begin_again(row.integer(4));
         const bool answered = row.integer(2) != 0;
         if (answered || row.text(1) == to_string(protocols::Outcome::faulted)) {
             pending.note(static_cast<std::size_t>(row.integer(0)),
@@ -260,6 +270,7 @@ protocols::PendingTrials pending_trials(Database& database,
                          row.integer(3) != 0);
         }
     }
+    begin_again(std::nullopt);
     return pending;
 }
 
@@ -290,12 +301,15 @@ std::string_view to_string(RunKind kind) noexcept {
 }
 
 protocols::RequeueRule requeue_rule(const SessionSpec& spec) {
-    return {.key = {.protocol_hash = spec.protocol_hash,
-                    .participant = spec.key.participant,
-                    .session = spec.key.session,
-                    .purpose = {},
-                    .seed = spec.seed},
-            .most = spec.protocol.invalid.requeue_most};
+    return {.key = session_stream(spec), .most = spec.protocol.invalid.requeue_most};
+}
+
+protocols::StreamKey session_stream(const SessionSpec& spec) {
+    return {.protocol_hash = spec.protocol_hash,
+            .participant = spec.key.participant,
+            .session = spec.key.session,
+            .purpose = {},
+            .seed = spec.seed};
 }
 
 std::optional<SessionState> latest_session(Database& database,
@@ -327,7 +341,11 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
         opened.interrupted = mark_interrupted(database, id);
     }
     opened.pending = pending_trials(database, id, spec);
+    if (there && !there->finished) {
+        begin_again(database, id, spec.resume, opened.pending);
+    }
     opened.next = opened.pending.next();
+    opened.runs = rebuilt_runs(database, id, spec);
     all.commit();
     return opened;
 }

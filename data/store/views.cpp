@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "data/store/adaptive_store.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -49,7 +51,7 @@ SELECT study,        -- study.name
        object,       -- what was felt
        choice,       -- what it was taken for
        count(*) AS n -- trials
-FROM trial_result WHERE phase = 'main'
+FROM trial_result WHERE phase = 'main' AND choice IS NOT NULL  -- without pictures nothing is confused
 GROUP BY study, kind, friction, object, choice;
 
 CREATE VIEW invalid_trial AS
@@ -171,7 +173,7 @@ GROUP BY session.id;
 }  // namespace
 
 std::string_view views_sql() noexcept {
-    static const std::string all = std::string(kAnswers) + kViews5;
+    static const std::string all = std::string(kAnswers) + kViews5 + kAdaptiveViews5;
     return all;
 }
 

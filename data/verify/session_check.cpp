@@ -160,7 +160,7 @@ void check_all(Database& database,
     if (!check_plan(database, session, frame, findings)) {
         return;
     }
-    TrialCheck trials(database, frame, findings);
+    TrialCheck trials(database, id, frame, findings);
     for (const StoredRow& trial :
          rows_of(database, "SELECT * FROM trial WHERE session = ?1 ORDER BY id", id)) {
         ++report.trials;

@@ -3,15 +3,20 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "protocols/design/plan.hpp"
 #include "protocols/design/protocol.hpp"
+#include "protocols/running/adaptive_runs.hpp"
 #include "protocols/running/pending_trials.hpp"
+#include "data/store/resume_policy.hpp"
 #include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {
+
+struct CheckedInterval;
 
 /// What the trials of a session are checked against.
 struct SessionFrame {
@@ -30,7 +35,10 @@ struct SessionFrame {
 /// Checks the attempts of one session in the order in which they were made.
 class TrialCheck {
 public:
-    TrialCheck(Database& database, const SessionFrame& frame, Findings& findings);
+    TrialCheck(Database& database,
+               std::int64_t session,
+               const SessionFrame& frame,
+               Findings& findings);
 
     void check(const StoredRow& trial);
     [[nodiscard]] std::int64_t replayed() const noexcept { return replayed_; }
@@ -39,16 +47,17 @@ public:
 private:
     void heed_marks(const StoredRow& trial);
     void check_attempt(const StoredRow& trial, bool answered);
-    void check_outcome(const StoredRow& trial, bool answered);
-    void check_response(const StoredRow& response, const protocols::PlannedTrial& planned);
-    [[nodiscard]] std::unique_ptr<engine::Scene> scene_of(const StoredRow& trial,
-                                                          const protocols::PlannedTrial& planned);
+    void check_outcome(const StoredRow& trial,
+                       std::span<const CheckedInterval> intervals,
+                       bool answered);
+    [[nodiscard]] std::optional<double> stimulus_of(const protocols::PlannedTrial& planned);
 
     Database& database_;
     const SessionFrame& frame_;
     Findings& findings_;
     /// An attempt that was answered or faulted.
     struct Attempt {
+        std::int64_t trial = 0;
         std::size_t position = 0;
         protocols::Outcome outcome{};
         bool counted = false;  ///< when it ended
@@ -56,6 +65,9 @@ private:
             0;  ///< last trial when somebody said it does not count; 0: nobody
     };
     protocols::PendingTrials pending_;
+    protocols::AdaptiveRuns runs_;
+    std::vector<Redo> redos_;
+    std::int64_t last_ = 0;  ///< trial that was looked at
     std::vector<Attempt> made_;
     std::map<std::size_t, std::int64_t> attempts_;  ///< so far, by position
     std::int64_t period_ns_;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "protocols/design/adaptive_plan.hpp"
+
 namespace palpate::protocols {
 
 Duration duration_of(const Plan& plan, const Protocol& protocol) {
@@ -10,12 +12,13 @@ Duration duration_of(const Plan& plan, const Protocol& protocol) {
     const auto breaks = static_cast<double>(
         std::count_if(plan.trials.begin(), plan.trials.end(),
                       [](const PlannedTrial& trial) { return trial.break_before; }));
-    const double around = 2.0 * protocol.apparatus.force_ramp + timing.gap;
-    const double person = kReadySeconds + kChoiceSeconds;
+    const auto intervals = static_cast<double>(intervals_of(protocol));
+    const double around = intervals * (2.0 * protocol.apparatus.force_ramp + timing.gap);
+    const double person = intervals * kReadySeconds + kChoiceSeconds;
     const double pause = breaks * timing.break_min;
-    return {.shortest = trials * (timing.explore_min + around) + pause,
-            .prompted = trials * (timing.explore_prompt + around + person) + pause,
-            .longest = trials * (timing.explore_timeout + around + person) + pause};
+    return {.shortest = trials * (intervals * timing.explore_min + around) + pause,
+            .prompted = trials * (intervals * timing.explore_prompt + around + person) + pause,
+            .longest = trials * (intervals * timing.explore_timeout + around + person) + pause};
 }
 
 }  // namespace palpate::protocols

@@ -4,8 +4,7 @@
 
 namespace palpate::protocols {
 
-stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
-    const ObjectSpec& spec = protocol.objects.at(object);
+stimuli::TwoCurve object_of(const Protocol& protocol, const ObjectSpec& spec) {
     const OutlineSpec& outline = protocol.outline;
     const stimuli::Pose pose = spec.pose();
     if (pose == stimuli::Pose{}) {
@@ -18,10 +17,18 @@ stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
             .curvature = spec.curvature / spec.size};
 }
 
-std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol, std::size_t object) {
-    const ObjectSpec& spec = protocol.objects.at(object);
-    return spec.segments.empty() ? stimuli::make_outline(object_of(protocol, object))
+stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
+    return object_of(protocol, protocol.objects.at(object));
+}
+
+std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol,
+                                                  const ObjectSpec& spec) {
+    return spec.segments.empty() ? stimuli::make_outline(object_of(protocol, spec))
                                  : stimuli::make_outline(spec.segments, spec.pose());
+}
+
+std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol, std::size_t object) {
+    return outline_of(protocol, protocol.objects.at(object));
 }
 
 std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t object) {

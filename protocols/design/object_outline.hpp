@@ -13,10 +13,14 @@ namespace palpate::protocols {
 
 /// The object as two curves, placed. @pre it is one: without segments
 [[nodiscard]] stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object);
+/// The same of an object that need not be one of the protocol's, on its [outline].
+[[nodiscard]] stimuli::TwoCurve object_of(const Protocol& protocol, const ObjectSpec& spec);
 
 /// @throws std::invalid_argument if it cannot be built; no object read from a file is like that
 [[nodiscard]] std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol,
                                                                 std::size_t object);
+[[nodiscard]] std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol,
+                                                                const ObjectSpec& spec);
 
 /// Its picture: a closed polyline, m.
 [[nodiscard]] std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t object);

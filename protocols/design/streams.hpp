@@ -37,9 +37,11 @@ inline constexpr std::string_view observer =
 inline constexpr std::string_view requeue = "requeue";  ///< session, block = position: place of the
                                                         ///< 1st, 2nd, ... repetition
 inline constexpr std::string_view masking = "masking";  ///< session: noise on the headphones
-inline constexpr std::array all = {practice_order, main_order,      catch_trials,
-                                   pictures,       friction_blocks, hand,
-                                   observer,       requeue,         masking};
+inline constexpr std::string_view second_hand = "hand.second";  ///< as hand, in the second interval
+inline constexpr std::string_view procedure = "procedure";      ///< session, block = run, from 0
+inline constexpr std::array all = {practice_order,  main_order,  catch_trials, pictures,
+                                   friction_blocks, hand,        observer,     requeue,
+                                   masking,         second_hand, procedure};
 }  // namespace purpose
 
 /// The text that is hashed: one `name=value` a line. Texts carry their length in bytes, so that no

@@ -30,7 +30,7 @@ std::span<const std::string_view> words_for(const Key<Record>& key) {
 
 template <class Record>
 std::string default_of(const Key<Record>& key) {
-    if (key.need == required || key.need == gos || key.need == two_curve) {
+    if (key.need == required || key.need == factorial || key.need == gos || key.need == two_curve) {
         return "required";
     }
     [[maybe_unused]] static const Record defaults{};
@@ -80,6 +80,8 @@ template bool left_out(const Key<ExclusionSpec>&, const ExclusionSpec&);
 template bool left_out(const Key<DesignSpec>&, const DesignSpec&);
 template bool left_out(const Key<TimingSpec>&, const TimingSpec&);
 template bool left_out(const Key<ResponseSpec>&, const ResponseSpec&);
+template bool left_out(const Key<AdaptiveSpec>&, const AdaptiveSpec&);
+template bool left_out(const Key<RunSpec>&, const RunSpec&);
 template bool left_out(const Key<ObserverSpec>&, const ObserverSpec&);
 template bool left_out(const Key<MaskingSpec>&, const MaskingSpec&);
 template bool left_out(const Key<InstructionTexts>&, const InstructionTexts&);
@@ -123,6 +125,8 @@ template std::string range_of(const Key<ExclusionSpec>&);
 template std::string range_of(const Key<DesignSpec>&);
 template std::string range_of(const Key<TimingSpec>&);
 template std::string range_of(const Key<ResponseSpec>&);
+template std::string range_of(const Key<AdaptiveSpec>&);
+template std::string range_of(const Key<RunSpec>&);
 template std::string range_of(const Key<ObserverSpec>&);
 template std::string range_of(const Key<MaskingSpec>&);
 template std::string range_of(const Key<InstructionTexts>&);
@@ -142,6 +146,13 @@ std::string key_reference() {
                "way") +
            section<DesignSpec>("[design]") + section<TimingSpec>("[timing]") +
            section<ResponseSpec>("[response]  left out of the hash in the same way") +
+           section<AdaptiveSpec>(
+               "[procedure]  a rule that chooses by the answers, instead of [design]; beside these "
+               "keys all "
+               "of a procedure file\n             (palpate procedure --keys), with its tables as "
+               "[procedure.model], [[procedure.staircase]], ...") +
+           section<RunSpec>(fmt::format(
+               "[[run]]  with [procedure]: the rule runs once for each, 1 to {}", kMaxRuns)) +
            section<ObserverSpec>("[observer]  of simulated sessions") +
            section<MaskingSpec>("[masking]  left out of the hash while there is no noise") +
            section<InstructionTexts>(

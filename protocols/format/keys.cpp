@@ -141,7 +141,7 @@ constexpr std::array kExclusion{
 };
 
 constexpr std::array kDesign{
-    Key<DesignSpec>{.name = "repetitions", .member = &DesignSpec::repetitions, .need = required, .lowest = 1, .highest = 1000,
+    Key<DesignSpec>{.name = "repetitions", .member = &DesignSpec::repetitions, .need = factorial, .lowest = 1, .highest = 1000,
                     .meaning = "main trials of each object with each friction"},
     Key<DesignSpec>{.name = "max_run_object", .member = &DesignSpec::max_run_object, .highest = 1000,
                     .meaning = "same object in a row; 0: no limit"},
@@ -183,6 +183,8 @@ constexpr std::array kObserver{
                       .meaning = "weight of the force cue; the position cue has the rest"},
     Key<ObserverSpec>{.name = "bias_per_m_per_mu", .member = &ObserverSpec::bias_per_mu, .lowest = -1000, .highest = 1000,
                       .meaning = "curvature added per unit of felt friction"},
+    Key<ObserverSpec>{.name = "noise_mu", .member = &ObserverSpec::noise_mu, .highest = 10, .late = true,
+                      .meaning = "standard deviation of the felt friction coefficient"},
 };
 
 constexpr std::array kMasking{

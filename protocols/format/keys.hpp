@@ -16,8 +16,9 @@ namespace palpate::protocols {
 /// When a key has to be there.
 enum class Need : std::uint8_t {
     required,
-    optional,  ///< left out: the default member of the struct
-    gos,       ///< friction coefficients: required by the law "gos", refused with "frictionless"
+    optional,   ///< left out: the default member of the struct
+    factorial,  ///< required without [procedure]
+    gos,        ///< friction coefficients: required by the law "gos", refused with "frictionless"
     gos_optional,
     two_curve,  ///< curvature: required by an object of two curves, refused with a free form
 };
@@ -48,7 +49,9 @@ struct Key {
                  Noise Record::*,
                  Language Record::*,
                  ResponseKind Record::*,
-                 Feedback Record::*>
+                 Feedback Record::*,
+                 Varies Record::*,
+                 StimulusAs Record::*>
         member;
     Need need = Need::optional;
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
@@ -69,6 +72,8 @@ inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
 inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
                                                                 "yes_no", "rating"};
 inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
+inline constexpr std::array<std::string_view, 2> kVaries{"curvature_per_m", "mu"};
+inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
     return kOrderRules;
@@ -87,6 +92,12 @@ inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", 
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Feedback) {
     return kFeedbacks;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Varies) {
+    return kVaries;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(StimulusAs) {
+    return kStimulusAs;
 }
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Noise) {
@@ -128,6 +139,10 @@ std::span<const Key<TimingSpec>> keys_of();
 template <>
 std::span<const Key<ResponseSpec>> keys_of();
 template <>
+std::span<const Key<AdaptiveSpec>> keys_of();
+template <>
+std::span<const Key<RunSpec>> keys_of();
+template <>
 std::span<const Key<ObserverSpec>> keys_of();
 template <>
 std::span<const Key<MaskingSpec>> keys_of();
@@ -147,6 +162,7 @@ inline constexpr std::size_t kMinPictures = 2;
 inline constexpr std::size_t kMaxPictures = 9;  ///< answered by the keys 1-9
 inline constexpr std::size_t kMaxObjects = 18;
 inline constexpr std::size_t kMaxFrictions = 9;
+inline constexpr std::size_t kMaxRuns = 9;
 inline constexpr std::size_t kMaxTrials = 2000;  ///< of a session: a day's work at 15 s each
 
 /// "0 to 50", "above 0, at most 50", "letters a-z, digits and _", ...

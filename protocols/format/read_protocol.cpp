@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/adaptive_rules.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/format/object_tables.hpp"
 #include "protocols/format/protocol_file.hpp"
@@ -17,10 +18,10 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 15> kTables{
-    "format",   "study",    "apparatus", "outline",   "object",
-    "friction", "safety",   "invalid",   "exclusion", "design",
-    "timing",   "response", "observer",  "masking",   "instructions"};
+constexpr std::array<std::string_view, 17> kTables{
+    "format",   "study",   "apparatus",    "outline",   "object", "friction",
+    "safety",   "invalid", "exclusion",    "design",    "timing", "response",
+    "observer", "masking", "instructions", "procedure", "run"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -53,7 +54,17 @@ public:
         table("safety", protocol.safety, false);
         table("invalid", protocol.invalid, false);
         table("exclusion", protocol.exclusion, false);
-        table("design", protocol.design, true);
+        const Entry* procedure = find("procedure");
+        table("design", protocol.design, procedure == nullptr);
+        if (procedure != nullptr) {
+            read_adaptive(*procedure, reader_, problems_, protocol);
+            tables("run", [&](const Table& found, const Position& at) {
+                const std::string path = fmt::format("run.{}", protocol.runs.size() + 1);
+                reader_.read(found, path, at, protocol.runs.emplace_back());
+            });
+        } else {
+            factorial();
+        }
         table("timing", protocol.timing, false);
         table("response", protocol.response, false);
         table("observer", protocol.observer, false);
@@ -82,6 +93,23 @@ private:
             problems_.add(entry->value.at,
                           fmt::format("format is {}: this program reads format = {}",
                                       shown(entry->value), kFormat));
+        }
+    }
+
+    /// Without a rule that chooses, the design has to say how often each condition comes.
+    void factorial() {
+        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+            if (key.need == Need::factorial && find("design") != nullptr &&
+                !places_.has(fmt::format("design.{}", key.name))) {
+                problems_.add(places_.of("design"),
+                              fmt::format("[design] lacks the key {}: add it ({}; {})", key.name,
+                                          range_of(key), key.meaning));
+            }
+        }
+        if (const Entry* run = find("run")) {
+            problems_.add(run->at,
+                          "there are runs, but no rule for them: add the table "
+                          "[procedure], or delete [[run]]");
         }
     }
 

@@ -318,5 +318,9 @@ template void Reader::read(
     const Table&, const std::string&, const Position&, MaskingSpec&, const Beyond&);
 template void Reader::read(
     const Table&, const std::string&, const Position&, InstructionTexts&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, AdaptiveSpec&, const Beyond&);
+template void Reader::read(
+    const Table&, const std::string&, const Position&, RunSpec&, const Beyond&);
 
 }  // namespace palpate::protocols

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 
 namespace palpate::protocols {
@@ -23,6 +24,16 @@ void check_response(const Protocol& protocol, const Places& places, Problems& pr
     only_for("levels", rating, "\"rating\"");
     only_for("low", labelled, "\"yes_no\" or \"rating\"");
     only_for("high", labelled, "\"yes_no\" or \"rating\"");
+    if (kind == ResponseKind::two_interval && !protocol.procedure) {
+        add("kind",
+            "kind is \"two_interval\", but nothing says what the two intervals hold: add the "
+            "table [procedure], or give another kind");
+    }
+    if (kind != ResponseKind::identification && objects_of(protocol, true).empty()) {
+        problems.add(places.of("object.1"),
+                     "every object has pictured = false: nothing is left for "
+                     "the main trials; leave it out of one");
+    }
     if (labelled && response.question.empty()) {
         add("kind", fmt::format("kind is \"{}\", but there is no question: add the key question",
                                 word_of(kind)));

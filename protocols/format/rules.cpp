@@ -7,6 +7,7 @@
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/format/adaptive_rules.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/format/object_rules.hpp"
 #include "protocols/format/response_rules.hpp"
@@ -28,7 +29,9 @@ public:
             friction(i);
         }
         timing();
-        design();
+        if (!protocol_.procedure) {
+            design();
+        }
         exclusion();
     }
 
@@ -56,7 +59,8 @@ private:
 
     void numbers() {
         const std::size_t pictured = objects_of(protocol_, true).size();
-        if (pictured < kMinPictures || pictured > kMaxPictures) {
+        const bool asked = protocol_.response.kind == ResponseKind::identification;
+        if (asked && (pictured < kMinPictures || pictured > kMaxPictures)) {
             add("object.1",
                 fmt::format("there are {} pictured objects: give {} to {} [[object]] tables "
                             "without pictured = false",
@@ -197,6 +201,9 @@ private:
 void check_rules(const Protocol& protocol, const Places& places, Problems& problems) {
     Rules(protocol, places, problems).check();
     check_response(protocol, places, problems);
+    if (protocol.procedure) {
+        check_adaptive(protocol, places, problems);
+    }
 }
 
 }  // namespace palpate::protocols

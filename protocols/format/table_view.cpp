@@ -106,7 +106,7 @@ std::int64_t TableView::required_integer(std::string_view key, const Range& rang
         return 1;
     }
     static_cast<void>(in_range(*entry, static_cast<double>(*value), range));
-    return std::clamp<std::int64_t>(*value, 1, 1'000'000);
+    return std::clamp<std::int64_t>(*value, range.lowest == 0.0 ? 0 : 1, 1'000'000);
 }
 
 std::size_t TableView::choice(std::string_view key,

@@ -108,7 +108,8 @@ void check_workspace(const Protocol& protocol,
         findings.push_back(
             {Verdict::refuse,
              fmt::format("the handle cannot reach {} of object \"{}\": move or shrink the object "
-                         "(outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm), or the origin in the calibration",
+                         "(outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm), or "
+                         "the origin in the calibration",
                          point_text(outside->point), outside->object->name)});
     }
     if (!start_in_reach) {

@@ -27,6 +27,18 @@ void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
     }
 }
 
+void PendingTrials::begin_again(std::size_t part) {
+    std::erase_if(order_, [&](std::size_t position) { return part_[position] == part; });
+    std::erase_if(again_, [&](const auto& again) { return part_[again.first] == part; });
+    auto at = std::find_if(order_.begin(), order_.end(),
+                           [&](std::size_t position) { return part_[position] > part; });
+    for (std::size_t position = 0; position < part_.size(); ++position) {
+        if (part_[position] == part) {
+            at = order_.insert(at, position) + 1;
+        }
+    }
+}
+
 void PendingTrials::set_back(std::size_t position) {
     StreamKey key = rule_.key;
     key.block = position;

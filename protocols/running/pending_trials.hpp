@@ -37,6 +37,13 @@ public:
     /// @param counts  an answer is valid; without meaning for other outcomes
     void note(std::size_t position, Outcome outcome, bool counts = true);
 
+    /// All trials of a part are to be run again, in the order of the plan, as if none had been.
+    void begin_again(std::size_t part);
+    /// 0: practice; else 1 + block. @pre position < the number of trials
+    [[nodiscard]] std::size_t part_of(std::size_t position) const noexcept {
+        return part_[position];
+    }
+
     [[nodiscard]] bool empty() const noexcept { return order_.empty(); }
     /// The position to run now; the number of trials when nothing is left.
     [[nodiscard]] std::size_t next() const noexcept {

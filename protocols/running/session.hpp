@@ -38,10 +38,16 @@ struct SessionEnd {
 /// "pause" and "go on" tell when and for how long. Both work from the welcome to the ready screen as well.
 ///
 /// In real time an event "timing" at each fault and at the end tells how late the ticks so far were.
+///
+/// Where the protocol has a rule, it chooses what is felt, and takes in every answer that counts before the
+/// next trial; practice does not go there. A trial that does not count leaves it as it was: the next
+/// trial of the run is asked what this one was.
+/// @param runs  of the protocol's rule, with all answers so far
 [[nodiscard]] SessionEnd run_session(const Protocol& protocol,
                                      const Plan& plan,
                                      const SessionView& view,
                                      PendingTrials pending,
-                                     Ports ports);
+                                     Ports ports,
+                                     AdaptiveRuns runs = {});
 
 }  // namespace palpate::protocols

@@ -36,7 +36,9 @@ class FaultyApparatus : public protocols::Apparatus {
 public:
     explicit FaultyApparatus(World& world) : world_(world) {}
 
-    void begin(const engine::Scene& /*scene*/, const protocols::PlannedTrial& planned) override {
+    void begin(const engine::Scene& /*scene*/,
+               const protocols::PlannedTrial& planned,
+               std::size_t /*interval*/) override {
         position_ = planned.position;
         faults_ = world_.faults_now(position_);
         trip_ = engine::Trip::none;

@@ -49,6 +49,10 @@ void print_design(const Study& study, const Plan& plan) {
                trials_of(plan, Phase::practice), trials_of(plan, Phase::main),
                block_count(protocol), block_count(protocol) == 1 ? "" : "s",
                trials_of(plan, Phase::catch_trial));
+    if (protocol.procedure) {
+        fmt::print("{}\n{}", breaks_text(summary), rule_text(protocol, plan));
+        return;
+    }
     fmt::print("{}\n{}\nin the order of a participant named {}, other orders differ:\n{}\n{}",
                breaks_text(summary), counts_text(protocol, summary), kExample,
                limits_text(protocol, plan, summary), steps_text(protocol, summary));

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "data/store/resume_policy.hpp"
 #include "ui/cli/device_choice.hpp"
 #include "ui/cli/version.hpp"
 
@@ -56,6 +57,13 @@ void add_run(CLI::App& app, Options& chosen) {
         ->check(CLI::PositiveNumber);
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
     command->add_option("--operator", run.operator_name, "Who runs it, kept with the session");
+    command
+        ->add_option("--resume", run.resume,
+                     "A session that was broken off goes on with the next trial, with the first of "
+                     "its block, or with the practice; answers of what is begun again do not count")
+        ->check(CLI::IsMember(
+            std::vector<std::string>(data::kResumeWords.begin(), data::kResumeWords.end())))
+        ->capture_default_str();
     command->add_flag(
         "--durable", run.durable,
         "Save ticks more often: after a power cut at most 45 ms are lost, not 120 ms");

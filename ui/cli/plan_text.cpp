@@ -1,5 +1,6 @@
 #include "ui/cli/plan_text.hpp"
 
+#include <array>
 #include <map>
 #include <set>
 #include <string_view>
@@ -8,8 +9,11 @@
 #include <fmt/format.h>
 
 #include "protocols/design/acceptance.hpp"
+#include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/design/sha256.hpp"
+#include "protocols/format/keys.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -128,6 +132,39 @@ std::string counts_text(const Protocol& protocol, const PlanSummary& summary) {
 std::string steps_text(const Protocol& protocol, const PlanSummary& summary) {
     return steps_of("object", protocol.objects, summary.object_steps) + '\n' +
            steps_of("friction", protocol.frictions, summary.friction_steps);
+}
+
+std::string rule_text(const Protocol& protocol, const protocols::Plan& plan) {
+    const protocols::AdaptiveSpec& spec = *protocol.procedure;
+    std::string text = fmt::format(
+        "a rule chooses {}{} of {} from {} to {} by the answers; rule {}\n", word_of(spec.varies),
+        spec.stimulus_as == protocols::StimulusAs::log10 ? " (its decadic logarithm)" : "",
+        spec.object, spec.lowest, spec.highest, protocols::sha256_hex(spec.rule));
+    std::map<std::pair<std::size_t, Phase>, std::array<std::size_t, 2>> counts;
+    for (const protocols::PlannedTrial& trial : plan.trials) {
+        ++counts[{trial.adaptive->run, trial.phase}].at(trial.adaptive->comparison - 1);
+    }
+    const bool two = protocols::intervals_of(protocol) == 2;
+    text += fmt::format("trials of each run{}\n", two ? ", comparison in interval 1 + 2" : "");
+    for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
+        const protocols::RunSpec& of = protocol.runs[run];
+        const std::string& standard =
+            of.standard_friction.empty() ? of.friction : of.standard_friction;
+        text +=
+            fmt::format("{:<24}", two ? fmt::format("{} ({}, {})", of.name, of.friction, standard)
+                                      : fmt::format("{} ({})", of.name, of.friction));
+        for (const Phase phase : {Phase::practice, Phase::main}) {
+            const auto [first, second] = counts[{run, phase}];
+            text +=
+                fmt::format("  {} {}", to_string(phase),
+                            two ? fmt::format("{} + {}", first, second) : fmt::format("{}", first));
+        }
+        text += '\n';
+    }
+    return text + fmt::format(
+                      "order: uniform over all with at most {} of a run and {} comparisons "
+                      "of an interval in a row (0: any); {}, {} proposed\n",
+                      spec.max_run, spec.max_run_interval, to_string(plan.way), plan.attempts);
 }
 
 }  // namespace palpate::ui

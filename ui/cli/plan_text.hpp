@@ -23,4 +23,8 @@ namespace palpate::ui {
 [[nodiscard]] std::string steps_text(const protocols::Protocol& protocol,
                                      const protocols::PlanSummary& summary);
 
+/// Of a plan whose stimuli a rule chooses: the rule, and the trials of each run by phase and interval.
+[[nodiscard]] std::string rule_text(const protocols::Protocol& protocol,
+                                    const protocols::Plan& plan);
+
 }  // namespace palpate::ui

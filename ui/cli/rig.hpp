@@ -25,6 +25,7 @@ struct RigSpec {
     std::string calibration;  ///< a file or a shipped machine's name; empty: the device's own
     std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
     ScreenOptions screen;
+    data::Resume resume = data::Resume::go_on;
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
     double spin_share = 0.0;    ///< of real devices, see engine::ServoSpec

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <stdexcept>
 
@@ -95,6 +96,9 @@ int run_command(const RunOptions& options) {
     spec.device = parse_device(options.device);
     spec.calibration = options.calibration;
     spec.screen = options.screen;
+    const auto resume =
+        std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);
+    spec.resume = static_cast<data::Resume>(resume - data::kResumeWords.begin());
     spec.operator_name = options.operator_name;
     spec.durable = options.durable;
     spec.spin_share = options.spin;

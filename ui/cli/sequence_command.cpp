@@ -57,6 +57,20 @@ Sequence make_sequence(const SequenceOptions& options) {
 
 void print_csv(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
+    if (protocol.procedure) {
+        fmt::print(
+            "position,phase,block,run,comparison,object,friction,standard_friction,"
+            "break_before\n");
+        for (const PlannedTrial& trial : sequence.plan.trials) {
+            fmt::print("{},{},{},{},{},{},{},{},{}\n", trial.position, to_string(trial.phase),
+                       trial.block, protocol.runs.at(trial.adaptive->run).name,
+                       trial.adaptive->comparison, protocol.objects.at(trial.condition.object).name,
+                       protocol.frictions.at(trial.condition.friction).name,
+                       protocol.frictions.at(trial.adaptive->standard_friction).name,
+                       trial.break_before ? 1 : 0);
+        }
+        return;
+    }
     fmt::print("position,phase,block,object,curvature_per_m,friction,mu_s,mu_d,break_before\n");
     for (const PlannedTrial& trial : sequence.plan.trials) {
         const auto& object = protocol.objects.at(trial.condition.object);
@@ -107,6 +121,13 @@ void print_trials(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     fmt::print("\n");
     for (const PlannedTrial& trial : sequence.plan.trials) {
+        if (trial.adaptive) {
+            fmt::print("trial {:>3}  {:<8}  {:<11} comparison in interval {}{}\n",
+                       trial.position + 1, to_string(trial.phase),
+                       protocol.runs.at(trial.adaptive->run).name, trial.adaptive->comparison,
+                       trial.break_before ? "  (after a break)" : "");
+            continue;
+        }
         fmt::print("trial {:>3}  {:<8}  {:<11} friction {}{}\n", trial.position + 1,
                    to_string(trial.phase), protocol.objects.at(trial.condition.object).name,
                    protocol.frictions.at(trial.condition.friction).name,
@@ -121,7 +142,14 @@ void print_text(const Sequence& sequence) {
                sequence.key.participant, sequence.key.session, sequence.seed,
                sequence.plan.trials.size(), session_code(sequence.plan));
     fmt::print("plan {}\nprotocol {}\n", sequence.plan.hash, sequence.study.hash);
-    print_pictures(sequence);
+    if (!sequence.plan.picture_order.empty()) {
+        print_pictures(sequence);
+    }
+    if (protocol.procedure) {
+        fmt::print("{}{}", rule_text(protocol, sequence.plan), breaks_text(summary));
+        print_trials(sequence);
+        return;
+    }
     fmt::print("{}", limits_text(protocol, sequence.plan, summary));
     fmt::print("{}\n{}\n{}", breaks_text(summary), counts_text(protocol, summary),
                steps_text(protocol, summary));

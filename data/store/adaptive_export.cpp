@@ -1,0 +1,43 @@
+#include "data/store/adaptive_export.hpp"
+
+#include <fmt/format.h>
+
+#include "protocols/format/protocol_file.hpp"
+
+namespace palpate::data {
+
+ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run) {
+    Statement row = database.prepare(
+        "SELECT protocol_toml, protocol_sha256, code, number, seed FROM session"
+        " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
+        " WHERE session.id = ?1");
+    const bool there = row.bind(1, session).step();
+    const protocols::Protocol protocol =
+        there ? protocols::parse_protocol(row.text(0), "study.protocol_toml")
+              : protocols::Protocol{};
+    if (!protocol.procedure || run < 0 || run >= static_cast<std::int64_t>(protocol.runs.size())) {
+        throw StoreError(fmt::format("{}: there is no run {} of a rule in session {}",
+                                     database.file(), run, session));
+    }
+    ExportedRun made;
+    made.procedure = protocol.procedure->rule +
+                     fmt::format(
+                         "\n[stream]\nseed = {}\nprotocol_hash = \"{}\"\nparticipant = \"{}\"\n"
+                         "session = {}\nrun = {}\n",
+                         row.text(4), row.text(1), row.text(2), row.integer(3), run);
+    made.responses = "stimulus,response\n";
+    Statement step = database.prepare(
+        "SELECT presentation.stimulus, adaptive_step.outcome FROM adaptive_step"
+        " JOIN trial ON trial.id = adaptive_step.trial JOIN presentation"
+        " ON presentation.trial = trial.id AND presentation.stimulus IS NOT NULL"
+        " JOIN adaptive_plan USING (session, position)"
+        " WHERE trial.session = ?1 AND adaptive_plan.run = ?2 AND trial.invalid IS NULL"
+        " ORDER BY trial.id");
+    step.bind(1, session).bind(2, run);
+    while (step.step()) {
+        made.responses += fmt::format("{},{}\n", step.real(0), step.integer(1));
+    }
+    return made;
+}
+
+}  // namespace palpate::data

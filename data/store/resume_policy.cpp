@@ -1,0 +1,88 @@
+#include "data/store/resume_policy.hpp"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+constexpr std::string_view kAfter = "after trial ";
+constexpr std::string_view kPart = ": part ";
+
+template <class Number>
+const char* read(const char* from, const char* end, Number& number) {
+    return std::from_chars(from, end, number).ptr;
+}
+
+std::string part_name(std::size_t part) {
+    return part == 0 ? std::string("the practice") : fmt::format("block {}", part);
+}
+
+}  // namespace
+
+std::vector<Redo> redos_of(Database& database, std::int64_t session) {
+    std::vector<Redo> redos;
+    Statement row =
+        database.prepare("SELECT text FROM event WHERE session = ?1 AND kind = 'redo' ORDER BY id");
+    row.bind(1, session);
+    while (row.step()) {
+        const std::string text = row.text(0);
+        const std::size_t part = text.find(kPart);
+        if (!text.starts_with(kAfter) || part == std::string::npos) {
+            continue;
+        }
+        Redo redo;
+        const char* const end = text.data() + text.size();
+        read(text.data() + kAfter.size(), end, redo.after);
+        read(text.data() + part + kPart.size(), end, redo.part);
+        redos.push_back(redo);
+    }
+    return redos;
+}
+
+bool begin_again(Database& database,
+                 std::int64_t session,
+                 Resume how,
+                 protocols::PendingTrials& pending) {
+    if (how == Resume::go_on || pending.empty()) {
+        return false;
+    }
+    const std::size_t part = how == Resume::redo_practice ? 0 : pending.part_of(pending.next());
+    const std::string reason = fmt::format("{} was run again", part_name(part));
+    std::vector<std::int64_t> trials;
+    Statement row = database.prepare(
+        "SELECT trial.id, position FROM trial JOIN response ON response.trial = trial.id"
+        " WHERE session = ?1 AND invalid IS NULL ORDER BY trial.id");
+    row.bind(1, session);
+    while (row.step()) {
+        if (pending.part_of(static_cast<std::size_t>(row.integer(1))) == part) {
+            trials.push_back(row.integer(0));
+        }
+    }
+    row.reset();
+    if (trials.empty()) {
+        return false;
+    }
+    Statement mark = database.prepare("UPDATE trial SET invalid = ?2 WHERE id = ?1");
+    Statement event = database.prepare(
+        "INSERT INTO event (session, trial, kind, text, at_utc)"
+        " SELECT ?1, ?2, ?3, 'after trial ' || max(id) || ': ' || ?4, ?5 FROM trial");
+    for (const std::int64_t trial : trials) {
+        mark.bind(1, trial).bind(2, reason).run();
+        event.bind(1, session).bind(2, trial).bind(3, "mark").bind(4, reason).bind(5, utc_now());
+        event.run();
+    }
+    event.bind(1, session)
+        .bind_null(2)
+        .bind(3, "redo")
+        .bind(4,
+              fmt::format("part {}: {} is run again from its first trial, {} answers do not count",
+                          part, part_name(part), trials.size()))
+        .bind(5, utc_now())
+        .run();
+    pending.begin_again(part);
+    return true;
+}
+
+}  // namespace palpate::data

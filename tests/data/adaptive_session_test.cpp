@@ -1,0 +1,316 @@
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/format/procedure_file.hpp"
+#include "data/store/adaptive_export.hpp"
+#include "data/store/content_hash.hpp"
+#include "data/store/people.hpp"
+#include "data/verify/verify.hpp"
+#include "tests/support/adaptive.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/database_edits.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using protocols::TrialId;
+using tests::adaptive_protocol;
+using tests::run_simulated;
+using tests::session_spec;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Dies in the call that it is told to.
+class Killer : public protocols::Recorder {
+public:
+    struct Killed {};
+
+    Killer(protocols::Recorder& recorder, int at) : recorder_(recorder), left_(at) {}
+
+    TrialId begin_trial(const protocols::PlannedTrial& planned,
+                        const protocols::SceneConstants& scene) override {
+        step();
+        return recorder_.begin_trial(planned, scene);
+    }
+    void begin_interval(TrialId trial,
+                        const protocols::Presentation& felt,
+                        const protocols::SceneConstants& scene) override {
+        step();
+        recorder_.begin_interval(trial, felt, scene);
+    }
+    void append(TrialId trial, std::span<const engine::TickRecord> ticks) override {
+        recorder_.append(trial, ticks);
+    }
+    void end_trial(TrialId trial, const protocols::TrialResult& result) override {
+        step();
+        recorder_.end_trial(trial, result);
+        step();
+    }
+    void event(std::string_view kind, std::string_view text) override {
+        recorder_.event(kind, text);
+    }
+    void finish_session() override { recorder_.finish_session(); }
+
+private:
+    void step() {
+        if (--left_ == 0) {
+            throw Killed{};
+        }
+    }
+
+    protocols::Recorder& recorder_;
+    int left_;
+};
+
+/// Everything that was felt and answered in trials that count, as text.
+std::string content(Database& database) {
+    std::string text;
+    for (const char* sql :
+         {"SELECT position, interval, stimulus, presentation.object, presentation.curvature_per_m, "
+          "friction, "
+          "mu_s,"
+          " mu_d, presentation.slip_decay, presentation.ticks, presentation.path_length_m,"
+          " presentation.mean_normal_force_n FROM presentation JOIN trial ON trial.id = trial"
+          " JOIN response USING (trial) WHERE invalid IS NULL ORDER BY position, interval",
+          "SELECT position, response.* FROM response JOIN trial ON trial.id = trial"
+          " WHERE invalid IS NULL ORDER BY position",
+          "SELECT position, n, run_name, stimulus, outcome, correct, estimate, estimates,"
+          " state_sha256 FROM adaptive_trial WHERE counts ORDER BY position"}) {
+        data::Statement row = database.prepare(sql);
+        while (row.step()) {
+            for (int column = 0; column < row.columns(); ++column) {
+                if (row.name(column) != "trial") {
+                    text += row.null(column)      ? "-"
+                          : row.type(column) == 2 ? fmt::format("{} ", row.real(column))
+                                                  : row.text(column) + ' ';
+                }
+            }
+            text += '\n';
+        }
+    }
+    return text;
+}
+
+std::string differences(Database& database) {
+    std::string text;
+    for (const auto& session : data::verify(database).sessions) {
+        for (const auto& finding : session.findings) {
+            if (finding.kind == data::FindingKind::missing) {
+                continue;  // made-up provenance
+            }
+            text += fmt::format("{} {}: {} | {}\n", finding.trial.value_or(0), finding.what,
+                                finding.stored, finding.recomputed);
+        }
+    }
+    return text;
+}
+
+std::int64_t count(Database& database, const std::string& from) {
+    auto row = database.prepare("SELECT count(*) FROM " + from);
+    row.step();
+    return row.integer(0);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a session with a rule that was killed anywhere and resumed gives what the unbroken one gives",
+    "[adaptive][law]") {
+    const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
+    const TemporaryFolder folder;
+    const data::SessionSpec spec = session_spec(adaptive_protocol(rule));
+    Database whole(folder.file("whole.sqlite"), Access::write);
+    REQUIRE(run_simulated(whole, spec).why == protocols::SessionEnd::Why::finished);
+    const std::string unbroken = content(whole);
+    REQUIRE(count(whole, "adaptive_trial") == 14);
+    REQUIRE(count(whole, "presentation") == 32);
+    CHECK(differences(whole).empty());
+
+    int kills = 0;
+    for (int at = 1;; at += 3, ++kills) {
+        Database broken(folder.file(fmt::format("{}.sqlite", at)), Access::write);
+        const auto dying = [at](protocols::Recorder& recorder) {
+            return Killer(recorder, at);
+        };
+        bool killed = false;
+        try {
+            static_cast<void>(run_simulated(broken, spec, dying));
+        } catch (const Killer::Killed&) {
+            killed = true;
+        }
+        if (!killed) {
+            break;
+        }
+        CAPTURE(at);
+        REQUIRE(run_simulated(broken, spec).why == protocols::SessionEnd::Why::finished);
+        REQUIRE(content(broken) == unbroken);
+        REQUIRE(differences(broken).empty());
+    }
+    CHECK(kills > 20);
+}
+
+TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[adaptive][law]") {
+    const TemporaryFolder folder;
+    const data::SessionSpec spec = session_spec(adaptive_protocol());
+    const char* edit = GENERATE(
+        "UPDATE presentation SET stimulus = stimulus + 2 WHERE trial = 6 AND stimulus IS NOT NULL",
+        "UPDATE adaptive_step SET outcome = 1 - outcome WHERE trial = 5",
+        "UPDATE adaptive_step SET state_sha256 = replace(state_sha256, substr(state_sha256, 9, 1),"
+        " 'x') WHERE trial = 4",
+        "UPDATE adaptive_plan SET run = 1 - run WHERE position = 4",
+        "DELETE FROM adaptive_step WHERE trial = 5");
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto dying = [](protocols::Recorder& recorder) {
+        return Killer(recorder, 50);
+    };
+    REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
+    REQUIRE(count(database, "adaptive_step") > 6);
+    const std::int64_t trials = count(database, "trial");
+    CAPTURE(edit);
+    database.execute(edit);
+    CHECK_FALSE(differences(database).empty());
+    CHECK_THROWS_WITH(run_simulated(database, spec), ContainsSubstring("nothing was run"));
+    CHECK(count(database, "trial") == trials);
+}
+
+TEST_CASE("a trial that does not count leaves the rule as it was, and its stimulus comes again",
+          "[adaptive][law]") {
+    const TemporaryFolder folder;
+    protocols::Protocol protocol = adaptive_protocol();
+    protocol.invalid.path_min = 0.117;  // some hands are slower than that
+    const data::SessionSpec spec = session_spec(protocol);
+    Database database(folder.file("a.sqlite"), Access::write);
+    REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    const std::int64_t invalid = count(
+        database,
+        "trial JOIN plan USING (session, position) WHERE phase = 'main' AND invalid IS NOT NULL");
+    CAPTURE(invalid);
+    CHECK(invalid > 3);
+    CHECK(count(database,
+                "adaptive_step JOIN trial ON trial.id = trial WHERE invalid IS NOT NULL") == 0);
+    CHECK(differences(database).empty());
+}
+
+TEST_CASE("an answer marked after a break is forgotten by the rule, and verify knows",
+          "[adaptive][law]") {
+    const TemporaryFolder folder;
+    const data::SessionSpec spec = session_spec(adaptive_protocol());
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto dying = [](protocols::Recorder& recorder) {
+        return Killer(recorder, 40);
+    };
+    REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
+    CHECK_FALSE(data::mark_invalid(database, 5, "the phone rang"));
+    REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    CHECK(count(database, "adaptive_trial WHERE counts") == 14);
+    CHECK(count(database, "adaptive_trial WHERE NOT counts") == 1);
+    CHECK(differences(database) == "");
+}
+
+TEST_CASE("a run handed to palpate procedure gives the stored estimates and states",
+          "[adaptive][law]") {
+    const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
+    const TemporaryFolder folder;
+    const data::SessionSpec spec = session_spec(adaptive_protocol(rule));
+    Database database(folder.file("a.sqlite"), Access::write);
+    REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    for (std::int64_t run = 0; run < 2; ++run) {
+        const data::ExportedRun made = data::exported_run(database, 1, run);
+        protocols::ProcedureFile file = protocols::parse_procedure(made.procedure, "run.toml");
+        protocols::Procedure& procedure = file.procedure;
+        CHECK(canonical_text(file.stream) ==
+              canonical_text(run_key(session_stream(spec), static_cast<std::size_t>(run))));
+        data::Statement row = database.prepare(
+            "SELECT stimulus, outcome, state_sha256, estimates FROM adaptive_trial WHERE run = ?1"
+            " ORDER BY n");
+        row.bind(1, run);
+        std::string responses = "stimulus,response\n";
+        for (int n = 0; row.step(); ++n) {
+            CAPTURE(run, n);
+            REQUIRE(procedure.next().front() == row.real(0));
+            const double shown = row.real(0);
+            procedure.update(std::span(&shown, 1), static_cast<std::size_t>(row.integer(1)));
+            REQUIRE(procedure.state_hash() == row.text(2));
+            REQUIRE(data::estimates_text(procedure.estimates()) == row.text(3));
+            responses += fmt::format("{},{}\n", row.real(0), row.integer(1));
+        }
+        CHECK(procedure.finished());
+        CHECK(made.responses == responses);
+    }
+}
+
+TEST_CASE("verify reports every edit of what a rule chose and what intervals let one feel",
+          "[adaptive][law]") {
+    const TemporaryFolder folder;
+    const data::SessionSpec spec = session_spec(adaptive_protocol());
+    Database database(folder.file("a.sqlite"), Access::write);
+    REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    REQUIRE(differences(database).empty());
+    for (const std::string table : {"presentation", "adaptive_step", "adaptive_plan"}) {
+        for (const std::string& column : tests::result_columns(database, {table})) {
+            CAPTURE(column);
+            const std::string name = column.substr(column.find('.') + 1);
+            // A key that is taken, or what a CHECK refuses, is no edit.
+            const std::string sql = fmt::format(
+                "UPDATE {0} SET {1} = CASE typeof({1}) WHEN 'integer' THEN {1} + 1 WHEN 'real' "
+                "THEN {1} +"
+                " 0.25 WHEN 'text' THEN 'f' || substr({1}, 2) || 'x' ELSE 1 END WHERE rowid = 9",
+                table, name);
+            const tests::Undone undone(database);
+            try {
+                database.execute(sql.c_str());
+            } catch (const data::StoreError&) {
+                continue;
+            }
+            CHECK_FALSE(differences(database).empty());
+        }
+    }
+}
+
+TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes as planned",
+          "[adaptive][resume][law]") {
+    const bool adaptive = GENERATE(true, false);
+    const auto how = GENERATE(data::Resume::redo_block, data::Resume::redo_practice);
+    const int at = GENERATE(3, 25, 44);
+    CAPTURE(adaptive, static_cast<int>(how), at);
+    const TemporaryFolder folder;
+    protocols::Protocol protocol = adaptive_protocol();
+    if (!adaptive) {
+        protocol.procedure.reset();
+        protocol.runs.clear();
+        protocol.response = {};
+        protocol.objects = tests::small_protocol().objects;
+        protocol.design = {.repetitions = 2, .catch_trials = 0, .blocks = 2};
+    }
+    data::SessionSpec spec = session_spec(protocol);
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto dying = [at](protocols::Recorder& recorder) {
+        return Killer(recorder, at);
+    };
+    REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
+    const std::int64_t answered = count(database, "response");
+    spec.resume = how;
+    const auto last = [&] {
+        return data::open_session(database, spec).pending.order();
+    }();
+    CHECK(std::is_sorted(last.begin(), last.end()));
+    const std::int64_t marked = count(database, "trial WHERE invalid IS NOT NULL");
+    CHECK((marked > 0) == (count(database, "event WHERE kind = 'redo'") == 1));
+    CHECK(marked == count(database, "event WHERE kind = 'mark'"));
+    CHECK(count(database, "response") == answered);
+    spec.resume = data::Resume::go_on;
+    REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    CHECK(count(database,
+                "(SELECT DISTINCT position FROM trial JOIN response ON trial.id = trial"
+                " WHERE invalid IS NULL)") == static_cast<std::int64_t>(spec.plan.trials.size()));
+    CHECK(count(database, "trial JOIN response ON trial.id = trial WHERE invalid IS NULL") ==
+          static_cast<std::int64_t>(spec.plan.trials.size()));
+    CHECK(differences(database) == "");
+}
