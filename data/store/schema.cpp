@@ -55,6 +55,8 @@ CREATE TABLE session (
     operator            TEXT,                       -- who ran it, as given
     uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4); of a session from before
                             CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),  -- schema 5: version 8
+    chain               TEXT CHECK (length(chain) = 64),   -- head of its chain of hashes when it was finished
+    chain_events        INTEGER,                    -- how many of its events that head covers
     UNIQUE (study, participant, number)
 ) STRICT;
 )sql";
@@ -126,6 +128,7 @@ CREATE TABLE trial (
     stale_ticks         INTEGER,                    -- without a new reading
     invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
     chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
+    chain_events        INTEGER,                    -- how many of the session's events that head covers
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
@@ -325,6 +328,7 @@ constexpr const char* kFrom4 = R"sql(
 ALTER TABLE trace_chunk RENAME TO trace_chunk_4;
 ALTER TABLE trace_column RENAME TO trace_column_4;
 ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
+ALTER TABLE trial ADD COLUMN chain_events INTEGER;
 CREATE TEMP TABLE session_4 AS SELECT * FROM session;
 DROP TABLE session;
 DROP VIEW confusion;
@@ -334,7 +338,7 @@ DROP TABLE response;
 constexpr const char* kFrom4Rows = R"sql(
 INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed, plan_sha256, shuffles, device,
     rate_hz, stiffness_n_per_m, started_utc, finished_utc, finished, operator,
-    derived_uuid(protocol_sha256 || ' ' || code || ' ' || number || ' ' || started_utc)
+    derived_uuid(protocol_sha256 || ' ' || code || ' ' || number || ' ' || started_utc), NULL, NULL
 FROM temp.session_4 JOIN study ON study.id = study JOIN participant ON participant.id = participant;
 DROP TABLE temp.session_4;
 INSERT INTO trace_chunk SELECT trial, 1, first_tick, ticks, codec, 0, '', crc32, NULL, data FROM trace_chunk_4

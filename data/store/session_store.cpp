@@ -11,6 +11,7 @@
 
 #include "protocols/format/protocol_file.hpp"
 #include "data/store/adaptive_store.hpp"
+#include "data/store/chain.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/stored_columns.hpp"
@@ -214,10 +215,13 @@ void require_same(const Database& database, const Existing& there, const Session
 }
 
 std::size_t mark_interrupted(Database& database, std::int64_t session) {
-    Statement count =
-        database.prepare("SELECT count(*) FROM trial WHERE session = ?1 AND outcome = 'running'");
-    count.bind(1, session).step();
-    const auto found = static_cast<std::size_t>(count.integer(0));
+    Statement count = database.prepare(
+        "SELECT id FROM trial WHERE session = ?1 AND outcome = 'running' ORDER BY id");
+    std::vector<std::int64_t> found;
+    count.bind(1, session);
+    while (count.step()) {
+        found.push_back(count.integer(0));
+    }
     count.reset();
     database
         .prepare(
@@ -233,7 +237,10 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
             "UPDATE trial SET outcome = 'interrupted' WHERE session = ?1 AND outcome = 'running'")
         .bind(1, session)
         .run();
-    return found;
+    for (const std::int64_t trial : found) {
+        chain_trial(database, trial);
+    }
+    return found.size();
 }
 
 /// What is left, by what became of every attempt so far. An answer is a row of its own: it decides.

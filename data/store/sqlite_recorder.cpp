@@ -13,6 +13,8 @@
 #include "protocols/running/pending_trials.hpp"
 #include "protocols/running/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
+#include "data/store/chain.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/presentation.hpp"
 #include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
@@ -81,6 +83,7 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
     running_ = 0;
     interval_ = 0;
+    require_space(database_.file(), protocol_, 1);
     Transaction all(database_);
     database_
         .prepare(
@@ -199,6 +202,7 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
     if (result.fault) {
         write_fault(trial, *result.fault);
     }
+    chain_trial(database_, trial);
     all.commit();  // what fails before leaves the ticks for another try
     trace_.saved();
     running_ = 0;
@@ -284,10 +288,13 @@ void SqliteRecorder::event(std::string_view kind, std::string_view text) {
 }
 
 void SqliteRecorder::finish_session() {
+    Transaction all(database_);
     database_.prepare("UPDATE session SET finished = 1, finished_utc = ?2 WHERE id = ?1")
         .bind(1, session_)
         .bind(2, utc_now())
         .run();
+    chain_session(database_, session_);
+    all.commit();
     database_.checkpoint();
 }
 

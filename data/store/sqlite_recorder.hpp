@@ -18,6 +18,7 @@ namespace palpate::data {
 ///
 /// After an error what was appended stays in memory for another try: a stored trace may end early but never
 /// has a hole. Results need a trial that runs: an answer that went nowhere would go unnoticed.
+/// begin_trial() refuses where the disk has no room for a whole trial: a session ends between trials.
 /// @throws StoreError, and std::logic_error for a call that breaks the order begin, append, end
 class SqliteRecorder : public protocols::Recorder {
 public:

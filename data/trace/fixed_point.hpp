@@ -13,11 +13,14 @@ inline constexpr std::int32_t kNotANumber = std::numeric_limits<std::int32_t>::m
 /// the last one on that side, +-(2^31 - 1).
 [[nodiscard]] inline std::int32_t in_steps(double value, double per_unit) noexcept {
     constexpr double kMost = std::numeric_limits<std::int32_t>::max();
-    if (!std::isfinite(value)) {
-        return kNotANumber;
+    const double steps = value * per_unit + 0.5;
+    if (!(steps > -kMost && steps < kMost)) {
+        return !std::isfinite(value) ? kNotANumber
+             : steps < 0.0           ? -std::numeric_limits<std::int32_t>::max()
+                                     : std::numeric_limits<std::int32_t>::max();
     }
-    const double steps = std::floor(value * per_unit + 0.5);
-    return static_cast<std::int32_t>(std::fmin(std::fmax(steps, -kMost), kMost));
+    const auto whole = static_cast<std::int32_t>(steps);  // towards zero
+    return whole - (static_cast<double>(whole) > steps ? 1 : 0);
 }
 
 inline constexpr double kHipSteps = 1e7;       ///< per m: 0.1 um

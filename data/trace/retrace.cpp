@@ -29,8 +29,9 @@ HipFromCounts::HipFromCounts(const engine::PantographSpec& machine)
     : machine_(machine), frame_(machine.origin, machine.turn) {}
 
 engine::Vec2 HipFromCounts::at(const engine::Pantograph::Counts& counts) noexcept {
-    if (last_ != counts) {
+    if (!known_ || last_[0] != counts[0] || last_[1] != counts[1]) {
         last_ = counts;
+        known_ = true;
         if (const auto pose = machine_.spec().linkage.forward(machine_.angles(counts))) {
             hip_ = frame_.point_to_object(pose->handle);
         }

@@ -19,7 +19,8 @@ public:
 private:
     engine::Pantograph machine_;
     engine::ObjectFrame frame_;
-    std::optional<engine::Pantograph::Counts> last_;
+    engine::Pantograph::Counts last_{};
+    bool known_ = false;
     engine::Vec2 hip_{};
 };
 

@@ -34,6 +34,7 @@ struct SessionReport {
     bool finished = false;
     std::size_t trials = 0;     ///< attempts
     std::int64_t replayed = 0;  ///< ticks computed again
+    std::string head{};         ///< last of its chain of hashes; empty: it has none
     std::vector<Finding> findings{};
 };
 

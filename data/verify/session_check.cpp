@@ -10,6 +10,7 @@
 #include "protocols/format/calibration_file.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/running/object_hash.hpp"
+#include "data/store/chain.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/plan_check.hpp"
 
@@ -169,6 +170,19 @@ void check_all(Database& database,
     check_end(session, trials, findings);
 }
 
+/// Also where the rest could not be read: the chain needs nothing but rows.
+void check_chain(Database& database,
+                 std::int64_t session,
+                 SessionReport& report,
+                 Findings& findings) {
+    report.head = chain_head(database, session);
+    for (const ChainBreak& at : chain_breaks(database, session)) {
+        findings.look_at(at.trial == 0 ? std::nullopt : std::optional(at.trial));
+        findings.differs(at.trial == 0 ? "session.chain" : "trial.chain", at.stored, at.recomputed);
+    }
+    findings.look_at({});
+}
+
 }  // namespace
 
 SessionReport check_session(Database& database, const StoredRow& session) {
@@ -181,6 +195,7 @@ SessionReport check_session(Database& database, const StoredRow& session) {
     Findings findings(report.findings);
     try {
         check_all(database, session, report, findings);
+        check_chain(database, report.id, report, findings);
     } catch (const std::exception& e) {  // a damaged file: what could be read is in the report
         findings.differs("session", e.what(), "nothing more of this session can be read");
     }

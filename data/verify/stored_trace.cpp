@@ -105,6 +105,32 @@ std::size_t good_chunks(std::span<const ChunkView> chunks,
     return good;
 }
 
+/// What everybody can read must be what the exact numbers say.
+void check_readable(std::span<const ChunkView> chunks,
+                    std::span<const engine::TickRecord> ticks,
+                    Findings& findings) {
+    std::vector<std::int64_t> values;
+    for (const ChunkView& chunk : chunks) {
+        values.resize(chunk.ticks);
+        for (std::size_t i = 0; i < kStoredColumns; ++i) {
+            const auto column = static_cast<Stored>(i);
+            read_stored(chunk, column, values);
+            const auto wrong = std::ranges::mismatch(
+                values, ticks.first(chunk.ticks), {}, {},
+                [column](const engine::TickRecord& tick) { return stored_value(column, tick); });
+            if (wrong.in1 != values.end()) {
+                findings.add({.kind = FindingKind::differs,
+                              .trial = {},
+                              .tick = wrong.in2->tick,
+                              .what = fmt::format("trace.{}", stored_columns()[i].name),
+                              .stored = fmt::format("{}", *wrong.in1),
+                              .recomputed = fmt::format("{}", stored_value(column, *wrong.in2))});
+            }
+        }
+        ticks = ticks.subspan(chunk.ticks);
+    }
+}
+
 }  // namespace
 
 StoredTrace load_trace(Database& database,
@@ -128,6 +154,7 @@ StoredTrace load_trace(Database& database,
                           .stored = "the hash of what the servo had",
                           .recomputed = "another one by replay"});
         }
+        check_readable(std::span(chunks.views).first(good), all.ticks, findings);
         trace.ticks = std::move(all.ticks);
     } catch (const TraceError& e) {
         trace.whole = false;

@@ -19,20 +19,19 @@ namespace palpate::data {
 /// What a session of an older program does not hold is said to be missing, not wrong. Such a session is one
 /// without a build id in session_provenance.
 ///
+/// - The chain of hashes (data/store/chain.hpp): any edit of a session's rows that was not followed by
+///   making all later heads again.
+///
 /// What cannot be noticed here, because nothing else in the file says it:
-/// - times: *_utc; of a person's trial done_s, done_uncertainty_s, reaction_s and uncertainty_s within
-///   their ranges; complete instead of timed_out;
-/// - an answer of a person changed as a whole (place, object and correct together), or its input;
-/// - kind (real or pilot), uuid, device, operator, provenance other than hashes, the texts of events;
-/// - what was noted of a participant; a mark of an answer removed together with its event;
-/// - the last whole chunks of an interrupted trial, its last attempts, or a whole last session removed;
-/// - in a chunk packed again with a right crc32: counts, codes, lateness, commands and flags of the safety
-///   chain, and HIP with all that follows from it;
-/// - a bit of a chunk that unpacks to the same ticks (padding, another way to say a run), where another zlib
-///   packed the trial, or it is the only chunk; the sign of zero, a slip_decay or heal_decay within the error of exp() in a trial that does
-///   not use it.
-/// Whoever can write the file can also write it consistently: a seal against that needs a hash kept
-/// elsewhere.
+/// - whatever was made again consistently, heads too: compare the last head with the one in the lab book;
+/// - the last trials, or a whole last session, removed together with what follows from them;
+/// - what was noted of a participant; events after the last head, a mark removed together with its event;
+/// - of sessions from before schema 5, which have no chain: times, kind, device, operator, an answer of a
+///   person changed as a whole; in a chunk packed again with a right crc32 counts, codes, lateness, commands
+///   and flags of the safety chain, and HIP with all that follows from it; a bit of a chunk of codec 1 that
+///   unpacks to the same ticks, where another zlib packed the trial, or it is the only chunk;
+/// - the sign of zero, a bit of an unused page of the file.
+/// Whoever can write the file can also write it consistently: a seal against that is a head kept elsewhere.
 [[nodiscard]] Verification verify(Database& database);
 
 }  // namespace palpate::data

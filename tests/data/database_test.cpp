@@ -10,8 +10,10 @@
 
 #include "data/analysis/summary.hpp"
 #include "data/store/database.hpp"
+#include "data/store/reader.hpp"
 #include "data/store/schema.hpp"
 #include "data/store/uuid.hpp"
+#include "data/trace/codec.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
@@ -212,6 +214,35 @@ TEST_CASE(
     data::Statement sound = database.prepare("PRAGMA integrity_check");
     REQUIRE(sound.step());
     CHECK(sound.text(0) == "ok");
+}
+
+TEST_CASE(
+    "a trace of an older schema is read to the bit, before it was brought up to date and after",
+    "[store][trace][law]") {
+    const int version = GENERATE(1, 2, 3, 4);
+    CAPTURE(version);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("old.sqlite");
+    write_old(file, version);
+    const auto ticks = tests::random_ticks(3, 5);
+    const data::EncodedChunk chunk = data::encode(ticks);
+    std::string hex;
+    for (const std::byte byte : chunk.data) {
+        hex += fmt::format("{:02x}", std::to_integer<unsigned>(byte));
+    }
+    REQUIRE(tests::Process({"sqlite3", file,
+                            fmt::format("INSERT INTO trace_chunk VALUES (1, 0, 5, 1, {}, X'{}')",
+                                        chunk.crc32, hex)})
+                .wait()
+                .code == 0);
+    for (const Access access : {Access::read, Access::write, Access::read}) {
+        Database database(file, access);
+        const auto back = data::read_trace(database, 1);
+        REQUIRE(back.size() == ticks.size());
+        CHECK(std::equal(back.begin(), back.end(), ticks.begin(), tests::same_bits));
+        CHECK(data::TraceReader(database).column(1, data::Stored::count_1).at(4) ==
+              ticks[4].counts[0]);
+    }
 }
 
 TEST_CASE("before a file of an older schema is changed a copy of it is kept, as it was",

@@ -11,7 +11,8 @@ using namespace palpate;
 using tests::TemporaryFolder;
 
 // An independent reader of the stored bytes: what README gives to analysts.
-TEST_CASE("twenty lines of plain Python read every value as it was recorded", "[trace][law]") {
+TEST_CASE("plain Python, base R and palpate trace read every stored value as it was recorded",
+          "[trace][law]") {
     if (tests::Process({"python3", "-c", "import sqlite3, zlib"}).wait().code != 0) {
         WARN("python3 with sqlite3 and zlib is not installed: not checked");
         return;
@@ -62,4 +63,18 @@ TEST_CASE("twenty lines of plain Python read every value as it was recorded", "[
                     static_cast<std::int64_t>(steps(tick.command.y, 1e4))});
     }
     CHECK_FALSE(std::getline(lines, line));
+
+    CHECK(tests::palpate_command({"trace", folder.file("a.sqlite"), std::to_string(id)}).out ==
+          python.out);
+    if (tests::Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {
+        WARN("R with RSQLite is not installed: not checked");
+        return;
+    }
+    const tests::Finished r =
+        tests::Process({"Rscript", PALPATE_SOURCE_DIR "/data/trace/read_trace.R",
+                        folder.file("a.sqlite"), std::to_string(id)})
+            .wait();
+    CAPTURE(r.error);
+    REQUIRE(r.code == 0);
+    CHECK(r.out == python.out);
 }

@@ -17,6 +17,7 @@ namespace palpate::ui {
 [[nodiscard]] int mark_command(const MarkOptions& options);
 /// 0 when nothing differs, else kExitFailure.
 [[nodiscard]] int verify_command(const VerifyOptions& options);
+[[nodiscard]] int trace_command(const TraceOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);

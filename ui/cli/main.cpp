@@ -25,6 +25,7 @@ int dispatch(const Options& options) {
         int operator()(const ParticipantOptions& who) const { return participant_command(who); }
         int operator()(const NoteOptions& note) const { return note_command(note); }
         int operator()(const MarkOptions& mark) const { return mark_command(mark); }
+        int operator()(const TraceOptions& trace) const { return trace_command(trace); }
         int operator()(const VerifyOptions& verify) const { return verify_command(verify); }
         int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
         int operator()(const RenderOptions& render) const { return render_command(render); }

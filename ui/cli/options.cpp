@@ -202,6 +202,18 @@ void add_verify(CLI::App& app, Options& chosen) {
     command->add_flag("--json", verify.json, "One JSON object instead of lines");
 }
 
+void add_trace(CLI::App& app, Options& chosen) {
+    CLI::App* command =
+        app.add_subcommand("trace", "Print the stored ticks of a trial, whole numbers, as CSV");
+    auto& trace = options_of<TraceOptions>(command, chosen);
+    command->add_option("FILE", trace.database, "A palpate database")->required();
+    command->add_option("TRIAL", trace.trial, "The id of the trial")->required();
+    command
+        ->add_option("--interval", trace.interval, "Of a trial with two things to feel, which one")
+        ->check(CLI::Range(1, 2))
+        ->capture_default_str();
+}
+
 void add_screenshots(CLI::App& app, Options& chosen) {
     CLI::App* command =
         app.add_subcommand("screenshots", "Write a picture of every subject screen (PNG)");
@@ -330,6 +342,7 @@ Options parse_command_line(int argc, const char* const* argv) {
     add_note(app, chosen);
     add_mark(app, chosen);
     add_verify(app, chosen);
+    add_trace(app, chosen);
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
     add_emulator(app, chosen);

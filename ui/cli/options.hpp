@@ -95,6 +95,12 @@ struct VerifyOptions {
     bool json = false;
 };
 
+struct TraceOptions {
+    std::string database;
+    std::int64_t trial = 0;
+    std::int64_t interval = 1;
+};
+
 struct ScreenshotOptions {
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
@@ -158,6 +164,7 @@ using Options = std::variant<Exit,
                              NoteOptions,
                              MarkOptions,
                              VerifyOptions,
+                             TraceOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,

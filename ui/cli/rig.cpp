@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -12,6 +13,8 @@
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/running/servo_apparatus.hpp"
 #include "data/store/async_recorder.hpp"
+#include "data/store/chain.hpp"
+#include "data/store/disk_space.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "ui/cli/fault_text.hpp"
@@ -227,27 +230,29 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
+    data::require_space(database.file(), protocol, opened.pending.order().size());
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder writer(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
-    return {.session =
-                run_session(protocol, plan,
-                            {.title = protocol.title,
-                             .participant = spec.key.participant,
-                             .trials = plan.trials.size(),
-                             .next = opened.pending.answered(),
-                             .simulated = spec.kind == data::RunKind::simulated,
-                             .device = apparatus->device_name()},
-                            opened.pending,
-                            {.apparatus = *apparatus,
-                             .observer = observers.port(),
-                             .recorder = writer,
-                             .interrupted = [] { return interrupted(); },
-                             .progress =
-                                 [&](const PlannedTrial& planned, const TrialResult& result) {
-                                     print_trial(spec, plan.trials.size(), planned, result);
-                                 }},
-                            opened.runs)};
+    protocols::SessionEnd end =
+        run_session(protocol, plan,
+                    {.title = protocol.title,
+                     .participant = spec.key.participant,
+                     .trials = plan.trials.size(),
+                     .next = opened.pending.answered(),
+                     .simulated = spec.kind == data::RunKind::simulated,
+                     .device = apparatus->device_name()},
+                    opened.pending,
+                    {.apparatus = *apparatus,
+                     .observer = observers.port(),
+                     .recorder = writer,
+                     .interrupted = [] { return interrupted(); },
+                     .progress =
+                         [&](const PlannedTrial& planned, const TrialResult& result) {
+                             print_trial(spec, plan.trials.size(), planned, result);
+                         }},
+                    opened.runs);
+    return {.session = std::move(end), .head = data::chain_head(database, opened.id)};
 }
 
 }  // namespace palpate::ui

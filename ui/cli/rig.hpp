@@ -37,6 +37,8 @@ struct RigSpec {
 struct RigEnd {
     protocols::SessionEnd session{};
     bool already_finished = false;
+    std::string
+        head{};  ///< of the session's chain of hashes (data/store/chain.hpp); empty: none yet
 };
 
 /// The recorded hands that a replay asks for; nothing for other devices.

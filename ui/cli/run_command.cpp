@@ -87,6 +87,9 @@ int run_command(const RunOptions& options) {
     heed_consent(database, options, spec);
     catch_signals();
     const RigEnd end = run_rig(database, spec);
+    if (!end.head.empty()) {
+        fmt::print("Chain {}: note it in the lab book, verify prints it.\n", end.head);
+    }
     switch (end.session.why) {
         case protocols::SessionEnd::Why::finished:
             fmt::print("Finished. Data: {}\n", options.database);

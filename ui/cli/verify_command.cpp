@@ -75,6 +75,9 @@ void print_text(const std::string& file, const data::Verification& found) {
                    printable(session.kind), session.finished ? "" : ", not finished",
                    session.trials, session.replayed,
                    different == 0 ? "nothing differs" : counted(different));
+        if (!session.head.empty()) {
+            fmt::print("  chain    {}\n", printable(session.head));
+        }
         print_findings(session.findings);
     }
     const std::size_t all = found.count(FindingKind::differs);

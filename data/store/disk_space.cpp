@@ -1,0 +1,50 @@
+#include "data/store/disk_space.hpp"
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <sys/statvfs.h>
+
+#include "data/store/statement.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr double kBytesPerTick = 40.0;
+constexpr double kBytesBesides = 16e6;
+
+}  // namespace
+
+std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trials) {
+    const double ticks =
+        static_cast<double>(trials) * protocol.timing.explore_timeout * protocol.apparatus.rate_hz;
+    return static_cast<std::int64_t>(std::ceil(ticks * kBytesPerTick + kBytesBesides));
+}
+
+std::int64_t bytes_free(const std::string& file) {
+    struct statvfs disk {};
+    if (statvfs(file.c_str(), &disk) != 0) {
+        throw StoreError(
+            fmt::format("{}: the room on its disk cannot be told: {}", file, std::strerror(errno)));
+    }
+    return static_cast<std::int64_t>(disk.f_bavail) * static_cast<std::int64_t>(disk.f_frsize);
+}
+
+void require_space(const std::string& file,
+                   const protocols::Protocol& protocol,
+                   std::size_t trials) {
+    const std::int64_t there = bytes_free(file);
+    const std::int64_t needed = bytes_needed(protocol, trials);
+    if (there < needed) {
+        throw StoreError(
+            fmt::format("{}: its disk has room for {:.0f} MB, and {} trial{} may take {:.0f} MB; "
+                        "free some space, or "
+                        "choose a file on another disk. What was recorded is kept",
+                        file, static_cast<double>(there) * 1e-6, trials, trials == 1 ? "" : "s",
+                        static_cast<double>(needed) * 1e-6));
+    }
+}
+
+}  // namespace palpate::data
