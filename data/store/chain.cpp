@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -53,7 +54,11 @@ std::string first_head(Database& database, std::int64_t session) {
         "SELECT session.*, protocol_sha256, code FROM session JOIN study ON study.id = study"
         " JOIN participant ON participant.id = participant WHERE session.id = ?1",
         session, kNotOfSession);
-    for (const char* table : {"session_provenance", "plan", "picture"}) {
+    std::vector<const char*> tables{"session_provenance", "plan", "picture"};
+    if (database.schema() >= 5) {
+        tables.push_back("adaptive_plan");
+    }
+    for (const char* table : tables) {
         text += lines_of(database, table,
                          fmt::format("SELECT * FROM {} WHERE session = ?1 ORDER BY 1, 2", table),
                          session, kNotOfTrial);

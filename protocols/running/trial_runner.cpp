@@ -209,7 +209,9 @@ void TrialRunner::answer(TrialId id,
     for (const IntervalResult& one : result.intervals) {
         summaries.push_back(one.summary);
     }
-    result.invalid = why_invalid(protocol_, summaries, !simulated_);
+    if (!ports_.apparatus.repeats()) {
+        result.invalid = why_invalid(protocol_, summaries, !simulated_);
+    }
     if (planned.adaptive && planned.phase != Phase::practice && result.invalid.empty()) {
         const double stimulus =
             felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1].stimulus.value();

@@ -186,8 +186,8 @@ TEST_CASE("an answered trial that breaks a rule says which and by how much", "[s
           "160 mm");
     CHECK(why_invalid(protocol, nothing, false) ==
           "contact 0.000 s, below 1 s; path 0.0 mm, below 160 mm");
-    CHECK_FALSE(why_invalid(protocol, {}, true).empty());  // nothing was felt
+    CHECK_FALSE(why_invalid(protocol, TrialSummary{}, true).empty());  // nothing was felt
     protocol.invalid = {.late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};
     CHECK(why_invalid(protocol, nothing, true).empty());
-    CHECK(why_invalid(protocol, {}, true).empty());
+    CHECK(why_invalid(protocol, TrialSummary{}, true).empty());
 }

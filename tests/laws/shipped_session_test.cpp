@@ -1,0 +1,90 @@
+#include <fstream>
+
+#include "protocols/library/shipped.hpp"
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+struct Short {
+    const char* name;
+    std::vector<std::pair<std::string, std::string>> edits;  ///< to make it short
+    std::int64_t trials;
+    std::int64_t intervals;
+    std::int64_t steps;
+};
+
+/// A shipped protocol with the edits made, in a file of its own.
+std::string written(const TemporaryFolder& folder, const Short& one) {
+    std::string text;
+    for (const auto& shipped : protocols::shipped_protocols()) {
+        if (shipped.name == one.name) {
+            text = shipped.text;
+        }
+    }
+    for (const auto& [from, to] : one.edits) {
+        const std::size_t at = text.find(from);
+        CAPTURE(from);
+        REQUIRE(at != std::string::npos);
+        text.replace(at, from.size(), to);
+    }
+    const std::string file = folder.file("p.toml");
+    std::ofstream(file) << text;
+    return file;
+}
+
+std::int64_t number(data::Database& database, const std::string& sql) {
+    auto row = database.prepare(sql);
+    REQUIRE(row.step());
+    return row.integer(0);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "every shipped protocol runs by itself, stores what was planned, and verify finds nothing",
+    "[shipped][law]") {
+    const Short one =
+        GENERATE(Short{"curvature_2afc", {{"trials = 60", "trials = 5"}}, 14, 28, 10},
+                 Short{"friction_threshold",
+                       {{"trials = 40", "trials = 4"}, {"trials = 40", "trials = 4"}},
+                       12,
+                       24,
+                       8},
+                 Short{"pilot", {{"repetitions = 2 ", "repetitions = 1 "}}, 12, 12, 0},
+                 Short{"stress", {{"repetitions = 50", "repetitions = 1"}}, 6, 6, 0});
+    CAPTURE(one.name);
+    const TemporaryFolder folder;
+    const std::string file = written(folder, one);
+    const std::string db = folder.file("a.sqlite");
+    const Finished sequence = palpate_command({"sequence", file, "--participant", "P1", "--csv"});
+    CHECK(sequence.code == 0);
+    CHECK(std::count(sequence.out.begin(), sequence.out.end(), '\n') == one.trials + 1);
+    CHECK(palpate_command({"check", one.name}).code == 0);
+    const Finished run =
+        palpate_command({"run", file, "--participant", "P1", "--db", db, "--headless"});
+    CAPTURE(run.error);
+    REQUIRE(run.code == 0);
+    CHECK_THAT(run.out, ContainsSubstring("Finished."));
+    {
+        data::Database database(db, data::Access::read);
+        CHECK(number(database, "SELECT count(*) FROM plan") == one.trials);
+        CHECK(number(database,
+                     "SELECT count(*) FROM response JOIN trial ON trial.id = trial"
+                     " WHERE invalid IS NULL") == one.trials);
+        CHECK(number(database,
+                     "SELECT count(*) FROM presentation JOIN trial ON trial.id = trial"
+                     " JOIN response USING (trial) WHERE invalid IS NULL") == one.intervals);
+        CHECK(number(database, "SELECT count(*) FROM adaptive_trial") == one.steps);
+    }
+    const Finished verify = palpate_command({"verify", db});
+    CHECK(verify.code == 0);
+    CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
+}
