@@ -39,7 +39,7 @@ void add_table(Database& database, const std::string& table, Content& content) {
     while (row.step()) {
         std::string text = table + ':';
         for (int column = 0; column < row.columns(); ++column) {
-            if (!row.name(column).ends_with("_utc")) {
+            if (!row.name(column).ends_with("_utc") && row.name(column) != "uuid") {
                 const std::string value =
                     row.type(column) == 2 ? fmt::format("{}", row.real(column)) : row.text(column);
                 text += fmt::format("{}:{}:{};", row.type(column), value.size(), value);

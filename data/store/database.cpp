@@ -13,6 +13,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "data/store/migration.hpp"
 #include "data/store/schema.hpp"
 
 namespace palpate::data {
@@ -207,14 +208,15 @@ void Database::check_identity(Access access) {
             id.version, kSchemaVersion));
     }
     if (access == Access::write && id.version < kSchemaVersion) {
-        migrate();
+        bring_up_to_date();
     }
 }
 
-void Database::migrate() {
+void Database::bring_up_to_date() {
     Transaction all(*this);  // another program that does the same is waited for here
-    for (std::int64_t at = identity().version; at < kSchemaVersion; ++at) {
-        execute(std::string(migration_sql(at)).c_str());
+    if (const std::int64_t version = identity().version; version < kSchemaVersion) {
+        backup_ = back_up(plain_name(file_), version);
+        migrate(*this, version);
     }
     all.commit();
 }

@@ -17,7 +17,8 @@ class Database {
 public:
     /// write: makes the file (mode 0600) with the current schema, or opens one; WAL, every commit
     /// synced to the disk, foreign keys on. read: never changes anything, and reads from a read-only
-    /// disk too. The name is always that of a file: "" and ":memory:" have no meaning of their own.
+    /// disk too. A file of an older schema is brought to the present one by the first who writes, after
+    /// a copy of it was made. The name is always that of a file: "" and ":memory:" have no meaning of their own.
     /// @throws StoreError for a file that is no palpate database or one of a newer program (both stay
     ///         as they are, their logs too), or one that cannot be opened
     Database(std::string file, Access access);
@@ -31,6 +32,8 @@ public:
     /// Rows that the last INSERT, UPDATE or DELETE touched.
     [[nodiscard]] std::int64_t changes() const;
     [[nodiscard]] const std::string& file() const { return file_; }
+    /// Where the file was copied to before it was brought to the present schema; empty: it was not.
+    [[nodiscard]] const std::string& backup() const { return backup_; }
     /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits for
     /// nobody: a reader that is still looking delays it to the next time.
     void checkpoint();
@@ -50,10 +53,11 @@ private:
     void check_identity(Access access);
     [[nodiscard]] Identity identity();
     void create();
-    void migrate();  ///< from the schema of an older palpate to the present one
+    void bring_up_to_date();  ///< from the schema of an older palpate to the present one
     void keep_log();
 
     std::string file_;
+    std::string backup_;
     sqlite3* handle_ = nullptr;
 };
 

@@ -6,10 +6,10 @@ namespace palpate::data {
 namespace {
 
 constexpr const char* kTables = R"sql(
--- palpate, schema 4. SI units, in the column names. Times *_utc are wall clock and for people;
+-- palpate, schema 5. SI units, in the column names. Times *_utc are wall clock and for people;
 -- every duration comes from the servo's monotonic clock.
 PRAGMA application_id = 1885432944;
-PRAGMA user_version = 4;
+PRAGMA user_version = 5;
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
@@ -29,6 +29,10 @@ CREATE TABLE participant (
     consent_utc TEXT                                -- when that was noted
 ) STRICT;
 
+)sql";
+
+/// As of schema 5.
+constexpr const char* kSession5 = R"sql(
 CREATE TABLE session (
     id                  INTEGER PRIMARY KEY,
     study               INTEGER NOT NULL REFERENCES study,
@@ -46,9 +50,13 @@ CREATE TABLE session (
     finished_utc        TEXT,
     finished            INTEGER NOT NULL DEFAULT 0 CHECK (finished IN (0, 1)),
     operator            TEXT,                       -- who ran it, as given
+    uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4); of a session from before
+                            CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),  -- schema 5: version 8
     UNIQUE (study, participant, number)
 ) STRICT;
+)sql";
 
+constexpr const char* kTables2 = R"sql(
 CREATE TABLE session_provenance (
     -- What shaped the session besides its protocol: versions, compiler, kernel, the device's calibration,
     -- what the force loop was allowed (scheduling, memory).
@@ -293,17 +301,35 @@ DROP VIEW trial_result;
 PRAGMA user_version = 4;
 )sql";
 
+/// Other tables and the views keep their references to session by name: foreign keys are off during a
+/// migration. derived_uuid() is Database's own.
+constexpr const char* kFrom4 = R"sql(
+-- 4 -> 5: sessions have a name of their own.
+CREATE TEMP TABLE session_4 AS SELECT * FROM session;
+DROP TABLE session;
+)sql";
+constexpr const char* kFrom4Rows = R"sql(
+INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed, plan_sha256, shuffles, device,
+    rate_hz, stiffness_n_per_m, started_utc, finished_utc, finished, operator,
+    derived_uuid(protocol_sha256 || ' ' || code || ' ' || number || ' ' || started_utc)
+FROM temp.session_4 JOIN study ON study.id = study JOIN participant ON participant.id = participant;
+DROP TABLE temp.session_4;
+PRAGMA user_version = 5;
+)sql";
+
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all = std::string(kTables) + kPeople + kViews + kFaults;
+    static const std::string all =
+        std::string(kTables) + kSession5 + kTables2 + kPeople + kViews + kFaults;
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
     static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
-    return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from_3;
+    static const std::string from_4 = std::string(kFrom4) + kSession5 + kFrom4Rows;
+    return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 
 }  // namespace palpate::data

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "protocols/format/protocol_file.hpp"
+#include "data/store/uuid.hpp"
 #include "data/trace/codec.hpp"
 #include "data/trace/columns.hpp"
 
@@ -98,8 +99,8 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .prepare(
             "INSERT INTO session (study, participant, number, kind, seed, plan_sha256, shuffles, "
             "device,"
-            " rate_hz, stiffness_n_per_m, started_utc, operator) VALUES (?1, ?2, ?3, ?4, ?5, ?6, "
-            "?7, ?8, ?9, ?10, ?11, nullif(?12, ''))")
+            " rate_hz, stiffness_n_per_m, started_utc, operator, uuid) VALUES (?1, ?2, ?3, ?4, ?5, "
+            "?6, ?7, ?8, ?9, ?10, ?11, nullif(?12, ''), ?13)")
         .bind(1, study)
         .bind(2, participant)
         .bind(3, static_cast<std::int64_t>(spec.key.session))
@@ -112,6 +113,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .bind(10, spec.protocol.apparatus.stiffness)
         .bind(11, utc_now())
         .bind(12, spec.operator_name)
+        .bind(13, random_uuid())
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);

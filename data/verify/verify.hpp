@@ -23,7 +23,7 @@ namespace palpate::data {
 /// - times: *_utc; of a person's trial done_s, done_uncertainty_s, reaction_s and uncertainty_s within
 ///   their ranges; complete instead of timed_out;
 /// - an answer of a person changed as a whole (place, object and correct together), or its input;
-/// - kind (real or pilot), device, operator, provenance other than hashes, the texts of events;
+/// - kind (real or pilot), uuid, device, operator, provenance other than hashes, the texts of events;
 /// - what was noted of a participant; a mark of an answer removed together with its event;
 /// - the last whole chunks of an interrupted trial, its last attempts, or a whole last session removed;
 /// - in a chunk packed again with a right crc32: counts, codes, lateness, commands and flags of the safety

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -9,6 +11,7 @@
 #include "data/analysis/summary.hpp"
 #include "data/store/database.hpp"
 #include "data/store/schema.hpp"
+#include "data/store/uuid.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
@@ -140,6 +143,9 @@ std::string shape(const std::string& file) {
            ask("SELECT name, sql FROM sqlite_master WHERE type = 'view' ORDER BY 1");
 }
 
+/// Version 8 from python3's hashlib: sha256(b"aaa...a P1 1 2026-01-31T12:34:56.789Z").
+constexpr const char* kOldUuid = "e955f9b1-8cd4-858b-aa14-f4aa493c425c";
+
 /// A file as palpate wrote it with schema `version`, with a session and a faulted trial in it.
 void write_old(const std::string& file, int version) {
     std::ifstream in(
@@ -153,14 +159,18 @@ void write_old(const std::string& file, int version) {
             "ALTER TABLE trial DROP COLUMN contact_episodes; PRAGMA user_version = 1;";
     }
     const std::string hash = "'" + std::string(64, 'a') + "'";
-    sql += "INSERT INTO study VALUES (1, 's', 't', " + hash +
-           ", ''); INSERT INTO participant VALUES (1, 'P1');"
-           "INSERT INTO session VALUES (1, 1, 1, 1, 'real', '7', " +
-           hash +
-           ", 1, 'd', 1000, 1000, '', NULL, 0);"
-           "INSERT INTO plan VALUES (1, 0, 'main', 'o', 0.0, 'f', 0.7, 0.5, 0);"
-           "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, ticks,"
-           " started_utc) VALUES (1, 0, 1, 'faulted', 0, 0, 5, '');";
+    sql +=
+        "INSERT INTO study VALUES (1, 's', 't', " + hash +
+        ", ''); INSERT INTO participant (id, code) VALUES (1, 'P1');"
+        "INSERT INTO session (id, study, participant, number, kind, seed, plan_sha256, shuffles, "
+        "device,"
+        " rate_hz, stiffness_n_per_m, started_utc, finished) VALUES (1, 1, 1, 1, 'real', '7', " +
+        hash +
+        ", 1, 'd', 1000, 1000, '2026-01-31T12:34:56.789Z', 0);"
+        "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s, mu_d,"
+        " break_before) VALUES (1, 0, 'main', 'o', 0.0, 'f', 0.7, 0.5, 0);"
+        "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, ticks,"
+        " started_utc) VALUES (1, 0, 1, 'faulted', 0, 0, 5, '');";
     REQUIRE(tests::Process({"sqlite3", file, sql}).wait().code == 0);
 }
 
@@ -169,7 +179,7 @@ void write_old(const std::string& file, int version) {
 TEST_CASE(
     "a file of an older schema is as a new one after it was opened for writing, its rows kept",
     "[store][law]") {
-    const int version = GENERATE(1, 2, 3);
+    const int version = GENERATE(1, 2, 3, 4);
     CAPTURE(version);
     const TemporaryFolder folder;
     const std::string file = folder.file("old.sqlite");
@@ -193,4 +203,68 @@ TEST_CASE(
     CHECK(row.null(2));  // nobody knew then
     CHECK(row.integer(3) == 0);
     CHECK_FALSE(row.step());
+    data::Statement session = database.prepare("SELECT uuid, device FROM session");
+    REQUIRE(session.step());
+    CHECK(session.text(0) == kOldUuid);
+    CHECK(session.text(1) == "d");
+    data::Statement orphans = database.prepare("PRAGMA foreign_key_check");
+    CHECK_FALSE(orphans.step());
+    data::Statement sound = database.prepare("PRAGMA integrity_check");
+    REQUIRE(sound.step());
+    CHECK(sound.text(0) == "ok");
+}
+
+TEST_CASE("before a file of an older schema is changed a copy of it is kept, as it was",
+          "[store][law]") {
+    const int version = GENERATE(1, 4);
+    CAPTURE(version);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("old.sqlite");
+    write_old(file, version);
+    const std::string before = tests::Process({"sqlite3", file, ".dump"}).wait().out;
+    const std::string backup = fmt::format("{}.schema{}.backup", file, version);
+    {
+        const Database database(file, Access::write);
+        CHECK(std::filesystem::equivalent(database.backup(), backup));
+    }
+    CHECK(tests::Process({"sqlite3", backup, ".dump"}).wait().out == before);
+    struct stat status {};
+    REQUIRE(stat(backup.c_str(), &status) == 0);
+    CHECK((status.st_mode & 0777U) == 0600U);
+    CHECK(Database(file, Access::write).backup().empty());  // once is enough
+
+    std::filesystem::remove(file);
+    write_old(file, version);
+    const std::string copy = bytes_of(backup);
+    CHECK(std::filesystem::equivalent(Database(file, Access::write).backup(), backup + ".2"));
+    CHECK(bytes_of(backup) == copy);
+}
+
+TEST_CASE("a file of an older schema whose copy cannot be kept stays as it is", "[store][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("old.sqlite");
+    write_old(file, 4);
+    const std::string before = bytes_of(file);
+    std::filesystem::create_directory(file +
+                                      ".schema4.backup.part");  // nothing can be written there
+    CHECK_THROWS_WITH(Database(file, Access::write),
+                      ContainsSubstring("old.sqlite.schema4.backup") && ContainsSubstring("free"));
+    CHECK(bytes_of(file) == before);
+}
+
+TEST_CASE("names of sessions are UUIDs, random for new ones and the same for the same old one",
+          "[store][law]") {
+    std::set<std::string> all;
+    for (int i = 0; i < 1000; ++i) {
+        const std::string uuid = data::random_uuid();
+        CAPTURE(uuid);
+        REQUIRE(uuid.size() == 36);
+        REQUIRE(uuid.find_first_not_of("0123456789abcdef-") == std::string::npos);
+        REQUIRE((uuid[8] == '-' && uuid[13] == '-' && uuid[18] == '-' && uuid[23] == '-'));
+        REQUIRE(uuid[14] == '4');
+        REQUIRE(std::string("89ab").find(uuid[19]) != std::string::npos);
+        REQUIRE(all.insert(uuid).second);
+    }
+    // sha256sum: ba7816bf 8f01 cfea 4141 40de5dae2223... (FIPS 180-4, "abc"), version 8, variant 10
+    CHECK(data::derived_uuid("abc") == "ba7816bf-8f01-8fea-8141-40de5dae2223");
 }

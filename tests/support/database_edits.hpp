@@ -32,10 +32,10 @@ private:
 
 /// Columns that nothing else in the file says (data/verify/verify.hpp).
 inline const std::set<std::string> kSilent{
-    "trial.started_utc",    "trial.ended_utc",        "session.started_utc",
-    "session.finished_utc", "session.device",         "session.kind",
-    "response.input",       "session.operator",       "participant.handedness",
-    "participant.consent",  "participant.consent_utc"};
+    "trial.started_utc",    "trial.ended_utc",         "session.started_utc",
+    "session.finished_utc", "session.device",          "session.kind",
+    "response.input",       "session.operator",        "participant.handedness",
+    "participant.consent",  "participant.consent_utc", "session.uuid"};
 
 inline std::vector<std::string> result_columns(data::Database& database,
                                                const std::vector<std::string>& tables) {

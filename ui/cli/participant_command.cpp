@@ -53,6 +53,7 @@ int participant_command(const ParticipantOptions& options) {
         const data::Database there(options.database, data::Access::read);
     }
     data::Database database(options.database, data::Access::write);  // of an older schema, too
+    say_backup(database);
     if (change) {
         data::note_participant(database, options.participant, notes);
     }

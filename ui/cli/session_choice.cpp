@@ -1,5 +1,6 @@
 #include "ui/cli/session_choice.hpp"
 
+#include <cstdio>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -15,6 +16,15 @@ void check_participant(const std::string& id, std::string_view word) {
     if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
         throw std::invalid_argument(fmt::format(
             "{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", word, id));
+    }
+}
+
+void say_backup(const data::Database& database) {
+    if (!database.backup().empty()) {
+        fmt::print(stderr,
+                   "palpate: {}: made by an older palpate and brought up to date; as it was, it is "
+                   "kept as {}\n",
+                   database.file(), database.backup());
     }
 }
 

@@ -1,0 +1,48 @@
+#include "data/store/uuid.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include "protocols/design/sha256.hpp"
+
+namespace palpate::data {
+namespace {
+
+using Bytes = std::array<std::uint8_t, 16>;
+
+/// RFC 9562, 4.1 and 4.2: the version in the high half of byte 6, the variant 10 on top of byte 8.
+std::string uuid_of(Bytes bytes, unsigned version) {
+    bytes[6] = static_cast<std::uint8_t>((bytes[6] & 0x0FU) | version << 4U);
+    bytes[8] = static_cast<std::uint8_t>((bytes[8] & 0x3FU) | 0x80U);
+    std::string text;
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        text += i == 4 || i == 6 || i == 8 || i == 10 ? "-" : "";
+        text += fmt::format("{:02x}", bytes[i]);
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string random_uuid() {
+    if (sodium_init() < 0) {
+        throw std::runtime_error("the kernel gives no random numbers: is /dev/urandom there?");
+    }
+    Bytes bytes{};
+    randombytes_buf(bytes.data(), bytes.size());
+    return uuid_of(bytes, 4);
+}
+
+std::string derived_uuid(std::string_view name) {
+    const protocols::Sha256 hash = protocols::sha256(name);
+    Bytes bytes{};
+    std::copy_n(hash.begin(), bytes.size(), bytes.begin());
+    return uuid_of(bytes, 8);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,246 @@
+-- The schema of palpate before sessions had names of their own (user_version 4), as that program wrote it.
+PRAGMA application_id = 1885432944;
+PRAGMA user_version = 4;
+
+CREATE TABLE study (
+    -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
+    id              INTEGER PRIMARY KEY,
+    name            TEXT NOT NULL,
+    title           TEXT NOT NULL,
+    protocol_sha256 TEXT NOT NULL UNIQUE CHECK (length(protocol_sha256) = 64),
+    protocol_toml   TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE participant (
+    -- Pseudonyms only.
+    id          INTEGER PRIMARY KEY,
+    code        TEXT NOT NULL UNIQUE CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*'),
+    handedness  INTEGER CHECK (handedness BETWEEN -100 AND 100),  -- Edinburgh score: -100 left, 100 right
+    consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it
+    consent_utc TEXT                                -- when that was noted
+) STRICT;
+
+CREATE TABLE session (
+    id                  INTEGER PRIMARY KEY,
+    study               INTEGER NOT NULL REFERENCES study,
+    participant         INTEGER NOT NULL REFERENCES participant,
+    number              INTEGER NOT NULL CHECK (number >= 1),
+    kind                TEXT NOT NULL CHECK (kind IN ('real', 'pilot', 'simulated')),
+    seed                TEXT NOT NULL               -- unsigned 64 bit, decimal
+                            CHECK (length(seed) BETWEEN 1 AND 20 AND seed NOT GLOB '*[^0-9]*'),
+    plan_sha256         TEXT NOT NULL CHECK (length(plan_sha256) = 64),
+    shuffles            INTEGER NOT NULL CHECK (shuffles >= 1),  -- orders proposed until one kept the limits
+    device              TEXT NOT NULL,
+    rate_hz             REAL NOT NULL CHECK (rate_hz > 0),
+    stiffness_n_per_m   REAL NOT NULL CHECK (stiffness_n_per_m > 0),
+    started_utc         TEXT NOT NULL,
+    finished_utc        TEXT,
+    finished            INTEGER NOT NULL DEFAULT 0 CHECK (finished IN (0, 1)),
+    operator            TEXT,                       -- who ran it, as given
+    UNIQUE (study, participant, number)
+) STRICT;
+
+CREATE TABLE session_provenance (
+    -- What shaped the session besides its protocol: versions, compiler, kernel, the device's calibration,
+    -- what the force loop was allowed (scheduling, memory).
+    session INTEGER NOT NULL REFERENCES session,
+    key     TEXT NOT NULL,
+    value   TEXT NOT NULL,
+    PRIMARY KEY (session, key)
+) STRICT;
+
+CREATE TABLE plan (
+    -- The whole order, complete before the first trial.
+    session          INTEGER NOT NULL REFERENCES session,
+    position         INTEGER NOT NULL CHECK (position >= 0),
+    phase            TEXT NOT NULL CHECK (phase IN ('practice', 'main', 'catch')),
+    object           TEXT NOT NULL,
+    curvature_per_m  REAL NOT NULL,                 -- > 0 convex, 0 straight, < 0 concave
+    friction         TEXT NOT NULL,
+    mu_s             REAL NOT NULL CHECK (mu_s >= mu_d),
+    mu_d             REAL NOT NULL CHECK (mu_d >= 0),
+    break_before     INTEGER NOT NULL CHECK (break_before IN (0, 1)),
+    block            INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0),  -- of the main phase; 0 in practice
+    PRIMARY KEY (session, position)
+) STRICT;
+
+CREATE TABLE picture (
+    -- The pictures from left to right, the same for all trials of a participant.
+    session INTEGER NOT NULL REFERENCES session,
+    place   INTEGER NOT NULL CHECK (place >= 0),
+    object  TEXT NOT NULL,
+    PRIMARY KEY (session, place),
+    UNIQUE (session, object)
+) STRICT;
+
+CREATE TABLE trial (
+    -- One attempt at a planned trial. Attempts that faulted or do not count stay, and the position is run
+    -- again at a random later place of its block (practice, or main and catch); others at once.
+    id                  INTEGER PRIMARY KEY,
+    session             INTEGER NOT NULL,
+    position            INTEGER NOT NULL,
+    attempt             INTEGER NOT NULL CHECK (attempt >= 1),
+    outcome             TEXT NOT NULL CHECK (outcome IN
+                            ('running', 'complete', 'timed_out', 'aborted', 'interrupted', 'faulted')),
+    slip_decay          REAL NOT NULL,              -- exp(-T/tau_slip) as computed on this machine
+    heal_decay          REAL NOT NULL,              -- exp(-T/tau_heal)
+    done_s              REAL,                       -- first tick -> done
+    done_uncertainty_s  REAL,
+    first_contact_s     REAL,                       -- first tick -> first contact
+    ticks               INTEGER CHECK (ticks >= 0),
+    contact_ticks       INTEGER,
+    slip_ticks          INTEGER,
+    late_ticks          INTEGER,
+    saturated_ticks     INTEGER,
+    path_length_m       REAL,
+    mean_normal_force_n REAL,
+    max_normal_force_n  REAL,
+    energy_j            REAL,                       -- work done on the user
+    started_utc         TEXT NOT NULL,
+    ended_utc           TEXT,
+    contact_episodes    INTEGER,                    -- times that HIP came into contact
+    worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
+    skipped_ticks       INTEGER,                    -- out of reach: nothing was computed
+    fault               TEXT CHECK (fault IS NULL OR outcome = 'faulted'),  -- why the force went off, e.g. over_speed
+    slewed_ticks        INTEGER,                    -- the slew limit held the force back
+    stale_ticks         INTEGER,                    -- without a new reading
+    invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
+    UNIQUE (session, position, attempt),
+    FOREIGN KEY (session, position) REFERENCES plan (session, position)
+) STRICT;
+
+CREATE TABLE response (
+    trial          INTEGER PRIMARY KEY REFERENCES trial,
+    place          INTEGER NOT NULL CHECK (place >= 0),
+    object         TEXT NOT NULL,
+    correct        INTEGER NOT NULL CHECK (correct IN (0, 1)),
+    reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- pictures shown -> answer
+    uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),
+    input          TEXT NOT NULL CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
+) STRICT;
+
+CREATE TABLE trace_chunk (
+    -- Servo ticks, 256 a chunk. codec 1: columns as in trace_column, one after the other, each with its
+    -- bytes shuffled (all first bytes, all second bytes, ...), the whole as one zlib stream.
+    trial      INTEGER NOT NULL REFERENCES trial,
+    first_tick INTEGER NOT NULL CHECK (first_tick >= 0),
+    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 256),
+    codec      INTEGER NOT NULL CHECK (codec = 1),
+    crc32      INTEGER NOT NULL,                    -- of the shuffled bytes before zlib
+    data       BLOB NOT NULL,
+    PRIMARY KEY (trial, first_tick)
+) STRICT;
+
+CREATE TABLE trace_column (
+    codec    INTEGER NOT NULL,
+    position INTEGER NOT NULL,
+    name     TEXT NOT NULL,
+    type     TEXT NOT NULL CHECK (type IN ('f64le', 'f32le', 'i64le', 'i32le', 'i16le', 'u8')),
+    unit     TEXT NOT NULL,
+    PRIMARY KEY (codec, position)
+) STRICT;
+
+CREATE TABLE event (
+    id      INTEGER PRIMARY KEY,
+    session INTEGER NOT NULL REFERENCES session,
+    trial   INTEGER REFERENCES trial,
+    kind    TEXT NOT NULL,
+    text    TEXT NOT NULL,
+    at_utc  TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE participant_detail (
+    -- What a study asks of its participants besides: age, gender, ... In a table of its own, so that what
+    -- is handed on can leave it out.
+    participant INTEGER NOT NULL REFERENCES participant,
+    key         TEXT NOT NULL CHECK (length(key) BETWEEN 1 AND 64 AND key NOT GLOB '*[^a-z0-9_]*'),
+    value       TEXT NOT NULL,
+    PRIMARY KEY (participant, key)
+) STRICT;
+
+CREATE VIEW trial_result AS
+-- One row per answered trial that counts, practice and catch trials included: filter by phase and kind.
+SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
+       session.kind AS kind, plan.position AS position, plan.phase AS phase, plan.object AS object,
+       plan.curvature_per_m AS curvature_per_m, plan.friction AS friction, response.object AS choice,
+       response.correct AS correct, trial.outcome AS outcome, trial.first_contact_s AS first_contact_s,
+       trial.done_s AS done_s, response.reaction_s AS reaction_s, response.uncertainty_s AS uncertainty_s,
+       trial.path_length_m AS path_length_m, trial.contact_ticks / session.rate_hz AS contact_s,
+       trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,
+       trial.mean_normal_force_n AS mean_normal_force_n, trial.max_normal_force_n AS max_normal_force_n,
+       trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share,
+       trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share
+FROM trial
+JOIN response ON response.trial = trial.id
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.invalid IS NULL;
+
+CREATE VIEW confusion AS
+-- How often each object was taken for which, main trials only.
+SELECT study, kind, friction, object, choice, count(*) AS n
+FROM trial_result WHERE phase = 'main'
+GROUP BY study, kind, friction, object, choice;
+
+CREATE VIEW invalid_trial AS
+-- One row per answered trial that does not count, with its answer and the reason.
+SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
+       session.kind AS kind, trial.position AS position, trial.attempt AS attempt, plan.phase AS phase,
+       plan.object AS object, plan.friction AS friction, response.object AS choice,
+       response.correct AS correct, trial.invalid AS reason
+FROM trial
+JOIN response ON response.trial = trial.id
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.invalid IS NOT NULL;
+
+CREATE TABLE fault_tick (
+    -- The last ticks before the force went off by itself, at most 100, the last one the fault's own. Here
+    -- also when the trace lost them; named as in trace_column, NULL for what was not a number.
+    -- flags: 1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 held, 64 slewed (the force changed as
+    -- fast as it may), 128 stale (no new reading: the last HIP again).
+    -- mode: 0 free, 1 stuck, 2 slip, 3 transition. feature: >= 0 a segment, -1 - j vertex j.
+    trial       INTEGER NOT NULL REFERENCES trial,
+    tick        INTEGER NOT NULL,
+    time_ns     INTEGER NOT NULL,
+    count_1     INTEGER NOT NULL,
+    count_2     INTEGER NOT NULL,
+    code_1      INTEGER NOT NULL,
+    code_2      INTEGER NOT NULL,
+    lateness_us REAL,
+    flags       INTEGER NOT NULL,
+    mode        INTEGER NOT NULL,
+    feature     INTEGER NOT NULL,
+    parameter   REAL,
+    hip_x_m     REAL,
+    hip_y_m     REAL,
+    cp_x_m      REAL,
+    cp_y_m      REAL,
+    go_x_m      REAL,
+    go_y_m      REAL,
+    fx_n        REAL,
+    fy_n        REAL,
+    command_x_n REAL,
+    command_y_n REAL,
+    fn_n        REAL,
+    ft_n        REAL,
+    mu          REAL,
+    PRIMARY KEY (trial, tick)
+) STRICT;
+
+CREATE VIEW fault AS
+-- One row per faulted trial: whose, which, why, and when.
+SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
+       session.kind AS kind, trial.position AS position, trial.attempt AS attempt, plan.phase AS phase,
+       trial.fault AS cause, trial.done_s AS at_s, trial.ended_utc AS ended_utc,
+       (SELECT count(*) FROM fault_tick WHERE fault_tick.trial = trial.id) AS ticks_kept
+FROM trial
+JOIN plan ON plan.session = trial.session AND plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study
+WHERE trial.outcome = 'faulted';
