@@ -26,6 +26,9 @@ int dispatch(const Options& options) {
         int operator()(const NoteOptions& note) const { return note_command(note); }
         int operator()(const MarkOptions& mark) const { return mark_command(mark); }
         int operator()(const VerifyOptions& verify) const { return verify_command(verify); }
+        int operator()(const ExportCommandOptions& words) const { return export_command(words); }
+        int operator()(const MergeOptions& files) const { return merge_command(files); }
+        int operator()(const PushOptions& push) const { return push_command(push); }
         int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
         int operator()(const RenderOptions& render) const { return render_command(render); }
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }

@@ -93,6 +93,27 @@ struct VerifyOptions {
     bool json = false;
 };
 
+struct ExportCommandOptions {
+    std::string database;
+    std::string format = "csv";  ///< csv, bids, psych-ds, parquet
+    std::string directory;       ///< made; never one that holds something
+    std::string kind = "real";   ///< real, pilot, simulated, all
+    bool details = false;
+    bool traces = false;
+    bool keep_codes = false;
+};
+
+struct MergeOptions {
+    std::string database;             ///< made if it is not there
+    std::vector<std::string> inputs;  ///< read only
+};
+
+struct PushOptions {
+    std::string database;
+    std::string url;     ///< postgresql://...
+    bool roles = false;  ///< only print the script of the roles
+};
+
 struct ScreenshotOptions {
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
@@ -156,6 +177,9 @@ using Options = std::variant<Exit,
                              NoteOptions,
                              MarkOptions,
                              VerifyOptions,
+                             ExportCommandOptions,
+                             MergeOptions,
+                             PushOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,
