@@ -4,9 +4,15 @@
 #include <vector>
 
 namespace palpate::data {
+namespace {
 
-AsyncRecorder::AsyncRecorder(protocols::Recorder& recorder)
-    : recorder_(recorder), thread_([this] { run(); }) {}
+/// Ticks that may wait for the thread: minutes at any rate. Only a simulation faster than the disk gets there.
+constexpr std::size_t kMostWaiting = std::size_t{1} << 18U;
+
+}  // namespace
+
+AsyncRecorder::AsyncRecorder(protocols::Recorder& recorder, std::chrono::milliseconds save_every)
+    : recorder_(recorder), save_every_(save_every), thread_([this] { run(); }) {}
 
 AsyncRecorder::~AsyncRecorder() {
     {
@@ -17,12 +23,41 @@ AsyncRecorder::~AsyncRecorder() {
     thread_.join();
 }
 
+bool AsyncRecorder::wait_for_work(std::unique_lock<std::mutex>& lock) {
+    const auto there = [this] {
+        return quit_ || !work_.empty();
+    };
+    if (due_ && !error_) {
+        changed_.wait_until(lock, *due_, there);
+    } else {
+        changed_.wait(lock, there);
+    }
+    const bool save =
+        due_ && !error_ && (std::chrono::steady_clock::now() >= *due_ || (quit_ && work_.empty()));
+    if (save) {
+        due_.reset();
+        work_.emplace([this] { save_now(); });
+    }
+    return !work_.empty();
+}
+
+void AsyncRecorder::save_now() {
+    if (!recorder_.save()) {
+        const std::scoped_lock lock(mutex_);
+        if (!quit_) {
+            due_ = std::chrono::steady_clock::now() + save_every_;
+        }
+    }
+}
+
 void AsyncRecorder::run() {
     std::unique_lock lock(mutex_);
     for (;;) {
-        changed_.wait(lock, [this] { return quit_ || !work_.empty(); });
-        if (work_.empty()) {
-            return;
+        if (!wait_for_work(lock)) {
+            if (quit_) {
+                return;
+            }
+            continue;
         }
         const std::function<void()> work = std::move(work_.front());
         work_.pop();
@@ -39,6 +74,7 @@ void AsyncRecorder::run() {
         if (error) {  // a hole in a trace is worse than its end: nothing is stored from here on
             error_ = error;
             work_ = {};
+            waiting_ticks_ = 0;
         }
         changed_.notify_all();
     }
@@ -70,9 +106,24 @@ protocols::TrialId AsyncRecorder::begin_trial(const protocols::PlannedTrial& pla
 }
 
 void AsyncRecorder::append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) {
+    const auto now = std::chrono::steady_clock::now();
+    {
+        std::unique_lock lock(mutex_);
+        changed_.wait(lock, [this] { return error_ || waiting_ticks_ < kMostWaiting; });
+        waiting_ticks_ += ticks.size();
+        due_ = due_.value_or(now + save_every_);
+    }
     hand_over([this, trial, copy = std::vector<engine::TickRecord>(ticks.begin(), ticks.end())] {
         recorder_.append(trial, copy);
+        const std::scoped_lock lock(mutex_);
+        waiting_ticks_ -= copy.size();
     });
+}
+
+bool AsyncRecorder::save() {
+    bool saved = false;
+    wait_for([&] { saved = recorder_.save(); });
+    return saved;
 }
 
 void AsyncRecorder::end_trial(protocols::TrialId trial, const protocols::TrialResult& result) {

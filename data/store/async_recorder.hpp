@@ -1,9 +1,11 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <functional>
 #include <mutex>
+#include <optional>
 #include <queue>
 #include <thread>
 
@@ -13,19 +15,28 @@ namespace palpate::data {
 
 /// Writes on a thread of its own, so that a slow disk never holds up a screen or a key press.
 ///
-/// append() only hands the ticks over. Every other call waits until all before it is stored, and then
+/// append() only hands the ticks over; what was handed over is saved within `save_every` of the oldest, and
+/// again as often while a lock of another program keeps it back. Every other call waits until all before it is stored, and then
 /// for itself. What fails on the thread is thrown by the next call and by every one after it: from the
 /// error on nothing is stored, so that nothing can stand behind a hole.
 class AsyncRecorder : public protocols::Recorder {
 public:
+    /// Ticks come to append() up to a frame of a screen after they were made, a commit takes some 15 ms:
+    /// together this stays below 120 ms.
+    static constexpr std::chrono::milliseconds kSaveEvery{75};
+    /// Together below 45 ms.
+    static constexpr std::chrono::milliseconds kSaveOften{10};
+
     /// @param recorder  outlives this one; used by its thread alone
-    explicit AsyncRecorder(protocols::Recorder& recorder);
+    explicit AsyncRecorder(protocols::Recorder& recorder,
+                           std::chrono::milliseconds save_every = kSaveEvery);
     /// Stores what was handed over; an error that nobody heard of is lost with this object.
     ~AsyncRecorder() override;
 
     [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
                                                  const protocols::SceneConstants& scene) override;
     void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override;
+    bool save() override;
     void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;
     void event(std::string_view kind, std::string_view text) override;
     void finish_session() override;
@@ -35,10 +46,18 @@ private:
     void wait_for(std::function<void()> work);
     void run();
 
+    /// Until what has to be done next is known. @return false: nothing more comes
+    bool wait_for_work(std::unique_lock<std::mutex>& lock);
+    void save_now();
+
     protocols::Recorder& recorder_;
+    std::chrono::milliseconds save_every_;
     std::mutex mutex_;
     std::condition_variable changed_;
     std::queue<std::function<void()>> work_;
+    std::size_t waiting_ticks_ = 0;
+    /// When what was appended has to be saved; nothing: all of it is.
+    std::optional<std::chrono::steady_clock::time_point> due_;
     std::exception_ptr error_;
     bool busy_ = false;
     bool quit_ = false;

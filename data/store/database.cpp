@@ -19,9 +19,6 @@
 namespace palpate::data {
 namespace {
 
-/// Readers and checkpoints of others are waited for this long, ms.
-constexpr int kBusyMs = 5000;
-
 const char* remedy(int code) {
     switch (code & 0xFF) {
         case SQLITE_FULL:
@@ -135,8 +132,12 @@ void Database::fail(std::string_view doing) const {
     const int code = handle_ != nullptr ? sqlite3_errcode(handle_) : SQLITE_NOMEM;
     const char* message = handle_ != nullptr ? sqlite3_errmsg(handle_) : "out of memory";
     const char* what = remedy(code);
-    throw StoreError(fmt::format("{}: {} failed: {}{}{}", file_, doing, message,
-                                 *what == '\0' ? "" : "; ", what));
+    const std::string text = fmt::format("{}: {} failed: {}{}{}", file_, doing, message,
+                                         *what == '\0' ? "" : "; ", what);
+    if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
+        throw LockedFile(text);
+    }
+    throw StoreError(text);
 }
 
 void Database::connect(const std::string& name, int flags) {
@@ -145,7 +146,7 @@ void Database::connect(const std::string& name, int flags) {
         fail("opening");
     }
     sqlite3_extended_result_codes(handle_, 1);
-    sqlite3_busy_timeout(handle_, kBusyMs);
+    sqlite3_busy_timeout(handle_, wait_ms_);
     // A file can come from anywhere: its views call no function that reaches out of SQLite, and no
     // statement may write to SQLite's own tables.
     sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
@@ -209,7 +210,9 @@ void Database::check_identity(Access access) {
     }
     if (access == Access::write && id.version < kSchemaVersion) {
         bring_up_to_date();
+        id = identity();
     }
+    schema_ = id.version;
 }
 
 void Database::bring_up_to_date() {
@@ -236,7 +239,7 @@ void Database::keep_log() {
     int waited = 0;
     while (sqlite3_exec(handle_, "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr) !=
            SQLITE_OK) {
-        if ((sqlite3_errcode(handle_) & 0xFF) != SQLITE_BUSY || waited >= kBusyMs) {
+        if ((sqlite3_errcode(handle_) & 0xFF) != SQLITE_BUSY || waited >= wait_ms_) {
             fail("switching to a write-ahead log");
         }
         sqlite3_sleep(kPauseMs);
@@ -255,6 +258,11 @@ void Database::execute(const char* sql) {
     }
 }
 
+void Database::wait_for_locks(int ms) {
+    wait_ms_ = ms;
+    sqlite3_busy_timeout(handle_, ms);
+}
+
 std::int64_t Database::last_row() const {
     return sqlite3_last_insert_rowid(handle_);
 }
@@ -267,7 +275,7 @@ void Database::checkpoint() {
     sqlite3_busy_timeout(handle_, 0);
     const int code =
         sqlite3_wal_checkpoint_v2(handle_, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
-    sqlite3_busy_timeout(handle_, kBusyMs);
+    sqlite3_busy_timeout(handle_, wait_ms_);
     if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY && (code & 0xFF) != SQLITE_LOCKED) {
         fail("moving the log into the file");
     }

@@ -32,8 +32,12 @@ public:
     /// Rows that the last INSERT, UPDATE or DELETE touched.
     [[nodiscard]] std::int64_t changes() const;
     [[nodiscard]] const std::string& file() const { return file_; }
+    /// The version of its schema: the present one, or an older one of a file opened to read.
+    [[nodiscard]] std::int64_t schema() const { return schema_; }
     /// Where the file was copied to before it was brought to the present schema; empty: it was not.
     [[nodiscard]] const std::string& backup() const { return backup_; }
+    /// How long the locks of others are waited for, ms.
+    void wait_for_locks(int ms);
     /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits for
     /// nobody: a reader that is still looking delays it to the next time.
     void checkpoint();
@@ -58,6 +62,8 @@ private:
 
     std::string file_;
     std::string backup_;
+    std::int64_t schema_ = 0;
+    int wait_ms_ = 5000;
     sqlite3* handle_ = nullptr;
 };
 

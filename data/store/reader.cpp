@@ -1,7 +1,11 @@
 #include "data/store/reader.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include <fmt/format.h>
 
+#include "data/store/stored_chunks.hpp"
 #include "data/trace/codec.hpp"
 
 namespace palpate::data {
@@ -17,36 +21,42 @@ std::vector<std::int64_t> answered_trials(Database& database) {
     return ids;
 }
 
-std::vector<engine::TickRecord> stored_ticks(Database& database, std::int64_t trial) {
-    Statement there = database.prepare("SELECT 1 FROM trial WHERE id = ?1");
-    if (!there.bind(1, trial).step()) {
-        throw StoreError(fmt::format("{}: there is no trial {}; SELECT id FROM trial lists them",
-                                     database.file(), trial));
+std::vector<engine::TickRecord> TraceReader::stored(std::int64_t trial, std::int64_t interval) {
+    const Snapshot now(database_);
+    const TrialContext context = trial_context(database_, trial);
+    const StoredChunks chunks = stored_chunks(database_, trial, interval);
+    const bool replays = std::any_of(chunks.views.begin(), chunks.views.end(),
+                                     [](const ChunkView& c) { return c.codec != kTraceCodec; });
+    if (!replays) {
+        return replay(nullptr, std::nullopt, chunks.views).ticks;
     }
-    std::vector<engine::TickRecord> all;
-    Statement row = database.prepare(
-        "SELECT first_tick, ticks, codec, crc32, data FROM trace_chunk"
-        " WHERE trial = ?1 ORDER BY first_tick");
-    row.bind(1, trial);
-    while (row.step()) {
-        if (row.integer(2) != kTraceCodec) {
-            throw TraceError(fmt::format("trial {}: trace codec {} is unknown; update palpate",
-                                         trial, row.integer(2)));
-        }
-        const auto ticks = decode(row.blob(4), static_cast<std::size_t>(row.integer(1)),
-                                  static_cast<std::uint32_t>(row.integer(3)));
-        if (ticks.front().tick != row.integer(0)) {
-            throw TraceError(fmt::format("trial {}: the chunk of tick {} begins with tick {}",
-                                         trial, row.integer(0), ticks.front().tick));
-        }
-        all.insert(all.end(), ticks.begin(), ticks.end());
+    auto session = sessions_.find(context.session);
+    if (session == sessions_.end()) {
+        session =
+            sessions_.emplace(context.session, session_traces(database_, context.session)).first;
+    }
+    Replayed all = session->second.replay(context.trial, chunks.views);
+    if (all.differs_from) {
+        throw ReplayError(replay_sentence(trial, *all.differs_from));
+    }
+    return std::move(all.ticks);
+}
+
+std::vector<std::int64_t> TraceReader::column(std::int64_t trial,
+                                              Stored column,
+                                              std::int64_t interval) {
+    const StoredChunks chunks = stored_chunks(database_, trial, interval);
+    std::vector<std::int64_t> all;
+    for (const ChunkView& chunk : chunks.views) {
+        all.resize(all.size() + chunk.ticks);
+        read_stored(chunk, column, std::span(all).last(chunk.ticks));
     }
     return all;
 }
 
-std::vector<engine::TickRecord> read_trace(Database& database, std::int64_t trial) {
-    const Snapshot now(database);
-    std::vector<engine::TickRecord> trace = stored_ticks(database, trial);
+std::vector<engine::TickRecord> TraceReader::read(std::int64_t trial, std::int64_t interval) {
+    const Snapshot now(database_);
+    std::vector<engine::TickRecord> trace = stored(trial, interval);
     const auto missing = [trial](std::int64_t first, std::int64_t last) {
         throw TraceError(fmt::format("trial {}: ticks {} to {} are missing", trial, first, last));
     };
@@ -61,12 +71,20 @@ std::vector<engine::TickRecord> read_trace(Database& database, std::int64_t tria
         }
         ++next;
     }
-    Statement counted = database.prepare("SELECT coalesce(ticks, 0) FROM trial WHERE id = ?1");
+    Statement counted = database_.prepare("SELECT coalesce(ticks, 0) FROM trial WHERE id = ?1");
     counted.bind(1, trial).step();
     if (counted.integer(0) > next) {
         missing(next, counted.integer(0) - 1);
     }
     return trace;
+}
+
+std::vector<engine::TickRecord> stored_ticks(Database& database, std::int64_t trial) {
+    return TraceReader(database).stored(trial);
+}
+
+std::vector<engine::TickRecord> read_trace(Database& database, std::int64_t trial) {
+    return TraceReader(database).read(trial);
 }
 
 }  // namespace palpate::data

@@ -122,6 +122,7 @@ CREATE TABLE trial (
     slewed_ticks        INTEGER,                    -- the slew limit held the force back
     stale_ticks         INTEGER,                    -- without a new reading
     invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
+    chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
@@ -136,27 +137,6 @@ CREATE TABLE response (
     input          TEXT NOT NULL CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
 ) STRICT;
 
-CREATE TABLE trace_chunk (
-    -- Servo ticks, 256 a chunk. codec 1: columns as in trace_column, one after the other, each with its
-    -- bytes shuffled (all first bytes, all second bytes, ...), the whole as one zlib stream.
-    trial      INTEGER NOT NULL REFERENCES trial,
-    first_tick INTEGER NOT NULL CHECK (first_tick >= 0),
-    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 256),
-    codec      INTEGER NOT NULL CHECK (codec = 1),
-    crc32      INTEGER NOT NULL,                    -- of the shuffled bytes before zlib
-    data       BLOB NOT NULL,
-    PRIMARY KEY (trial, first_tick)
-) STRICT;
-
-CREATE TABLE trace_column (
-    codec    INTEGER NOT NULL,
-    position INTEGER NOT NULL,
-    name     TEXT NOT NULL,
-    type     TEXT NOT NULL CHECK (type IN ('f64le', 'f32le', 'i64le', 'i32le', 'i16le', 'u8')),
-    unit     TEXT NOT NULL,
-    PRIMARY KEY (codec, position)
-) STRICT;
-
 CREATE TABLE event (
     id      INTEGER PRIMARY KEY,
     session INTEGER NOT NULL REFERENCES session,
@@ -164,6 +144,47 @@ CREATE TABLE event (
     kind    TEXT NOT NULL,
     text    TEXT NOT NULL,
     at_utc  TEXT NOT NULL
+) STRICT;
+)sql";
+
+/// As of schema 5.
+constexpr const char* kTraces5 = R"sql(
+CREATE TABLE trace_chunk (
+    -- Servo ticks of one interval of a trial. While the trial runs its last chunk is replaced by a longer one.
+    -- codec 2, up to 4096 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
+    -- columns in the order of trace_column without the parts that the chunk does not hold. A stream is a
+    -- zlib stream of the values, bytes shuffled: all first bytes, all second bytes, ... Size 0: all bytes 0.
+    -- codec 1, 256 ticks, of files from before schema 5: all columns, shuffled alike, as one zlib stream.
+    trial      INTEGER NOT NULL REFERENCES trial,
+    interval   INTEGER NOT NULL CHECK (interval BETWEEN 1 AND 2),  -- of a trial with two things to feel
+    first_tick INTEGER NOT NULL CHECK (first_tick >= 0),
+    ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 4096),
+    codec      INTEGER NOT NULL CHECK (codec IN (1, 2)),
+    period_ns  INTEGER NOT NULL,                    -- of the servo; codec 1: 0
+    holds      TEXT NOT NULL,                       -- the parts of trace_column that are in here, by words
+    crc32      INTEGER NOT NULL,                    -- codec 2: of data; codec 1: of the bytes before zlib
+    derived    INTEGER CHECK (codec = 1 OR derived IS NOT NULL),  -- hash of the ticks as the servo had them:
+                                                    -- data/trace/derived_hash.hpp
+    data       BLOB NOT NULL,
+    PRIMARY KEY (trial, interval, first_tick)
+) STRICT;
+
+CREATE TABLE trace_column (
+    -- Number * scale is in the unit. Rules say what was taken from a value before it was written: plain
+    -- nothing; delta the value before; after one more than the value before (before the first: first_tick - 1);
+    -- clock tick * period_ns, then as delta; exact nothing. All but plain and exact are folded: 0, -1, 1, -2
+    -- are 0, 1, 2, 3, in two's complement of the type. part: only chunks that hold it have the column; in
+    -- others it follows by replay from the scene. *_xor_*: bits of the command XOR bits of fx_n, fy_n.
+    -- -2147483648 in a column of 100 nm or 100 uN: not a number; 2147483647: that much or more.
+    codec    INTEGER NOT NULL,
+    position INTEGER NOT NULL,
+    name     TEXT NOT NULL,
+    type     TEXT NOT NULL CHECK (type IN ('f64le', 'f32le', 'i64le', 'u64le', 'i32le', 'i16le', 'u8')),
+    unit     TEXT NOT NULL,
+    scale    REAL NOT NULL,
+    rule     TEXT NOT NULL CHECK (rule IN ('plain', 'after', 'clock', 'delta', 'exact')),
+    part     TEXT NOT NULL CHECK (part IN ('', 'hip', 'contact', 'command', 'lateness')),
+    PRIMARY KEY (codec, position)
 ) STRICT;
 )sql";
 
@@ -304,7 +325,10 @@ PRAGMA user_version = 4;
 /// Other tables and the views keep their references to session by name: foreign keys are off during a
 /// migration. derived_uuid() is Database's own.
 constexpr const char* kFrom4 = R"sql(
--- 4 -> 5: sessions have a name of their own.
+-- 4 -> 5: sessions have a name of their own; traces by replay, chunks of before stay as they are; chains.
+ALTER TABLE trace_chunk RENAME TO trace_chunk_4;
+ALTER TABLE trace_column RENAME TO trace_column_4;
+ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
 CREATE TEMP TABLE session_4 AS SELECT * FROM session;
 DROP TABLE session;
 )sql";
@@ -314,6 +338,11 @@ INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed,
     derived_uuid(protocol_sha256 || ' ' || code || ' ' || number || ' ' || started_utc)
 FROM temp.session_4 JOIN study ON study.id = study JOIN participant ON participant.id = participant;
 DROP TABLE temp.session_4;
+INSERT INTO trace_chunk SELECT trial, 1, first_tick, ticks, codec, 0, '', crc32, NULL, data FROM trace_chunk_4
+    ORDER BY trial, first_tick;
+DROP TABLE trace_chunk_4;
+INSERT INTO trace_column SELECT codec, position, name, type, unit, 1.0, 'exact', '' FROM trace_column_4;
+DROP TABLE trace_column_4;
 PRAGMA user_version = 5;
 )sql";
 
@@ -321,14 +350,14 @@ PRAGMA user_version = 5;
 
 std::string_view schema_sql() noexcept {
     static const std::string all =
-        std::string(kTables) + kSession5 + kTables2 + kPeople + kViews + kFaults;
+        std::string(kTables) + kSession5 + kTables2 + kTraces5 + kPeople + kViews + kFaults;
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
     static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
-    static const std::string from_4 = std::string(kFrom4) + kSession5 + kFrom4Rows;
+    static const std::string from_4 = std::string(kFrom4) + kSession5 + kTraces5 + kFrom4Rows;
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 

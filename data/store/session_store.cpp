@@ -11,8 +11,8 @@
 
 #include "protocols/format/protocol_file.hpp"
 #include "data/store/uuid.hpp"
-#include "data/trace/codec.hpp"
-#include "data/trace/columns.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/stored_columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -72,15 +72,18 @@ void write_plan(Database& database, std::int64_t session, const SessionSpec& spe
 }
 
 void describe_columns(Database& database) {
-    Statement column =
-        database.prepare("INSERT OR IGNORE INTO trace_column VALUES (?1, ?2, ?3, ?4, ?5)");
+    Statement column = database.prepare(
+        "INSERT OR IGNORE INTO trace_column VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
     std::int64_t position = 0;
-    for (const TraceColumn& c : trace_columns()) {
-        column.bind(1, kTraceCodec)
+    for (const StoredColumn& c : stored_columns()) {
+        column.bind(1, kTraceCodec2)
             .bind(2, position++)
             .bind(3, c.name)
             .bind(4, c.type)
             .bind(5, c.unit)
+            .bind(6, c.scale)
+            .bind(7, to_string(c.rule))
+            .bind(8, part_name(c.part))
             .run();
     }
 }

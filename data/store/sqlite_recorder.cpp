@@ -1,17 +1,30 @@
 #include "data/store/sqlite_recorder.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include <fmt/format.h>
 
 #include "protocols/running/pending_trials.hpp"
+#include "protocols/running/trial_scene.hpp"
+#include "data/store/stored_chunks.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
+
+/// An answer, and whatever else a person waits for, waits this long for the lock of another program.
+constexpr int kPatienceMs = 60'000;
+
+std::int64_t period_of(double rate_hz) {
+    return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
+}
 
 /// A value of a tick as SQL has it, by the type of its column.
 void bind_value(Statement& row, int parameter, const TraceColumn& column, const std::byte* at) {
@@ -53,15 +66,21 @@ using protocols::TrialResult;
 SqliteRecorder::SqliteRecorder(Database& database,
                                const protocols::Protocol& protocol,
                                std::int64_t session)
-    : database_(database), protocol_(protocol), session_(session) {
-    pending_.reserve(kChunkTicks);
+    : database_(database),
+      protocol_(protocol),
+      session_(session),
+      trace_(database,
+             machine_of(first_calibration(database, session)),
+             period_of(protocol.apparatus.rate_hz)) {
+    database.wait_for_locks(kPatienceMs);
 }
 
 TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
-    pending_.clear();
-    cut_ = false;
     running_ = 0;
+    std::unique_ptr<engine::Scene> felt(
+        new engine::Scene(protocols::make_scene(protocol_, planned.condition)));
+    felt->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
     database_
         .prepare(
             "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
@@ -75,6 +94,7 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
         .bind(5, utc_now())
         .run();
     running_ = database_.last_row();
+    trace_.begin(running_, 1, std::move(felt));
     return running_;
 }
 
@@ -86,34 +106,35 @@ void SqliteRecorder::require_running(TrialId trial) const {
 
 void SqliteRecorder::append(TrialId trial, std::span<const engine::TickRecord> ticks) {
     require_running(trial);
-    if (cut_) {
-        throw StoreError(fmt::format("{}: trial {} takes no more ticks after an earlier error",
-                                     database_.file(), trial));
-    }
-    cut_ = true;  // until all of them are in
-    for (const engine::TickRecord& tick : ticks) {
-        pending_.push_back(tick);
-        if (pending_.size() == kChunkTicks) {
-            write_chunk(trial);
-            pending_.clear();
+    while (!ticks.empty()) {
+        const std::size_t n = std::min(ticks.size(), kChunk2Ticks);
+        trace_.add(ticks.first(n));
+        ticks = ticks.subspan(n);
+        if (trace_.is_full()) {
+            save();
         }
     }
-    cut_ = false;
 }
 
-void SqliteRecorder::write_chunk(TrialId trial) {
-    if (pending_.empty()) {
-        return;
+bool SqliteRecorder::save() {
+    if (!trace_.has_unsaved()) {
+        return true;
     }
-    const EncodedChunk chunk = encode(pending_);
-    database_.prepare("INSERT INTO trace_chunk VALUES (?1, ?2, ?3, ?4, ?5, ?6)")
-        .bind(1, trial)
-        .bind(2, pending_.front().tick)
-        .bind(3, static_cast<std::int64_t>(pending_.size()))
-        .bind(4, kTraceCodec)
-        .bind(5, std::int64_t{chunk.crc32})
-        .bind(6, std::span<const std::byte>(chunk.data))
-        .run();
+    database_.wait_for_locks(0);
+    try {
+        Transaction all(database_);
+        trace_.write();
+        all.commit();
+        trace_.saved();
+    } catch (const LockedFile&) {  // an analyst holds a lock: the ticks wait here
+        database_.wait_for_locks(kPatienceMs);
+        return false;
+    } catch (...) {
+        database_.wait_for_locks(kPatienceMs);
+        throw;
+    }
+    database_.wait_for_locks(kPatienceMs);
+    return true;
 }
 
 void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
@@ -131,7 +152,7 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
             fmt::format("trial {} is {} with a fault", trial, to_string(result.outcome)));
     }
     Transaction all(database_);
-    write_chunk(trial);
+    trace_.write();
     write_result(trial, result);
     if (result.response) {
         write_response(trial, *result.response);
@@ -140,7 +161,7 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
         write_fault(trial, *result.fault);
     }
     all.commit();  // what fails before leaves the ticks for another try
-    pending_.clear();
+    trace_.saved();
     running_ = 0;
     database_.checkpoint();
 }

@@ -24,6 +24,12 @@ public:
     using StoreError::StoreError;
 };
 
+/// Another program holds a lock on the file: later it may work.
+class LockedFile : public StoreError {
+public:
+    using StoreError::StoreError;
+};
+
 class Database;
 
 /// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws StoreError if

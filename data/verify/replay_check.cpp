@@ -6,12 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "data/trace/derived_hash.hpp"
+#include "data/trace/retrace.hpp"
+
 namespace palpate::data {
 namespace {
 
 using engine::TickRecord;
-
-constexpr unsigned kSceneFlags = engine::tick_skipped | engine::tick_held;
 
 template <class T>
 bool equal_bits(const T& a, const T& b) noexcept {
@@ -72,21 +73,7 @@ constexpr std::array kColumns{
 
 TickRecord record_of(const engine::Contact& contact) noexcept {
     TickRecord tick;
-    tick.force = contact.force;
-    tick.go = contact.go;
-    tick.cp = contact.cp.point;
-    tick.mu = contact.mu;
-    tick.normal_force = contact.normal_force;
-    tick.tangential_force = contact.tangential_force;
-    tick.parameter = contact.place.parameter;
-    const auto index = static_cast<std::int16_t>(contact.place.index);
-    tick.feature = contact.place.on_joint ? static_cast<std::int16_t>(-1 - index) : index;
-    tick.mode = contact.mode;
-    const auto flag = [](bool set, engine::TickFlag bit) {
-        return set ? static_cast<unsigned>(bit) : 0U;
-    };
-    tick.flags = static_cast<std::uint8_t>(flag(contact.skipped, engine::tick_skipped) |
-                                           flag(contact.held, engine::tick_held));
+    set_contact(tick, contact);
     return tick;
 }
 

@@ -10,6 +10,7 @@
 #include "protocols/format/calibration_file.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/running/object_hash.hpp"
+#include "data/trace/replay.hpp"
 #include "data/verify/plan_check.hpp"
 
 namespace palpate::data {
@@ -108,6 +109,9 @@ void check_provenance(Database& database,
     frame.old = !provenance.contains("build id");
     check_objects(frame, provenance, findings);
     check_calibration(provenance, findings);
+    if (const auto text = provenance.find(kCalibration); text != provenance.end()) {
+        frame.machine = machine_of(text->second);
+    }
     for (const StoredRow& row : rows_of(
              database, "SELECT text FROM event WHERE session = ?1 AND kind = 'device'", session)) {
         frame.replayed = frame.replayed || row.text("text").starts_with("goes on with replay of ");

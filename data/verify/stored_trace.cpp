@@ -1,56 +1,59 @@
 #include "data/verify/stored_trace.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <span>
 
 #include <fmt/format.h>
 
+#include "data/store/stored_chunks.hpp"
 #include "data/trace/codec.hpp"
 
 namespace palpate::data {
 namespace {
 
-/// One chunk as it should follow `next` ticks; throws what is wrong with it.
-std::vector<engine::TickRecord> checked_chunk(const Statement& row, std::int64_t next) {
-    const std::int64_t first = row.integer(0);
-    const std::int64_t count = row.integer(1);
-    if (row.integer(2) != kTraceCodec) {
-        throw TraceError(fmt::format("codec {} is unknown", row.integer(2)));
-    }
-    if (count < 1 || count > static_cast<std::int64_t>(kChunkTicks)) {
-        throw TraceError(fmt::format("{} ticks", count));
-    }
-    if (row.integer(3) < 0 || row.integer(3) > std::numeric_limits<std::uint32_t>::max()) {
-        throw TraceError(fmt::format("crc32 {} has more than 32 bits", row.integer(3)));
-    }
-    auto ticks = decode(row.blob(4), static_cast<std::size_t>(count),
-                        static_cast<std::uint32_t>(row.integer(3)));
+std::size_t full(const ChunkView& chunk) noexcept {
+    return chunk.codec == kTraceCodec ? kChunkTicks : kChunk2Ticks;
+}
+
+/// Throws what is wrong with a chunk that should follow `next` ticks.
+void check_chunk(const ChunkView& chunk, std::int64_t next, std::int64_t period_ns) {
+    const std::int64_t first = chunk.first_tick;
     if (first != next) {
         throw TraceError(first > next ? fmt::format("ticks {} to {} are missing", next, first - 1)
                                       : fmt::format("it begins with tick {} again", first));
     }
-    for (const engine::TickRecord& tick : ticks) {
-        if (tick.tick != next) {
-            throw TraceError(fmt::format("tick {} stands where tick {} belongs", tick.tick, next));
+    const std::int64_t period = chunk.codec == kTraceCodec ? 0 : period_ns;
+    if (chunk.period_ns != period) {
+        throw TraceError(fmt::format("its period is {} ns, not {}", chunk.period_ns, period));
+    }
+    std::vector<std::int64_t> values(chunk.ticks);
+    for (std::size_t column = 0; column < (period == 0 ? 1 : kStoredColumns); ++column) {
+        read_stored(chunk, static_cast<Stored>(column), values);
+    }
+    read_stored(chunk, Stored::tick, values);
+    for (const std::int64_t tick : values) {
+        if (tick != next) {
+            throw TraceError(fmt::format("tick {} stands where tick {} belongs", tick, next));
         }
         ++next;
     }
-    return ticks;
+    std::vector<engine::TickRecord> exact(chunk.ticks);
+    if (chunk.codec != kTraceCodec) {
+        ChunkReader(chunk).read_exact(exact);
+    }
 }
 
-/// A changed bit of a zlib stream can unpack to the same ticks: padding, or another way to say the same run.
-/// Packing them again shows it, with the zlib that packed them. One program wrote all chunks of a trial:
-/// where this zlib packs some of them as they are stored, it must pack all of them so.
+/// A changed bit of a zlib stream of codec 1 can unpack to the same ticks: padding, or another way to say the
+/// same run. Packing them again shows it, with the zlib that packed them. One program wrote all chunks of a
+/// trial: where this zlib packs some of them as they are stored, it must pack all of them so.
 class Packing {
 public:
-    void add(std::int64_t first,
-             std::span<const std::byte> data,
-             const std::vector<engine::TickRecord>& ticks) {
-        if (std::ranges::equal(encode(ticks).data, data)) {
+    void add(const ChunkView& chunk) {
+        if (std::ranges::equal(encode(decode(chunk.data, chunk.ticks, chunk.crc32)).data,
+                               chunk.data)) {
             ++same_;
         } else {
-            other_.push_back(first);
+            other_.push_back(chunk.first_tick);
         }
     }
     void check(Findings& findings) const {
@@ -69,30 +72,29 @@ private:
     std::vector<std::int64_t> other_;
 };
 
-}  // namespace
-
-StoredTrace load_trace(Database& database, std::int64_t trial, Findings& findings) {
-    StoredTrace trace;
+/// The chunks before the first that is not what was written.
+std::size_t good_chunks(std::span<const ChunkView> chunks,
+                        std::int64_t period_ns,
+                        Findings& findings) {
     Packing packing;
-    Statement row = database.prepare(
-        "SELECT first_tick, ticks, codec, crc32, data FROM trace_chunk WHERE trial = ?1"
-        " ORDER BY first_tick");
-    row.bind(1, trial);
-    while (row.step()) {
-        const auto next = static_cast<std::int64_t>(trace.ticks.size());
+    std::int64_t next = 0;
+    std::size_t good = 0;
+    for (; good < chunks.size(); ++good) {
+        const ChunkView& chunk = chunks[good];
         try {
-            if (next % static_cast<std::int64_t>(kChunkTicks) != 0) {
+            if (good > 0 && chunks[good - 1].ticks != full(chunks[good - 1])) {
                 throw TraceError(
                     fmt::format("the one before it is not full: it ends before {}", next));
             }
-            const auto ticks = checked_chunk(row, next);
-            packing.add(next, row.blob(4), ticks);
-            trace.ticks.insert(trace.ticks.end(), ticks.begin(), ticks.end());
+            check_chunk(chunk, next, period_ns);
+            if (chunk.codec == kTraceCodec) {
+                packing.add(chunk);
+            }
+            next += static_cast<std::int64_t>(chunk.ticks);
         } catch (const TraceError& e) {
-            trace.whole = false;
             findings.add({.kind = FindingKind::differs,
-                          .trial = trial,
-                          .tick = row.integer(0),
+                          .trial = {},
+                          .tick = chunk.first_tick,
                           .what = "trace_chunk",
                           .stored = e.what(),
                           .recomputed = fmt::format("nothing is replayed from tick {} on", next)});
@@ -100,6 +102,36 @@ StoredTrace load_trace(Database& database, std::int64_t trial, Findings& finding
         }
     }
     packing.check(findings);
+    return good;
+}
+
+}  // namespace
+
+StoredTrace load_trace(Database& database,
+                       std::int64_t trial,
+                       const engine::Scene* scene,
+                       const std::optional<engine::PantographSpec>& machine,
+                       std::int64_t period_ns,
+                       Findings& findings) {
+    StoredTrace trace;
+    try {
+        const StoredChunks chunks = stored_chunks(database, trial);
+        const std::size_t good = good_chunks(chunks.views, period_ns, findings);
+        trace.whole = good == chunks.views.size();
+        Replayed all = replay(scene, machine, std::span(chunks.views).first(good));
+        if (all.differs_from) {
+            findings.add({.kind = FindingKind::differs,
+                          .trial = {},
+                          .tick = all.differs_from,
+                          .what = "trace_chunk.derived",
+                          .stored = "the hash of what the servo had",
+                          .recomputed = "another one by replay"});
+        }
+        trace.ticks = std::move(all.ticks);
+    } catch (const TraceError& e) {
+        trace.whole = false;
+        findings.differs("trace_chunk", e.what(), "a chunk that can be read");
+    }
     return trace;
 }
 

@@ -5,6 +5,7 @@
 
 #include "engine/realtime/tick_record.hpp"
 #include "data/store/database.hpp"
+#include "data/trace/replay.hpp"
 #include "data/verify/findings.hpp"
 
 namespace palpate::data {
@@ -15,8 +16,16 @@ struct StoredTrace {
     bool whole = true;  ///< nothing is damaged or missing in between
 };
 
-/// Reads and checks every chunk: codec, zlib stream, crc32, counts, order, and that its
-/// bytes are what zlib makes of the ticks, where this zlib is the one that packed the trial.
-[[nodiscard]] StoredTrace load_trace(Database& database, std::int64_t trial, Findings& findings);
+/// Reads and checks every chunk: codec, checksum, zlib streams, counts, order, and that the replay of what it
+/// does not hold has the hash that the recorder wrote. Of codec 1 also that its bytes are what zlib makes of
+/// the ticks, where this zlib is the one that packed the trial.
+/// @param scene      as the trial's, with its decays; nothing: it is not known
+/// @param period_ns  of the session
+[[nodiscard]] StoredTrace load_trace(Database& database,
+                                     std::int64_t trial,
+                                     const engine::Scene* scene,
+                                     const std::optional<engine::PantographSpec>& machine,
+                                     std::int64_t period_ns,
+                                     Findings& findings);
 
 }  // namespace palpate::data

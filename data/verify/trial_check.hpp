@@ -1,6 +1,8 @@
 #pragma once
 
 #include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,7 +20,8 @@ struct SessionFrame {
     protocols::SessionKey key;
     std::uint64_t seed = 0;
     protocols::Plan plan;  ///< as drawn again; as stored for sessions of an older palpate
-    std::vector<std::string> pictures;  ///< as stored, from the left
+    std::vector<std::string> pictures;              ///< as stored, from the left
+    std::optional<engine::PantographSpec> machine;  ///< with which the session began
     bool simulated = false;
     bool replayed = false;  ///< by recorded hands: no answer was judged by how its object was felt
     bool old = false;       ///< an older palpate wrote the session: it did not store everything
@@ -36,11 +39,10 @@ public:
 private:
     void heed_marks(const StoredRow& trial);
     void check_attempt(const StoredRow& trial, bool answered);
-    void check_outcome(const StoredRow& trial, const StoredTrace& trace, bool answered);
+    void check_outcome(const StoredRow& trial, bool answered);
     void check_response(const StoredRow& response, const protocols::PlannedTrial& planned);
-    void replay(const StoredRow& trial,
-                const StoredTrace& trace,
-                const protocols::PlannedTrial& planned);
+    [[nodiscard]] std::unique_ptr<engine::Scene> scene_of(const StoredRow& trial,
+                                                          const protocols::PlannedTrial& planned);
 
     Database& database_;
     const SessionFrame& frame_;

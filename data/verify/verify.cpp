@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "data/trace/chunk.hpp"
 #include "data/trace/codec.hpp"
 #include "data/trace/columns.hpp"
 #include "data/verify/findings.hpp"
@@ -26,21 +27,62 @@ void ask_sqlite(Database& database, Findings& findings) {
     }
 }
 
+/// One row as trace_column has it, by position.
+struct Described {
+    std::string name, type, unit;
+    double scale = 1.0;
+    std::string rule = "exact";
+    std::string part{};
+};
+
+std::vector<Described> described(std::int64_t codec) {
+    std::vector<Described> all;
+    if (codec == kTraceCodec) {
+        for (const TraceColumn& c : trace_columns()) {
+            all.push_back({std::string(c.name), std::string(c.type), std::string(c.unit)});
+        }
+    } else {
+        for (const StoredColumn& c : stored_columns()) {
+            all.push_back({std::string(c.name), std::string(c.type), std::string(c.unit), c.scale,
+                           std::string(to_string(c.rule)), std::string(part_name(c.part))});
+        }
+    }
+    return all;
+}
+
+/// A codec is described where a session of the present schema was made, or an older one was brought up to it.
 void check_columns(Database& database, Findings& findings) {
-    const auto rows =
-        rows_of(database, "SELECT * FROM trace_column WHERE codec = 1 ORDER BY position");
-    const auto columns = trace_columns();
+    const bool before_5 = database.schema() < 5;
+    std::size_t known = 0;
+    for (const std::int64_t codec : {kTraceCodec, kTraceCodec2}) {
+        const auto columns = described(codec);
+        const auto rows = rows_of(
+            database, "SELECT * FROM trace_column WHERE codec = ?1 ORDER BY position", codec);
+        known += rows.size();
+        const bool used =
+            !rows_of(database, "SELECT 1 AS n FROM trace_chunk WHERE codec = ?1 LIMIT 1", codec)
+                 .empty();
+        if (rows.size() != columns.size() && (used || !rows.empty())) {
+            findings.differs("trace_column", fmt::format("{} rows", rows.size()),
+                             fmt::format("{} rows", columns.size()));
+        }
+        for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
+            findings.expect("trace_column", "position", rows[i], static_cast<std::int64_t>(i));
+            findings.expect("trace_column", "name", rows[i], columns[i].name);
+            findings.expect("trace_column", "type", rows[i], columns[i].type);
+            findings.expect("trace_column", "unit", rows[i], columns[i].unit);
+            if (!before_5) {
+                findings.expect("trace_column", "scale", rows[i], columns[i].scale);
+                findings.expect("trace_column", "rule", rows[i], columns[i].rule);
+                findings.expect("trace_column", "part", rows[i], columns[i].part);
+            }
+        }
+    }
     const auto all =
         rows_of(database, "SELECT count(*) AS n FROM trace_column").front().integer("n");
-    if (rows.size() != columns.size() || all != static_cast<std::int64_t>(rows.size())) {
+    if (all == 0 || all != static_cast<std::int64_t>(known)) {
         findings.differs("trace_column", fmt::format("{} rows", all),
-                         fmt::format("{} rows", columns.size()));
-    }
-    for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
-        findings.expect("trace_column", "position", rows[i], static_cast<std::int64_t>(i));
-        findings.expect("trace_column", "name", rows[i], std::string(columns[i].name));
-        findings.expect("trace_column", "type", rows[i], std::string(columns[i].type));
-        findings.expect("trace_column", "unit", rows[i], std::string(columns[i].unit));
+                         all == 0 ? "the columns of a codec" : "rows of known codecs alone");
     }
 }
 

@@ -13,7 +13,7 @@
 #include "protocols/design/plan.hpp"
 #include "protocols/running/observer.hpp"
 
-/// The port to whatever keeps the data. Every call is durable when it returns, or throws.
+/// The port to whatever keeps the data. Every call but append() is durable when it returns, or throws.
 namespace palpate::protocols {
 
 enum class Outcome : std::uint8_t {
@@ -92,8 +92,10 @@ public:
     /// A new attempt at a planned trial.
     [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned,
                                               const SceneConstants& scene) = 0;
-    /// The next ticks of the running trial, in order and without gaps.
+    /// The next ticks of the running trial, in order and without gaps. Durable with the next save().
     virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
+    /// Makes durable what was appended. @return false if it has to be tried again, nothing is lost
+    virtual bool save() { return true; }
     virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
     /// Something that happened: "break", "abort", "fault", "reconnect", "go on",
     /// "timing", ... with a sentence.

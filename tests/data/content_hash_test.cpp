@@ -18,8 +18,8 @@ void fill(Database& database, std::uint64_t seed) {
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     for (const auto& planned : spec.plan.trials) {
         const auto id = recorder.begin_trial(planned, {});
-        recorder.append(id, tests::random_ticks(planned.position, 400));
-        recorder.end_trial(id, tests::answered(0, planned.condition.object == 0, 400));
+        recorder.append(id, tests::random_ticks(planned.position, 4500));
+        recorder.end_trial(id, tests::answered(0, planned.condition.object == 0, 4500));
     }
     recorder.event("note", "a test");
     recorder.finish_session();
@@ -51,7 +51,7 @@ TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
         "UPDATE session SET seed = '8'",
         "UPDATE trial SET slip_decay = 0.5 WHERE id = 2",
         "UPDATE event SET text = 'another' WHERE kind = 'note'",
-        "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 256",
+        "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096",
         "UPDATE picture SET place = 2 - place + 10",
     };
     for (const char* sql : edits) {

@@ -114,7 +114,7 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
         "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
         "started_utc) VALUES (1, 0, 1, 'lost', 0, 0, '')",
         "INSERT INTO response VALUES (77, 0, 'convex', 1, 1.0, 0.0, 'key')",
-        "INSERT INTO trace_chunk VALUES (77, 0, 1, 1, 0, x'00')",
+        "INSERT INTO trace_chunk VALUES (77, 1, 0, 1, 2, 1000000, '', 0, 0, x'00')",
         "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
         "started_utc, fault) VALUES (1, 0, 1, 'complete', 0, 0, '', 'late')",
         "INSERT INTO fault_tick (trial, tick, time_ns, count_1, count_2, code_1, code_2, flags, "

@@ -113,6 +113,7 @@ std::string record_and_die(const std::string& file) {
         const auto opened = data::open_session(rig, spec);
         data::SqliteRecorder recorder(rig, spec.protocol, opened.id);
         recorder.append(recorder.begin_trial(spec.plan.trials[0], {}), tests::random_ticks(1, 512));
+        recorder.save();
         return data::content_hash(rig);
     });
 }

@@ -1,5 +1,5 @@
+#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <sstream>
 
 #include "data/store/sqlite_recorder.hpp"
@@ -21,39 +21,45 @@ TEST_CASE("twenty lines of plain Python read every value as it was recorded", "[
     const auto spec = tests::session_spec(tests::small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    const auto ticks = tests::random_ticks(5, 600);
+    const auto ticks = tests::random_ticks(5, 5000);
     const auto id = recorder.begin_trial(spec.plan.trials[0], {});
     recorder.append(id, ticks);
-    recorder.end_trial(id, tests::answered(0, true, 600));
+    recorder.end_trial(id, tests::answered(0, true, 5000));
 
     const tests::Finished python =
         tests::Process({"python3", PALPATE_SOURCE_DIR "/data/trace/read_trace.py",
-                        folder.file("a.sqlite"), std::to_string(id), "tick", "hip_x_m", "hip_y_m",
-                        "fx_n", "fy_n", "count_1", "feature", "flags"})
+                        folder.file("a.sqlite"), std::to_string(id)})
             .wait();
     CAPTURE(python.error);
     REQUIRE(python.code == 0);
     std::istringstream lines(python.out);
     std::string line;
     std::getline(lines, line);
-    CHECK(line == "tick,hip_x_m,hip_y_m,fx_n,fy_n,count_1,feature,flags");
-    const auto same = [](const std::string& text, double value) {
-        return std::isnan(value) ? text == "nan" : std::strtod(text.c_str(), nullptr) == value;
-    };
+    CHECK(line ==
+          "tick,time_ns,count_1,count_2,code_1,code_2,lateness_ns,flags,hip_x_100nm,hip_y_100nm,"
+          "command_x_100un,command_y_100un");
     for (const engine::TickRecord& tick : ticks) {
         REQUIRE(std::getline(lines, line));
         std::istringstream words(line);
-        std::vector<std::string> word(8);
-        for (std::string& w : word) {
-            std::getline(words, w, ',');
+        std::vector<std::int64_t> number;
+        for (std::string word; std::getline(words, word, ',');) {
+            number.push_back(std::stoll(word));
         }
         CAPTURE(line);
-        REQUIRE(std::stoll(word[0]) == tick.tick);
-        REQUIRE((same(word[1], tick.hip.x) && same(word[2], tick.hip.y) &&
-                 same(word[3], tick.force.x) && same(word[4], tick.force.y)));
-        REQUIRE(std::stoi(word[5]) == tick.counts[0]);
-        REQUIRE(std::stoi(word[6]) == tick.feature);
-        REQUIRE(std::stoi(word[7]) == tick.flags);
+        const auto steps = [](double value, double per_unit) {
+            const double exact = std::floor(value * per_unit + 0.5);
+            return !std::isfinite(value) ? -2147483648.0
+                                         : std::clamp(exact, -2147483647.0, 2147483647.0);
+        };
+        REQUIRE(number ==
+                std::vector<std::int64_t>{
+                    tick.tick, tick.time_ns, tick.counts[0], tick.counts[1], tick.codes[0],
+                    tick.codes[1],
+                    static_cast<std::int64_t>(std::floor(double{tick.lateness_us} * 1e3 + 0.5)),
+                    tick.flags, static_cast<std::int64_t>(steps(tick.hip.x, 1e7)),
+                    static_cast<std::int64_t>(steps(tick.hip.y, 1e7)),
+                    static_cast<std::int64_t>(steps(tick.command.x, 1e4)),
+                    static_cast<std::int64_t>(steps(tick.command.y, 1e4))});
     }
     CHECK_FALSE(std::getline(lines, line));
 }

@@ -36,10 +36,11 @@ std::unique_ptr<Process> run_into_trial(const std::string& file, std::int64_t po
         try {
             data::Database database(file, data::Access::read);
             auto row = database.prepare(
-                "SELECT count(*) FROM trace_chunk JOIN trial ON trial.id = trial"
+                "SELECT coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk JOIN trial ON "
+                "trial.id = trial"
                 " WHERE position = ?1 AND outcome = 'running'");
             row.bind(1, position).step();
-            if (row.integer(0) >= 2) {
+            if (row.integer(0) >= 512) {
                 return process;
             }
         } catch (const data::StoreError&) {  // it is not there yet

@@ -10,8 +10,10 @@
 #include <fmt/format.h>
 
 #include "data/store/database.hpp"
-#include "data/trace/codec.hpp"
+#include "data/store/reader.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
+#include "data/trace/derived_hash.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
@@ -112,16 +114,19 @@ inline std::string value_of(data::Database& database,
     return now.step() ? now.text(0) : "another row";
 }
 
-/// A chunk unpacked, one bit of one of its ticks changed, and packed again with the right checksum.
+/// One bit of one tick of a chunk changed, and all of it packed again in full, with the right checksum and
+/// the right hash: nothing of the chunk itself gives the change away.
 inline void repack(data::Database& database,
                    std::int64_t row,
                    const std::set<std::string>& columns,
                    Random& random) {
-    auto old = database.prepare("SELECT ticks, crc32, data FROM trace_chunk WHERE rowid = ?1");
+    auto old = database.prepare(
+        "SELECT trial, first_tick, ticks, period_ns FROM trace_chunk WHERE rowid = ?1");
     old.bind(1, row);
     REQUIRE(old.step());
-    auto ticks = data::decode(old.blob(2), static_cast<std::size_t>(old.integer(0)),
-                              static_cast<std::uint32_t>(old.integer(1)));
+    const auto all = data::TraceReader(database).stored(old.integer(0));
+    const auto begin = all.begin() + old.integer(1);
+    std::vector<engine::TickRecord> ticks(begin, begin + old.integer(2));
     std::vector<data::TraceColumn> some;
     for (const data::TraceColumn& column : data::trace_columns()) {
         if (columns.contains(std::string(column.name))) {
@@ -135,11 +140,17 @@ inline void repack(data::Database& database,
     auto* bytes = reinterpret_cast<std::byte*>(&tick) + column.offset;
     bytes[random.below(static_cast<int>(column.size))] ^=
         std::byte{1} << random.below(column.name == "mode" ? 2 : 8);
-    const data::EncodedChunk chunk = data::encode(ticks);
-    database.prepare("UPDATE trace_chunk SET data = ?1, crc32 = ?2 WHERE rowid = ?3")
+    const data::EncodedChunk2 chunk =
+        data::encode_chunk(ticks, old.integer(1), old.integer(3), data::kAllParts);
+    database
+        .prepare(
+            "UPDATE trace_chunk SET data = ?1, crc32 = ?2, derived = ?3, holds = ?4 WHERE rowid = "
+            "?5")
         .bind(1, std::span<const std::byte>(chunk.data))
         .bind(2, std::int64_t{chunk.crc32})
-        .bind(3, row)
+        .bind(3, std::bit_cast<std::int64_t>(data::derived_hash(ticks)))
+        .bind(4, data::parts_text(data::kAllParts))
+        .bind(5, row)
         .run();
 }
 

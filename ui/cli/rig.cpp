@@ -201,25 +201,25 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
     data::SqliteRecorder recorder(database, protocol, opened.id);
-    const auto writer =
-        observers.screen ? std::make_unique<data::AsyncRecorder>(recorder) : nullptr;
-    return {.session = run_session(
-                protocol, plan,
-                {.title = protocol.title,
-                 .participant = spec.key.participant,
-                 .trials = plan.trials.size(),
-                 .next = opened.pending.answered(),
-                 .simulated = spec.kind == data::RunKind::simulated,
-                 .device = apparatus->device_name()},
-                opened.pending,
-                {.apparatus = *apparatus,
-                 .observer = observers.port(),
-                 .recorder = writer ? static_cast<protocols::Recorder&>(*writer) : recorder,
-                 .interrupted = [] { return interrupted(); },
-                 .progress =
-                     [&](const PlannedTrial& planned, const TrialResult& result) {
-                         print_trial(spec, plan.trials.size(), planned, result);
-                     }})};
+    data::AsyncRecorder writer(
+        recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
+    return {.session =
+                run_session(protocol, plan,
+                            {.title = protocol.title,
+                             .participant = spec.key.participant,
+                             .trials = plan.trials.size(),
+                             .next = opened.pending.answered(),
+                             .simulated = spec.kind == data::RunKind::simulated,
+                             .device = apparatus->device_name()},
+                            opened.pending,
+                            {.apparatus = *apparatus,
+                             .observer = observers.port(),
+                             .recorder = writer,
+                             .interrupted = [] { return interrupted(); },
+                             .progress =
+                                 [&](const PlannedTrial& planned, const TrialResult& result) {
+                                     print_trial(spec, plan.trials.size(), planned, result);
+                                 }})};
 }
 
 }  // namespace palpate::ui

@@ -60,6 +60,7 @@ int run_command(const RunOptions& options) {
     spec.calibration = options.calibration;
     spec.screen = options.screen;
     spec.operator_name = options.operator_name;
+    spec.durable = options.durable;
     spec.spin_share = options.spin;
     spec.kind = kind_of(options, spec.device);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {

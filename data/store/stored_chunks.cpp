@@ -1,0 +1,79 @@
+#include "data/store/stored_chunks.hpp"
+
+#include <limits>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+constexpr const char* kChunks =
+    "SELECT first_tick, ticks, codec, crc32, data, interval, period_ns, holds, derived FROM "
+    "trace_chunk"
+    " WHERE trial = ?1 AND interval = ?2 ORDER BY first_tick";
+constexpr const char* kChunksBefore5 =
+    "SELECT first_tick, ticks, codec, crc32, data, 1, 0, '', NULL FROM trace_chunk"
+    " WHERE trial = ?1 AND ?2 = 1 ORDER BY first_tick";
+
+std::uint32_t crc_of(std::int64_t stored) {
+    if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
+        throw TraceError(fmt::format("crc32 {} has more than 32 bits", stored));
+    }
+    return static_cast<std::uint32_t>(stored);
+}
+
+}  // namespace
+
+StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t interval) {
+    StoredChunks all;
+    Statement row = database.prepare(database.schema() < 5 ? kChunksBefore5 : kChunks);
+    row.bind(1, trial).bind(2, interval);
+    while (row.step()) {
+        const auto blob = row.blob(4);
+        const auto& data = all.data.emplace_back(blob.begin(), blob.end());
+        if (row.integer(1) < 1) {
+            throw TraceError(fmt::format("trial {}: a chunk of {} ticks", trial, row.integer(1)));
+        }
+        all.views.push_back({.interval = row.integer(5),
+                             .first_tick = row.integer(0),
+                             .ticks = static_cast<std::size_t>(row.integer(1)),
+                             .codec = row.integer(2),
+                             .period_ns = row.integer(6),
+                             .parts = parts_of(row.text(7)),
+                             .crc32 = crc_of(row.integer(3)),
+                             .derived = static_cast<std::uint64_t>(row.integer(8)),
+                             .data = data});
+    }
+    return all;
+}
+
+TrialContext trial_context(Database& database, std::int64_t trial) {
+    Statement row = database.prepare(
+        "SELECT trial.session, object, friction, slip_decay, heal_decay FROM trial JOIN plan"
+        " ON plan.session = trial.session AND plan.position = trial.position WHERE trial.id = ?1");
+    if (!row.bind(1, trial).step()) {
+        throw StoreError(fmt::format("{}: there is no trial {}; SELECT id FROM trial lists them",
+                                     database.file(), trial));
+    }
+    return {.session = row.integer(0),
+            .trial = {.object = row.text(1),
+                      .friction = row.text(2),
+                      .slip_decay = row.real(3),
+                      .heal_decay = row.real(4)}};
+}
+
+std::string first_calibration(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT value FROM session_provenance WHERE session = ?1 AND key = 'calibration'");
+    row.bind(1, session);
+    return row.step() ? row.text(0) : std::string();
+}
+
+SessionTraces session_traces(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT protocol_toml FROM session JOIN study ON study.id = study WHERE session.id = ?1");
+    row.bind(1, session).step();
+    return {row.text(0), first_calibration(database, session)};
+}
+
+}  // namespace palpate::data

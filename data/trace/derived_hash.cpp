@@ -1,0 +1,30 @@
+#include "data/trace/derived_hash.hpp"
+
+#include <bit>
+#include <cstddef>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+namespace palpate::data {
+
+using engine::TickRecord;
+
+// The declared order is that of the struct in memory. Who changes the struct copies it to this one.
+static_assert(std::endian::native == std::endian::little);
+static_assert(sizeof(TickRecord) == 152);
+static_assert(offsetof(TickRecord, tick) == 0 && offsetof(TickRecord, time_ns) == 8);
+static_assert(offsetof(TickRecord, hip) == 16 && offsetof(TickRecord, cp) == 32);
+static_assert(offsetof(TickRecord, go) == 48 && offsetof(TickRecord, force) == 64);
+static_assert(offsetof(TickRecord, command) == 80 && offsetof(TickRecord, normal_force) == 96);
+static_assert(offsetof(TickRecord, tangential_force) == 104 && offsetof(TickRecord, mu) == 112);
+static_assert(offsetof(TickRecord, parameter) == 120 && offsetof(TickRecord, counts) == 128);
+static_assert(offsetof(TickRecord, codes) == 136 && offsetof(TickRecord, lateness_us) == 144);
+static_assert(offsetof(TickRecord, feature) == 148 && offsetof(TickRecord, mode) == 150);
+static_assert(offsetof(TickRecord, flags) == 151);
+
+std::uint64_t derived_hash(std::span<const TickRecord> ticks) noexcept {
+    return XXH3_64bits(ticks.data(), ticks.size_bytes());
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,242 @@
+#include "data/trace/replay.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/format/calibration_file.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "protocols/running/trial_scene.hpp"
+#include "data/trace/codec.hpp"
+#include "data/trace/derived_hash.hpp"
+#include "data/trace/fixed_point.hpp"
+#include "data/trace/retrace.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+
+template <class List>
+std::size_t index_of(const List& list, const std::string& name, std::string_view what) {
+    const auto found =
+        std::find_if(list.begin(), list.end(), [&](const auto& item) { return item.name == name; });
+    if (found == list.end()) {
+        throw std::invalid_argument(fmt::format("the protocol has no {} \"{}\"", what, name));
+    }
+    return static_cast<std::size_t>(found - list.begin());
+}
+
+/// The columns that are in every chunk, into the ticks but for the fixed-point ones.
+class StoredNumbers {
+public:
+    void read(const ChunkView& chunk, ChunkReader& reader) {
+        for (std::size_t i = 0; i < kStoredColumns; ++i) {
+            values_[i].resize(chunk.ticks);
+            reader.read(static_cast<Stored>(i), values_[i]);
+        }
+    }
+    [[nodiscard]] std::int64_t at(Stored column, std::size_t tick) const {
+        return values_[static_cast<std::size_t>(column)][tick];
+    }
+
+private:
+    std::array<std::vector<std::int64_t>, kStoredColumns> values_;
+};
+
+void set_stored(TickRecord& tick, const StoredNumbers& stored, std::size_t i) {
+    const auto number = [&](Stored column) {
+        return static_cast<std::int32_t>(stored.at(column, i));
+    };
+    tick.tick = stored.at(Stored::tick, i);
+    tick.time_ns = stored.at(Stored::time_ns, i);
+    tick.counts = {number(Stored::count_1), number(Stored::count_2)};
+    tick.codes = {number(Stored::code_1), number(Stored::code_2)};
+    tick.lateness_us = lateness_us(stored.at(Stored::lateness_ns, i));
+    tick.flags = static_cast<std::uint8_t>(stored.at(Stored::flags, i));
+}
+
+void exclusive_or(double& value, double with) noexcept {
+    std::uint64_t a = 0;
+    std::uint64_t b = 0;
+    std::memcpy(&a, &value, sizeof a);
+    std::memcpy(&b, &with, sizeof b);
+    a ^= b;
+    std::memcpy(&value, &a, sizeof a);
+}
+
+void require_modes(std::span<const TickRecord> ticks) {
+    for (const TickRecord& tick : ticks) {
+        if (static_cast<unsigned>(tick.mode) > static_cast<unsigned>(engine::Mode::transition)) {
+            throw TraceError("a trace chunk holds an unknown contact mode");
+        }
+    }
+}
+
+/// What everybody can read must be what the exact numbers say.
+bool readable_agrees(const TickRecord& tick, const StoredNumbers& stored, std::size_t i) noexcept {
+    return stored.at(Stored::hip_x, i) == in_steps(tick.hip.x, kHipSteps) &&
+           stored.at(Stored::hip_y, i) == in_steps(tick.hip.y, kHipSteps) &&
+           stored.at(Stored::command_x, i) == in_steps(tick.command.x, kCommandSteps) &&
+           stored.at(Stored::command_y, i) == in_steps(tick.command.y, kCommandSteps) &&
+           stored.at(Stored::flags, i) == tick.flags;
+}
+
+/// One chunk of codec 2 after the others. @return whether it is what the servo had
+class Replay {
+public:
+    Replay(const engine::Scene* scene, const std::optional<engine::PantographSpec>& machine)
+        : retrace_(machine, scene) {}
+
+    bool add(const ChunkView& chunk, std::vector<TickRecord>& all) {
+        ChunkReader reader(chunk);
+        stored_.read(chunk, reader);
+        const std::size_t first = all.size();
+        all.resize(first + chunk.ticks);
+        const auto ticks = std::span(all).subspan(first);
+        if (chunk.parts != 0) {
+            exact_.assign(chunk.ticks, TickRecord{});
+            reader.read_exact(exact_);
+            require_modes(exact_);
+        }
+        bool good = true;
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            set_stored(ticks[i], stored_, i);
+            follow(ticks[i], chunk.parts, chunk.parts != 0 ? exact_[i] : TickRecord{});
+            good = readable_agrees(ticks[i], stored_, i) && good;
+        }
+        return good && derived_hash(ticks) == chunk.derived;
+    }
+
+    /// A chunk of codec 1 holds everything; only the contact goes on.
+    void pass(std::span<const TickRecord> ticks) {
+        for (TickRecord tick : ticks) {
+            static_cast<void>(retrace_.hip(tick.counts));
+            retrace_.contact(tick);
+        }
+    }
+
+private:
+    void follow(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) noexcept {
+        const engine::Vec2 hip = retrace_.hip(tick.counts);
+        tick.hip = (parts & part_hip) != 0 ? exact.hip : hip;
+        const std::uint8_t flags = tick.flags;
+        retrace_.contact(tick);
+        if ((parts & part_contact) != 0) {
+            tick.flags = flags;
+            tick.cp = exact.cp;
+            tick.go = exact.go;
+            tick.force = exact.force;
+            tick.normal_force = exact.normal_force;
+            tick.tangential_force = exact.tangential_force;
+            tick.mu = exact.mu;
+            tick.parameter = exact.parameter;
+            tick.feature = exact.feature;
+            tick.mode = exact.mode;
+        }
+        tick.command = tick.force;
+        if ((parts & part_command) != 0) {
+            tick.command = exact.command;
+            exclusive_or(tick.command.x, tick.force.x);
+            exclusive_or(tick.command.y, tick.force.y);
+        }
+        if ((parts & part_lateness) != 0) {
+            tick.lateness_us = exact.lateness_us;
+        }
+    }
+
+    Retrace retrace_;
+    StoredNumbers stored_;
+    std::vector<TickRecord> exact_;
+};
+
+std::vector<TickRecord> decode_1(const ChunkView& chunk) {
+    auto ticks = decode(chunk.data, chunk.ticks, chunk.crc32);
+    if (ticks.front().tick != chunk.first_tick) {
+        throw TraceError(fmt::format("the chunk of tick {} begins with tick {}", chunk.first_tick,
+                                     ticks.front().tick));
+    }
+    return ticks;
+}
+
+}  // namespace
+
+std::string replay_sentence(std::int64_t trial, std::int64_t tick) {
+    return fmt::format(
+        "trial {}: from tick {} on the replay does not give what the servo had; read it with the "
+        "palpate "
+        "that recorded it (session_provenance), or use the stored columns alone",
+        trial, tick);
+}
+
+Replayed replay(const engine::Scene* scene,
+                const std::optional<engine::PantographSpec>& machine,
+                std::span<const ChunkView> chunks) {
+    Replayed all;
+    Replay replay(scene, machine);
+    for (const ChunkView& chunk : chunks) {
+        if (chunk.codec == kTraceCodec) {
+            const auto ticks = decode_1(chunk);
+            replay.pass(ticks);
+            all.ticks.insert(all.ticks.end(), ticks.begin(), ticks.end());
+        } else if (!replay.add(chunk, all.ticks) && !all.differs_from) {
+            all.differs_from = chunk.first_tick;
+        }
+    }
+    return all;
+}
+
+void read_stored(const ChunkView& chunk, Stored column, std::span<std::int64_t> values) {
+    if (chunk.codec != kTraceCodec) {
+        ChunkReader(chunk).read(column, values);
+        return;
+    }
+    const auto ticks = decode_1(chunk);
+    std::transform(ticks.begin(), ticks.end(), values.begin(),
+                   [column](const TickRecord& tick) { return stored_value(column, tick); });
+}
+
+std::optional<engine::PantographSpec> machine_of(std::string_view calibration) {
+    if (calibration.empty()) {
+        return std::nullopt;
+    }
+    try {
+        const auto machines = protocols::parse_calibrations(calibration, "calibration");
+        return machines.size() == 1 ? std::optional(machines.front().pantograph) : std::nullopt;
+    } catch (const protocols::ProtocolError&) {
+        return std::nullopt;
+    }
+}
+
+SessionTraces::SessionTraces(std::string_view protocol_toml, std::string_view calibration)
+    : SessionTraces(protocols::parse_protocol(protocol_toml, "study.protocol_toml"),
+                    machine_of(calibration)) {}
+
+SessionTraces::SessionTraces(protocols::Protocol protocol,
+                             std::optional<engine::PantographSpec> machine)
+    : protocol_(std::move(protocol)), machine_(std::move(machine)) {}
+
+const engine::Scene& SessionTraces::scene_of(const TraceTrial& trial) {
+    const auto key = std::pair(trial.object, trial.friction);
+    auto found = scenes_.find(key);
+    if (found == scenes_.end()) {
+        const protocols::Condition condition{
+            .object = index_of(protocol_.objects, trial.object, "object"),
+            .friction = index_of(protocol_.frictions, trial.friction, "friction")};
+        std::unique_ptr<engine::Scene> scene(
+            new engine::Scene(protocols::make_scene(protocol_, condition)));
+        found = scenes_.emplace(key, std::move(scene)).first;
+    }
+    engine::Scene& scene = *found->second;
+    scene.restore_decay({.slip = trial.slip_decay, .heal = trial.heal_decay});
+    return scene;
+}
+
+Replayed SessionTraces::replay(const TraceTrial& trial, std::span<const ChunkView> chunks) {
+    return data::replay(&scene_of(trial), machine_, chunks);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/device/calibration.hpp"
+#include "engine/realtime/tick_record.hpp"
+#include "engine/rendering/scene.hpp"
+#include "protocols/design/protocol.hpp"
+#include "data/trace/chunk.hpp"
+
+/// Reads traces of both codecs from plain values: needs no database class, so that an extension that has a
+/// connection of its own can use it. Not for several threads at once.
+namespace palpate::data {
+
+/// What of a trial a trace needs besides its chunks.
+struct TraceTrial {
+    std::string object;    ///< plan.object
+    std::string friction;  ///< plan.friction
+    double slip_decay = 0.0;
+    double heal_decay = 0.0;
+};
+
+struct Replayed {
+    std::vector<engine::TickRecord> ticks;
+    /// The first chunk whose hash the replay does not give: from here on the columns that were not stored
+    /// are those of another palpate, compiler or machine. Nothing: every bit is as the servo had it.
+    std::optional<std::int64_t> differs_from;
+};
+
+/// The replay gives other numbers than the servo had.
+class ReplayError : public TraceError {
+public:
+    using TraceError::TraceError;
+};
+/// What a person is told then: of which trial and tick, and the remedy.
+[[nodiscard]] std::string replay_sentence(std::int64_t trial, std::int64_t tick);
+
+/// The trials of one session.
+class SessionTraces {
+public:
+    /// @param protocol_toml  study.protocol_toml
+    /// @param calibration    the session's provenance "calibration"; empty: there is none
+    /// @throws protocols::ProtocolError if the protocol cannot be read. A calibration that cannot be read is
+    ///         none: no chunk that needs it reproduces its hash
+    SessionTraces(std::string_view protocol_toml, std::string_view calibration);
+    explicit SessionTraces(protocols::Protocol protocol,
+                           std::optional<engine::PantographSpec> machine = std::nullopt);
+
+    /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was.
+    /// @throws TraceError if a chunk is damaged, std::invalid_argument if the scene cannot be built
+    [[nodiscard]] Replayed replay(const TraceTrial& trial, std::span<const ChunkView> chunks);
+
+    /// The scene of the trial, with the decays that were recorded. Good until the next call.
+    [[nodiscard]] const engine::Scene& scene_of(const TraceTrial& trial);
+
+    [[nodiscard]] const std::optional<engine::PantographSpec>& machine() const noexcept {
+        return machine_;
+    }
+
+private:
+    protocols::Protocol protocol_;
+    std::optional<engine::PantographSpec> machine_;
+    std::map<std::pair<std::string, std::string>, std::unique_ptr<engine::Scene>> scenes_;
+};
+
+/// The machine of a canonical calibration text, if it is one.
+[[nodiscard]] std::optional<engine::PantographSpec> machine_of(std::string_view calibration);
+
+/// Replay of one interval with a scene that is there already; no scene: only what is stored.
+[[nodiscard]] Replayed replay(const engine::Scene* scene,
+                              const std::optional<engine::PantographSpec>& machine,
+                              std::span<const ChunkView> chunks);
+
+/// One column of every chunk without any replay, of either codec. 10 to 100 times as fast.
+/// @param values  of the chunk's ticks
+/// @throws TraceError if the chunk is damaged
+void read_stored(const ChunkView& chunk, Stored column, std::span<std::int64_t> values);
+
+}  // namespace palpate::data

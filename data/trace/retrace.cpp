@@ -1,0 +1,97 @@
+#include "data/trace/retrace.hpp"
+
+#include <cstring>
+
+#include "data/trace/derived_hash.hpp"
+#include "data/trace/fixed_point.hpp"
+#include "data/trace/stored_columns.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+
+template <class T>
+bool same(const T& a, const T& b) noexcept {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+bool same_contact(const TickRecord& a, const TickRecord& b) noexcept {
+    return same(a.cp, b.cp) && same(a.go, b.go) && same(a.force, b.force) &&
+           same(a.normal_force, b.normal_force) && same(a.tangential_force, b.tangential_force) &&
+           same(a.mu, b.mu) && same(a.parameter, b.parameter) && a.feature == b.feature &&
+           a.mode == b.mode && a.flags == b.flags;
+}
+
+}  // namespace
+
+HipFromCounts::HipFromCounts(const engine::PantographSpec& machine)
+    : machine_(machine), frame_(machine.origin, machine.turn) {}
+
+engine::Vec2 HipFromCounts::at(const engine::Pantograph::Counts& counts) noexcept {
+    if (last_ != counts) {
+        last_ = counts;
+        if (const auto pose = machine_.spec().linkage.forward(machine_.angles(counts))) {
+            hip_ = frame_.point_to_object(pose->handle);
+        }
+    }
+    return hip_;
+}
+
+void set_contact(TickRecord& tick, const engine::Contact& contact) noexcept {
+    tick.force = contact.force;
+    tick.go = contact.go;
+    tick.cp = contact.cp.point;
+    tick.mu = contact.mu;
+    tick.normal_force = contact.normal_force;
+    tick.tangential_force = contact.tangential_force;
+    tick.parameter = contact.place.parameter;
+    const auto index = static_cast<std::int16_t>(contact.place.index);
+    tick.feature = contact.place.on_joint ? static_cast<std::int16_t>(-1 - index) : index;
+    tick.mode = contact.mode;
+    const auto flag = [](bool set, engine::TickFlag bit) {
+        return set ? static_cast<unsigned>(bit) : 0U;
+    };
+    tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) |
+                                           flag(contact.skipped, engine::tick_skipped) |
+                                           flag(contact.held, engine::tick_held));
+}
+
+Retrace::Retrace(const std::optional<engine::PantographSpec>& machine, const engine::Scene* scene)
+    : scene_(scene) {
+    if (machine) {
+        machine_.emplace(*machine);
+    }
+}
+
+engine::Vec2 Retrace::hip(const engine::Pantograph::Counts& counts) noexcept {
+    return machine_ ? machine_->at(counts) : engine::Vec2{};
+}
+
+void Retrace::contact(TickRecord& tick) noexcept {
+    if (scene_ != nullptr) {
+        set_contact(tick, scene_->tick(state_, tick.hip));
+    }
+}
+
+std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
+    unsigned parts = 0;
+    if (!same(hip(tick.counts), tick.hip)) {
+        parts |= part_hip;
+    }
+    TickRecord again = tick;
+    contact(again);
+    if (!has_scene() || !same_contact(again, tick)) {
+        parts |= part_contact;
+    }
+    if (!same(tick.command, tick.force)) {
+        parts |= part_command;
+    }
+    const auto us = static_cast<double>(tick.lateness_us);
+    if (!same(lateness_us(in_steps(us, kLatenessSteps)), tick.lateness_us)) {
+        parts |= part_lateness;
+    }
+    return static_cast<std::uint8_t>(parts);
+}
+
+}  // namespace palpate::data

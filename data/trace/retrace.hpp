@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "engine/device/pantograph.hpp"
+#include "engine/realtime/tick_record.hpp"
+#include "engine/rendering/scene.hpp"
+
+namespace palpate::data {
+
+/// HIP from encoder counts, as the device computed it: where the counts did not change HIP did not either,
+/// where the linkage has no pose HIP is the last one.
+class HipFromCounts {
+public:
+    explicit HipFromCounts(const engine::PantographSpec& machine);
+    [[nodiscard]] engine::Vec2 at(const engine::Pantograph::Counts& counts) noexcept;
+
+private:
+    engine::Pantograph machine_;
+    engine::ObjectFrame frame_;
+    std::optional<engine::Pantograph::Counts> last_;
+    engine::Vec2 hip_{};
+};
+
+/// The columns of a tick that follow from the scene and HIP: cp to mode, and the scene's flags. HIP and what
+/// does not follow stay as they are.
+void set_contact(engine::TickRecord& tick, const engine::Contact& contact) noexcept;
+
+/// Part bits of what does not follow from the rest of the tick. Recorder and replay ask the same question:
+/// what one answers, the other can rely on.
+class Retrace {
+public:
+    /// @param machine  nothing: HIP follows from nothing
+    /// @param scene    nothing: contacts follow from nothing; must outlive this
+    Retrace(const std::optional<engine::PantographSpec>& machine, const engine::Scene* scene);
+
+    /// The parts of a recorded tick that nothing else in it tells.
+    [[nodiscard]] std::uint8_t parts(const engine::TickRecord& tick) noexcept;
+
+    /// HIP of a tick of which the counts are known.
+    [[nodiscard]] engine::Vec2 hip(const engine::Pantograph::Counts& counts) noexcept;
+    /// The contact of the next tick, after HIP is known. Every tick, in order.
+    void contact(engine::TickRecord& tick) noexcept;
+
+    [[nodiscard]] bool has_scene() const noexcept { return scene_ != nullptr; }
+
+private:
+    std::optional<HipFromCounts> machine_;
+    const engine::Scene* scene_;
+    engine::ContactState state_;
+};
+
+}  // namespace palpate::data

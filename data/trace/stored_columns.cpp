@@ -1,0 +1,119 @@
+#include "data/trace/stored_columns.hpp"
+
+#include <array>
+#include <bit>
+
+#include "engine/realtime/tick_record.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+
+static_assert(std::endian::native == std::endian::little,
+              "exact columns are copied as they lie in memory");
+
+constexpr std::size_t kY = sizeof(double);
+
+constexpr StoredColumn whole(
+    std::string_view name, std::string_view unit, double scale, Rule rule, std::size_t size) {
+    return {.name = name,
+            .type = size == 8 ? "i64le"
+                  : size == 4 ? "i32le"
+                              : "u8",
+            .unit = unit,
+            .scale = scale,
+            .rule = rule,
+            .part = 0,
+            .size = size,
+            .offset = 0};
+}
+
+constexpr StoredColumn exact(std::string_view name,
+                             std::string_view unit,
+                             std::uint8_t part,
+                             std::size_t offset,
+                             std::string_view type = "f64le",
+                             std::size_t size = 8) {
+    return {.name = name,
+            .type = type,
+            .unit = unit,
+            .scale = 1.0,
+            .rule = Rule::exact,
+            .part = part,
+            .size = size,
+            .offset = offset};
+}
+
+constexpr std::array kColumns{
+    whole("tick", "1", 1.0, Rule::after, 8),
+    whole("time_ns", "s", 1e-9, Rule::clock, 8),
+    whole("count_1", "1", 1.0, Rule::delta, 4),
+    whole("count_2", "1", 1.0, Rule::delta, 4),
+    whole("code_1", "1", 1.0, Rule::delta, 4),
+    whole("code_2", "1", 1.0, Rule::delta, 4),
+    whole("lateness_ns", "s", 1e-9, Rule::delta, 4),
+    whole("flags", "1", 1.0, Rule::plain, 1),
+    whole("hip_x_100nm", "m", 1e-7, Rule::delta, 4),
+    whole("hip_y_100nm", "m", 1e-7, Rule::delta, 4),
+    whole("command_x_100un", "N", 1e-4, Rule::delta, 4),
+    whole("command_y_100un", "N", 1e-4, Rule::delta, 4),
+    exact("hip_x_m", "m", part_hip, offsetof(TickRecord, hip)),
+    exact("hip_y_m", "m", part_hip, offsetof(TickRecord, hip) + kY),
+    exact("cp_x_m", "m", part_contact, offsetof(TickRecord, cp)),
+    exact("cp_y_m", "m", part_contact, offsetof(TickRecord, cp) + kY),
+    exact("go_x_m", "m", part_contact, offsetof(TickRecord, go)),
+    exact("go_y_m", "m", part_contact, offsetof(TickRecord, go) + kY),
+    exact("fx_n", "N", part_contact, offsetof(TickRecord, force)),
+    exact("fy_n", "N", part_contact, offsetof(TickRecord, force) + kY),
+    exact("fn_n", "N", part_contact, offsetof(TickRecord, normal_force)),
+    exact("ft_n", "N", part_contact, offsetof(TickRecord, tangential_force)),
+    exact("mu", "1", part_contact, offsetof(TickRecord, mu)),
+    exact("parameter", "1 or rad", part_contact, offsetof(TickRecord, parameter)),
+    exact("feature", "1", part_contact, offsetof(TickRecord, feature), "i16le", 2),
+    exact("mode", "1", part_contact, offsetof(TickRecord, mode), "u8", 1),
+    exact("command_x_xor_fx", "N", part_command, offsetof(TickRecord, command), "u64le"),
+    exact("command_y_xor_fy", "N", part_command, offsetof(TickRecord, command) + kY, "u64le"),
+    exact("lateness_us", "us", part_lateness, offsetof(TickRecord, lateness_us), "f32le", 4),
+};
+static_assert(kColumns[kStoredColumns - 1].rule != Rule::exact);
+static_assert(kColumns[kStoredColumns].rule == Rule::exact);
+
+}  // namespace
+
+std::span<const StoredColumn> stored_columns() noexcept {
+    return kColumns;
+}
+
+std::string_view to_string(Rule rule) noexcept {
+    switch (rule) {
+        case Rule::plain:
+            return "plain";
+        case Rule::after:
+            return "after";
+        case Rule::clock:
+            return "clock";
+        case Rule::delta:
+            return "delta";
+        case Rule::exact:
+            break;
+    }
+    return "exact";
+}
+
+std::string_view part_name(std::uint8_t part) noexcept {
+    switch (part) {
+        case part_hip:
+            return "hip";
+        case part_contact:
+            return "contact";
+        case part_command:
+            return "command";
+        case part_lateness:
+            return "lateness";
+        default:
+            return "";
+    }
+}
+
+}  // namespace palpate::data
