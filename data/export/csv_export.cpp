@@ -1,6 +1,7 @@
 #include "data/export/csv_export.hpp"
 
 #include <cstring>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -34,32 +35,6 @@ void write_value(DelimitedFile& file, const TraceColumn& column, const std::byte
     }
 }
 
-void write_ticks(Database& database,
-                 std::int64_t trial,
-                 std::int64_t number,
-                 const ChosenSession& session,
-                 const std::filesystem::path& path) {
-    DelimitedFile file(path, Delimited::csv);
-    for (const char* name : {"subject", "study", "session", "trial"}) {
-        file.text(name);
-    }
-    for (const TraceColumn& column : trace_columns()) {
-        file.text(column.name);
-    }
-    file.end_row();
-    for (const engine::TickRecord& tick : stored_ticks(database, trial)) {
-        file.text(session.subject);
-        file.text(session.label);
-        file.integer(session.number);
-        file.integer(number);
-        for (const TraceColumn& column : trace_columns()) {
-            write_value(file, column, reinterpret_cast<const std::byte*>(&tick) + column.offset);
-        }
-        file.end_row();
-    }
-    file.close();
-}
-
 void describe(const ExportOptions& options, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::csv);
     const auto row = [&file](std::initializer_list<std::string_view> words) {
@@ -91,17 +66,94 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
 std::string words(const Selection& selection, const ExportOptions& options) {
     return fmt::format(
         "Exported by palpate: {} sessions, kind {}.\n"
-        "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys are\n"
-        "subject, study, session, trial. Text is UTF-8; an empty field: not known or not so. Numbers read\n"
+        "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
+        "are\n"
+        "subject, study, session, trial. Text is UTF-8; an empty field: not known or not so. "
+        "Numbers read\n"
         "back to the same bits in C, Python and R.\n{}{}",
         selection.sessions().size(), options.kind,
-        options.details
-            ? "With details: wall clock, operator, notes. Hand it on to nobody who may not know them.\n"
-            : "De-identified: codes, operators, wall clock, notes and details of participants left out.\n",
+        options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
+                          "not know them.\n"
+                        : "De-identified: codes, operators, wall clock, notes and details of "
+                          "participants left out.\n",
         selection.without_consent() == 0
             ? ""
             : fmt::format("{} participants who do not consent are left out.\n",
                           selection.without_consent()));
+}
+
+void write_rows(Statement row,
+                const std::vector<ExportColumn>& columns,
+                const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::csv);
+    for (const ExportColumn& column : columns) {
+        file.text(column.name);
+    }
+    file.end_row();
+    while (row.step()) {
+        for (int column = 0; column < row.columns(); ++column) {
+            file.value(row, column);
+        }
+        file.end_row();
+    }
+    file.close();
+}
+
+}  // namespace
+
+std::string trial_name(const ChosenSession& session, std::int64_t trial) {
+    return fmt::format("{}_{}_ses-{:02}_trial-{:04}", session.subject, session.label,
+                       session.number, trial);
+}
+
+void write_table(Database& database,
+                 const ExportTable& table,
+                 const ExportOptions& options,
+                 const std::filesystem::path& path) {
+    const auto columns = visible_columns(table, options.details);
+    write_rows(database.prepare(select_sql(table, columns)), columns, path);
+}
+
+void write_session_table(Database& database,
+                         const ExportTable& table,
+                         const ExportOptions& options,
+                         const ChosenSession& session,
+                         const std::filesystem::path& path) {
+    const auto columns = visible_columns(table, options.details);
+    Statement row = database.prepare(select_sql(table, columns, "chosen.session = ?1"));
+    row.bind(1, session.id);
+    write_rows(std::move(row), columns, path);
+}
+
+void write_ticks(Database& database,
+                 std::int64_t trial,
+                 std::int64_t number,
+                 const ChosenSession& session,
+                 const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::csv);
+    for (const char* name : {"subject", "study", "session", "trial", "interval"}) {
+        file.text(name);
+    }
+    for (const TraceColumn& column : trace_columns()) {
+        file.text(column.name);
+    }
+    file.end_row();
+    TraceReader traces(database);
+    for (const std::int64_t interval : {1, 2}) {
+        for (const engine::TickRecord& tick : traces.stored(trial, interval)) {
+            file.text(session.subject);
+            file.text(session.label);
+            file.integer(session.number);
+            file.integer(number);
+            file.integer(interval);
+            for (const TraceColumn& column : trace_columns()) {
+                write_value(file, column,
+                            reinterpret_cast<const std::byte*>(&tick) + column.offset);
+            }
+            file.end_row();
+        }
+    }
+    file.close();
 }
 
 void write_codes(Database& database, const std::filesystem::path& path) {
@@ -120,42 +172,13 @@ void write_codes(Database& database, const std::filesystem::path& path) {
     file.close();
 }
 
-}  // namespace
-
-std::string trial_name(const ChosenSession& session, std::int64_t trial) {
-    return fmt::format("{}_{}_ses-{:02}_trial-{:04}", session.subject, session.label,
-                       session.number, trial);
-}
-
-void write_table(Database& database,
-                 const ExportTable& table,
-                 const ExportOptions& options,
-                 const std::filesystem::path& path,
-                 Delimited style) {
-    const auto columns = visible_columns(table, options.details);
-    DelimitedFile file(path, style);
-    for (const ExportColumn& column : columns) {
-        file.text(column.name);
-    }
-    file.end_row();
-    Statement row = database.prepare(select_sql(table, columns));
-    while (row.step()) {
-        for (int column = 0; column < row.columns(); ++column) {
-            file.value(row, column);
-        }
-        file.end_row();
-    }
-    file.close();
-}
-
 void export_csv(Database& database,
                 const Selection& selection,
                 const ExportOptions& options,
                 const std::filesystem::path& folder) {
     for (const ExportTable& table : export_tables()) {
         if (!table.detail || options.details) {
-            write_table(database, table, options, folder / (std::string(table.name) + ".csv"),
-                        Delimited::csv);
+            write_table(database, table, options, folder / (std::string(table.name) + ".csv"));
         }
     }
     describe(options, folder / "columns.csv");

@@ -17,12 +17,26 @@ void export_csv(Database& database,
                 const ExportOptions& options,
                 const std::filesystem::path& folder);
 
-/// A table of the export, all sessions or one, with a head line.
+/// A table of the export as CSV with a head line: of all sessions, or of one.
 void write_table(Database& database,
                  const ExportTable& table,
                  const ExportOptions& options,
-                 const std::filesystem::path& file,
-                 Delimited style);
+                 const std::filesystem::path& file);
+void write_session_table(Database& database,
+                         const ExportTable& table,
+                         const ExportOptions& options,
+                         const ChosenSession& session,
+                         const std::filesystem::path& file);
+
+/// All ticks of a trial, lost ones left out. @param number  of the trial in its session
+void write_ticks(Database& database,
+                 std::int64_t trial,
+                 std::int64_t number,
+                 const ChosenSession& session,
+                 const std::filesystem::path& file);
+
+/// Which code of the lab each subject is.
+void write_codes(Database& database, const std::filesystem::path& file);
 
 /// Name of the ticks' files of a trial, without an ending: "sub-001_shapefriction_ses-01_trial-0001".
 [[nodiscard]] std::string trial_name(const ChosenSession& session, std::int64_t trial);

@@ -48,8 +48,8 @@ DelimitedFile::~DelimitedFile() {
 }
 
 void DelimitedFile::fail() const {
-    throw std::runtime_error(
-        fmt::format("cannot write {}: is its folder writable and the disk not full?", path_.string()));
+    throw std::runtime_error(fmt::format(
+        "cannot write {}: is its folder writable and the disk not full?", path_.string()));
 }
 
 void DelimitedFile::raw(std::string_view value) {

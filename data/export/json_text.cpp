@@ -42,8 +42,8 @@ std::string json_number(double value) {
 std::string json_object(const JsonMembers& members) {
     std::string out;
     for (const auto& [name, value] : members) {
-        out += fmt::format("{}\n  {}: {}", out.empty() ? "" : ",", json_string(name),
-                           indented(value));
+        out +=
+            fmt::format("{}\n  {}: {}", out.empty() ? "" : ",", json_string(name), indented(value));
     }
     return out.empty() ? "{}" : "{" + out + "\n}";
 }

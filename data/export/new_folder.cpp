@@ -25,17 +25,17 @@ NewFolder::NewFolder(std::filesystem::path place) : place_(std::move(place)) {
         place_ = place_.parent_path();
     }
     std::error_code unknown;
-    if (place_.empty() || (std::filesystem::exists(std::filesystem::symlink_status(place_, unknown)) &&
-                           !(std::filesystem::is_directory(place_, unknown) &&
-                             std::filesystem::is_empty(place_, unknown)))) {
+    if (place_.empty() ||
+        (std::filesystem::exists(std::filesystem::symlink_status(place_, unknown)) &&
+         !(std::filesystem::is_directory(place_, unknown) &&
+           std::filesystem::is_empty(place_, unknown)))) {
         throw std::invalid_argument(fmt::format(
             "\"{}\" is there already: give -o the name of a new folder", place_.string()));
     }
     std::string name = place_.string() + ".part-XXXXXX";
     if (mkdtemp(name.data()) == nullptr) {
-        throw std::runtime_error(
-            fmt::format("cannot make a folder beside {}: is its parent there and writable?",
-                        place_.string()));
+        throw std::runtime_error(fmt::format(
+            "cannot make a folder beside {}: is its parent there and writable?", place_.string()));
     }
     building_ = name;
 }

@@ -15,7 +15,8 @@ namespace {
 std::string label_of(std::string_view name, std::set<std::string>& taken) {
     std::string plain;
     for (const char c : name) {
-        const bool keep = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+        const bool keep =
+            (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
         plain += keep ? std::string(1, c) : "";
     }
     plain = plain.empty() ? "study" : plain;
@@ -63,8 +64,7 @@ Selection::Selection(Database& database, const ExportOptions& options)
 }
 
 void Selection::choose(const std::string& kind) {
-    constexpr std::string_view kOfKind =
-        "SELECT count(*) FROM session WHERE ?1 IN ('all', kind)";
+    constexpr std::string_view kOfKind = "SELECT count(*) FROM session WHERE ?1 IN ('all', kind)";
     constexpr std::string_view kRefused =
         "SELECT count(DISTINCT participant.id) FROM session JOIN participant"
         " ON participant.id = participant WHERE ?1 IN ('all', kind) AND consent = 0";
@@ -77,12 +77,13 @@ void Selection::choose(const std::string& kind) {
         .bind(1, std::string_view(kind))
         .run();
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
-        throw std::invalid_argument(fmt::format(
-            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} simulated, and "
-            "{} participants do not consent; --kind chooses",
-            kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
-            count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
-            count(database_, kOfKind, "simulated"), without_consent_));
+        throw std::invalid_argument(
+            fmt::format("there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
+                        "simulated, and "
+                        "{} participants do not consent; --kind chooses",
+                        kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
+                        count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
+                        count(database_, kOfKind, "simulated"), without_consent_));
     }
 }
 
@@ -101,7 +102,8 @@ void Selection::name_subjects() {
         "SELECT session.id, study, number, rate_hz, name, title FROM chosen"
         " JOIN session ON session.id = session JOIN study ON study.id = study"
         " WHERE participant = ?1 ORDER BY study, number");
-    Statement set = database_.prepare("UPDATE chosen SET subject = ?2, label = ?3 WHERE session = ?1");
+    Statement set =
+        database_.prepare("UPDATE chosen SET subject = ?2, label = ?3 WHERE session = ?1");
     int subjects = 0;
     for (const auto& [hash, participant] : by_hash) {
         session.bind(1, participant);

@@ -20,9 +20,9 @@ struct ExportOptions {
 /// One session that is exported.
 struct ChosenSession {
     std::int64_t id = 0;
-    std::string subject;    ///< sub-001
-    std::string label;      ///< of the study: letters and digits, no two studies the same
-    std::string study;      ///< its name
+    std::string subject;  ///< sub-001
+    std::string label;    ///< of the study: letters and digits, no two studies the same
+    std::string study;    ///< its name
     std::string title;
     std::int64_t number = 0;
     double rate_hz = 0.0;

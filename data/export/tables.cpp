@@ -202,7 +202,7 @@ constexpr std::string_view kJoined =
 constexpr std::string_view kSessionOrder = "chosen.subject, chosen.label, session.number";
 
 // The same joins, spelled out: string literals cannot be joined at compile time.
-#define PALPATE_SESSIONS                                                                      \
+#define PALPATE_SESSIONS                                                                        \
     "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study" \
     " JOIN participant ON participant.id = session.participant"
 
@@ -215,11 +215,10 @@ constexpr std::array kTables{
                 " JOIN participant_detail ON participant_detail.participant = chosen.participant",
                 "chosen.subject, participant_detail.key", kDetails, true},
     ExportTable{"sessions", "one row a session", kJoined, kSessionOrder, kSessions},
-    ExportTable{"provenance", "versions, machine, calibration",
-                PALPATE_SESSIONS
-                " JOIN session_provenance ON session_provenance.session = session.id",
-                "chosen.subject, chosen.label, session.number, session_provenance.key", kProvenance,
-                true},
+    ExportTable{
+        "provenance", "versions, machine, calibration",
+        PALPATE_SESSIONS " JOIN session_provenance ON session_provenance.session = session.id",
+        "chosen.subject, chosen.label, session.number, session_provenance.key", kProvenance, true},
     ExportTable{"plan", "the whole order, complete before the first trial",
                 PALPATE_SESSIONS " JOIN plan ON plan.session = session.id",
                 "chosen.subject, chosen.label, session.number, plan.position", kPlan},

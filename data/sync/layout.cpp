@@ -34,8 +34,9 @@ void require_known_references(Database& database, const std::string& table) {
     for (const std::string& to :
          names(database, "SELECT \"table\" FROM pragma_foreign_key_list(?1)", table)) {
         if (!known.contains(to)) {
-            throw StoreError(fmt::format("{}: {} refers to {}, which cannot be merged; update palpate",
-                                         database.file(), table, to));
+            throw StoreError(
+                fmt::format("{}: {} refers to {}, which cannot be merged; update palpate",
+                            database.file(), table, to));
         }
     }
 }
@@ -65,13 +66,13 @@ std::string OwnedTable::insert(std::string_view owner) const {
 Layout read_layout(Database& database) {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
-    layout.session = without(database, "session",
-                             {"id", "study", "participant", "finished", "finished_utc"});
+    layout.session =
+        without(database, "session", {"id", "study", "participant", "finished", "finished_utc"});
     layout.trial = without(database, "trial", {"id", "session", "invalid"});
-    for (const std::string& table : names(
-             database,
-             "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
-             " ORDER BY name")) {
+    for (const std::string& table :
+         names(database,
+               "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
+               " ORDER BY name")) {
         require_known_references(database, table);
         const auto columns = names(database, "SELECT name FROM pragma_table_info(?1)", table);
         const auto has = [&columns](const char* name) {

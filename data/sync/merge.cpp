@@ -56,16 +56,15 @@ std::set<std::string> doubled(const std::map<std::string, Versions>& all,
     std::set<std::string> found;
     for (const auto& [uuid, versions] : all) {
         const SessionVersion& one = versions.front();
-        const auto [there, is_new] = first.emplace(
-            fmt::format("{} {} {}", one.study, one.participant, one.number), &one);
+        const auto [there, is_new] =
+            first.emplace(fmt::format("{} {} {}", one.study, one.participant, one.number), &one);
         if (!is_new) {
             found.insert(uuid);
             found.insert(there->second->uuid);
-            conflicts.push_back(
-                {.what = fmt::format("{}: another session of the same number is {}", called(one),
-                                     there->second->uuid),
-                 .first = there->second->file,
-                 .second = one.file});
+            conflicts.push_back({.what = fmt::format("{}: another session of the same number is {}",
+                                                     called(one), there->second->uuid),
+                                 .first = there->second->file,
+                                 .second = one.file});
         }
     }
     return found;
@@ -82,8 +81,7 @@ void copy_shared(Database& from, Database& out, const Layout& layout, const std:
         Statement row = from.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name));
         Statement add = out.prepare(fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})",
                                                 table.name, table.list(), places));
-        Statement there =
-            out.prepare(fmt::format("SELECT 1 FROM {} WHERE {}", table.name, same));
+        Statement there = out.prepare(fmt::format("SELECT 1 FROM {} WHERE {}", table.name, same));
         while (row.step()) {
             bind_row(row, add, 1);
             add.run();
@@ -110,8 +108,10 @@ std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& fil
 MergeReport merge_files(const std::string& file, const std::vector<std::string>& files) {
     const auto inputs = open_all(files);  // before anything is made
     Database out(file, Access::write);
-    MergeReport report{.backup = out.backup()};
+    MergeReport report;
+    report.backup = out.backup();
     Transaction whole(out);
+    out.execute("PRAGMA defer_foreign_keys = ON");
     const Layout layout = read_layout(out);
 
     PeopleMerge people;
@@ -132,8 +132,7 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
     const std::set<std::string> twice = doubled(all, report.conflicts);
     for (const auto& [uuid, versions] : all) {
         const SessionVersion* last = last_of(versions, report.conflicts);
-        const SessionVersion* own =
-            versions.front().database == &out ? &versions.front() : nullptr;
+        const SessionVersion* own = versions.front().database == &out ? &versions.front() : nullptr;
         if (last == nullptr || twice.contains(uuid) ||
             people.in_conflict().contains(last->participant)) {
             continue;

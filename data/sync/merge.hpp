@@ -18,7 +18,8 @@ struct MergeReport {
     std::size_t extended = 0;  ///< sessions that went on since
     std::size_t same = 0;      ///< sessions that the file had as they are
     std::vector<MergeConflict> conflicts;
-    std::string backup;        ///< where the file was copied before it was brought up to date; empty: it was not
+    std::string
+        backup;  ///< where the file was copied before it was brought up to date; empty: it was not
 };
 
 /// Brings the sessions of `inputs` into `file` (made if it is not there), in one transaction.
@@ -32,6 +33,7 @@ struct MergeReport {
 /// - all that `inputs` have of a participant whose handedness, consent or details two files tell differently.
 /// What `file` itself holds stays in any case. The inputs are only read, also while a rig writes them.
 /// @throws StoreError if a file cannot be read or written: nothing was merged
-[[nodiscard]] MergeReport merge_files(const std::string& file, const std::vector<std::string>& inputs);
+[[nodiscard]] MergeReport merge_files(const std::string& file,
+                                      const std::vector<std::string>& inputs);
 
 }  // namespace palpate::data

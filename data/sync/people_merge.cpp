@@ -53,8 +53,8 @@ void PeopleMerge::read(Database& database, const std::string& file) {
 }
 
 void PeopleMerge::write(Database& out) const {
-    Statement add = out.prepare(
-        "INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING");
+    Statement add =
+        out.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING");
     Statement note = out.prepare(
         "UPDATE participant SET handedness = CAST(?2 AS INTEGER), consent = CAST(?3 AS INTEGER),"
         " consent_utc = ?4 WHERE code = ?1");

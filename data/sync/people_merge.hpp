@@ -27,7 +27,8 @@ private:
         std::string value;
         std::string file;
     };
-    using Person = std::map<std::string, Said>;  ///< key, value; "detail KEY" for participant_detail
+    using Person =
+        std::map<std::string, Said>;  ///< key, value; "detail KEY" for participant_detail
 
     void say(const std::string& code, const std::string& key, const Said& said);
 

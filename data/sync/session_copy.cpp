@@ -42,8 +42,8 @@ std::int64_t study_of(const SessionVersion& from, Database& out) {
 std::int64_t copy_session_row(const SessionVersion& from, Database& out, const Layout& layout) {
     const OwnedTable& table = layout.session;
     const std::int64_t study = study_of(from, out);
-    Statement row = from.database->prepare(
-        fmt::format("SELECT {} FROM session WHERE id = ?1", table.list()));
+    Statement row =
+        from.database->prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", table.list()));
     row.bind(1, from.id).step();
     std::string places;
     for (std::size_t i = 0; i < table.columns.size(); ++i) {

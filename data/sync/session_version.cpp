@@ -30,7 +30,10 @@ std::string row_bytes(const Statement& row) {
     return bytes;
 }
 
-std::string rows_of(Database& database, const OwnedTable& table, std::string_view owner, std::int64_t id) {
+std::string rows_of(Database& database,
+                    const OwnedTable& table,
+                    std::string_view owner,
+                    std::int64_t id) {
     std::string hashes = table.name + '\n';
     Statement row = database.prepare(table.select(owner));
     row.bind(1, id);
@@ -40,12 +43,14 @@ std::string rows_of(Database& database, const OwnedTable& table, std::string_vie
     return hashes;
 }
 
-std::vector<TrialVersion> trials_of(Database& database, const Layout& layout, std::int64_t session) {
+std::vector<TrialVersion> trials_of(Database& database,
+                                    const Layout& layout,
+                                    std::int64_t session) {
     std::vector<TrialVersion> trials;
     Statement row = database.prepare(
         "SELECT position, attempt, started_utc, slip_decay, heal_decay FROM trial WHERE id = ?1");
-    Statement all = database.prepare(fmt::format(
-        "SELECT {} FROM trial WHERE id = ?1", layout.trial.list()));
+    Statement all =
+        database.prepare(fmt::format("SELECT {} FROM trial WHERE id = ?1", layout.trial.list()));
     Statement ids = database.prepare(
         "SELECT id, outcome, coalesce(invalid, ''), (SELECT coalesce(sum(trace_chunk.ticks), 0)"
         " FROM trace_chunk WHERE trace_chunk.trial = trial.id) FROM trial WHERE session = ?1"
@@ -82,10 +87,10 @@ std::vector<std::string> events_of(Database& database, const SessionVersion& ses
         "SELECT coalesce(trial, 0), kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id");
     row.bind(1, session.id);
     while (row.step()) {
-        events.push_back(sha256_hex(
-            fmt::format("{} {}:{} {} ", place_of(row.integer(0), session.trials),
-                        row.text(1).size(), row.text(1), row.text(3)) +
-            portable_text(row.text(1), row.text(2), session.trials)));
+        events.push_back(
+            sha256_hex(fmt::format("{} {}:{} {} ", place_of(row.integer(0), session.trials),
+                                   row.text(1).size(), row.text(1), row.text(3)) +
+                       portable_text(row.text(1), row.text(2), session.trials)));
     }
     return events;
 }
@@ -154,8 +159,7 @@ std::vector<SessionVersion> session_versions(Database& database,
 bool became(const SessionVersion& earlier, const SessionVersion& later) {
     if (earlier.head != later.head || earlier.trials.size() > later.trials.size() ||
         earlier.events.size() > later.events.size() ||
-        (earlier.finished &&
-         (!later.finished || earlier.finished_utc != later.finished_utc))) {
+        (earlier.finished && (!later.finished || earlier.finished_utc != later.finished_utc))) {
         return false;
     }
     for (std::size_t i = 0; i < earlier.trials.size(); ++i) {

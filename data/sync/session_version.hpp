@@ -10,25 +10,25 @@ namespace palpate::data {
 
 /// One attempt as a file has it.
 struct TrialVersion {
-    std::int64_t id = 0;       ///< in its file
-    std::string key;           ///< hash of what was there when it began
-    std::string content;       ///< hash of all but `invalid`, with the rows that belong to it
+    std::int64_t id = 0;  ///< in its file
+    std::string key;      ///< hash of what was there when it began
+    std::string content;  ///< hash of all but `invalid`, with the rows that belong to it
     std::string outcome;
-    std::string invalid;       ///< why it does not count; empty: it does
-    std::int64_t ticks = 0;    ///< stored
+    std::string invalid;     ///< why it does not count; empty: it does
+    std::int64_t ticks = 0;  ///< stored
 };
 
 /// One session as a file has it. Two files can hold the same session (the same uuid) at two moments.
 struct SessionVersion {
-    std::string file;               ///< as the user named it
+    std::string file;  ///< as the user named it
     Database* database = nullptr;
-    std::int64_t id = 0;            ///< in its file
+    std::int64_t id = 0;  ///< in its file
     std::string uuid;
-    std::string study;              ///< SHA-256 of the protocol
+    std::string study;  ///< SHA-256 of the protocol
     std::string study_name;
-    std::string participant;        ///< code
+    std::string participant;  ///< code
     std::int64_t number = 0;
-    std::string head;               ///< hash of all that is set before the first trial
+    std::string head;  ///< hash of all that is set before the first trial
     bool finished = false;
     std::string finished_utc;
     std::vector<TrialVersion> trials;  ///< in the order in which they were run
