@@ -55,6 +55,7 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
     }
     if (options.traces) {
         row({"ticks", "", "", "", "one row a servo tick; tick numbers jump where ticks were lost"});
+        row({"ticks", "interval", "integer", "1", "of a trial with two things to feel: 1 or 2"});
         for (const TraceColumn& column : trace_columns()) {
             row({"ticks", column.name, column.type.starts_with('f') ? "real" : "integer",
                  column.unit, "as the table trace_column of the file has it"});

@@ -37,6 +37,9 @@ std::string variables(const ExportOptions& options) {
         all.push_back(variable(column.name, column.meaning, column.unit));
         named.insert(column.name);
     }
+    if (options.traces && named.insert("interval").second) {
+        all.push_back(variable("interval", "of a trial with two things to feel: 1 or 2", ""));
+    }
     for (const TraceColumn& column : trace_columns()) {
         if (options.traces && named.insert(column.name).second) {
             all.push_back(variable(column.name, "of a servo tick", column.unit));

@@ -48,7 +48,8 @@ void require_url(const std::string& url) {
     PQconninfoFree(parsed);
     if (!good) {
         throw std::invalid_argument(
-            "--to is no URL of a PostgreSQL server: give postgresql://USER@HOST/DATABASE, signs other than "
+            "--to is no URL of a PostgreSQL server: give postgresql://USER@HOST/DATABASE, signs "
+            "other than "
             "letters and digits as %XX");
     }
 }
@@ -146,9 +147,9 @@ std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::s
         auto& values = found.emplace_back();
         for (int column = 0; column < PQnfields(result.get()); ++column) {
             const bool null = PQgetisnull(result.get(), line, column) != 0;
-            values.push_back(null ? std::nullopt
-                                  : std::optional<std::string>(
-                                        PQgetvalue(result.get(), line, column)));
+            values.push_back(
+                null ? std::nullopt
+                     : std::optional<std::string>(PQgetvalue(result.get(), line, column)));
         }
     }
     return found;

@@ -10,8 +10,8 @@ namespace {
 
 std::string type_of(const std::string& sqlite) {
     return sqlite == "INTEGER" ? "bigint"
-           : sqlite == "REAL"  ? "double precision"
-           : sqlite == "BLOB"  ? "bytea"
+         : sqlite == "REAL"    ? "double precision"
+         : sqlite == "BLOB"    ? "bytea"
                                : "text";
 }
 
@@ -59,7 +59,10 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
         {}, {{"session", "uuid"}, {"trial", "bigint"}}, {"session", "trial"}};
     std::vector<PostgresTable> tables{
         {"study",
-         {{"protocol_sha256", "text"}, {"name", "text"}, {"title", "text"}, {"protocol_toml", "text"}},
+         {{"protocol_sha256", "text"},
+          {"name", "text"},
+          {"title", "text"},
+          {"protocol_toml", "text"}},
          {"protocol_sha256"}},
         {"participant_note",
          {{"participant", "text"}, {"key", "text"}, {"value", "text"}},
@@ -78,10 +81,9 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
           {"content", "text"}},
          {"session", "event"}}};
     PostgresTable session = owned(database, layout.session, of_session, "");
-    session.columns.insert(session.columns.end(), {{"study", "text"},
-                                                   {"participant", "text"},
-                                                   {"head", "text"},
-                                                   {"file_schema", "bigint"}});
+    session.columns.insert(
+        session.columns.end(),
+        {{"study", "text"}, {"participant", "text"}, {"head", "text"}, {"file_schema", "bigint"}});
     tables.push_back(session);
     PostgresTable trial = owned(database, layout.trial, of_trial, "");
     trial.columns.insert(trial.columns.end(), {{"content", "text"}, {"file_schema", "bigint"}});
@@ -108,9 +110,10 @@ std::string postgres_schema(const std::vector<PostgresTable>& tables) {
             columns += fmt::format("    {} {},\n", quoted(column), type);
             later += fmt::format("ALTER TABLE {} ADD COLUMN IF NOT EXISTS {} {};\n", name,
                                  quoted(column), type);
-            later += type == "bytea" ? fmt::format("ALTER TABLE {} ALTER COLUMN {} SET STORAGE EXTERNAL;\n",
-                                                   name, quoted(column))
-                                     : "";
+            later += type == "bytea"
+                       ? fmt::format("ALTER TABLE {} ALTER COLUMN {} SET STORAGE EXTERNAL;\n", name,
+                                     quoted(column))
+                       : "";
         }
         sql += fmt::format("CREATE TABLE IF NOT EXISTS {} (\n{}    PRIMARY KEY ({})\n);\n{}", name,
                            columns, quoted(table.key), later);
@@ -119,7 +122,9 @@ std::string postgres_schema(const std::vector<PostgresTable>& tables) {
 }
 
 std::string postgres_roles() {
-    std::string sql = "-- Least privilege. GRANT palpate_writer TO a login of a rig, palpate_reader TO one of an analyst.\n";
+    std::string sql =
+        "-- Least privilege. GRANT palpate_writer TO a login of a rig, palpate_reader TO one of an "
+        "analyst.\n";
     for (const char* role : {"palpate_writer", "palpate_reader"}) {
         sql += fmt::format(
             "DO $$ BEGIN\n    IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = '{0}') THEN\n"

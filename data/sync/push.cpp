@@ -71,10 +71,11 @@ private:
 
     void require_schema() {
         std::set<std::string> there;
-        for (const auto& row : server_.rows(
-                 "SELECT relname || '.' || attname FROM pg_attribute JOIN pg_class ON pg_class.oid ="
-                 " attrelid JOIN pg_namespace ON pg_namespace.oid = relnamespace"
-                 " WHERE nspname = 'palpate' AND attnum > 0 AND NOT attisdropped")) {
+        for (const auto& row :
+             server_.rows("SELECT relname || '.' || attname FROM pg_attribute JOIN pg_class ON "
+                          "pg_class.oid ="
+                          " attrelid JOIN pg_namespace ON pg_namespace.oid = relnamespace"
+                          " WHERE nspname = 'palpate' AND attnum > 0 AND NOT attisdropped")) {
             there.insert(*row[0]);
         }
         bool whole = true;
@@ -91,10 +92,11 @@ private:
             server_.run("BEGIN; SELECT pg_advisory_xact_lock(1885432944);" +
                         postgres_schema(tables_) + "COMMIT;");
         } catch (const PostgresError& e) {
-            throw PostgresError(fmt::format(
-                "{}; the schema palpate is not there or not whole: an administrator makes it with the SQL "
-                "of palpate push --roles",
-                e.what()));
+            throw PostgresError(
+                fmt::format("{}; the schema palpate is not there or not whole: an administrator "
+                            "makes it with the SQL "
+                            "of palpate push --roles",
+                            e.what()));
         }
     }
 
@@ -127,8 +129,8 @@ private:
 
     void push_people() {
         std::map<std::string, std::string> there;
-        for (const auto& row :
-             server_.rows("SELECT participant || ' ' || key, value FROM palpate.participant_note")) {
+        for (const auto& row : server_.rows(
+                 "SELECT participant || ' ' || key, value FROM palpate.participant_note")) {
             there[*row[0]] = *row[1];
         }
         Statement note = database_.prepare(
@@ -139,9 +141,9 @@ private:
         while (note.step()) {
             const auto found = there.find(note.text(0) + ' ' + note.text(1));
             if (found != there.end() && found->second != note.text(2)) {
-                report_.conflicts.push_back(fmt::format(
-                    "participant {}: {} is {} here and {} on the server", note.text(0),
-                    note.text(1), note.text(2), found->second));
+                report_.conflicts.push_back(
+                    fmt::format("participant {}: {} is {} here and {} on the server", note.text(0),
+                                note.text(1), note.text(2), found->second));
             }
             PostgresRow row;
             add_values(note, row);
@@ -179,7 +181,10 @@ private:
         PostgresRow row;
         row.text(session.uuid);
         add_values(line, row);
-        row.text(session.study).text(session.participant).text(session.head).integer(kSchemaVersion);
+        row.text(session.study)
+            .text(session.participant)
+            .text(session.head)
+            .integer(kSchemaVersion);
         send("session", row);
         for (const OwnedTable& table : layout_.of_session) {
             push_owned(table, "session", session.id, PostgresRow().text(session.uuid));
@@ -250,9 +255,9 @@ private:
 
     /// Compares the events that are there, and adds the others if told. @return nothing in conflict
     bool push_events(const SessionVersion& session, bool add) {
-        const auto there = server_.rows(
-            "SELECT event, content FROM palpate.event WHERE session = $1::uuid",
-            PostgresRow().text(session.uuid));
+        const auto there =
+            server_.rows("SELECT event, content FROM palpate.event WHERE session = $1::uuid",
+                         PostgresRow().text(session.uuid));
         for (const auto& row : there) {
             const auto number = static_cast<std::size_t>(std::stoull(*row[0]));
             if (number <= session.events.size() && session.events[number - 1] != *row[1]) {

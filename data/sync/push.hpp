@@ -8,9 +8,10 @@
 namespace palpate::data {
 
 struct PushReport {
-    std::size_t sessions = 0;             ///< looked at
-    std::int64_t rows = 0;                ///< added
-    std::vector<std::string> conflicts;   ///< what the server says differently: nothing of it was added
+    std::size_t sessions = 0;  ///< looked at
+    std::int64_t rows = 0;     ///< added
+    std::vector<std::string>
+        conflicts;  ///< what the server says differently: nothing of it was added
 };
 
 /// Adds what the server does not have yet of a file: sessions with their plans, every attempt that ended with

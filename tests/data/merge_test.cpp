@@ -37,8 +37,9 @@ std::string content(const std::string& file) {
           " ORDER BY uuid",
           "SELECT uuid, key, value FROM session_provenance JOIN session ON session.id = session"
           " ORDER BY 1, 2",
-          "SELECT uuid, plan.* FROM (SELECT id AS session, uuid FROM session) JOIN plan USING"
-          " (session) ORDER BY uuid, position",
+          "SELECT uuid, position, phase, object, curvature_per_m, friction, mu_s, mu_d, "
+          "break_before,"
+          " block FROM plan JOIN session ON session.id = session ORDER BY uuid, position",
           "SELECT uuid, position, attempt, outcome, trial.started_utc, ended_utc, done_s, invalid,"
           " trial.ticks, energy_j, place, object, correct, reaction_s,"
           " (SELECT group_concat(hex(data) || crc32 || first_tick, '/') FROM (SELECT * FROM"
