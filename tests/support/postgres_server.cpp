@@ -55,16 +55,11 @@ std::vector<std::string> as_ordinary_user(std::vector<std::string> command) {
     return command;
 }
 
-bool answers(int port) {
-    const int fd = socket(AF_INET, SOCK_STREAM, 0);
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    address.sin_port = htons(static_cast<std::uint16_t>(port));
-    const bool there =
-        connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
-    close(fd);
-    return there;
+bool answers(const std::string& programs, int port) {
+    return Process(
+               {programs + "/pg_isready", "-q", "-h", "127.0.0.1", "-p", fmt::format("{}", port)})
+               .wait()
+               .code == 0;
 }
 
 }  // namespace
@@ -103,10 +98,10 @@ void PostgresServer::make(const std::string& programs) {
     process_ = std::make_unique<Process>(
         as_ordinary_user({programs + "/postgres", "-D", data, "-p", fmt::format("{}", port_), "-h",
                           "127.0.0.1", "-k", "", "-c", "fsync=off"}));
-    for (int i = 0; i < 3000 && process_->running() && !answers(port_); ++i) {
+    for (int i = 0; i < 3000 && process_->running() && !answers(programs, port_); ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    if (!answers(port_)) {
+    if (!answers(programs, port_)) {
         throw std::runtime_error("postgres: " + process_->wait(std::chrono::seconds(1)).error);
     }
 }
