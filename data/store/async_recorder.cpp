@@ -105,6 +105,12 @@ protocols::TrialId AsyncRecorder::begin_trial(const protocols::PlannedTrial& pla
     return id;
 }
 
+void AsyncRecorder::begin_interval(protocols::TrialId trial,
+                                   const protocols::Presentation& felt,
+                                   const protocols::SceneConstants& scene) {
+    wait_for([&] { recorder_.begin_interval(trial, felt, scene); });
+}
+
 void AsyncRecorder::append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) {
     const auto now = std::chrono::steady_clock::now();
     {

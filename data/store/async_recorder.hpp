@@ -35,6 +35,9 @@ public:
 
     [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
                                                  const protocols::SceneConstants& scene) override;
+    void begin_interval(protocols::TrialId trial,
+                        const protocols::Presentation& felt,
+                        const protocols::SceneConstants& scene) override;
     void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override;
     bool save() override;
     void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;

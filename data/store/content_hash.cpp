@@ -50,14 +50,17 @@ void add_table(Database& database, const std::string& table, Content& content) {
 }
 
 void add_traces(Database& database, Content& content) {
-    std::vector<std::int64_t> trials;
-    Statement row = database.prepare("SELECT id FROM trial ORDER BY id");
+    std::vector<std::pair<std::int64_t, std::int64_t>> intervals;
+    Statement row = database.prepare(
+        database.schema() < 5 ? "SELECT id, 1 FROM trial ORDER BY id"
+                              : "SELECT trial, interval FROM presentation ORDER BY 1, 2");
     while (row.step()) {
-        trials.push_back(row.integer(0));
+        intervals.emplace_back(row.integer(0), row.integer(1));
     }
-    for (const std::int64_t trial : trials) {
-        const std::vector<std::byte> columns = shuffled_columns(stored_ticks(database, trial));
-        content.line(fmt::format("trace {} ", trial) +
+    TraceReader traces(database);
+    for (const auto& [trial, interval] : intervals) {
+        const std::vector<std::byte> columns = shuffled_columns(traces.stored(trial, interval));
+        content.line(fmt::format("trace {} {} ", trial, interval) +
                      std::string(reinterpret_cast<const char*>(columns.data()), columns.size()));
     }
 }

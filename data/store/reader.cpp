@@ -21,9 +21,24 @@ std::vector<std::int64_t> answered_trials(Database& database) {
     return ids;
 }
 
+std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial) {
+    std::vector<std::int64_t> intervals;
+    Statement row = database.prepare(
+        database.schema() < 5 ? "SELECT 1 FROM trial WHERE id = ?1"
+                              : "SELECT interval FROM presentation WHERE trial = ?1 ORDER BY 1");
+    row.bind(1, trial);
+    while (row.step()) {
+        intervals.push_back(row.integer(0));
+    }
+    if (intervals.empty()) {
+        static_cast<void>(trial_context(database, trial));
+    }
+    return intervals;
+}
+
 std::vector<engine::TickRecord> TraceReader::stored(std::int64_t trial, std::int64_t interval) {
     const Snapshot now(database_);
-    const TrialContext context = trial_context(database_, trial);
+    const TrialContext context = trial_context(database_, trial, interval);
     const StoredChunks chunks = stored_chunks(database_, trial, interval);
     const bool replays = std::any_of(chunks.views.begin(), chunks.views.end(),
                                      [](const ChunkView& c) { return c.codec != kTraceCodec; });
@@ -71,8 +86,11 @@ std::vector<engine::TickRecord> TraceReader::read(std::int64_t trial, std::int64
         }
         ++next;
     }
-    Statement counted = database_.prepare("SELECT coalesce(ticks, 0) FROM trial WHERE id = ?1");
-    counted.bind(1, trial).step();
+    Statement counted = database_.prepare(
+        database_.schema() < 5 ? "SELECT coalesce(ticks, 0) FROM trial WHERE id = ?1 AND ?2 = ?2"
+                               : "SELECT coalesce(max(ticks), 0) FROM presentation"
+                                 " WHERE trial = ?1 AND interval = ?2");
+    counted.bind(1, trial).bind(2, interval).step();
     if (counted.integer(0) > next) {
         missing(next, counted.integer(0) - 1);
     }

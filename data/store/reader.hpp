@@ -13,6 +13,9 @@ namespace palpate::data {
 /// Ids of the answered trials, in the order in which they were run.
 [[nodiscard]] std::vector<std::int64_t> answered_trials(Database& database);
 
+/// The intervals that a trial has, in order. @throws StoreError if there is no such trial
+[[nodiscard]] std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial);
+
 /// Reads many traces of one database: what they share is read once.
 class TraceReader {
 public:

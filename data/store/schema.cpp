@@ -2,6 +2,9 @@
 
 #include <string>
 
+#include "data/store/adaptive_store.hpp"
+#include "data/store/presentation.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -125,16 +128,6 @@ CREATE TABLE trial (
     chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
-) STRICT;
-
-CREATE TABLE response (
-    trial          INTEGER PRIMARY KEY REFERENCES trial,
-    place          INTEGER NOT NULL CHECK (place >= 0),
-    object         TEXT NOT NULL,
-    correct        INTEGER NOT NULL CHECK (correct IN (0, 1)),
-    reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- pictures shown -> answer
-    uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),
-    input          TEXT NOT NULL CHECK (input IN ('simulated', 'key', 'arrows', 'mouse'))
 ) STRICT;
 
 CREATE TABLE event (
@@ -331,6 +324,8 @@ ALTER TABLE trace_column RENAME TO trace_column_4;
 ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
 CREATE TEMP TABLE session_4 AS SELECT * FROM session;
 DROP TABLE session;
+CREATE TEMP TABLE response_4 AS SELECT * FROM response;
+DROP TABLE response;
 )sql";
 constexpr const char* kFrom4Rows = R"sql(
 INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed, plan_sha256, shuffles, device,
@@ -349,15 +344,18 @@ PRAGMA user_version = 5;
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all =
-        std::string(kTables) + kSession5 + kTables2 + kTraces5 + kPeople + kViews + kFaults;
+    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kResponse5 +
+                                   kTraces5 + kPresentation5 + kAdaptive5 + kPeople + kViews +
+                                   kFaults + kAdaptiveViews5;
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
     static const std::string from_2 = std::string(kFrom2) + kFaults;
     static const std::string from_3 = std::string(kFrom3) + kPeople + kViews;
-    static const std::string from_4 = std::string(kFrom4) + kSession5 + kTraces5 + kFrom4Rows;
+    static const std::string from_4 = std::string(kFrom4) + kSession5 + kTraces5 + kResponse5 +
+                                      kResponse5From4 + kPresentation5 + kPresentation5From4 +
+                                      kAdaptive5 + kAdaptiveViews5 + kFrom4Rows;
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 

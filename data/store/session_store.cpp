@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "protocols/format/protocol_file.hpp"
+#include "data/store/adaptive_store.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/stored_columns.hpp"
@@ -120,6 +121,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);
+    write_adaptive_plan(database, session, spec.protocol, spec.plan);
     write_provenance(database, session, spec);
     describe_columns(database);
     return session;
@@ -281,12 +283,15 @@ std::string_view to_string(RunKind kind) noexcept {
 }
 
 protocols::RequeueRule requeue_rule(const SessionSpec& spec) {
-    return {.key = {.protocol_hash = spec.protocol_hash,
-                    .participant = spec.key.participant,
-                    .session = spec.key.session,
-                    .purpose = {},
-                    .seed = spec.seed},
-            .most = spec.protocol.invalid.requeue_most};
+    return {.key = session_stream(spec), .most = spec.protocol.invalid.requeue_most};
+}
+
+protocols::StreamKey session_stream(const SessionSpec& spec) {
+    return {.protocol_hash = spec.protocol_hash,
+            .participant = spec.key.participant,
+            .session = spec.key.session,
+            .purpose = {},
+            .seed = spec.seed};
 }
 
 std::optional<SessionState> latest_session(Database& database,
@@ -319,6 +324,7 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
     }
     opened.pending = pending_trials(database, id, spec);
     opened.next = opened.pending.next();
+    opened.runs = rebuilt_runs(database, id, spec);
     all.commit();
     return opened;
 }

@@ -9,6 +9,7 @@
 
 #include "protocols/design/plan.hpp"
 #include "protocols/design/protocol.hpp"
+#include "protocols/running/adaptive_runs.hpp"
 #include "protocols/running/pending_trials.hpp"
 #include "data/store/database.hpp"
 
@@ -33,6 +34,9 @@ struct SessionSpec {
 /// How the session sets trials back.
 [[nodiscard]] protocols::RequeueRule requeue_rule(const SessionSpec& spec);
 
+/// The key of the session's random streams; purpose and block are to be set.
+[[nodiscard]] protocols::StreamKey session_stream(const SessionSpec& spec);
+
 /// Keeps a second program off a session. Released when this object, or the whole process, ends.
 class SessionLock {
 public:
@@ -55,6 +59,7 @@ struct OpenedSession {
     bool finished = false;
     std::size_t next = 0;  ///< position to run first; as many as planned: nothing is left
     protocols::PendingTrials pending{};  ///< all that is left, in its order
+    protocols::AdaptiveRuns runs{};      ///< of the protocol's rule, with all answers so far
     std::size_t interrupted = 0;         ///< attempts found running and marked so
 };
 
@@ -77,7 +82,8 @@ struct SessionState {
 /// or provenance other than before is an event: what was noted at the beginning stays too. Nobody else
 /// opens or runs the session until the returned lock is released: `next` stays true as long.
 /// @throws StoreError if the session was made from another protocol, plan, seed or kind, or if a program
-///         holds its SessionLock, this one too: nothing changes
+///         holds its SessionLock, this one too, or if the answers so far do not give the stored states of
+///         the protocol's rule: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
 
 }  // namespace palpate::data

@@ -12,6 +12,8 @@
 
 #include "protocols/running/pending_trials.hpp"
 #include "protocols/running/trial_scene.hpp"
+#include "data/store/adaptive_store.hpp"
+#include "data/store/presentation.hpp"
 #include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
@@ -78,9 +80,8 @@ SqliteRecorder::SqliteRecorder(Database& database,
 TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
     running_ = 0;
-    std::unique_ptr<engine::Scene> felt(
-        new engine::Scene(protocols::make_scene(protocol_, planned.condition)));
-    felt->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
+    interval_ = 0;
+    Transaction all(database_);
     database_
         .prepare(
             "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
@@ -93,9 +94,43 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
         .bind(4, scene.heal_decay)
         .bind(5, utc_now())
         .run();
-    running_ = database_.last_row();
-    trace_.begin(running_, 1, std::move(felt));
-    return running_;
+    const TrialId id = database_.last_row();
+    if (!planned.adaptive) {
+        const auto felt = presentations_of(protocol_, planned);
+        write_presentation(database_, id, felt.front(), scene);
+        all.commit();
+        begin_trace(id, felt.front(), scene);
+    } else {
+        all.commit();
+    }
+    running_ = id;
+    return id;
+}
+
+void SqliteRecorder::begin_interval(TrialId trial,
+                                    const protocols::Presentation& felt,
+                                    const protocols::SceneConstants& scene) {
+    require_running(trial);
+    const auto interval = static_cast<std::int64_t>(felt.interval);
+    if (interval_ == interval) {
+        return;  // begin_trial() knew it
+    }
+    Transaction all(database_);
+    if (interval_ > 0) {
+        trace_.write();
+    }
+    write_presentation(database_, trial, felt, scene);
+    all.commit();
+    begin_trace(trial, felt, scene);
+}
+
+void SqliteRecorder::begin_trace(TrialId trial,
+                                 const protocols::Presentation& felt,
+                                 const protocols::SceneConstants& scene) {
+    std::unique_ptr<engine::Scene> compiled(new engine::Scene(make_scene(protocol_, felt)));
+    compiled->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
+    interval_ = static_cast<std::int64_t>(felt.interval);
+    trace_.begin(trial, interval_, std::move(compiled));
 }
 
 void SqliteRecorder::require_running(TrialId trial) const {
@@ -154,8 +189,12 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
     Transaction all(database_);
     trace_.write();
     write_result(trial, result);
+    write_intervals(trial, result);
     if (result.response) {
-        write_response(trial, *result.response);
+        write_response(database_, trial, protocol_, *result.response);
+    }
+    if (result.step) {
+        write_step(database_, trial, *result.step);
     }
     if (result.fault) {
         write_fault(trial, *result.fault);
@@ -209,16 +248,17 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
     }
 }
 
-void SqliteRecorder::write_response(TrialId trial, const protocols::Response& response) {
-    database_.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7)")
-        .bind(1, trial)
-        .bind(2, static_cast<std::int64_t>(response.place))
-        .bind(3, protocol_.objects.at(response.object).name)
-        .bind(4, std::int64_t{response.correct ? 1 : 0})
-        .bind(5, response.reaction_s)
-        .bind(6, response.uncertainty_s)
-        .bind(7, to_string(response.input))
-        .run();
+void SqliteRecorder::write_intervals(TrialId trial, const TrialResult& result) {
+    if (result.intervals.empty()) {  // a trial of one interval, from elsewhere than a session
+        write_interval_result(database_, trial, 1,
+                              {.done_s = result.done_s,
+                               .done_uncertainty_s = result.done_uncertainty_s,
+                               .summary = result.summary});
+    }
+    for (std::size_t i = 0; i < result.intervals.size(); ++i) {
+        write_interval_result(database_, trial, static_cast<std::int64_t>(i + 1),
+                              result.intervals[i]);
+    }
 }
 
 void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {

@@ -26,6 +26,10 @@ public:
 
     [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
                                                  const protocols::SceneConstants& scene) override;
+    /// What was appended of the interval before is committed first.
+    void begin_interval(protocols::TrialId trial,
+                        const protocols::Presentation& felt,
+                        const protocols::SceneConstants& scene) override;
     void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override;
     bool save() override;
     void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;
@@ -34,14 +38,18 @@ public:
 
 private:
     void require_running(protocols::TrialId trial) const;
+    void begin_trace(protocols::TrialId trial,
+                     const protocols::Presentation& felt,
+                     const protocols::SceneConstants& scene);
+    void write_intervals(protocols::TrialId trial, const protocols::TrialResult& result);
     void write_result(protocols::TrialId trial, const protocols::TrialResult& result);
-    void write_response(protocols::TrialId trial, const protocols::Response& response);
     void write_fault(protocols::TrialId trial, const protocols::Fault& fault);
 
     Database& database_;
     const protocols::Protocol& protocol_;
     std::int64_t session_;
     protocols::TrialId running_ = 0;  ///< 0: none
+    std::int64_t interval_ = 0;       ///< of the running trial, 0: none yet
     TraceWriter trace_;
 };
 

@@ -15,6 +15,18 @@ constexpr const char* kChunksBefore5 =
     "SELECT first_tick, ticks, codec, crc32, data, 1, 0, '', NULL FROM trace_chunk"
     " WHERE trial = ?1 AND ?2 = 1 ORDER BY first_tick";
 
+/// An interval that was never begun has no presentation, and no chunks.
+constexpr const char* kContext =
+    "SELECT trial.session, coalesce(p.object, plan.object), coalesce(p.friction, plan.friction),"
+    " coalesce(p.slip_decay, trial.slip_decay), coalesce(p.heal_decay, trial.heal_decay),"
+    " p.curvature_per_m, p.mu_s, p.mu_d FROM trial"
+    " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
+    " LEFT JOIN presentation AS p ON p.trial = trial.id AND p.interval = ?2 WHERE trial.id = ?1";
+constexpr const char* kContextBefore5 =
+    "SELECT trial.session, object, friction, slip_decay, heal_decay, NULL, NULL, NULL FROM trial"
+    " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
+    " WHERE trial.id = ?1 AND ?2 = ?2";
+
 std::uint32_t crc_of(std::int64_t stored) {
     if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
         throw TraceError(fmt::format("crc32 {} has more than 32 bits", stored));
@@ -47,19 +59,23 @@ StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t 
     return all;
 }
 
-TrialContext trial_context(Database& database, std::int64_t trial) {
-    Statement row = database.prepare(
-        "SELECT trial.session, object, friction, slip_decay, heal_decay FROM trial JOIN plan"
-        " ON plan.session = trial.session AND plan.position = trial.position WHERE trial.id = ?1");
-    if (!row.bind(1, trial).step()) {
+TrialContext trial_context(Database& database, std::int64_t trial, std::int64_t interval) {
+    Statement row = database.prepare(database.schema() < 5 ? kContextBefore5 : kContext);
+    if (!row.bind(1, trial).bind(2, interval).step()) {
         throw StoreError(fmt::format("{}: there is no trial {}; SELECT id FROM trial lists them",
                                      database.file(), trial));
     }
+    const auto number = [&row](int column) {
+        return row.null(column) ? std::nullopt : std::optional(row.real(column));
+    };
     return {.session = row.integer(0),
             .trial = {.object = row.text(1),
                       .friction = row.text(2),
                       .slip_decay = row.real(3),
-                      .heal_decay = row.real(4)}};
+                      .heal_decay = row.real(4),
+                      .curvature = number(5),
+                      .mu_s = number(6),
+                      .mu_d = number(7)}};
 }
 
 std::string first_calibration(Database& database, std::int64_t session) {

@@ -28,7 +28,9 @@ struct TrialContext {
 };
 
 /// @throws StoreError if there is no such trial
-[[nodiscard]] TrialContext trial_context(Database& database, std::int64_t trial);
+[[nodiscard]] TrialContext trial_context(Database& database,
+                                         std::int64_t trial,
+                                         std::int64_t interval = 1);
 
 /// The protocol and the calibration with which the session began. @throws protocols::ProtocolError
 [[nodiscard]] SessionTraces session_traces(Database& database, std::int64_t session);

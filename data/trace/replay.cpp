@@ -20,6 +20,9 @@ namespace {
 
 using engine::TickRecord;
 
+/// A rule makes new scenes with every trial; a factorial design has fewer than this.
+constexpr std::size_t kMostScenes = 256;
+
 template <class List>
 std::size_t index_of(const List& list, const std::string& name, std::string_view what) {
     const auto found =
@@ -220,14 +223,21 @@ SessionTraces::SessionTraces(protocols::Protocol protocol,
     : protocol_(std::move(protocol)), machine_(std::move(machine)) {}
 
 const engine::Scene& SessionTraces::scene_of(const TraceTrial& trial) {
-    const auto key = std::pair(trial.object, trial.friction);
+    const Felt key(trial.object, trial.friction, trial.curvature, trial.mu_s, trial.mu_d);
     auto found = scenes_.find(key);
     if (found == scenes_.end()) {
-        const protocols::Condition condition{
-            .object = index_of(protocol_.objects, trial.object, "object"),
-            .friction = index_of(protocol_.frictions, trial.friction, "friction")};
+        protocols::Presentation felt{
+            .object = protocol_.objects[index_of(protocol_.objects, trial.object, "object")],
+            .friction =
+                protocol_.frictions[index_of(protocol_.frictions, trial.friction, "friction")]};
+        felt.object.curvature = trial.curvature.value_or(felt.object.curvature);
+        felt.friction.mu_s = trial.mu_s.value_or(felt.friction.mu_s);
+        felt.friction.mu_d = trial.mu_d.value_or(felt.friction.mu_d);
         std::unique_ptr<engine::Scene> scene(
-            new engine::Scene(protocols::make_scene(protocol_, condition)));
+            new engine::Scene(protocols::make_scene(protocol_, felt)));
+        if (scenes_.size() >= kMostScenes) {
+            scenes_.clear();
+        }
         found = scenes_.emplace(key, std::move(scene)).first;
     }
     engine::Scene& scene = *found->second;

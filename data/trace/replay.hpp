@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -26,6 +27,10 @@ struct TraceTrial {
     std::string friction;  ///< plan.friction
     double slip_decay = 0.0;
     double heal_decay = 0.0;
+    // As felt, table presentation; nothing: as the protocol has it.
+    std::optional<double> curvature{};
+    std::optional<double> mu_s{};
+    std::optional<double> mu_d{};
 };
 
 struct Replayed {
@@ -68,7 +73,13 @@ public:
 private:
     protocols::Protocol protocol_;
     std::optional<engine::PantographSpec> machine_;
-    std::map<std::pair<std::string, std::string>, std::unique_ptr<engine::Scene>> scenes_;
+    /// By object, friction and what is felt of them.
+    using Felt = std::tuple<std::string,
+                            std::string,
+                            std::optional<double>,
+                            std::optional<double>,
+                            std::optional<double>>;
+    std::map<Felt, std::unique_ptr<engine::Scene>> scenes_;
 };
 
 /// The machine of a canonical calibration text, if it is one.

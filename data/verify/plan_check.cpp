@@ -40,6 +40,41 @@ void check_row(const StoredRow& row,
     findings.expect(table, "block", row, static_cast<std::int64_t>(planned.block));
 }
 
+/// What is planned of trials whose stimulus a rule chooses.
+void check_adaptive_rows(Database& database,
+                         std::int64_t session,
+                         const SessionFrame& frame,
+                         Findings& findings) {
+    if (database.schema() < 5) {
+        return;
+    }
+    const auto rows = rows_of(
+        database, "SELECT * FROM adaptive_plan WHERE session = ?1 ORDER BY position", session);
+    std::size_t next = 0;
+    for (const PlannedTrial& planned : frame.plan.trials) {
+        if (!planned.adaptive) {
+            continue;
+        }
+        if (next < rows.size()) {
+            const StoredRow& row = rows[next];
+            const protocols::AdaptiveTrial& adaptive = *planned.adaptive;
+            const std::string table = fmt::format("adaptive_plan at position {}", planned.position);
+            findings.expect(table, "position", row, static_cast<std::int64_t>(planned.position));
+            findings.expect(table, "run", row, static_cast<std::int64_t>(adaptive.run));
+            findings.expect(table, "run_name", row, frame.protocol.runs.at(adaptive.run).name);
+            findings.expect(table, "comparison", row,
+                            static_cast<std::int64_t>(adaptive.comparison));
+            findings.expect(table, "standard_friction", row,
+                            frame.protocol.frictions.at(adaptive.standard_friction).name);
+        }
+        ++next;
+    }
+    if (rows.size() != next) {
+        findings.differs("adaptive_plan", fmt::format("{} rows", rows.size()),
+                         fmt::format("{} rows", next));
+    }
+}
+
 /// The plan as its rows say it: enough to replay trials.
 std::optional<protocols::Plan> stored_plan(const std::vector<StoredRow>& rows,
                                            const SessionFrame& frame) {
@@ -127,6 +162,7 @@ bool check_plan(Database& database,
         check_row(rows[i], frame.plan.trials[i], frame.protocol, findings);
     }
     check_pictures(pictures, frame, findings);
+    check_adaptive_rows(database, id, frame, findings);
     return true;
 }
 

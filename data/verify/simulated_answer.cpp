@@ -16,14 +16,17 @@ constexpr double kSameTime = 1e-12;
 }  // namespace
 
 void check_simulated_answer(const SessionFrame& frame,
-                            const StoredRow& trial,
                             const StoredRow& response,
-                            const StoredTrace& trace,
+                            std::span<const CheckedInterval> intervals,
                             std::size_t number,
                             Findings& findings) {
-    const std::int64_t felt = trial.integer("ticks");
-    if (!frame.simulated || frame.old || response.text("input") != "simulated" || !trace.whole ||
-        felt < 0 || felt > static_cast<std::int64_t>(trace.ticks.size())) {
+    const auto usable = [](const CheckedInterval& one) {
+        const std::int64_t felt = one.row.integer("ticks");
+        return one.trace.whole && felt >= 0 &&
+               felt <= static_cast<std::int64_t>(one.trace.ticks.size());
+    };
+    if (!frame.simulated || frame.old || response.text("input") != "simulated" ||
+        !std::all_of(intervals.begin(), intervals.end(), usable)) {
         return;
     }
     protocols::SimulatedObserver observer(frame.protocol,
@@ -33,10 +36,24 @@ void check_simulated_answer(const SessionFrame& frame,
                                            .purpose = {},
                                            .seed = frame.seed},
                                           frame.plan.picture_order, [] { return true; });
-    observer.feel(std::span(trace.ticks).first(static_cast<std::size_t>(felt)));
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        static_cast<void>(observer.ready({.interval = i + 1}));
+        observer.feel(std::span(intervals[i].trace.ticks)
+                          .first(static_cast<std::size_t>(intervals[i].row.integer("ticks"))));
+    }
     const auto pictures = protocols::make_pictures(frame.protocol, frame.plan.picture_order);
-    const protocols::Choice choice = observer.choose({.number = number}, pictures);
-    findings.expect("response", "place", response, static_cast<std::int64_t>(choice.place));
+    const protocols::Choice choice =
+        observer.choose({.number = number}, question_of(frame.protocol, pictures));
+    const bool before = response.null("answer");  // of a file from before schema 5
+    findings.expect("response", before ? "place" : "answer", response,
+                    static_cast<std::int64_t>(choice.place));
+    findings.expect("response", "confidence", response,
+                    choice.confidence ? Value(std::int64_t{*choice.confidence}) : Value());
+    if (choice.confidence && !(std::fabs(response.real("confidence_reaction_s") -
+                                         choice.confidence_reaction_s) <= kSameTime)) {
+        findings.expect("response", "confidence_reaction_s", response,
+                        choice.confidence_reaction_s);
+    }
     if (!(std::fabs(response.real("reaction_s") - choice.reaction_s) <= kSameTime)) {
         findings.expect("response", "reaction_s", response, choice.reaction_s);
     }

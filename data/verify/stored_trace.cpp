@@ -109,13 +109,14 @@ std::size_t good_chunks(std::span<const ChunkView> chunks,
 
 StoredTrace load_trace(Database& database,
                        std::int64_t trial,
+                       std::int64_t interval,
                        const engine::Scene* scene,
                        const std::optional<engine::PantographSpec>& machine,
                        std::int64_t period_ns,
                        Findings& findings) {
     StoredTrace trace;
     try {
-        const StoredChunks chunks = stored_chunks(database, trial);
+        const StoredChunks chunks = stored_chunks(database, trial, interval);
         const std::size_t good = good_chunks(chunks.views, period_ns, findings);
         trace.whole = good == chunks.views.size();
         Replayed all = replay(scene, machine, std::span(chunks.views).first(good));

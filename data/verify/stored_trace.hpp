@@ -10,7 +10,7 @@
 
 namespace palpate::data {
 
-/// The ticks of a trial up to the first chunk that is not what was written.
+/// The ticks of an interval of a trial up to the first chunk that is not what was written.
 struct StoredTrace {
     std::vector<engine::TickRecord> ticks;
     bool whole = true;  ///< nothing is damaged or missing in between
@@ -23,6 +23,7 @@ struct StoredTrace {
 /// @param period_ns  of the session
 [[nodiscard]] StoredTrace load_trace(Database& database,
                                      std::int64_t trial,
+                                     std::int64_t interval,
                                      const engine::Scene* scene,
                                      const std::optional<engine::PantographSpec>& machine,
                                      std::int64_t period_ns,

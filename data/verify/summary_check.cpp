@@ -42,13 +42,14 @@ std::int64_t ramped_at_the_end(const std::vector<TickRecord>& ticks) {
 
 /// How many ticks were felt, or what is stored of it where nothing tells.
 std::int64_t felt_ticks(const SessionFrame& frame,
-                        const StoredRow& trial,
+                        const StoredRow& row,
+                        bool faulted,
                         const StoredTrace& trace,
                         Findings& findings) {
     const auto all = static_cast<std::int64_t>(trace.ticks.size());
-    const std::int64_t stored = trial.integer("ticks");
+    const std::int64_t stored = row.integer("ticks");
     const bool tripped = all > 0 && trips(trace.ticks.back());
-    if (trial.text("outcome") == "faulted" && on_virtual_clock(trace)) {
+    if (faulted && on_virtual_clock(trace)) {
         return all;
     }
     if (tripped) {
@@ -76,21 +77,28 @@ void expect_later(std::string_view column,
     findings.expect("trial", column, trial, recomputed);
 }
 
-void check_done(const StoredRow& trial,
+void check_done(std::string_view table,
+                const StoredRow& row,
+                bool complete,
                 std::int64_t felt,
                 std::int64_t period_ns,
                 bool exact,
                 Findings& findings) {
+    const auto at_least_0 = [&](std::string_view column) {
+        if (!(row.real(column) >= 0.0)) {
+            findings.differs(fmt::format("{}.{}", table, column), to_text(row.at(column)),
+                             "0 or more");
+        }
+    };
     if (exact) {
-        findings.expect("trial", "done_s", trial, static_cast<double>(felt * period_ns) * 1e-9);
-    } else if (!(trial.real("done_s") >= 0.0)) {
-        findings.differs("trial.done_s", to_text(trial.at("done_s")), "0 or more");
+        findings.expect(table, "done_s", row, static_cast<double>(felt * period_ns) * 1e-9);
+    } else {
+        at_least_0("done_s");
     }
-    if (exact || trial.text("outcome") != "complete") {
-        findings.expect("trial", "done_uncertainty_s", trial, 0.0);
-    } else if (!(trial.real("done_uncertainty_s") >= 0.0)) {
-        findings.differs("trial.done_uncertainty_s", to_text(trial.at("done_uncertainty_s")),
-                         "0 or more");
+    if (exact || !complete) {
+        findings.expect(table, "done_uncertainty_s", row, 0.0);
+    } else {
+        at_least_0("done_uncertainty_s");
     }
 }
 
@@ -135,23 +143,15 @@ void check_fault_row(const StoredRow& row, const TickRecord& tick, Findings& fin
 
 }  // namespace
 
-void check_summary(const SessionFrame& frame,
-                   const StoredRow& trial,
-                   const StoredTrace& trace,
-                   bool answered_by_numbers,
-                   Findings& findings) {
-    if (!trace.whole) {
-        return;  // said already
-    }
-    const std::int64_t felt = felt_ticks(frame, trial, trace, findings);
-    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness);
-    meter.add(std::span(trace.ticks).first(static_cast<std::size_t>(felt)));
-    const protocols::TrialSummary sum = meter.summary();
+namespace {
+
+/// Columns that trial and presentation share.
+void check_shared(std::string_view table,
+                  const StoredRow& row,
+                  const protocols::TrialSummary& sum,
+                  Findings& findings) {
     const auto expect = [&](std::string_view column, const Value& value) {
-        findings.expect("trial", column, trial, value);
-    };
-    const auto later = [&](std::string_view column, const Value& value) {
-        expect_later(column, trial, value, frame, findings);
+        findings.expect(table, column, row, value);
     };
     expect("ticks", sum.ticks);
     expect("contact_ticks", sum.contact_ticks);
@@ -161,31 +161,81 @@ void check_summary(const SessionFrame& frame,
     expect("path_length_m", sum.path_length_m);
     expect("mean_normal_force_n", sum.mean_normal_force_n);
     expect("max_normal_force_n", sum.max_normal_force_n);
-    expect("energy_j", sum.energy_j);
     expect("first_contact_s", sum.first_contact_s ? Value(*sum.first_contact_s) : Value());
+}
+
+protocols::TrialSummary summary_of(const SessionFrame& frame,
+                                   const StoredTrace& trace,
+                                   std::int64_t felt) {
+    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness);
+    meter.add(std::span(trace.ticks).first(static_cast<std::size_t>(felt)));
+    return meter.summary();
+}
+
+bool all_whole(std::span<const CheckedInterval> intervals) {
+    return std::all_of(intervals.begin(), intervals.end(),
+                       [](const CheckedInterval& one) { return one.trace.whole; });
+}
+
+}  // namespace
+
+void check_summary(const SessionFrame& frame,
+                   const StoredRow& trial,
+                   std::span<const CheckedInterval> intervals,
+                   bool answered_by_numbers,
+                   Findings& findings) {
+    if (!all_whole(intervals) || intervals.empty()) {
+        return;  // said already, or nothing was begun
+    }
+    const auto period_ns =
+        static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5));
+    const std::string outcome = trial.text("outcome");
+    protocols::TrialSummary sum;
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        const auto& [row, trace] = intervals[i];
+        const bool last = i + 1 == intervals.size();
+        const std::int64_t felt =
+            felt_ticks(frame, row, last && outcome == "faulted", trace, findings);
+        const protocols::TrialSummary one = summary_of(frame, trace, felt);
+        const bool is_presentation = !row.null("interval");
+        if (is_presentation) {
+            check_shared("presentation", row, one, findings);
+        }
+        check_done(is_presentation ? "presentation" : "trial", row, outcome == "complete", felt,
+                   period_ns, answered_by_numbers && on_virtual_clock(trace), findings);
+        sum = i == 0 ? one : together(sum, one);
+    }
+    check_shared("trial", trial, sum, findings);
+    findings.expect("trial", "done_s", trial, intervals.back().row.at("done_s"));
+    findings.expect("trial", "done_uncertainty_s", trial,
+                    intervals.back().row.at("done_uncertainty_s"));
+    findings.expect("trial", "energy_j", trial, sum.energy_j);
+    const auto later = [&](std::string_view column, const Value& value) {
+        expect_later(column, trial, value, frame, findings);
+    };
     later("contact_episodes", sum.contact_episodes);
     later("worst_episode_j", sum.worst_episode_j);
     later("skipped_ticks", sum.skipped_ticks);
     later("slewed_ticks", sum.slewed_ticks);
     later("stale_ticks", sum.stale_ticks);
-    const auto period_ns =
-        static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5));
-    check_done(trial, felt, period_ns, answered_by_numbers && on_virtual_clock(trace), findings);
 }
 
 void check_invalid(Database& database,
                    const SessionFrame& frame,
                    const StoredRow& trial,
-                   const StoredTrace& trace,
+                   std::span<const CheckedInterval> intervals,
                    Findings& findings) {
-    if (!trace.whole || frame.replayed || (frame.old && trial.null("invalid"))) {
+    if (!all_whole(intervals) || frame.replayed || (frame.old && trial.null("invalid"))) {
         return;
     }
-    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness);
-    const auto felt = std::clamp<std::int64_t>(trial.integer("ticks"), 0,
-                                               static_cast<std::int64_t>(trace.ticks.size()));
-    meter.add(std::span(trace.ticks).first(static_cast<std::size_t>(felt)));
-    std::string why = why_invalid(frame.protocol, meter.summary(), !frame.simulated);
+    std::vector<protocols::TrialSummary> felt;
+    for (const auto& [row, trace] : intervals) {
+        felt.push_back(
+            summary_of(frame, trace,
+                       std::clamp<std::int64_t>(row.integer("ticks"), 0,
+                                                static_cast<std::int64_t>(trace.ticks.size()))));
+    }
+    std::string why = why_invalid(frame.protocol, felt, !frame.simulated);
     if (const auto mark = find_mark(database, trial.integer("id")); mark && why.empty()) {
         why = mark->reason;
     }

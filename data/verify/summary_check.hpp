@@ -3,17 +3,17 @@
 #include <cstdint>
 #include <optional>
 
-#include "data/verify/trial_check.hpp"
+#include "data/verify/interval_check.hpp"
 
 namespace palpate::data {
 
-/// The columns of a trial that ended, added up again from its ticks.
+/// The columns of a trial that ended and of its intervals, added up again from its ticks.
 ///
 /// How many ticks were felt (the rest is the ramp out of the force) is known where the clock was virtual;
 /// on a real one the stored number is believed as far as a whole ramp stands behind it.
 void check_summary(const SessionFrame& frame,
                    const StoredRow& trial,
-                   const StoredTrace& trace,
+                   std::span<const CheckedInterval> intervals,
                    bool answered_by_numbers,
                    Findings& findings);
 
@@ -21,14 +21,14 @@ void check_summary(const SessionFrame& frame,
 void check_invalid(Database& database,
                    const SessionFrame& frame,
                    const StoredRow& trial,
-                   const StoredTrace& trace,
+                   std::span<const CheckedInterval> intervals,
                    Findings& findings);
 
-/// The rows of fault_tick: the last ticks of the trace, at most 100, for a faulted trial; none else.
+/// The rows of fault_tick: the last ticks of the last interval, at most 100, for a faulted trial; none else.
 void check_fault_ticks(Database& database,
                        const SessionFrame& frame,
                        const StoredRow& trial,
-                       const StoredTrace& trace,
+                       const StoredTrace& last,
                        Findings& findings);
 
 }  // namespace palpate::data

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "engine/safety/trip.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/running/presentation.hpp"
 #include "data/store/people.hpp"
-#include "data/verify/replay_check.hpp"
+#include "data/verify/interval_check.hpp"
 #include "data/verify/simulated_answer.hpp"
 #include "data/verify/summary_check.hpp"
 
@@ -17,9 +17,6 @@ namespace palpate::data {
 namespace {
 
 using protocols::PlannedTrial;
-
-/// How far apart exp() of two C libraries may be.
-constexpr double kExpError = 4e-16;
 
 bool never_ended(const std::string& outcome) {
     return outcome == "running" || outcome == "interrupted";
@@ -58,6 +55,7 @@ TrialCheck::TrialCheck(Database& database, const SessionFrame& frame, Findings& 
       frame_(frame),
       findings_(findings),
       pending_(frame.plan, rule_of(frame)),
+      runs_(frame.protocol, rule_of(frame).key),
       period_ns_(
           static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5))) {}
 
@@ -70,33 +68,45 @@ void TrialCheck::check(const StoredRow& trial) {
     const auto position = static_cast<std::size_t>(trial.integer("position"));
     const PlannedTrial* planned =
         position < frame_.plan.trials.size() ? &frame_.plan.trials[position] : nullptr;
-    const auto scene = planned != nullptr ? scene_of(trial, *planned) : nullptr;
-    const StoredTrace trace = load_trace(database_, trial.integer("id"), scene.get(),
-                                         frame_.machine, period_ns_, findings_);
-    check_outcome(trial, !responses.empty());
-    if (planned != nullptr) {
-        check_replay(*scene, trace, findings_);
-        replayed_ += static_cast<std::int64_t>(trace.ticks.size());
-        if (!responses.empty()) {
-            check_response(responses.front(), *planned);
-            check_simulated_answer(frame_, trial, responses.front(), trace, number, findings_);
-        }
+    if (planned == nullptr) {
+        findings_.look_at({});
+        return;  // said already
     }
-    check_times(trace, period_ns_, findings_);
+    const bool answered = !responses.empty();
+    const std::optional<double> stimulus = stimulus_of(*planned);
+    if (planned->adaptive && !stimulus) {
+        findings_.look_at({});
+        return;
+    }
+    const auto expected = presentations_of(frame_.protocol, *planned, stimulus);
+    const std::vector<CheckedInterval> intervals =
+        check_intervals(database_, frame_, trial, expected, answered, period_ns_, findings_);
+    for (const CheckedInterval& one : intervals) {
+        replayed_ += static_cast<std::int64_t>(one.trace.ticks.size());
+    }
+    check_outcome(trial, intervals, answered);
+    if (answered && check_response(frame_, responses.front(), *planned, expected, findings_)) {
+        check_simulated_answer(frame_, responses.front(), intervals, number, findings_);
+    }
+    check_step(database_, frame_, trial, answered ? &responses.front() : nullptr, *planned,
+               stimulus,
+               !made_.empty() && made_.back().trial == trial.integer("id") && made_.back().counted,
+               runs_, findings_);
     if (responses.empty() && !trial.null("invalid")) {
         findings_.differs("trial.invalid", to_text(trial.at("invalid")),
                           "NULL: there is no answer");
     }
     if (!never_ended(trial.text("outcome"))) {
         const bool by_numbers = responses.empty() || responses.front().text("input") == "simulated";
-        check_summary(frame_, trial, trace, by_numbers, findings_);
+        check_summary(frame_, trial, intervals, by_numbers, findings_);
         if (!responses.empty()) {
-            check_invalid(database_, frame_, trial, trace, findings_);
+            check_invalid(database_, frame_, trial, intervals, findings_);
         }
     }
     if (!frame_.old ||
         !rows_of(database_, "SELECT name FROM sqlite_schema WHERE name = 'fault_tick'").empty()) {
-        check_fault_ticks(database_, frame_, trial, trace, findings_);
+        check_fault_ticks(database_, frame_, trial,
+                          intervals.empty() ? StoredTrace{} : intervals.back().trace, findings_);
     }
     findings_.look_at({});
 }
@@ -108,6 +118,7 @@ void TrialCheck::heed_marks(const StoredRow& trial) {
         if (attempt.marked_after > 0 && attempt.marked_after < trial.integer("id")) {
             attempt.counted = false;
             attempt.marked_after = 0;
+            runs_.forget(attempt.trial);
             marked = true;
         }
     }
@@ -134,11 +145,13 @@ void TrialCheck::check_attempt(const StoredRow& trial, bool answered) {
     const auto mark = find_mark(database_, trial.integer("id"));
     const bool counted = trial.null("invalid") || mark.has_value();
     const auto outcome = answered ? protocols::Outcome::complete : protocols::Outcome::faulted;
-    made_.push_back({position, outcome, counted, mark ? mark->after : 0});
+    made_.push_back({trial.integer("id"), position, outcome, counted, mark ? mark->after : 0});
     pending_.note(position, outcome, counted);
 }
 
-void TrialCheck::check_outcome(const StoredRow& trial, bool answered) {
+void TrialCheck::check_outcome(const StoredRow& trial,
+                               std::span<const CheckedInterval> intervals,
+                               bool answered) {
     const std::string outcome = trial.text("outcome");
     const auto wrong = [&](const std::string& why) {
         findings_.differs("trial.outcome", fmt::format("\"{}\"", outcome), why);
@@ -156,7 +169,10 @@ void TrialCheck::check_outcome(const StoredRow& trial, bool answered) {
         wrong("it has no end");
     }
     const double timeout = frame_.protocol.timing.explore_timeout;
-    if (outcome == "timed_out" && trial.real("done_s") < timeout) {
+    const bool waited = std::any_of(
+        intervals.begin(), intervals.end(),
+        [timeout](const CheckedInterval& one) { return one.row.real("done_s") >= timeout; });
+    if (outcome == "timed_out" && !waited) {
         wrong(fmt::format("done before the time-out of {} s", timeout));
     }
     if (outcome != "faulted") {
@@ -182,41 +198,14 @@ void TrialCheck::check_outcome(const StoredRow& trial, bool answered) {
     }
 }
 
-void TrialCheck::check_response(const StoredRow& response, const PlannedTrial& planned) {
-    const std::int64_t place = response.integer("place");
-    if (place < 0 || place >= static_cast<std::int64_t>(frame_.pictures.size())) {
-        findings_.differs("response.place", fmt::format("{}", place),
-                          fmt::format("one of {} pictures", frame_.pictures.size()));
-        return;
+/// What the rule chose for a trial that begins now.
+std::optional<double> TrialCheck::stimulus_of(const PlannedTrial& planned) {
+    const bool of_rule = planned.adaptive && planned.phase != protocols::Phase::practice;
+    if (of_rule && runs_.of(planned.adaptive->run).finished()) {
+        findings_.differs("trial", "one more of a run", "the run had ended");
+        return std::nullopt;
     }
-    const std::string& chosen = frame_.pictures[static_cast<std::size_t>(place)];
-    const std::string& felt = frame_.protocol.objects.at(planned.condition.object).name;
-    findings_.expect("response", "object", response, chosen);
-    findings_.expect("response", "correct", response, std::int64_t{chosen == felt ? 1 : 0});
-    if (response.text("input") == "simulated" && !frame_.simulated) {
-        findings_.differs("response.input", "\"simulated\"", "a person's: the session is real");
-    }
-}
-
-/// With the decays that were recorded.
-std::unique_ptr<engine::Scene> TrialCheck::scene_of(const StoredRow& trial,
-                                                    const PlannedTrial& planned) {
-    std::unique_ptr<engine::Scene> scene(
-        new engine::Scene(make_scene(frame_.protocol, planned.condition)));
-    const auto check_decay = [&](std::string_view column, double here) {
-        const double stored = trial.real(column);
-        if (!(std::fabs(stored - here) <= kExpError * here)) {
-            findings_.expect("trial", column, trial, here);
-        } else if (stored != here) {
-            findings_.missing(
-                fmt::format("trial.{}", column),
-                fmt::format("{} by exp() of this machine, {} stored and used", here, stored));
-        }
-    };
-    check_decay("slip_decay", scene->decay().slip);
-    check_decay("heal_decay", scene->decay().heal);
-    scene->restore_decay({.slip = trial.real("slip_decay"), .heal = trial.real("heal_decay")});
-    return scene;
+    return stimulus_for(frame_.protocol, planned, runs_);
 }
 
 }  // namespace palpate::data

@@ -3,15 +3,19 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "protocols/design/plan.hpp"
 #include "protocols/design/protocol.hpp"
+#include "protocols/running/adaptive_runs.hpp"
 #include "protocols/running/pending_trials.hpp"
 #include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {
+
+struct CheckedInterval;
 
 /// What the trials of a session are checked against.
 struct SessionFrame {
@@ -39,16 +43,17 @@ public:
 private:
     void heed_marks(const StoredRow& trial);
     void check_attempt(const StoredRow& trial, bool answered);
-    void check_outcome(const StoredRow& trial, bool answered);
-    void check_response(const StoredRow& response, const protocols::PlannedTrial& planned);
-    [[nodiscard]] std::unique_ptr<engine::Scene> scene_of(const StoredRow& trial,
-                                                          const protocols::PlannedTrial& planned);
+    void check_outcome(const StoredRow& trial,
+                       std::span<const CheckedInterval> intervals,
+                       bool answered);
+    [[nodiscard]] std::optional<double> stimulus_of(const protocols::PlannedTrial& planned);
 
     Database& database_;
     const SessionFrame& frame_;
     Findings& findings_;
     /// An attempt that was answered or faulted.
     struct Attempt {
+        std::int64_t trial = 0;
         std::size_t position = 0;
         protocols::Outcome outcome{};
         bool counted = false;  ///< when it ended
@@ -56,6 +61,7 @@ private:
             0;  ///< last trial when somebody said it does not count; 0: nobody
     };
     protocols::PendingTrials pending_;
+    protocols::AdaptiveRuns runs_;
     std::vector<Attempt> made_;
     std::map<std::size_t, std::int64_t> attempts_;  ///< so far, by position
     std::int64_t period_ns_;

@@ -24,6 +24,9 @@ std::size_t choose_row(std::size_t rows, const RowHistory& history, Pcg32& rando
 }
 
 std::vector<std::vector<std::size_t>> picture_rows(const Protocol& protocol) {
+    if (protocol.response.kind != ResponseKind::identification) {
+        return {{}};  // no pictures are shown
+    }
     const std::vector<std::size_t> pictured = objects_of(protocol, true);
     auto rows = williams_rows(pictured.size());
     for (auto& row : rows) {

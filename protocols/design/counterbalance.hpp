@@ -30,7 +30,7 @@ struct RowHistory {
 [[nodiscard]] std::size_t choose_row(std::size_t rows, const RowHistory& history, Pcg32& random);
 
 /// The orders of pictures that the study uses: the rows of the Williams design for its pictured objects,
-/// each from left to right, as indices into Protocol::objects.
+/// each from left to right, as indices into Protocol::objects. One empty row where no pictures are shown.
 [[nodiscard]] std::vector<std::vector<std::size_t>> picture_rows(const Protocol& protocol);
 
 /// Finds recorded orders, as names from left to right, among picture_rows(). An order that is none of

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,12 +16,22 @@ enum class Phase : std::uint8_t { practice, main, catch_trial };
 
 [[nodiscard]] std::string_view to_string(Phase phase) noexcept;
 
+/// What is planned of a trial whose stimulus a rule chooses.
+struct AdaptiveTrial {
+    std::size_t run = 0;                ///< index into Protocol::runs
+    std::size_t comparison = 1;         ///< the interval that holds the rule's stimulus, 1 or 2
+    std::size_t standard_friction = 0;  ///< of the other interval, index into Protocol::frictions
+
+    friend bool operator==(const AdaptiveTrial&, const AdaptiveTrial&) = default;
+};
+
 struct PlannedTrial {
     std::size_t position = 0;  ///< 0, 1, 2, ... through the whole session
     Phase phase = Phase::main;
-    Condition condition{};
+    Condition condition{};  ///< with `adaptive`: the standard object, and the comparison's friction
     bool break_before = false;
     std::size_t block = 0;  ///< of the main phase, 0, 1, ...; 0 in practice
+    std::optional<AdaptiveTrial> adaptive{};  ///< a rule chooses what is felt
 
     friend bool operator==(const PlannedTrial&, const PlannedTrial&) = default;
 };

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -107,12 +108,76 @@ struct TimingSpec {
     friend bool operator==(const TimingSpec&, const TimingSpec&) = default;
 };
 
+/// What the participant is asked after feeling.
+enum class ResponseKind : std::uint8_t {
+    identification,  ///< which of the pictured objects?
+    two_interval,    ///< two things are felt: which of them, the first or the second?
+    yes_no,
+    rating,  ///< a level of a scale
+};
+
+/// When the participant is told whether an answer was right.
+enum class Feedback : std::uint8_t { none, practice, all };
+
+struct ResponseSpec {
+    ResponseKind kind = ResponseKind::identification;
+    std::string question;    ///< empty: the screen's own sentence
+    std::size_t levels = 7;  ///< of a rating, 2..9
+    std::string low;         ///< label of a rating's first level, or of no; empty: the screen's own
+    std::string high;        ///< label of a rating's last level, or of yes
+    bool confidence = false;             ///< asked for after the answer, 1..4
+    Feedback feedback = Feedback::none;  ///< of answers that can be right or wrong
+
+    friend bool operator==(const ResponseSpec&, const ResponseSpec&) = default;
+};
+
+/// What an adaptive session varies from trial to trial.
+enum class Varies : std::uint8_t {
+    curvature,  ///< of the object's curves, 1/m
+    mu,         ///< mu_s of a friction; its mu_d keeps its share of it
+};
+
+/// How the number that a rule chooses becomes what is felt.
+enum class StimulusAs : std::uint8_t { value, log10 };  ///< log10: 10 to that power is felt
+
+/// A rule that chooses what is felt next, by the answers so far: the table [procedure].
+struct AdaptiveSpec {
+    Varies varies = Varies::curvature;
+    StimulusAs stimulus_as = StimulusAs::value;
+    std::string object;  ///< felt in every interval; its curvature is that of the standard
+    std::size_t practice_trials = 0;   ///< before the others, in turn of all runs
+    double practice_stimulus = 0.0;    ///< of all of them, as the rule counts
+    std::size_t max_run = 0;           ///< trials of the same run in a row, 0: no limit
+    std::size_t max_run_interval = 0;  ///< comparisons in the same interval in a row, 0: no limit
+    std::string rule;  ///< the procedure file that says how to choose, canonical text
+
+    // What follows from the rule; not written.
+    std::size_t trials = 0;  ///< of every run
+    double lowest = 0.0;     ///< it never chooses less
+    double highest = 0.0;
+    std::size_t outcomes = 2;
+
+    friend bool operator==(const AdaptiveSpec&, const AdaptiveSpec&) = default;
+};
+
+/// The rule of [procedure] runs once for each of these, with answers of its own; the runs' trials are
+/// interleaved.
+struct RunSpec {
+    std::string name;
+    std::string friction;  ///< of the comparison, whose stimulus the rule chooses
+    std::string
+        standard_friction;  ///< of the other interval; empty: the same friction as it stands
+
+    friend bool operator==(const RunSpec&, const RunSpec&) = default;
+};
+
 /// The simulated observer of demos and simulations.
 struct ObserverSpec {
     double noise = 2.62;        ///< 1/m, standard deviation of the curvature percept
     double lapse = 0.02;        ///< share of answers drawn at random, 0..1
     double force_weight = 0.5;  ///< weight of the force cue against the position cue, 0..1
     double bias_per_mu = 0.0;   ///< 1/m added to the percept per unit of felt friction coefficient
+    double noise_mu = 0.1;      ///< standard deviation of the percept of the friction coefficient
 
     friend bool operator==(const ObserverSpec&, const ObserverSpec&) = default;
 };
@@ -139,6 +204,9 @@ struct Protocol {
     InvalidSpec invalid{};
     DesignSpec design{};
     TimingSpec timing{};
+    ResponseSpec response{};
+    std::optional<AdaptiveSpec> procedure;  ///< none: the factorial design of [design]
+    std::vector<RunSpec> runs;              ///< of the procedure
     ObserverSpec observer{};
 
     friend bool operator==(const Protocol&, const Protocol&) = default;

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/eulerian_order.hpp"
 #include "protocols/design/order_sampler.hpp"
 #include "protocols/design/sha256.hpp"
@@ -64,6 +65,10 @@ std::string canonical_text(const Plan& plan,
         text += fmt::format("trial={} {} {} {} {} {}\n", trial.position, to_string(trial.phase),
                             trial.block, trial.condition.object, trial.condition.friction,
                             trial.break_before ? "break" : "on");
+        if (trial.adaptive) {
+            text += fmt::format("adaptive={} {} {}\n", trial.adaptive->run,
+                                trial.adaptive->comparison, trial.adaptive->standard_friction);
+        }
     }
     return text;
 }
@@ -210,11 +215,48 @@ std::vector<Condition> factorial(const Protocol& protocol, std::size_t repetitio
     return conditions;
 }
 
+namespace {
+
+void choose_pictures(const Protocol& protocol,
+                     StreamKey key,
+                     const RowHistory& pictures,
+                     Plan& plan) {
+    key.session = 0;
+    key.block = 0;
+    key.purpose = purpose::pictures;
+    const auto rows = picture_rows(protocol);
+    Pcg32 picture_stream = stream(key);
+    plan.picture_order = rows[choose_row(rows.size(), pictures, picture_stream)];
+}
+
+Plan adaptive_plan(const Protocol& protocol,
+                   std::string_view protocol_hash,
+                   const SessionKey& key,
+                   std::uint64_t seed,
+                   const RowHistory& pictures) {
+    const StreamKey of_session{.protocol_hash = std::string(protocol_hash),
+                               .participant = key.participant,
+                               .session = key.session,
+                               .purpose = {},
+                               .seed = seed};
+    Plan plan;
+    plan.trials = adaptive_trials(protocol, of_session, plan);
+    choose_pictures(protocol, of_session, pictures, plan);
+    plan.hash = sha256_hex(canonical_text(plan, protocol_hash, key, seed) +
+                           rule_lines(protocol, of_session));
+    return plan;
+}
+
+}  // namespace
+
 Plan make_plan(const Protocol& protocol,
                std::string_view protocol_hash,
                const SessionKey& key,
                std::uint64_t seed,
                const RowHistory& pictures) {
+    if (protocol.procedure) {
+        return adaptive_plan(protocol, protocol_hash, key, seed, pictures);
+    }
     refuse(protocol);
     const auto stream_for = [&](std::size_t session, std::string_view purpose,
                                 std::size_t block = 0) {

@@ -34,8 +34,10 @@ inline constexpr std::string_view observer =
     "observer";                                         ///< session, block = position: its answers
 inline constexpr std::string_view requeue = "requeue";  ///< session, block = position: place of the
                                                         ///< 1st, 2nd, ... repetition
-inline constexpr std::array all = {practice_order, main_order, catch_trials, pictures,
-                                   hand,           observer,   requeue};
+inline constexpr std::string_view second_hand = "hand.second";  ///< as hand, in the second interval
+inline constexpr std::string_view procedure = "procedure";      ///< session, block = run, from 0
+inline constexpr std::array all = {practice_order, main_order, catch_trials, pictures, hand,
+                                   observer,       requeue,    second_hand,  procedure};
 }  // namespace purpose
 
 /// The text that is hashed: one `name=value` a line. Texts carry their length in bytes, so that no

@@ -119,7 +119,7 @@ constexpr std::array kInvalid{
 };
 
 constexpr std::array kDesign{
-    Key<DesignSpec>{.name = "repetitions", .member = &DesignSpec::repetitions, .need = required, .lowest = 1, .highest = 1000,
+    Key<DesignSpec>{.name = "repetitions", .member = &DesignSpec::repetitions, .need = factorial, .lowest = 1, .highest = 1000,
                     .meaning = "main trials of each object with each friction"},
     Key<DesignSpec>{.name = "max_run_object", .member = &DesignSpec::max_run_object, .highest = 1000,
                     .meaning = "same object in a row; 0: no limit"},
@@ -159,6 +159,8 @@ constexpr std::array kObserver{
                       .meaning = "weight of the force cue; the position cue has the rest"},
     Key<ObserverSpec>{.name = "bias_per_m_per_mu", .member = &ObserverSpec::bias_per_mu, .lowest = -1000, .highest = 1000,
                       .meaning = "curvature added per unit of felt friction"},
+    Key<ObserverSpec>{.name = "noise_mu", .member = &ObserverSpec::noise_mu, .highest = 10, .late = true,
+                      .meaning = "standard deviation of the felt friction coefficient"},
 };
 // clang-format on
 
@@ -179,7 +181,7 @@ std::span<const std::string_view> words_for(const Key<Record>& key) {
 
 template <class Record>
 std::string default_of(const Key<Record>& key) {
-    if (key.need == required || key.need == gos) {
+    if (key.need == required || key.need == factorial || key.need == gos) {
         return "required";
     }
     [[maybe_unused]] static const Record defaults{};
@@ -268,6 +270,9 @@ template bool left_out(const Key<SafetySpec>&, const SafetySpec&);
 template bool left_out(const Key<InvalidSpec>&, const InvalidSpec&);
 template bool left_out(const Key<DesignSpec>&, const DesignSpec&);
 template bool left_out(const Key<TimingSpec>&, const TimingSpec&);
+template bool left_out(const Key<ResponseSpec>&, const ResponseSpec&);
+template bool left_out(const Key<AdaptiveSpec>&, const AdaptiveSpec&);
+template bool left_out(const Key<RunSpec>&, const RunSpec&);
 template bool left_out(const Key<ObserverSpec>&, const ObserverSpec&);
 
 template <class Record>
@@ -304,6 +309,9 @@ template std::string range_of(const Key<SafetySpec>&);
 template std::string range_of(const Key<InvalidSpec>&);
 template std::string range_of(const Key<DesignSpec>&);
 template std::string range_of(const Key<TimingSpec>&);
+template std::string range_of(const Key<ResponseSpec>&);
+template std::string range_of(const Key<AdaptiveSpec>&);
+template std::string range_of(const Key<RunSpec>&);
 template std::string range_of(const Key<ObserverSpec>&);
 
 std::string key_reference() {
@@ -316,6 +324,14 @@ std::string key_reference() {
                "[safety]  left out of the study's hash as long as all are default") +
            section<InvalidSpec>("[invalid]  left out of the hash in the same way") +
            section<DesignSpec>("[design]") + section<TimingSpec>("[timing]") +
+           section<ResponseSpec>("[response]  left out of the hash in the same way") +
+           section<AdaptiveSpec>(
+               "[procedure]  a rule that chooses by the answers, instead of [design]; beside these "
+               "keys all "
+               "of a procedure file\n             (palpate procedure --keys), with its tables as "
+               "[procedure.model], [[procedure.staircase]], ...") +
+           section<RunSpec>(fmt::format(
+               "[[run]]  with [procedure]: the rule runs once for each, 1 to {}", kMaxRuns)) +
            section<ObserverSpec>("[observer]  of simulated sessions");
 }
 

@@ -16,8 +16,9 @@ namespace palpate::protocols {
 /// When a key has to be there.
 enum class Need : std::uint8_t {
     required,
-    optional,  ///< left out: the default member of the struct
-    gos,       ///< friction coefficients: required by the law "gos", refused with "frictionless"
+    optional,   ///< left out: the default member of the struct
+    factorial,  ///< required without [procedure]
+    gos,        ///< friction coefficients: required by the law "gos", refused with "frictionless"
     gos_optional,
 };
 
@@ -35,7 +36,11 @@ struct Key {
                  engine::Vec2 Record::*,
                  OrderRule Record::*,
                  Handedness Record::*,
-                 Language Record::*>
+                 Language Record::*,
+                 ResponseKind Record::*,
+                 Feedback Record::*,
+                 Varies Record::*,
+                 StimulusAs Record::*>
         member;
     Need need = Need::optional;
     double lowest = 0.0;  ///< in the file's unit; of each coordinate for a point
@@ -51,6 +56,11 @@ struct Key {
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
 inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
+inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
+                                                                "yes_no", "rating"};
+inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
+inline constexpr std::array<std::string_view, 2> kVaries{"curvature_per_m", "mu"};
+inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(OrderRule) {
     return kOrderRules;
@@ -60,6 +70,18 @@ inline constexpr std::array<std::string_view, 2> kLanguages{"en", "tr"};
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Language) {
     return kLanguages;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(ResponseKind) {
+    return kResponseKinds;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Feedback) {
+    return kFeedbacks;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(Varies) {
+    return kVaries;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(StimulusAs) {
+    return kStimulusAs;
 }
 
 /// Its word in a file.
@@ -93,6 +115,12 @@ std::span<const Key<DesignSpec>> keys_of();
 template <>
 std::span<const Key<TimingSpec>> keys_of();
 template <>
+std::span<const Key<ResponseSpec>> keys_of();
+template <>
+std::span<const Key<AdaptiveSpec>> keys_of();
+template <>
+std::span<const Key<RunSpec>> keys_of();
+template <>
 std::span<const Key<ObserverSpec>> keys_of();
 
 /// Whether the canonical text leaves this key out: it is late, and the member is the default's.
@@ -106,6 +134,7 @@ inline constexpr std::size_t kMinPictures = 2;
 inline constexpr std::size_t kMaxPictures = 9;  ///< answered by the keys 1-9
 inline constexpr std::size_t kMaxObjects = 18;
 inline constexpr std::size_t kMaxFrictions = 9;
+inline constexpr std::size_t kMaxRuns = 9;
 inline constexpr std::size_t kMaxTrials = 2000;  ///< of a session: a day's work at 15 s each
 
 /// "0 to 50", "above 0, at most 50", "letters a-z, digits and _", ...

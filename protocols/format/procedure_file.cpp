@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/procedure_tables.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/format/read_text.hpp"
 #include "protocols/format/section.hpp"
@@ -37,28 +38,26 @@ std::vector<std::string_view> tables_of(Kind kind) {
 
 class FileReader {
 public:
-    FileReader(const Table& file, std::string_view file_name)
-        : file_(file), file_name_(file_name) {}
+    FileReader(const Table& file, Problems& problems) : file_(file), problems_(problems) {}
 
-    ProcedureFile read() {
-        check_format();
-        Section procedure = section("procedure");
-        kind_ = static_cast<Kind>(procedure.word("kind"));
-        problems_.throw_if_any(file_name_);  // all else depends on the kind
-        check_tables();
+    ProcedureFile read(std::string_view file_name) {
+        check_format(file_name);
+        std::optional<ProcedureSpec> spec = read_rule();
         StreamKey key = read_stream();
-        std::optional<ProcedureSpec> spec = read_spec(procedure);
-        problems_.throw_if_any(file_name_);
+        problems_.throw_if_any(file_name);
         std::optional<Procedure> ready;
-        if (spec) {
-            try {
-                ready.emplace(*spec, stream(key));
-            } catch (const std::invalid_argument& e) {
-                problems_.add(main_, e.what());
-            }
+        attempt([&] { ready.emplace(*spec, stream(key)); });
+        problems_.throw_if_any(file_name);
+        return {std::move(key), std::move(*spec), std::move(ready.value())};
+    }
+
+    /// The rule, tried once.
+    std::optional<ProcedureSpec> rule() {
+        std::optional<ProcedureSpec> spec = read_rule();
+        if (spec && problems_.none()) {
+            attempt([&] { static_cast<void>(Procedure(*spec, Pcg32(0, 0))); });
         }
-        problems_.throw_if_any(file_name_);
-        return {std::move(key), std::move(ready.value())};
+        return problems_.none() ? std::move(spec) : std::nullopt;
     }
 
 private:
@@ -68,14 +67,33 @@ private:
         return entry == file_.end() ? nullptr : &*entry;
     }
 
-    void check_format() {
+    template <class Make>
+    void attempt(Make&& make) {
+        try {
+            make();
+        } catch (const std::invalid_argument& e) {
+            problems_.add(main_, e.what());
+        }
+    }
+
+    std::optional<ProcedureSpec> read_rule() {
+        Section procedure = section("procedure");
+        kind_ = static_cast<Kind>(procedure.word("kind"));
+        if (procedure.broken()) {  // all else depends on the kind
+            return std::nullopt;
+        }
+        check_tables();
+        return read_spec(procedure);
+    }
+
+    void check_format(std::string_view file_name) {
         const Entry* entry = find("format");
         const auto* version =
             entry == nullptr ? nullptr : std::get_if<std::int64_t>(&entry->value.data);
         if (version == nullptr || *version != kProcedureFormat) {
             throw ProtocolError(
-                fmt::format("{}:{}:{}: format is {}: give format = {} as the first line",
-                            file_name_, entry == nullptr ? 1 : entry->value.at.line,
+                fmt::format("{}:{}:{}: format is {}: give format = {} as the first line", file_name,
+                            entry == nullptr ? 1 : entry->value.at.line,
                             entry == nullptr ? 1 : entry->value.at.column,
                             entry == nullptr ? "missing" : shown(entry->value), kProcedureFormat));
         }
@@ -116,7 +134,8 @@ private:
         key.protocol_hash = section.text("protocol_hash");
         key.participant = section.text("participant");
         key.session = section.count("session");
-        key.purpose = "procedure";
+        key.block = section.count("run");
+        key.purpose = purpose::procedure;
         key.seed = section.seed("seed");
         section.refuse_unknown();
         return key;
@@ -308,9 +327,8 @@ private:
     }
 
     const Table& file_;
-    std::string_view file_name_;
     Table empty_;
-    Problems problems_;
+    Problems& problems_;
     Kind kind_ = Kind::constant;
     Position main_;  ///< of the table to which problems of the whole are put down
 };
@@ -319,7 +337,12 @@ private:
 
 ProcedureFile parse_procedure(std::string_view text, std::string_view file_name) {
     const Table file = parse_document(text, file_name);
-    return FileReader(file, file_name).read();
+    Problems problems;
+    return FileReader(file, problems).read(file_name);
+}
+
+std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems) {
+    return FileReader(file, problems).rule();
 }
 
 ProcedureFile load_procedure(const std::filesystem::path& file) {

@@ -14,7 +14,8 @@ namespace palpate::protocols {
 struct ProcedureFile {
     /// Purpose "procedure"; empty texts unless a recorded run is replayed.
     StreamKey stream;
-    Procedure procedure;
+    ProcedureSpec spec;
+    Procedure procedure;  ///< of both
 };
 
 /// Reads a procedure file. Past this door the grids fit the model, the tables fit into memory and the

@@ -41,6 +41,8 @@ constexpr std::array kKeys{
                  .meaning = "of the run that is replayed; empty if left out"},
     ProcedureKey{.table = "stream", .name = "session", .kind = KeyKind::integer, .range = kCount, .otherwise = 1.0,
                  .meaning = "of the run that is replayed"},
+    ProcedureKey{.table = "stream", .name = "run", .kind = KeyKind::integer, .range = {.lowest = 0.0, .highest = 100'000.0}, .otherwise = 0.0,
+                 .meaning = "which run of a session is replayed, from 0"},
 
     ProcedureKey{.table = "constant", .name = "stimuli", .kind = KeyKind::axis, .required = true,
                  .meaning = "every value that is shown"},

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/adaptive_rules.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/format/read_text.hpp"
@@ -16,9 +17,9 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 11> kTables{"format", "study",    "apparatus", "outline",
-                                                   "object", "friction", "safety",    "invalid",
-                                                   "design", "timing",   "observer"};
+constexpr std::array<std::string_view, 14> kTables{
+    "format",  "study",  "apparatus", "outline",  "object",   "friction",  "safety",
+    "invalid", "design", "timing",    "response", "observer", "procedure", "run"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -45,8 +46,16 @@ public:
         }
         table("safety", protocol.safety, false);
         table("invalid", protocol.invalid, false);
-        table("design", protocol.design, true);
+        const Entry* procedure = find("procedure");
+        table("design", protocol.design, procedure == nullptr);
+        if (procedure != nullptr) {
+            read_adaptive(*procedure, reader_, problems_, protocol);
+            tables("run", protocol.runs);
+        } else {
+            factorial();
+        }
         table("timing", protocol.timing, false);
+        table("response", protocol.response, false);
         table("observer", protocol.observer, false);
         return protocol;
     }
@@ -71,6 +80,23 @@ private:
             problems_.add(entry->value.at,
                           fmt::format("format is {}: this program reads format = {}",
                                       shown(entry->value), kFormat));
+        }
+    }
+
+    /// Without a rule that chooses, the design has to say how often each condition comes.
+    void factorial() {
+        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+            if (key.need == Need::factorial && find("design") != nullptr &&
+                !places_.has(fmt::format("design.{}", key.name))) {
+                problems_.add(places_.of("design"),
+                              fmt::format("[design] lacks the key {}: add it ({}; {})", key.name,
+                                          range_of(key), key.meaning));
+            }
+        }
+        if (const Entry* run = find("run")) {
+            problems_.add(run->at,
+                          "there are runs, but no rule for them: add the table "
+                          "[procedure], or delete [[run]]");
         }
     }
 

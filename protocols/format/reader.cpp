@@ -273,6 +273,9 @@ template void Reader::read(const Table&, const std::string&, const Position&, Sa
 template void Reader::read(const Table&, const std::string&, const Position&, InvalidSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, DesignSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, TimingSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, ResponseSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, AdaptiveSpec&);
+template void Reader::read(const Table&, const std::string&, const Position&, RunSpec&);
 template void Reader::read(const Table&, const std::string&, const Position&, ObserverSpec&);
 
 }  // namespace palpate::protocols

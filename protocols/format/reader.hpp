@@ -16,6 +16,7 @@ namespace palpate::protocols {
 class Problems {
 public:
     void add(const Position& at, std::string what) { found_.insert({at, std::move(what)}); }
+    void take(Problems&& others) { found_.merge(others.found_); }
     [[nodiscard]] bool none() const noexcept { return found_.empty(); }
     /// @throws ProtocolError with all problems in file order, if there are any
     void throw_if_any(std::string_view file_name) const;

@@ -11,7 +11,9 @@
 #include "stimuli/two_curve.hpp"
 #include "protocols/design/constrained_order.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/format/adaptive_rules.hpp"
 #include "protocols/format/keys.hpp"
+#include "protocols/format/response_rules.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -54,7 +56,9 @@ public:
             friction(i);
         }
         timing();
-        design();
+        if (!protocol_.procedure) {
+            design();
+        }
     }
 
 private:
@@ -81,7 +85,8 @@ private:
 
     void numbers() {
         const std::size_t pictured = objects_of(protocol_, true).size();
-        if (pictured < kMinPictures || pictured > kMaxPictures) {
+        const bool asked = protocol_.response.kind == ResponseKind::identification;
+        if (asked && (pictured < kMinPictures || pictured > kMaxPictures)) {
             add("object.1",
                 fmt::format("there are {} pictured objects: give {} to {} [[object]] tables "
                             "without pictured = false",
@@ -283,6 +288,10 @@ private:
 
 void check_rules(const Protocol& protocol, const Places& places, Problems& problems) {
     Rules(protocol, places, problems).check();
+    check_response(protocol, places, problems);
+    if (protocol.procedure) {
+        check_adaptive(protocol, places, problems);
+    }
 }
 
 }  // namespace palpate::protocols

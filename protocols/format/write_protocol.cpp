@@ -4,6 +4,7 @@
 
 #include "protocols/design/sha256.hpp"
 #include "protocols/format/keys.hpp"
+#include "protocols/format/procedure_tables.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/format/toml_text.hpp"
 
@@ -71,6 +72,16 @@ std::string to_toml(const Protocol& protocol) {
     }
     append(text, "[design]", protocol.design);
     append(text, "[timing]", protocol.timing);
+    if (protocol.response != ResponseSpec{}) {
+        append(text, "[response]", protocol.response);
+    }
+    if (protocol.procedure) {
+        append(text, "[procedure]", *protocol.procedure);
+        text += nested_in_protocol(protocol.procedure->rule);
+        for (const RunSpec& run : protocol.runs) {
+            append(text, "[[run]]", run);
+        }
+    }
     append(text, "[observer]", protocol.observer);
     return text;
 }

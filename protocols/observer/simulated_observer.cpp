@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "protocols/observer/draws.hpp"
 
 namespace palpate::protocols {
 namespace {
+
+/// Felt friction above which one says that there is some: strokes on a frictionless object feel 0.
+constexpr double kFrictionSeen = 0.05;
 
 double reaction_time(Pcg32& random) noexcept {
     const double decision = 0.8 + 0.15 * normal_draw(random);
@@ -22,11 +26,20 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
     : outline_(protocol.outline),
       spec_(protocol.observer),
       key_(std::move(key)),
+      asked_mu_(protocol.procedure && protocol.procedure->varies == Varies::mu),
+      criterion_(asked_mu_ ? kFrictionSeen : 0.0),
       hand_is_done_(std::move(hand_is_done)),
-      cues_(protocol.outline) {
+      cues_{CurvatureCues(protocol.outline)} {
     key_.purpose = "observer";
     for (const std::size_t object : picture_order) {
         curvatures_.push_back(protocol.objects.at(object).curvature);
+    }
+    for (const ObjectSpec& object : protocol.objects) {
+        lowest_ = asked_mu_ ? 0.0 : std::min(lowest_, object.curvature);
+        highest_ = asked_mu_ ? highest_ : std::max(highest_, object.curvature);
+    }
+    for (const FrictionSpec& friction : protocol.frictions) {
+        highest_ = asked_mu_ ? std::max(highest_, friction.mu_d) : highest_;
     }
 }
 
@@ -34,8 +47,11 @@ Signal SimulatedObserver::welcome(const SessionView& /*session*/) {
     return Signal::go_on;
 }
 
-Signal SimulatedObserver::ready(const TrialView& /*trial*/) {
-    cues_ = CurvatureCues(outline_);
+Signal SimulatedObserver::ready(const TrialView& trial) {
+    if (trial.interval == 1) {
+        cues_.clear();
+    }
+    cues_.emplace_back(outline_);
     percept_.reset();
     return Signal::go_on;
 }
@@ -46,26 +62,66 @@ Exploring SimulatedObserver::explore(const TrialView& trial, double elapsed_s) {
 }
 
 void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
-    cues_.add(ticks);
+    cues_.back().add(ticks);
 }
 
-Choice SimulatedObserver::choose(const TrialView& trial, std::span<const Picture> pictures) {
+Choice SimulatedObserver::choose(const TrialView& trial, const Question& question) {
     key_.block = trial.number;
     Pcg32 random = stream(key_);
     const bool lapse = uniform_draw(random) < spec_.lapse;
-    const double noise = spec_.noise * normal_draw(random);
+    const double noise = normal_draw(random);
     const auto any =
-        random.bounded(static_cast<std::uint32_t>(std::max<std::size_t>(pictures.size(), 1)));
+        random.bounded(static_cast<std::uint32_t>(std::max<std::size_t>(question.answers, 1)));
 
-    percept_ = evidence();
     Choice choice{.place = any, .reaction_s = reaction_time(random)};
-    if (percept_) {
-        *percept_ += noise;
-        if (!lapse) {
-            choice.place = nearest_place(*percept_);
-        }
+    const std::optional<std::size_t> named = answer(question, noise, random);
+    if (named && !lapse) {
+        choice.place = *named;
+    }
+    if (question.confidence) {
+        choice.confidence = named ? confidence() : 1;
+        choice.confidence_reaction_s = reaction_time(random);
     }
     return choice;
+}
+
+/// What the percepts say; nothing without any. @param noise  N(0, 1) of the first percept
+std::optional<std::size_t> SimulatedObserver::answer(const Question& question,
+                                                     double noise,
+                                                     Pcg32& random) {
+    percept_ = percept_of(cues_.front(), noise);
+    if (!percept_) {
+        return std::nullopt;
+    }
+    switch (question.kind) {
+        case ResponseKind::identification:
+            distance_ = to_criterion(*percept_);
+            return nearest_place(*percept_);
+        case ResponseKind::two_interval: {
+            const auto second = percept_of(cues_.back(), normal_draw(random));
+            if (!second) {
+                return std::nullopt;
+            }
+            distance_ = *second - *percept_;
+            return distance_ > 0.0 ? 1 : 0;
+        }
+        case ResponseKind::yes_no:
+            distance_ = *percept_ - criterion_;
+            return distance_ > 0.0 ? 1 : 0;
+        case ResponseKind::rating:
+            break;
+    }
+    const auto levels = static_cast<double>(question.answers);
+    const double share = highest_ > lowest_ ? (*percept_ - lowest_) / (highest_ - lowest_) : 0.0;
+    const double level = std::clamp(std::floor(share * levels), 0.0, levels - 1.0);
+    distance_ = (0.5 - std::fabs(share * levels - level - 0.5)) * (highest_ - lowest_) / levels;
+    return static_cast<std::size_t>(level);
+}
+
+int SimulatedObserver::confidence() const noexcept {
+    const double noise = asked_mu_ ? spec_.noise_mu : spec_.noise;
+    const double far = std::fabs(distance_);
+    return 1 + (far >= 0.5 * noise ? 1 : 0) + (far >= noise ? 1 : 0) + (far >= 2.0 * noise ? 1 : 0);
 }
 
 Signal SimulatedObserver::gap(double /*seconds*/) {
@@ -78,15 +134,32 @@ Signal SimulatedObserver::rest(double /*seconds*/, const TrialView& /*next*/) {
 
 void SimulatedObserver::finish(const SessionView& /*session*/) {}
 
-std::optional<double> SimulatedObserver::evidence() const noexcept {
-    const Cues felt = cues_.cues();
+std::optional<double> SimulatedObserver::percept_of(const CurvatureCues& cues,
+                                                    double noise) const noexcept {
+    const Cues felt = cues.cues();
+    if (asked_mu_) {
+        return felt.force || felt.position ? std::optional(felt.friction + spec_.noise_mu * noise)
+                                           : std::nullopt;
+    }
     if (!felt.force && !felt.position) {
         return std::nullopt;
     }
     const double force = felt.force.value_or(felt.position.value_or(0.0));
     const double position = felt.position.value_or(force);
     return spec_.force_weight * force + (1.0 - spec_.force_weight) * position +
-           spec_.bias_per_mu * felt.friction;
+           spec_.bias_per_mu * felt.friction + spec_.noise * noise;
+}
+
+/// How far a curvature is from where the next picture would be named, 1/m.
+double SimulatedObserver::to_criterion(double curvature) const noexcept {
+    double nearest = std::numeric_limits<double>::infinity();
+    double second = nearest;
+    for (const double pictured : curvatures_) {
+        const double far = std::fabs(pictured - curvature);
+        second = std::min(second, std::max(nearest, far));
+        nearest = std::min(nearest, far);
+    }
+    return 0.5 * (second - nearest);
 }
 
 std::size_t SimulatedObserver::nearest_place(double curvature) const noexcept {

@@ -23,6 +23,12 @@ namespace palpate::protocols {
 /// Reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986): 0.8 s + 0.15 s N(0, 1) + an
 /// exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
 ///
+/// Two intervals: each is a percept with a noise of its own, and the larger one is named. Where a rule varies
+/// mu, the percept is the felt friction, mean |F_t| / F_n of the strokes, with the noise noise_mu. Yes is
+/// said above 0 1/m, or above a friction of 0.05; a rating spreads its levels evenly over the
+/// curvatures of the objects (frictions: 0 to the largest mu_d). Confidence follows the distance of the
+/// percept from what divides the answers, in noises: 1 below 0.5, 2 below 1, 3 below 2, else 4; a guess: 1.
+///
 /// Every trial draws from a stream of its own, keyed by its number: a resumed session, or a trial that
 /// was aborted and is run again, answers as the unbroken one.
 class SimulatedObserver : public Observer {
@@ -39,7 +45,7 @@ public:
     [[nodiscard]] Signal ready(const TrialView& trial) override;
     [[nodiscard]] Exploring explore(const TrialView& trial, double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
-    [[nodiscard]] Choice choose(const TrialView& trial, std::span<const Picture> pictures) override;
+    [[nodiscard]] Choice choose(const TrialView& trial, const Question& question) override;
     [[nodiscard]] Signal gap(double seconds) override;
     [[nodiscard]] Signal rest(double seconds, const TrialView& next) override;
     void finish(const SessionView& session) override;
@@ -48,16 +54,27 @@ public:
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
 
 private:
-    [[nodiscard]] std::optional<double> evidence() const noexcept;
+    [[nodiscard]] std::optional<double> percept_of(const CurvatureCues& cues,
+                                                   double noise) const noexcept;
+    [[nodiscard]] std::optional<std::size_t> answer(const Question& question,
+                                                    double noise,
+                                                    Pcg32& random);
+    [[nodiscard]] int confidence() const noexcept;
+    [[nodiscard]] double to_criterion(double curvature) const noexcept;
     [[nodiscard]] std::size_t nearest_place(double curvature) const noexcept;
 
     OutlineSpec outline_;
     ObserverSpec spec_;
     StreamKey key_;
     std::vector<double> curvatures_;  ///< of the pictures from the left, 1/m
+    bool asked_mu_;                   ///< the question is about friction
+    double criterion_;                ///< yes is said above it
+    double lowest_ = 0.0;             ///< percept of a rating's first level ...
+    double highest_ = 0.0;            ///< ... and of its last
     std::function<bool()> hand_is_done_;
-    CurvatureCues cues_;
+    std::vector<CurvatureCues> cues_;  ///< of the intervals felt so far
     std::optional<double> percept_;
+    double distance_ = 0.0;  ///< of the last percept from what divides the answers
 };
 
 }  // namespace palpate::protocols

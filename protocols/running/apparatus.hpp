@@ -16,8 +16,10 @@ public:
     Apparatus& operator=(const Apparatus&) = delete;
     virtual ~Apparatus() = default;
 
-    /// Starts the felt part of a trial. @param scene  outlives end()
-    virtual void begin(const engine::Scene& scene, const PlannedTrial& planned) = 0;
+    /// Starts an interval of a trial. @param scene  outlives end() @param interval  1 or 2
+    virtual void begin(const engine::Scene& scene,
+                       const PlannedTrial& planned,
+                       std::size_t interval) = 0;
     /// Lets a little time pass; ticks come out of ring().
     virtual engine::ServoStatus advance() = 0;
     /// Force out, zero written. The ramp's ticks are still in ring().

@@ -25,13 +25,14 @@ DrawnHand::DrawnHand(const Protocol& protocol,
       key_(std::move(key)),
       seed_(seed) {}
 
-engine::Exploration DrawnHand::at(std::size_t position) const {
-    Pcg32 random = stream({.protocol_hash = protocol_hash_,
-                           .participant = key_.participant,
-                           .session = key_.session,
-                           .block = position,
-                           .purpose = "hand",
-                           .seed = seed_});
+engine::Exploration DrawnHand::at(std::size_t position, std::size_t interval) const {
+    Pcg32 random =
+        stream({.protocol_hash = protocol_hash_,
+                .participant = key_.participant,
+                .session = key_.session,
+                .block = position,
+                .purpose = std::string(interval == 1 ? purpose::hand : purpose::second_hand),
+                .seed = seed_});
     engine::Exploration plan{
         .start = start_, .a = outline_.a, .vertex = outline_.vertex, .b = outline_.b};
     plan.speed = 0.065 + 0.030 * unit(random);          // 65 to 95 mm/s

@@ -10,7 +10,7 @@
 namespace palpate::protocols {
 
 /// How a simulated participant explores. Every trial's way is drawn from the stream "hand" of its
-/// position, so that a resumed session explores as the unbroken one.
+/// position, that of a second interval from "hand.second", so that a resumed session explores as the unbroken one.
 class DrawnHand {
 public:
     DrawnHand(const Protocol& protocol,
@@ -18,7 +18,7 @@ public:
               SessionKey key,
               std::uint64_t seed);
 
-    [[nodiscard]] engine::Exploration at(std::size_t position) const;
+    [[nodiscard]] engine::Exploration at(std::size_t position, std::size_t interval = 1) const;
 
 private:
     OutlineSpec outline_;

@@ -52,9 +52,11 @@ EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
              link),
       servo_(haply_.device(), patient(servo_spec(protocol, haply_.device(), spin_share))) {}
 
-void EmulatedHaplyApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {
+void EmulatedHaplyApparatus::begin(const engine::Scene& scene,
+                                   const PlannedTrial& planned,
+                                   std::size_t interval) {
     servo_.park();  // the handle is put at its start: no reading of ours may fall in between
-    haply_.begin(hand_.at(planned.position));
+    haply_.begin(hand_.at(planned.position, interval));
     servo_.begin(scene);
 }
 

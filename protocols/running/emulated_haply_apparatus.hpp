@@ -24,7 +24,9 @@ public:
                            const std::string& link = {});
 
     /// The handle is at the start, the hand sets off.
-    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return haply_.hand_is_done(); }
     [[nodiscard]] bool reconnect() override {
         servo_.park();

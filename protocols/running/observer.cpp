@@ -2,6 +2,10 @@
 
 namespace palpate::protocols {
 
+Signal Observer::feedback(const TrialView& /*trial*/, bool /*correct*/) {
+    return Signal::go_on;
+}
+
 std::optional<Signal> Observer::trouble(const TroubleView& view) {
     if (view.tries >= kMostTries || view.in_a_row >= kMostFaults) {
         return Signal::give_up;

@@ -10,6 +10,7 @@
 
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/design/plan.hpp"
+#include "protocols/design/protocol.hpp"
 
 /// The port to whoever answers: a person at a screen, or a simulated observer.
 ///
@@ -34,6 +35,8 @@ struct TrialView {
     double explore_min_s = 0.0;
     double explore_prompt_s = 0.0;
     double explore_timeout_s = 0.0;
+    std::size_t interval = 1;  ///< of the trial, 1..intervals: each is begun and felt by itself
+    std::size_t intervals = 1;
 };
 
 /// What is wrong with the device, for whoever can mend it. Nothing of the condition, ever.
@@ -67,12 +70,40 @@ struct Picture {
     std::vector<engine::Vec2> outline;  ///< closed polyline, chord error <= 20 um
 };
 
+/// What is asked after feeling. The same for every trial of a session.
+struct Question {
+    ResponseKind kind = ResponseKind::identification;
+    std::string text;                   ///< empty: the screen's own sentence
+    std::span<const Picture> pictures;  ///< identification only, from the left
+    std::size_t answers = 0;            ///< an answer is 0 .. answers - 1
+    /// yes_no: of no and yes; rating: of the first and the last level. Empty: the screen's own words.
+    std::vector<std::string> labels;
+    bool confidence = false;  ///< asked for after the answer
+};
+
+/// Which of the pictures?
+[[nodiscard]] inline Question which_of(std::span<const Picture> pictures) {
+    return {.kind = ResponseKind::identification,
+            .text = {},
+            .pictures = pictures,
+            .answers = pictures.size(),
+            .labels = {},
+            .confidence = false};
+}
+
+/// How sure one is of an answer: 1 (a guess) .. kMostConfidence.
+inline constexpr int kMostConfidence = 4;
+
 struct Choice {
     Signal signal = Signal::done;  ///< done or abort
-    std::size_t place = 0;         ///< which picture, 0-based from the left
-    double reaction_s = 0.0;       ///< pictures shown -> answer
-    double uncertainty_s = 0.0;    ///< how late the answer may have been seen
+    /// Which answer, 0 .. Question::answers - 1: the picture from the left; 0 first, 1 second interval;
+    /// 0 no, 1 yes; the level of a rating.
+    std::size_t place = 0;
+    double reaction_s = 0.0;     ///< question shown -> answer
+    double uncertainty_s = 0.0;  ///< how late the answer may have been seen
     InputKind input = InputKind::simulated;
+    std::optional<int> confidence{};     ///< 1 .. kMostConfidence, if the question asks for it
+    double confidence_reaction_s = 0.0;  ///< scale shown -> confidence; 0 if not asked for
 };
 
 struct Exploring {
@@ -90,16 +121,18 @@ public:
 
     /// Before the first trial of a run: instructions.
     [[nodiscard]] virtual Signal welcome(const SessionView& session) = 0;
-    /// Blocks until the participant is at the start and begins. go_on or abort.
+    /// Blocks until the participant is at the start and begins. Called before each interval of a trial.
+    /// go_on or abort.
     [[nodiscard]] virtual Signal ready(const TrialView& trial) = 0;
     /// Called again and again while the object is felt; must return within a few ms.
     /// @param elapsed_s time since the trial's first tick, on the servo's clock
     [[nodiscard]] virtual Exploring explore(const TrialView& trial, double elapsed_s) = 0;
     /// Ticks of the running trial in order; only simulated observers use them.
     virtual void feel(std::span<const engine::TickRecord> ticks) { static_cast<void>(ticks); }
-    /// Force is off; the pictures, in the order of the screen.
-    [[nodiscard]] virtual Choice choose(const TrialView& trial,
-                                        std::span<const Picture> pictures) = 0;
+    /// Force is off; the question.
+    [[nodiscard]] virtual Choice choose(const TrialView& trial, const Question& question) = 0;
+    /// After an answer, where the protocol says so: was it right? go_on or abort. The default tells nobody.
+    [[nodiscard]] virtual Signal feedback(const TrialView& trial, bool correct);
     /// Blank screen between two trials, s. go_on or abort.
     [[nodiscard]] virtual Signal gap(double seconds) = 0;
     /// A break of at least `seconds`; returns when the participant goes on. go_on or abort.

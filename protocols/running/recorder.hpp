@@ -11,7 +11,9 @@
 #include "engine/realtime/tick_record.hpp"
 #include "engine/safety/trip.hpp"
 #include "protocols/design/plan.hpp"
+#include "protocols/running/adaptive_runs.hpp"
 #include "protocols/running/observer.hpp"
+#include "protocols/running/presentation.hpp"
 
 /// The port to whatever keeps the data. Every call but append() is durable when it returns, or throws.
 namespace palpate::protocols {
@@ -48,12 +50,21 @@ struct TrialSummary {
 };
 
 struct Response {
-    std::size_t place = 0;   ///< on the screen, 0-based
-    std::size_t object = 0;  ///< index into Protocol::objects
-    bool correct = false;
-    double reaction_s = 0.0;  ///< pictures shown -> answer
+    std::size_t place = 0;                ///< which answer, as Choice::place
+    std::optional<std::size_t> object{};  ///< of a picture: index into Protocol::objects
+    std::optional<bool> correct{};        ///< none: the answer is neither right nor wrong
+    double reaction_s = 0.0;              ///< question shown -> answer
     double uncertainty_s = 0.0;
     InputKind input = InputKind::simulated;
+    std::optional<int> confidence{};  ///< 1 .. kMostConfidence
+    double confidence_reaction_s = 0.0;
+};
+
+/// What became of one interval of a trial.
+struct IntervalResult {
+    double done_s = 0.0;  ///< first tick of the interval -> done (or time-out)
+    double done_uncertainty_s = 0.0;
+    TrialSummary summary{};
 };
 
 /// The force went off by itself.
@@ -65,11 +76,13 @@ struct Fault {
 
 struct TrialResult {
     Outcome outcome = Outcome::complete;
-    double done_s = 0.0;  ///< first tick -> done (or time-out)
+    double done_s = 0.0;  ///< of the last interval: its first tick -> done (or time-out)
     double done_uncertainty_s = 0.0;
-    TrialSummary summary{};
-    std::optional<Response> response;  ///< none unless complete or timed_out
-    std::optional<Fault> fault;        ///< none unless faulted
+    TrialSummary summary{};                   ///< of all intervals together
+    std::vector<IntervalResult> intervals{};  ///< as far as the trial came
+    std::optional<Response> response;         ///< none unless complete or timed_out
+    std::optional<Fault> fault;               ///< none unless faulted
+    std::optional<AdaptiveStep> step;         ///< none unless a rule took in the answer
     std::string
         invalid;  ///< why an answer does not count, a phrase; empty: it does, or there is none
 };
@@ -89,10 +102,18 @@ public:
     Recorder& operator=(const Recorder&) = delete;
     virtual ~Recorder() = default;
 
-    /// A new attempt at a planned trial.
+    /// A new attempt at a planned trial. @param scene  of its first interval
     [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned,
                                               const SceneConstants& scene) = 0;
-    /// The next ticks of the running trial, in order and without gaps. Durable with the next save().
+    /// The next interval of the running trial begins: its ticks are counted from 0.
+    virtual void begin_interval(TrialId trial,
+                                const Presentation& presentation,
+                                const SceneConstants& scene) {
+        static_cast<void>(trial);
+        static_cast<void>(presentation);
+        static_cast<void>(scene);
+    }
+    /// The next ticks of the running interval, in order and without gaps. Durable with the next save().
     virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
     /// Makes durable what was appended. @return false if it has to be tried again, nothing is lost
     virtual bool save() { return true; }

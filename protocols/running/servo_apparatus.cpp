@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "engine/safety/passivity.hpp"
+#include "protocols/design/adaptive_plan.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -60,8 +61,10 @@ SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
       device_(model, 1.0 / protocol.apparatus.rate_hz),
       servo_(device_, servo_spec(protocol, device_), pace) {}
 
-void SimulatedApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {
-    device_.begin(hand_.at(planned.position));
+void SimulatedApparatus::begin(const engine::Scene& scene,
+                               const PlannedTrial& planned,
+                               std::size_t interval) {
+    device_.begin(hand_.at(planned.position, interval));
     servo_.begin(scene);
 }
 
@@ -70,6 +73,7 @@ ReplayApparatus::ReplayApparatus(const Protocol& protocol,
                                  std::string source,
                                  double pace)
     : recordings_(std::move(recordings)),
+      intervals_(intervals_of(protocol)),
       source_(std::move(source)),
       servo_(device_, servo_spec(protocol, device_), pace) {
     if (recordings_.empty()) {
@@ -83,8 +87,11 @@ ReplayApparatus::ReplayApparatus(const Protocol& protocol,
     }
 }
 
-void ReplayApparatus::begin(const engine::Scene& scene, const PlannedTrial& planned) {
-    device_.begin(recordings_[planned.position % recordings_.size()]);
+void ReplayApparatus::begin(const engine::Scene& scene,
+                            const PlannedTrial& planned,
+                            std::size_t interval) {
+    const std::size_t at = planned.position * intervals_ + interval - 1;
+    device_.begin(recordings_[at % recordings_.size()]);
     servo_.begin(scene);
 }
 
@@ -98,7 +105,9 @@ DeviceApparatus::DeviceApparatus(const Protocol& protocol,
                                  double spin_share)
     : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_, spin_share)) {}
 
-void DeviceApparatus::begin(const engine::Scene& scene, const PlannedTrial& /*planned*/) {
+void DeviceApparatus::begin(const engine::Scene& scene,
+                            const PlannedTrial& /*planned*/,
+                            std::size_t /*interval*/) {
     servo_.begin(scene);
 }
 
@@ -107,7 +116,9 @@ PointerApparatus::PointerApparatus(const Protocol& protocol)
     device_.publish(protocol.apparatus.start);
 }
 
-void PointerApparatus::begin(const engine::Scene& scene, const PlannedTrial& /*planned*/) {
+void PointerApparatus::begin(const engine::Scene& scene,
+                             const PlannedTrial& /*planned*/,
+                             std::size_t /*interval*/) {
     servo_.begin(scene);
 }
 

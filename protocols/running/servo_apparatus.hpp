@@ -57,7 +57,9 @@ public:
                        double pace = 0.0,
                        const engine::PantographModel& model = {});
 
-    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
     [[nodiscard]] std::string device_name() const override { return device_.name(); }
     [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
@@ -72,7 +74,8 @@ private:
     engine::VirtualServo servo_;
 };
 
-/// Recorded hands: trial k of the plan gets recording k modulo their number.
+/// Recorded hands: interval k of the plan, counted through all its trials from 0, gets recording k modulo
+/// their number.
 class ReplayApparatus : public ServoApparatus {
 public:
     using Recording = std::vector<engine::Reading>;
@@ -83,7 +86,9 @@ public:
                     std::string source,
                     double pace = 0.0);
 
-    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return exhausted(); }
     [[nodiscard]] bool exhausted() const noexcept override;
     [[nodiscard]] std::string device_name() const override { return "replay of " + source_; }
@@ -96,6 +101,7 @@ protected:
 
 private:
     std::vector<Recording> recordings_;
+    std::size_t intervals_;  ///< of a trial
     std::string source_;
     engine::ReplayDevice device_;
     engine::VirtualServo servo_;
@@ -109,7 +115,9 @@ public:
                     std::unique_ptr<engine::Device> device,
                     double spin_share = 0.0);
 
-    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
     [[nodiscard]] bool reconnect() override {
         servo_.park();  // nobody else may use the device meanwhile
         return device_->reconnect();
@@ -132,7 +140,9 @@ class PointerApparatus : public ServoApparatus {
 public:
     explicit PointerApparatus(const Protocol& protocol);
 
-    void begin(const engine::Scene& scene, const PlannedTrial& planned) override;
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
     [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }
     [[nodiscard]] std::string device_name() const override { return device_.name(); }
     [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }

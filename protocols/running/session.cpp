@@ -1,6 +1,7 @@
 #include "protocols/running/session.hpp"
 
 #include <chrono>
+#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
@@ -17,11 +18,12 @@ public:
             const Plan& plan,
             PendingTrials pending,
             Ports& ports,
-            bool simulated)
+            bool simulated,
+            AdaptiveRuns& runs)
         : protocol_(protocol),
           plan_(plan),
           ports_(ports),
-          runner_(protocol, plan, ports, simulated),
+          runner_(protocol, plan, ports, simulated, runs),
           pending_(std::move(pending)),
           rested_(pending_.answered()) {}
 
@@ -41,6 +43,9 @@ public:
             }
             pending_.note(planned.position, result.outcome, result.invalid.empty());
             note_invalid(planned, result);
+            if (tell(trial, result) == Signal::abort) {
+                return stopped();
+            }
             faults_ = result.fault ? faults_ + 1 : 0;
             if (result.fault) {
                 ports_.recorder.event(
@@ -72,6 +77,15 @@ private:
         rested_ = done;
         ports_.recorder.event("break", before_next());
         return ports_.observer.rest(protocol_.timing.break_min, next);
+    }
+
+    /// Says whether the answer was right, where the protocol wants that and it can be said.
+    Signal tell(const TrialView& trial, const TrialResult& result) {
+        const Feedback when = protocol_.response.feedback;
+        const bool due = when == Feedback::all || (when == Feedback::practice && trial.practice);
+        return due && result.response && result.response->correct
+                 ? ports_.observer.feedback(trial, *result.response->correct)
+                 : Signal::go_on;
     }
 
     void note_invalid(const PlannedTrial& planned, const TrialResult& result) {
@@ -130,8 +144,13 @@ SessionEnd run_session(const Protocol& protocol,
                        const Plan& plan,
                        const SessionView& view,
                        PendingTrials pending,
-                       Ports ports) {
-    return Session(protocol, plan, std::move(pending), ports, view.simulated).run(view);
+                       Ports ports,
+                       AdaptiveRuns runs) {
+    if (runs.size() != protocol.runs.size()) {
+        throw std::logic_error(
+            fmt::format("{} rules for {} runs", runs.size(), protocol.runs.size()));
+    }
+    return Session(protocol, plan, std::move(pending), ports, view.simulated, runs).run(view);
 }
 
 }  // namespace palpate::protocols

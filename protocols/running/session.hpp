@@ -34,10 +34,16 @@ struct SessionEnd {
 /// come after as many answered trials as the plan says, whichever these were.
 ///
 /// In real time an event "timing" at each fault and at the end tells how late the ticks so far were.
+///
+/// Where the protocol has a rule, it chooses what is felt, and takes in every answer that counts before the
+/// next trial; practice does not go there. A trial that does not count leaves it as it was: the next
+/// trial of the run is asked what this one was.
+/// @param runs  of the protocol's rule, with all answers so far
 [[nodiscard]] SessionEnd run_session(const Protocol& protocol,
                                      const Plan& plan,
                                      const SessionView& view,
                                      PendingTrials pending,
-                                     Ports ports);
+                                     Ports ports,
+                                     AdaptiveRuns runs = {});
 
 }  // namespace palpate::protocols

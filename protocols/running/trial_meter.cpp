@@ -45,6 +45,30 @@ TrialSummary TrialMeter::summary() const {
     return summary;
 }
 
+TrialSummary together(const TrialSummary& a, const TrialSummary& b) {
+    TrialSummary all = a;
+    for (const auto member :
+         {&TrialSummary::ticks, &TrialSummary::contact_ticks, &TrialSummary::slip_ticks,
+          &TrialSummary::late_ticks, &TrialSummary::saturated_ticks, &TrialSummary::skipped_ticks,
+          &TrialSummary::slewed_ticks, &TrialSummary::stale_ticks,
+          &TrialSummary::contact_episodes}) {
+        all.*member += b.*member;
+    }
+    all.path_length_m += b.path_length_m;
+    all.energy_j += b.energy_j;
+    all.max_normal_force_n = std::max(a.max_normal_force_n, b.max_normal_force_n);
+    all.worst_episode_j = a.contact_episodes == 0 ? b.worst_episode_j
+                        : b.contact_episodes == 0 ? a.worst_episode_j
+                                                  : std::max(a.worst_episode_j, b.worst_episode_j);
+    if (all.contact_ticks > 0) {
+        all.mean_normal_force_n = (a.mean_normal_force_n * static_cast<double>(a.contact_ticks) +
+                                   b.mean_normal_force_n * static_cast<double>(b.contact_ticks)) /
+                                  static_cast<double>(all.contact_ticks);
+    }
+    all.first_contact_s = a.first_contact_s ? a.first_contact_s : b.first_contact_s;
+    return all;
+}
+
 std::string why_invalid(const Protocol& protocol, const TrialSummary& summary, bool late_counts) {
     const InvalidSpec& rules = protocol.invalid;
     std::string why;
@@ -64,6 +88,21 @@ std::string why_invalid(const Protocol& protocol, const TrialSummary& summary, b
     if (summary.path_length_m < rules.path_min) {
         add(fmt::format("path {:.1f} mm, below {:g} mm", 1e3 * summary.path_length_m,
                         1e3 * rules.path_min));
+    }
+    return why;
+}
+
+std::string why_invalid(const Protocol& protocol,
+                        std::span<const TrialSummary> intervals,
+                        bool late_counts) {
+    std::string why;
+    for (std::size_t i = 0; i < intervals.size(); ++i) {
+        const std::string one = why_invalid(protocol, intervals[i], late_counts);
+        if (!one.empty()) {
+            why +=
+                fmt::format("{}{}{}", why.empty() ? "" : "; ",
+                            intervals.size() == 1 ? "" : fmt::format("interval {}: ", i + 1), one);
+        }
     }
     return why;
 }

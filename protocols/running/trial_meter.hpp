@@ -26,10 +26,18 @@ private:
     engine::Vec2 last_force_{};
 };
 
+/// Two intervals as one: counts and ways are added up, the mean force weighs by contact, the largest and the
+/// first remain. first_contact_s is that of the first interval with any, within it.
+[[nodiscard]] TrialSummary together(const TrialSummary& first, const TrialSummary& second);
+
 /// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it counts.
 /// @param late_counts  false for a simulated hand: nobody felt the lateness
 [[nodiscard]] std::string why_invalid(const Protocol& protocol,
                                       const TrialSummary& summary,
+                                      bool late_counts);
+/// Of all intervals of a trial: each has to be felt, and of two it is said which was not.
+[[nodiscard]] std::string why_invalid(const Protocol& protocol,
+                                      std::span<const TrialSummary> intervals,
                                       bool late_counts);
 
 }  // namespace palpate::protocols

@@ -11,9 +11,12 @@ namespace {
 /// Switches the force off when the felt part ends, however it ends.
 class Felt {
 public:
-    Felt(Apparatus& apparatus, const engine::Scene& scene, const PlannedTrial& planned)
+    Felt(Apparatus& apparatus,
+         const engine::Scene& scene,
+         const PlannedTrial& planned,
+         std::size_t interval)
         : apparatus_(&apparatus) {
-        apparatus.begin(scene, planned);
+        apparatus.begin(scene, planned, interval);
     }
     Felt(const Felt&) = delete;
     Felt& operator=(const Felt&) = delete;
@@ -31,12 +34,15 @@ private:
 
 }  // namespace
 
-TrialRunner::TrialRunner(const Protocol& protocol, const Plan& plan, Ports& ports, bool simulated)
+TrialRunner::TrialRunner(
+    const Protocol& protocol, const Plan& plan, Ports& ports, bool simulated, AdaptiveRuns& runs)
     : protocol_(protocol),
       plan_(plan),
       ports_(ports),
       simulated_(simulated),
-      pictures_(make_pictures(protocol, plan.picture_order)) {}
+      runs_(runs),
+      pictures_(make_pictures(protocol, plan.picture_order)),
+      question_(question_of(protocol, pictures_)) {}
 
 TrialView TrialRunner::view_of(const PlannedTrial& planned, std::size_t number) const {
     return {.number = number,
@@ -47,32 +53,74 @@ TrialView TrialRunner::view_of(const PlannedTrial& planned, std::size_t number) 
             .explore_timeout_s = protocol_.timing.explore_timeout};
 }
 
-TrialResult TrialRunner::run(const PlannedTrial& planned, const TrialView& view) {
+/// The participant is at the start of an interval. @return false: the session ends
+bool TrialRunner::begin(const TrialView& view) {
+    if (view.interval > 1 && ports_.observer.gap(protocol_.timing.gap) == Signal::abort) {
+        return false;
+    }
+    return ports_.observer.ready(view) != Signal::abort && !ports_.interrupted();
+}
+
+TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     TrialResult result;
-    if (ports_.observer.ready(view) == Signal::abort || ports_.interrupted()) {
+    const std::vector<Presentation> felt =
+        presentations_of(protocol_, planned, stimulus_for(protocol_, planned, runs_));
+    view.intervals = felt.size();
+    if (!begin(view)) {
         result.outcome = Outcome::aborted;
         return result;
     }
-    const engine::Scene scene = make_scene(protocol_, planned.condition);
-    const TrialId id = ports_.recorder.begin_trial(
-        planned, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
-    meter_ = TrialMeter(protocol_.apparatus.stiffness);
-    tripped_s_.reset();
-    {
-        Felt felt(ports_.apparatus, scene, planned);
-        explore(id, view, result);
-        felt.end();
-        drain(id, false);
+    TrialId id = 0;
+    bool timed_out = false;
+    for (const Presentation& one : felt) {
+        view.interval = one.interval;
+        if (one.interval > 1 && !begin(view)) {
+            result.outcome = Outcome::aborted;
+            break;
+        }
+        const engine::Scene scene = make_scene(protocol_, one);
+        const SceneConstants constants{.slip_decay = scene.decay().slip,
+                                       .heal_decay = scene.decay().heal};
+        if (one.interval == 1) {
+            id = ports_.recorder.begin_trial(planned, constants);
+        }
+        ports_.recorder.begin_interval(id, one, constants);
+        feel(id, planned, one, scene, view, result);
+        timed_out = timed_out || result.outcome == Outcome::timed_out;
+        if (!is_answered(result.outcome)) {
+            break;
+        }
     }
-    result.summary = meter_.summary();
-    note_fault(planned, result);
     if (is_answered(result.outcome)) {
-        answer(planned, view, result);
+        result.outcome = timed_out ? Outcome::timed_out : Outcome::complete;
+        answer(id, planned, felt, view, result);
     }
     ports_.recorder.end_trial(id, result);
     note_lost_ticks(planned);
     ports_.progress(planned, result);
     return result;
+}
+
+void TrialRunner::feel(TrialId id,
+                       const PlannedTrial& planned,
+                       const Presentation& felt,
+                       const engine::Scene& scene,
+                       const TrialView& view,
+                       TrialResult& result) {
+    meter_ = TrialMeter(protocol_.apparatus.stiffness);
+    tripped_s_.reset();
+    {
+        Felt force(ports_.apparatus, scene, planned, felt.interval);
+        explore(id, view, result);
+        force.end();
+        drain(id, false);
+    }
+    note_fault(planned, result);
+    result.intervals.push_back({.done_s = result.done_s,
+                                .done_uncertainty_s = result.done_uncertainty_s,
+                                .summary = meter_.summary()});
+    result.summary = result.intervals.size() == 1 ? meter_.summary()
+                                                  : together(result.summary, meter_.summary());
 }
 
 void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result) {
@@ -131,22 +179,38 @@ void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
                          .last = ports_.apparatus.last_ticks()};
 }
 
-void TrialRunner::answer(const PlannedTrial& planned, const TrialView& view, TrialResult& result) {
-    const Choice choice = ports_.observer.choose(view, pictures_);
+void TrialRunner::answer(TrialId id,
+                         const PlannedTrial& planned,
+                         std::span<const Presentation> felt,
+                         const TrialView& view,
+                         TrialResult& result) {
+    const Choice choice = ports_.observer.choose(view, question_);
     if (choice.signal == Signal::abort) {
         result.outcome = Outcome::aborted;
         return;
     }
-    const std::size_t object = plan_.picture_order.at(choice.place);
-    result.response = Response{.place = choice.place,
-                               .object = object,
-                               .correct = object == planned.condition.object,
-                               .reaction_s = choice.reaction_s,
-                               .uncertainty_s = choice.uncertainty_s,
-                               .input = choice.input};
-    if (!ports_.apparatus.repeats()) {
-        result.invalid = why_invalid(protocol_, result.summary, !simulated_);
+    Response response{.place = choice.place,
+                      .correct = is_right(protocol_, plan_, planned, felt, choice.place),
+                      .reaction_s = choice.reaction_s,
+                      .uncertainty_s = choice.uncertainty_s,
+                      .input = choice.input,
+                      .confidence = question_.confidence ? choice.confidence : std::nullopt,
+                      .confidence_reaction_s = choice.confidence_reaction_s};
+    if (question_.kind == ResponseKind::identification) {
+        response.object = plan_.picture_order.at(choice.place);
     }
+    std::vector<TrialSummary> summaries;
+    for (const IntervalResult& one : result.intervals) {
+        summaries.push_back(one.summary);
+    }
+    result.invalid = why_invalid(protocol_, summaries, !simulated_);
+    if (planned.adaptive && planned.phase != Phase::practice && result.invalid.empty()) {
+        const double stimulus =
+            felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1].stimulus.value();
+        result.step = runs_.update(planned.adaptive->run, stimulus,
+                                   outcome_of(protocol_, planned, response), id);
+    }
+    result.response = response;
 }
 
 /// @param exploring  the ticks count for the summary and for the observer; the ramp out does not

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "protocols/design/protocol.hpp"
+#include "protocols/running/adaptive_runs.hpp"
 #include "protocols/running/ports.hpp"
 #include "protocols/running/trial_meter.hpp"
 
@@ -14,27 +15,46 @@ class TrialRunner {
 public:
     /// All arguments outlive the runner.
     /// @param simulated  the hand: its late ticks make no trial invalid
-    TrialRunner(const Protocol& protocol, const Plan& plan, Ports& ports, bool simulated);
+    /// @param runs       of the protocol's rule: a counting answer goes there
+    TrialRunner(const Protocol& protocol,
+                const Plan& plan,
+                Ports& ports,
+                bool simulated,
+                AdaptiveRuns& runs);
 
     /// One attempt, recorded unless it was aborted before it began. The force is off when it returns,
     /// and when anything is thrown.
-    TrialResult run(const PlannedTrial& planned, const TrialView& view);
+    /// @param view  of its first interval
+    TrialResult run(const PlannedTrial& planned, TrialView view);
 
     /// @param number  of the trial as shown, 1, 2, ...
     [[nodiscard]] TrialView view_of(const PlannedTrial& planned, std::size_t number) const;
 
 private:
+    [[nodiscard]] bool begin(const TrialView& view);
+    void feel(TrialId id,
+              const PlannedTrial& planned,
+              const Presentation& felt,
+              const engine::Scene& scene,
+              const TrialView& view,
+              TrialResult& result);
     void explore(TrialId id, const TrialView& view, TrialResult& result);
     void note_fault(const PlannedTrial& planned, TrialResult& result);
     void note_lost_ticks(const PlannedTrial& planned);
-    void answer(const PlannedTrial& planned, const TrialView& view, TrialResult& result);
+    void answer(TrialId id,
+                const PlannedTrial& planned,
+                std::span<const Presentation> felt,
+                const TrialView& view,
+                TrialResult& result);
     void drain(TrialId id, bool exploring);
 
     const Protocol& protocol_;
     const Plan& plan_;
     Ports& ports_;
     bool simulated_;
+    AdaptiveRuns& runs_;
     std::vector<Picture> pictures_;
+    Question question_;
     TrialMeter meter_{1.0};
     std::optional<double> tripped_s_;  ///< when the running trial's force went off by itself
     std::int64_t dropped_ = 0;         ///< ticks lost so far in this run

@@ -1,18 +1,34 @@
 #include "protocols/running/trial_scene.hpp"
 
+#include "protocols/design/adaptive_plan.hpp"
+
 namespace palpate::protocols {
 
-stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
+namespace {
+
+stimuli::TwoCurve curves_of(const Protocol& protocol, const ObjectSpec& object) {
     return {.a = protocol.outline.a,
             .vertex = protocol.outline.vertex,
             .b = protocol.outline.b,
-            .curvature = protocol.objects.at(object).curvature};
+            .curvature = object.curvature};
+}
+
+}  // namespace
+
+stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object) {
+    return curves_of(protocol, protocol.objects.at(object));
 }
 
 engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
-    const FrictionSpec& friction = protocol.frictions.at(condition.friction);
+    return make_scene(protocol,
+                      Presentation{.object = protocol.objects.at(condition.object),
+                                   .friction = protocol.frictions.at(condition.friction)});
+}
+
+engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
+    const FrictionSpec& friction = felt.friction;
     const ApparatusSpec& apparatus = protocol.apparatus;
-    return {stimuli::make_outline(object_of(protocol, condition.object)),
+    return {stimuli::make_outline(curves_of(protocol, felt.object)),
             {.stiffness = apparatus.stiffness,
              .damping = apparatus.damping,
              .period = 1.0 / apparatus.rate_hz,
@@ -30,6 +46,19 @@ std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std
         pictures.push_back({.outline = stimuli::silhouette(object_of(protocol, object))});
     }
     return pictures;
+}
+
+Question question_of(const Protocol& protocol, std::span<const Picture> pictures) {
+    const ResponseSpec& response = protocol.response;
+    const bool labelled =
+        response.kind == ResponseKind::yes_no || response.kind == ResponseKind::rating;
+    return {
+        .kind = response.kind,
+        .text = response.question,
+        .pictures = pictures,
+        .answers = answers_of(protocol),
+        .labels = labelled ? std::vector{response.low, response.high} : std::vector<std::string>(),
+        .confidence = response.confidence};
 }
 
 }  // namespace palpate::protocols

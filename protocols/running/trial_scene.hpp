@@ -7,11 +7,15 @@
 #include "stimuli/two_curve.hpp"
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/observer.hpp"
+#include "protocols/running/presentation.hpp"
 
 /// From a condition to what is felt and what is shown.
 namespace palpate::protocols {
 
 [[nodiscard]] stimuli::TwoCurve object_of(const Protocol& protocol, std::size_t object);
+
+/// The compiled scene of an interval. @throws std::invalid_argument if it cannot be built
+[[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Presentation& felt);
 
 /// The compiled scene of a condition. @throws std::invalid_argument if it cannot be built
 [[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Condition& condition);
@@ -19,5 +23,8 @@ namespace palpate::protocols {
 /// The pictures in the order of the screen. @param order  place -> index into Protocol::objects
 [[nodiscard]] std::vector<Picture> make_pictures(const Protocol& protocol,
                                                  std::span<const std::size_t> order);
+
+/// What is asked after every trial. @param pictures  outlive it
+[[nodiscard]] Question question_of(const Protocol& protocol, std::span<const Picture> pictures);
 
 }  // namespace palpate::protocols

@@ -96,7 +96,7 @@ TEST_CASE("a damper of the contact asks as much more of the device", "[feasibili
     CAPTURE(stiffness, damper, delay);
     Protocol protocol = study(stiffness);
     protocol.apparatus.damping = damper;
-    CHECK(engine::Scene(make_scene(protocol, {})).spec().damping == damper);
+    CHECK(engine::Scene(make_scene(protocol, Condition{})).spec().damping == damper);
     device.what = {.damping = bound, .delay_ticks = delay};
     CHECK(check_feasibility(protocol, device).empty());
     device.what.damping = 0.999 * bound;

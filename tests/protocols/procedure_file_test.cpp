@@ -221,7 +221,7 @@ TEST_CASE("every key of the reference is read by some file, and each other one r
         CHECK(reference.find(std::string(key.name) + " ") != std::string::npos);
         CHECK_FALSE(key.meaning.empty());
         const bool used = all.find(std::string(key.name) + " =") != std::string::npos;
-        CHECK((used || key.name == "sd"));  // slope_as = "sd": tested below
+        CHECK((used || key.name == "sd" || key.name == "run"));  // tested below, and in sessions
     }
     std::string text = with(kPsi, "kind = \"psi\"", "kind = \"quest_plus\"");
     text = with(text, "family = \"normal\"", "family = \"normal\"\nslope_as = \"sd\"");

@@ -43,7 +43,7 @@ std::size_t answer(SimulatedObserver& who,
                    std::span<const palpate::engine::TickRecord> ticks) {
     REQUIRE(who.ready(trial(number)) == Signal::go_on);
     who.feel(ticks);
-    return kOrder.at(who.choose(trial(number), kPictures).place);
+    return kOrder.at(who.choose(trial(number), which_of(kPictures)).place);
 }
 
 double normal_cdf(double z) {
@@ -133,7 +133,7 @@ TEST_CASE("an answer depends on the key and the trial's number, not on what came
     for (std::size_t i = 1; i <= 30; ++i) {
         static_cast<void>(unbroken.ready(trial(i)));
         unbroken.feel(ticks);
-        choices.push_back(unbroken.choose(trial(i), kPictures));
+        choices.push_back(unbroken.choose(trial(i), which_of(kPictures)));
     }
     SimulatedObserver resumed = observer(protocol);
     int differs = 0;
@@ -141,12 +141,13 @@ TEST_CASE("an answer depends on the key and the trial's number, not on what came
     for (std::size_t i = 20; i <= 30; ++i) {
         static_cast<void>(resumed.ready(trial(i)));
         resumed.feel(ticks);
-        const Choice choice = resumed.choose(trial(i), kPictures);
+        const Choice choice = resumed.choose(trial(i), which_of(kPictures));
         CHECK(choice.place == choices[i - 1].place);
         CHECK(choice.reaction_s == choices[i - 1].reaction_s);
         static_cast<void>(other.ready(trial(i)));
         other.feel(ticks);
-        differs += other.choose(trial(i), kPictures).reaction_s != choice.reaction_s ? 1 : 0;
+        differs +=
+            other.choose(trial(i), which_of(kPictures)).reaction_s != choice.reaction_s ? 1 : 0;
     }
     CHECK(differs == 11);
 }
@@ -167,7 +168,7 @@ TEST_CASE("reaction times are those of people", "[observer]") {
     SimulatedObserver who = observer(protocol);
     double sum = 0.0;
     for (std::size_t i = 1; i <= 2000; ++i) {
-        const double reaction = who.choose(trial(i), kPictures).reaction_s;
+        const double reaction = who.choose(trial(i), which_of(kPictures)).reaction_s;
         CHECK(reaction >= 0.25);
         sum += reaction;
     }

@@ -36,7 +36,9 @@ class FaultyApparatus : public protocols::Apparatus {
 public:
     explicit FaultyApparatus(World& world) : world_(world) {}
 
-    void begin(const engine::Scene& /*scene*/, const protocols::PlannedTrial& planned) override {
+    void begin(const engine::Scene& /*scene*/,
+               const protocols::PlannedTrial& planned,
+               std::size_t /*interval*/) override {
         position_ = planned.position;
         faults_ = world_.faults_now(position_);
         trip_ = engine::Trip::none;
@@ -136,7 +138,7 @@ public:
                 .at_s = elapsed_s};
     }
     protocols::Choice choose(const protocols::TrialView& /*trial*/,
-                             std::span<const protocols::Picture> /*pictures*/) override {
+                             const protocols::Question& /*question*/) override {
         return {};
     }
     protocols::Signal gap(double /*seconds*/) override { return protocols::Signal::go_on; }

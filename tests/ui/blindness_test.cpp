@@ -66,7 +66,8 @@ public:
         ++frames_;
         return {.signal = elapsed_s > 0.2 ? Signal::done : Signal::go_on, .at_s = elapsed_s};
     }
-    Choice choose(const TrialView& /*trial*/, std::span<const Picture> pictures) override {
+    Choice choose(const TrialView& /*trial*/, const Question& question) override {
+        const std::span<const Picture> pictures = question.pictures;
         screen_.stage().show([pictures](ui::Window& window) {
             draw(window, ui::ChooseFace{pictures, 0, false});
         });

@@ -30,7 +30,7 @@ TEST_CASE("a number key chooses the picture of that number, and says how it was 
             press(SDLK_6);  // no such picture
             press(SDLK_1 + digit - 1);
         });
-        const Choice choice = screen.choose(kTrial, five);
+        const Choice choice = screen.choose(kTrial, which_of(five));
         CHECK(choice.signal == Signal::done);
         CHECK(choice.place == static_cast<std::size_t>(digit - 1));
         CHECK(choice.input == InputKind::key);
@@ -52,7 +52,7 @@ TEST_CASE("a click on a card chooses it, for 2 to 9 pictures, a click beside the
             click({3.0, 3.0});
             click(cards[wanted].centre());
         });
-        const Choice choice = screen.choose(kTrial, shown);
+        const Choice choice = screen.choose(kTrial, which_of(shown));
         CHECK(choice.place == wanted);
         CHECK(choice.input == InputKind::mouse);
     }
@@ -67,7 +67,7 @@ TEST_CASE("arrows move the mark without wrapping round, and Enter takes it", "[s
                 press(key);
             }
         });
-        return screen.choose(kTrial, five);
+        return screen.choose(kTrial, which_of(five));
     };
     CHECK(chosen({SDLK_RETURN, SDLK_RIGHT, SDLK_RETURN}).place ==
           0);  // Enter alone chooses nothing
@@ -86,7 +86,7 @@ TEST_CASE("what was pressed before a screen, or is held down, does not answer it
         press(SDLK_2, KMOD_NONE, true);  // held down
         press(SDLK_3);
     });
-    CHECK(screen.choose(kTrial, pictures(5)).place == 2);
+    CHECK(screen.choose(kTrial, which_of(pictures(5))).place == 2);
 }
 
 TEST_CASE("no key of the subject ends a session, the experimenter's two steps do",
@@ -133,7 +133,7 @@ TEST_CASE("a signal of the operating system ends any screen", "[screen]") {
     SubjectScreen screen(with_signal);
     const Later system([&] { arrived = true; });
     CHECK(screen.ready(kTrial) == Signal::abort);
-    CHECK(screen.choose(kTrial, pictures(2)).signal == Signal::abort);
+    CHECK(screen.choose(kTrial, which_of(pictures(2))).signal == Signal::abort);
     CHECK(screen.gap(5.0) == Signal::abort);
     CHECK(screen.explore(kTrial, 0.0).signal == Signal::abort);
 }

@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/format/keys.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/running/servo_apparatus.hpp"
 #include "data/store/async_recorder.hpp"
@@ -90,6 +92,32 @@ Observers make_observers(const RigSpec& spec,
     return observers;
 }
 
+/// What was felt and answered: of simulated sessions only.
+std::string answer_text(const protocols::Protocol& protocol,
+                        const PlannedTrial& planned,
+                        const TrialResult& result) {
+    const protocols::Response& response = *result.response;
+    std::string text = planned.adaptive
+                         ? fmt::format("{:<11}", protocol.runs.at(planned.adaptive->run).name)
+                         : fmt::format("{:<11} friction {:<4}",
+                                       protocol.objects.at(planned.condition.object).name,
+                                       protocol.frictions.at(planned.condition.friction).name);
+    if (result.step) {
+        text += fmt::format(" {} {:<7.4g}", word_of(protocol.procedure->varies),
+                            felt_value(*protocol.procedure, result.step->stimulus));
+    }
+    text += response.object ? fmt::format(" -> {:<11}", protocol.objects.at(*response.object).name)
+                            : fmt::format(" -> {}", response.place + 1);
+    if (response.correct) {
+        text += *response.correct ? " correct" : " wrong";
+    }
+    if (result.step && !result.step->estimates.empty() && result.step->estimates.front().mean) {
+        text += fmt::format("  {} {:.4g}", result.step->estimates.front().name,
+                            *result.step->estimates.front().mean);
+    }
+    return text;
+}
+
 void print_trial(const RigSpec& spec,
                  std::size_t total,
                  const PlannedTrial& planned,
@@ -100,12 +128,7 @@ void print_trial(const RigSpec& spec,
     } else if (!result.response) {
         line += fmt::format("  {}", to_string(result.outcome));
     } else if (spec.kind == data::RunKind::simulated) {
-        const protocols::Protocol& protocol = spec.study.protocol;
-        line += fmt::format("  {:<11} friction {:<4} -> {:<11} {}",
-                            protocol.objects.at(planned.condition.object).name,
-                            protocol.frictions.at(planned.condition.friction).name,
-                            protocol.objects.at(result.response->object).name,
-                            result.response->correct ? "correct" : "wrong");
+        line += "  " + answer_text(spec.study.protocol, planned, result);
     } else {  // a person may see this terminal: nothing about the stimulus or the answer
         line += fmt::format("  felt {:.1f} s, answered in {:.1f} s", result.done_s,
                             result.response->reaction_s);
@@ -162,12 +185,15 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
     const std::vector<std::int64_t> trials =
         device.trial ? std::vector{*device.trial} : data::answered_trials(source);
     std::vector<protocols::ReplayApparatus::Recording> all;
+    data::TraceReader traces(source);
     for (const std::int64_t trial : trials) {
-        protocols::ReplayApparatus::Recording recording;
-        for (const engine::TickRecord& tick : data::read_trace(source, trial)) {
-            recording.push_back({.hip = tick.hip, .counts = tick.counts});
+        for (const std::int64_t interval : data::intervals_of(source, trial)) {
+            protocols::ReplayApparatus::Recording recording;
+            for (const engine::TickRecord& tick : traces.read(trial, interval)) {
+                recording.push_back({.hip = tick.hip, .counts = tick.counts});
+            }
+            all.push_back(std::move(recording));
         }
-        all.push_back(std::move(recording));
     }
     return all;
 }
@@ -219,7 +245,8 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                              .progress =
                                  [&](const PlannedTrial& planned, const TrialResult& result) {
                                      print_trial(spec, plan.trials.size(), planned, result);
-                                 }})};
+                                 }},
+                            opened.runs)};
 }
 
 }  // namespace palpate::ui

@@ -71,10 +71,11 @@ void SpectatorScreen::feel(std::span<const engine::TickRecord> ticks) {
 }
 
 Choice SpectatorScreen::choose(const protocols::TrialView& trial,
-                               std::span<const protocols::Picture> pictures) {
+                               const protocols::Question& question) {
+    const std::span<const protocols::Picture> pictures = question.pictures;
     stage_.show(drawing(ChooseFace{.pictures = pictures, .selected = {}, .watched = true}));
     const bool stopped = stage_.wait_or_abort(2.0 * kLook);
-    const Choice choice = observer_.choose(trial, pictures);
+    const Choice choice = observer_.choose(trial, question);
     stage_.show(
         drawing(ChooseFace{.pictures = pictures, .selected = choice.place, .watched = true}));
     if (stopped || stage_.wait_or_abort(1.5 * kLook)) {

@@ -18,7 +18,7 @@ public:
                                                double elapsed_s) override;
     void feel(std::span<const engine::TickRecord> ticks) override;
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
-                                           std::span<const protocols::Picture> pictures) override;
+                                           const protocols::Question& question) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
     [[nodiscard]] std::optional<protocols::Signal> trouble(

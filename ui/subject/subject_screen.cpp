@@ -159,7 +159,8 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
 }
 
 Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
-                             std::span<const protocols::Picture> pictures) {
+                             const protocols::Question& question) {
+    const std::span<const protocols::Picture> pictures = question.pictures;
     stage_.window().show_pointer(true);
     std::optional<std::size_t> selected;
     const std::int64_t shown =

@@ -38,7 +38,7 @@ public:
     [[nodiscard]] protocols::Exploring explore(const protocols::TrialView& trial,
                                                double elapsed_s) override;
     [[nodiscard]] protocols::Choice choose(const protocols::TrialView& trial,
-                                           std::span<const protocols::Picture> pictures) override;
+                                           const protocols::Question& question) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
     [[nodiscard]] std::optional<protocols::Signal> trouble(

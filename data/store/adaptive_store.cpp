@@ -1,0 +1,159 @@
+#include "data/store/adaptive_store.hpp"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "data/store/people.hpp"
+
+namespace palpate::data {
+
+const char* const kAdaptive5 = R"sql(
+CREATE TABLE adaptive_plan (
+    -- Of trials whose stimulus a rule chooses, beside their rows of plan: these have the standard object and
+    -- the friction of the comparison.
+    session           INTEGER NOT NULL,
+    position          INTEGER NOT NULL,
+    run               INTEGER NOT NULL CHECK (run >= 0),  -- from 0; a run is one rule with its own answers
+    run_name          TEXT NOT NULL,
+    comparison        INTEGER NOT NULL CHECK (comparison IN (1, 2)),  -- the interval with the rule's stimulus
+    standard_friction TEXT NOT NULL,                -- of the other interval
+    PRIMARY KEY (session, position),
+    FOREIGN KEY (session, position) REFERENCES plan (session, position)
+) STRICT;
+
+CREATE TABLE adaptive_step (
+    -- Answers that a rule took in. Stimulus: presentation.stimulus of the trial.
+    trial        INTEGER PRIMARY KEY REFERENCES trial,
+    outcome      INTEGER NOT NULL CHECK (outcome >= 0),  -- two intervals: 1 if the comparison was named
+    estimate     REAL,                              -- mean of the first estimate with this answer; NULL: none
+    estimates    TEXT NOT NULL,                     -- all of them, as JSON: {"name": {"mean": x, "mode": x}, ...}
+    state_sha256 TEXT NOT NULL CHECK (length(state_sha256) = 64)  -- of the rule with this answer
+) STRICT;
+)sql";
+
+const char* const kAdaptiveViews5 = R"sql(
+CREATE VIEW adaptive_trial AS
+-- One row per answer that a rule took in, in the order of its run; counts = 0: it was marked later.
+SELECT trial.id AS trial, study.name AS study, participant.code AS participant, session.number AS session,
+       session.kind AS kind, adaptive_plan.run AS run, adaptive_plan.run_name AS run_name,
+       row_number() OVER (PARTITION BY trial.session, adaptive_plan.run ORDER BY trial.id) AS n,
+       trial.position AS position, adaptive_plan.comparison AS comparison,
+       presentation.stimulus AS stimulus, presentation.curvature_per_m AS curvature_per_m,
+       presentation.mu_s AS mu_s, response.answer AS answer, adaptive_step.outcome AS outcome,
+       response.correct AS correct, adaptive_step.estimate AS estimate, adaptive_step.estimates AS estimates,
+       adaptive_step.state_sha256 AS state_sha256, trial.invalid IS NULL AS counts
+FROM adaptive_step
+JOIN trial ON trial.id = adaptive_step.trial
+JOIN response ON response.trial = trial.id
+JOIN presentation ON presentation.trial = trial.id AND presentation.stimulus IS NOT NULL
+JOIN adaptive_plan ON adaptive_plan.session = trial.session AND adaptive_plan.position = trial.position
+JOIN session ON session.id = trial.session
+JOIN participant ON participant.id = session.participant
+JOIN study ON study.id = session.study;
+)sql";
+
+void write_adaptive_plan(Database& database,
+                         std::int64_t session,
+                         const protocols::Protocol& protocol,
+                         const protocols::Plan& plan) {
+    Statement row = database.prepare("INSERT INTO adaptive_plan VALUES (?1, ?2, ?3, ?4, ?5, ?6)");
+    for (const protocols::PlannedTrial& planned : plan.trials) {
+        if (planned.adaptive) {
+            const protocols::AdaptiveTrial& adaptive = *planned.adaptive;
+            row.bind(1, session)
+                .bind(2, static_cast<std::int64_t>(planned.position))
+                .bind(3, static_cast<std::int64_t>(adaptive.run))
+                .bind(4, protocol.runs.at(adaptive.run).name)
+                .bind(5, static_cast<std::int64_t>(adaptive.comparison))
+                .bind(6, protocol.frictions.at(adaptive.standard_friction).name)
+                .run();
+        }
+    }
+}
+
+std::string estimates_text(const std::vector<protocols::Estimate>& estimates) {
+    const auto number = [](std::optional<double> value) {
+        return value && std::isfinite(*value) ? fmt::format("{}", *value == 0.0 ? 0.0 : *value)
+                                              : std::string("null");
+    };
+    std::string text;
+    for (const protocols::Estimate& estimate : estimates) {
+        text += fmt::format("{}\"{}\":{{\"mean\":{},\"mode\":{}}}", text.empty() ? "" : ",",
+                            estimate.name, number(estimate.mean), number(estimate.mode));
+    }
+    return '{' + text + '}';
+}
+
+void write_step(Database& database, std::int64_t trial, const protocols::AdaptiveStep& step) {
+    database.prepare("INSERT INTO adaptive_step VALUES (?1, ?2, ?3, ?4, ?5)")
+        .bind(1, trial)
+        .bind(2, static_cast<std::int64_t>(step.outcome))
+        .bind(3, step.estimates.empty() ? std::nullopt : step.estimates.front().mean)
+        .bind(4, estimates_text(step.estimates))
+        .bind(5, step.state_hash)
+        .run();
+}
+
+protocols::AdaptiveRuns rebuilt_runs(Database& database,
+                                     std::int64_t session,
+                                     const SessionSpec& spec) {
+    protocols::AdaptiveRuns runs(spec.protocol, session_stream(spec));
+    if (runs.size() == 0) {
+        return runs;
+    }
+    std::vector<std::pair<std::int64_t, std::int64_t>> marks;  // trial, marked after which
+    const auto forget_before = [&](std::optional<std::int64_t> trial) {
+        std::erase_if(marks, [&](const auto& mark) {
+            const bool due = !trial || mark.second < *trial;
+            if (due) {
+                runs.forget(mark.first);
+            }
+            return due;
+        });
+    };
+    Statement row = database.prepare(
+        "SELECT trial.id, adaptive_plan.run, presentation.stimulus, adaptive_step.outcome,"
+        " state_sha256"
+        " FROM adaptive_step JOIN trial ON trial.id = adaptive_step.trial"
+        " JOIN adaptive_plan ON adaptive_plan.session = trial.session"
+        " AND adaptive_plan.position = trial.position"
+        " JOIN presentation ON presentation.trial = trial.id AND stimulus IS NOT NULL"
+        " WHERE trial.session = ?1 ORDER BY trial.id");
+    row.bind(1, session);
+    while (row.step()) {
+        const std::int64_t trial = row.integer(0);
+        const auto run = static_cast<std::size_t>(row.integer(1));
+        const double stimulus = row.real(2);
+        forget_before(trial);
+        const auto refuse = [&](const std::string& what) {
+            throw StoreError(fmt::format(
+                "{}: {} in trial {}: what was stored is not what the rule of this protocol gives, "
+                "and nothing was run; palpate verify says more",
+                database.file(), what, trial));
+        };
+        if (run >= runs.size() || runs.of(run).finished()) {
+            refuse(fmt::format("run {} has no trial left", run));
+        }
+        if (const double next = runs.next(run); next != stimulus) {
+            refuse(fmt::format("the stimulus {} stands for {}", stimulus, next));
+        }
+        std::string state;
+        try {
+            state = runs.update(run, stimulus, static_cast<std::size_t>(row.integer(3)), trial)
+                        .state_hash;
+        } catch (const std::invalid_argument& error) {
+            refuse(error.what());
+        }
+        if (state != row.text(4)) {
+            refuse("the state of the rule differs");
+        }
+        if (const auto mark = find_mark(database, trial)) {
+            marks.emplace_back(trial, mark->after);
+        }
+    }
+    forget_before(std::nullopt);
+    return runs;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocols/running/adaptive_runs.hpp"
+#include "data/store/session_store.hpp"
+
+/// Rules that choose stimuli: what is stored of them, and how they are built again.
+namespace palpate::data {
+
+/// Since schema 5: tables adaptive_plan, adaptive_step; after all tables the view adaptive_trial.
+extern const char* const kAdaptive5;
+extern const char* const kAdaptiveViews5;
+
+/// What is planned beside the rows of plan.
+void write_adaptive_plan(Database& database,
+                         std::int64_t session,
+                         const protocols::Protocol& protocol,
+                         const protocols::Plan& plan);
+
+/// An answer that the rule took in.
+void write_step(Database& database, std::int64_t trial, const protocols::AdaptiveStep& step);
+
+/// {"threshold":{"mean":5.1,"mode":5},...} as adaptive_step.estimates has it; numbers as short as can be.
+[[nodiscard]] std::string estimates_text(const std::vector<protocols::Estimate>& estimates);
+
+/// The rules of a session as the next trial finds them: every stored stimulus and outcome taken in again, in
+/// order. An answer that was marked as not counting is forgotten from the next trial on.
+/// @throws StoreError if a stored stimulus or state is not what the rule gives: nothing may run then
+[[nodiscard]] protocols::AdaptiveRuns rebuilt_runs(Database& database,
+                                                   std::int64_t session,
+                                                   const SessionSpec& spec);
+
+}  // namespace palpate::data

@@ -1,0 +1,140 @@
+#include "data/store/presentation.hpp"
+
+#include <optional>
+#include <string_view>
+
+namespace palpate::data {
+
+const char* const kPresentation5 = R"sql(
+CREATE TABLE presentation (
+    -- What each interval of a trial let one feel, and how it was felt, from its first tick to done. Trials
+    -- with two intervals are comparisons; the numbers of the trial are those of both together.
+    trial               INTEGER NOT NULL REFERENCES trial,
+    interval            INTEGER NOT NULL CHECK (interval IN (1, 2)),
+    stimulus            REAL,                       -- what the rule chose, as it counts; NULL: not chosen by a rule
+    object              TEXT NOT NULL,
+    curvature_per_m     REAL,                       -- as felt; NULL: no two-curve object
+    friction            TEXT NOT NULL,
+    mu_s                REAL NOT NULL CHECK (mu_s >= mu_d),  -- as felt
+    mu_d                REAL NOT NULL CHECK (mu_d >= 0),
+    slip_decay          REAL NOT NULL,              -- exp(-T/tau_slip) as computed on this machine
+    heal_decay          REAL NOT NULL,              -- exp(-T/tau_heal)
+    done_s              REAL,                       -- first tick -> done; NULL, as all below: it was cut off
+    done_uncertainty_s  REAL,
+    first_contact_s     REAL,                       -- first tick -> first contact; NULL: none
+    ticks               INTEGER CHECK (ticks >= 0),
+    contact_ticks       INTEGER,
+    slip_ticks          INTEGER,
+    late_ticks          INTEGER,
+    saturated_ticks     INTEGER,
+    path_length_m       REAL,
+    mean_normal_force_n REAL,
+    max_normal_force_n  REAL,
+    PRIMARY KEY (trial, interval)
+) STRICT;
+)sql";
+
+const char* const kPresentation5From4 = R"sql(
+INSERT INTO presentation SELECT trial.id, 1, NULL, object, curvature_per_m, friction, mu_s, mu_d, slip_decay,
+    heal_decay, done_s, done_uncertainty_s, first_contact_s, ticks, contact_ticks, slip_ticks, late_ticks,
+    saturated_ticks, path_length_m, mean_normal_force_n, max_normal_force_n
+FROM trial JOIN plan USING (session, position);
+)sql";
+
+const char* const kResponse5 = R"sql(
+CREATE TABLE response (
+    trial          INTEGER PRIMARY KEY REFERENCES trial,
+    place          INTEGER CHECK (place >= 0),      -- of the chosen picture, from the left; NULL: no pictures
+    object         TEXT,                            -- of the chosen picture; NULL: no pictures
+    correct        INTEGER CHECK (correct IN (0, 1)),       -- NULL: the answer is neither right nor wrong
+    reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- question shown -> answer
+    uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),
+    input          TEXT NOT NULL CHECK (input IN ('simulated', 'key', 'arrows', 'mouse')),
+    answer         INTEGER NOT NULL CHECK (answer >= 0),    -- picture from the left; interval - 1; 0 no, 1 yes; level
+    confidence     INTEGER CHECK (confidence BETWEEN 1 AND 4),        -- 1 a guess, 4 sure; NULL: not asked for
+    confidence_reaction_s REAL CHECK (confidence_reaction_s >= 0)     -- scale shown -> confidence
+) STRICT;
+)sql";
+
+const char* const kResponse5From4 = R"sql(
+INSERT INTO response SELECT *, place, NULL, NULL FROM temp.response_4;
+DROP TABLE temp.response_4;
+)sql";
+
+void write_presentation(Database& database,
+                        std::int64_t trial,
+                        const protocols::Presentation& felt,
+                        const protocols::SceneConstants& scene) {
+    database
+        .prepare(
+            "INSERT INTO presentation (trial, interval, stimulus, object, curvature_per_m, "
+            "friction, "
+            "mu_s, mu_d, slip_decay, heal_decay) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
+        .bind(1, trial)
+        .bind(2, static_cast<std::int64_t>(felt.interval))
+        .bind(3, felt.stimulus)
+        .bind(4, felt.object.name)
+        .bind(5, felt.object.curvature)
+        .bind(6, felt.friction.name)
+        .bind(7, felt.friction.mu_s)
+        .bind(8, felt.friction.mu_d)
+        .bind(9, scene.slip_decay)
+        .bind(10, scene.heal_decay)
+        .run();
+}
+
+void write_interval_result(Database& database,
+                           std::int64_t trial,
+                           std::int64_t interval,
+                           const protocols::IntervalResult& result) {
+    const protocols::TrialSummary& sum = result.summary;
+    database
+        .prepare(
+            "UPDATE presentation SET done_s = ?3, done_uncertainty_s = ?4, first_contact_s = ?5,"
+            " ticks = ?6, contact_ticks = ?7, slip_ticks = ?8, late_ticks = ?9, saturated_ticks = "
+            "?10, path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13"
+            " WHERE trial = ?1 AND interval = ?2")
+        .bind(1, trial)
+        .bind(2, interval)
+        .bind(3, result.done_s)
+        .bind(4, result.done_uncertainty_s)
+        .bind(5, sum.first_contact_s)
+        .bind(6, sum.ticks)
+        .bind(7, sum.contact_ticks)
+        .bind(8, sum.slip_ticks)
+        .bind(9, sum.late_ticks)
+        .bind(10, sum.saturated_ticks)
+        .bind(11, sum.path_length_m)
+        .bind(12, sum.mean_normal_force_n)
+        .bind(13, sum.max_normal_force_n)
+        .run();
+}
+
+void write_response(Database& database,
+                    std::int64_t trial,
+                    const protocols::Protocol& protocol,
+                    const protocols::Response& response) {
+    const auto integer = [](auto value) {
+        return value ? std::optional(static_cast<std::int64_t>(*value)) : std::nullopt;
+    };
+    const std::optional<std::string_view> object =
+        response.object
+            ? std::optional<std::string_view>(protocol.objects.at(*response.object).name)
+            : std::nullopt;
+    database.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
+        .bind(1, trial)
+        .bind(2, response.object ? std::optional(static_cast<std::int64_t>(response.place))
+                                 : std::nullopt)
+        .bind(3, object)
+        .bind(4, integer(response.correct))
+        .bind(5, response.reaction_s)
+        .bind(6, response.uncertainty_s)
+        .bind(7, to_string(response.input))
+        .bind(8, static_cast<std::int64_t>(response.place))
+        .bind(9, integer(response.confidence))
+        .bind(10,
+              response.confidence ? std::optional(response.confidence_reaction_s) : std::nullopt)
+        .run();
+}
+
+}  // namespace palpate::data

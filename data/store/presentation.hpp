@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+
+#include "protocols/running/recorder.hpp"
+#include "data/store/database.hpp"
+
+/// What each interval of a trial let one feel, and how it was felt: the table presentation.
+namespace palpate::data {
+
+/// Since schema 5.
+extern const char* const kPresentation5;
+/// For trials from before: one interval each, by plan and trial.
+extern const char* const kPresentation5From4;
+/// The table response as of schema 5, and how it is filled from temp.response_4.
+extern const char* const kResponse5;
+extern const char* const kResponse5From4;
+
+void write_presentation(Database& database,
+                        std::int64_t trial,
+                        const protocols::Presentation& felt,
+                        const protocols::SceneConstants& scene);
+
+/// The numbers of an interval when its trial has ended.
+void write_interval_result(Database& database,
+                           std::int64_t trial,
+                           std::int64_t interval,
+                           const protocols::IntervalResult& result);
+
+void write_response(Database& database,
+                    std::int64_t trial,
+                    const protocols::Protocol& protocol,
+                    const protocols::Response& response);
+
+}  // namespace palpate::data

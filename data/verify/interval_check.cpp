@@ -1,0 +1,189 @@
+#include "data/verify/interval_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+
+#include <fmt/format.h>
+
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/running/trial_scene.hpp"
+#include "data/store/adaptive_store.hpp"
+#include "data/verify/replay_check.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::Presentation;
+
+/// How far apart exp() of two C libraries may be.
+constexpr double kExpError = 4e-16;
+
+/// With the decays that were recorded.
+std::unique_ptr<engine::Scene> scene_of(const SessionFrame& frame,
+                                        const Presentation& felt,
+                                        std::string_view table,
+                                        const StoredRow& row,
+                                        Findings& findings) {
+    std::unique_ptr<engine::Scene> scene(new engine::Scene(make_scene(frame.protocol, felt)));
+    const auto check_decay = [&](std::string_view column, double here) {
+        const double stored = row.real(column);
+        if (!(std::fabs(stored - here) <= kExpError * here)) {
+            findings.expect(table, column, row, here);
+        } else if (stored != here) {
+            findings.missing(
+                fmt::format("{}.{}", table, column),
+                fmt::format("{} by exp() of this machine, {} stored and used", here, stored));
+        }
+    };
+    check_decay("slip_decay", scene->decay().slip);
+    check_decay("heal_decay", scene->decay().heal);
+    scene->restore_decay({.slip = row.real("slip_decay"), .heal = row.real("heal_decay")});
+    return scene;
+}
+
+void check_row(const StoredRow& row, const Presentation& felt, Findings& findings) {
+    constexpr std::string_view table = "presentation";
+    findings.expect(table, "interval", row, static_cast<std::int64_t>(felt.interval));
+    findings.expect(table, "stimulus", row, felt.stimulus ? Value(*felt.stimulus) : Value());
+    findings.expect(table, "object", row, felt.object.name);
+    findings.expect(table, "curvature_per_m", row, felt.object.curvature);
+    findings.expect(table, "friction", row, felt.friction.name);
+    findings.expect(table, "mu_s", row, felt.friction.mu_s);
+    findings.expect(table, "mu_d", row, felt.friction.mu_d);
+}
+
+std::optional<std::size_t> index_of(const std::vector<protocols::ObjectSpec>& objects,
+                                    const std::string& name) {
+    const auto found = std::find_if(objects.begin(), objects.end(),
+                                    [&](const auto& object) { return object.name == name; });
+    return found == objects.end()
+             ? std::nullopt
+             : std::optional(static_cast<std::size_t>(found - objects.begin()));
+}
+
+}  // namespace
+
+std::vector<CheckedInterval> check_intervals(Database& database,
+                                             const SessionFrame& frame,
+                                             const StoredRow& trial,
+                                             std::span<const Presentation> expected,
+                                             bool answered,
+                                             std::int64_t period_ns,
+                                             Findings& findings) {
+    const bool before = database.schema() < 5;
+    const std::int64_t id = trial.integer("id");
+    const auto rows =
+        before ? std::vector{trial}
+               : rows_of(database, "SELECT * FROM presentation WHERE trial = ?1 ORDER BY interval",
+                         id);
+    // What a rule chose is stored in a second step: a trial can be cut off before.
+    const bool may_lack = !answered && expected.size() != rows.size() &&
+                          (expected.size() > 1 || expected.front().stimulus);
+    if (rows.size() > expected.size() || (rows.size() < expected.size() && !may_lack)) {
+        findings.differs("presentation", fmt::format("{} rows", rows.size()),
+                         fmt::format("{} rows", expected.size()));
+    }
+    std::vector<CheckedInterval> intervals;
+    for (std::size_t i = 0; i < std::min(rows.size(), expected.size()); ++i) {
+        if (!before) {
+            check_row(rows[i], expected[i], findings);
+        }
+        const auto scene =
+            scene_of(frame, expected[i], before ? "trial" : "presentation", rows[i], findings);
+        if (!before && i == 0) {
+            for (const std::string_view column : {"slip_decay", "heal_decay"}) {
+                findings.expect("trial", column, trial, rows[i].at(column));
+            }
+        }
+        StoredTrace trace = load_trace(database, id, static_cast<std::int64_t>(i + 1), scene.get(),
+                                       frame.machine, period_ns, findings);
+        check_replay(*scene, trace, findings);
+        check_times(trace, period_ns, findings);
+        intervals.push_back({rows[i], std::move(trace)});
+    }
+    return intervals;
+}
+
+bool check_response(const SessionFrame& frame,
+                    const StoredRow& response,
+                    const protocols::PlannedTrial& planned,
+                    std::span<const Presentation> felt,
+                    Findings& findings) {
+    if (response.text("input") == "simulated" && !frame.simulated) {
+        findings.differs("response.input", "\"simulated\"", "a person's: the session is real");
+    }
+    const bool pictures = frame.protocol.response.kind == protocols::ResponseKind::identification;
+    const bool before = response.null("answer");  // of a file from before schema 5
+    const std::string_view column = before ? "place" : "answer";
+    const std::int64_t answer = response.integer(column);
+    const std::size_t answers =
+        pictures ? frame.pictures.size() : protocols::answers_of(frame.protocol);
+    if (answer < 0 || answer >= static_cast<std::int64_t>(answers)) {
+        findings.differs(fmt::format("response.{}", column), fmt::format("{}", answer),
+                         fmt::format("one of {} {}", answers, pictures ? "pictures" : "answers"));
+        return false;
+    }
+    const auto place = static_cast<std::size_t>(answer);
+    findings.expect("response", "place", response, pictures ? Value(answer) : Value());
+    findings.expect("response", "object", response,
+                    pictures ? Value(frame.pictures[place]) : Value());
+    const auto right = is_right(frame.protocol, frame.plan, planned, felt, place);
+    findings.expect("response", "correct", response,
+                    right ? Value(std::int64_t{*right ? 1 : 0}) : Value());
+    if (!frame.protocol.response.confidence) {
+        findings.expect("response", "confidence", response, Value());
+    }
+    if (response.null("confidence")) {
+        findings.expect("response", "confidence_reaction_s", response, Value());
+    }
+    return true;
+}
+
+void check_step(Database& database,
+                const SessionFrame& frame,
+                const StoredRow& trial,
+                const StoredRow* response,
+                const protocols::PlannedTrial& planned,
+                std::optional<double> stimulus,
+                bool counted,
+                protocols::AdaptiveRuns& runs,
+                Findings& findings) {
+    if (database.schema() < 5) {
+        return;
+    }
+    const std::int64_t id = trial.integer("id");
+    const auto rows = rows_of(database, "SELECT * FROM adaptive_step WHERE trial = ?1", id);
+    const bool due = planned.adaptive && planned.phase != protocols::Phase::practice &&
+                     response != nullptr && counted && stimulus;
+    if (rows.size() != (due ? 1U : 0U)) {
+        findings.differs("adaptive_step", fmt::format("{} rows", rows.size()),
+                         fmt::format("{} rows", due ? 1 : 0));
+    }
+    if (!due) {
+        return;
+    }
+    const protocols::Response given{
+        .place = static_cast<std::size_t>(response->integer("answer")),
+        .object = index_of(frame.protocol.objects, response->text("object"))};
+    const std::size_t outcome = outcome_of(frame.protocol, planned, given);
+    try {
+        const protocols::AdaptiveStep step =
+            runs.update(planned.adaptive->run, *stimulus, outcome, id);
+        if (rows.empty()) {
+            return;
+        }
+        const auto& first = step.estimates;
+        findings.expect("adaptive_step", "outcome", rows.front(),
+                        static_cast<std::int64_t>(outcome));
+        findings.expect(
+            "adaptive_step", "estimate", rows.front(),
+            first.empty() || !first.front().mean ? Value() : Value(*first.front().mean));
+        findings.expect("adaptive_step", "estimates", rows.front(), estimates_text(first));
+        findings.expect("adaptive_step", "state_sha256", rows.front(), step.state_hash);
+    } catch (const std::exception& error) {
+        findings.differs("adaptive_step", error.what(), "an answer that the rule can take in");
+    }
+}
+
+}  // namespace palpate::data

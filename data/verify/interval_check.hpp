@@ -1,0 +1,51 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "protocols/running/presentation.hpp"
+#include "data/verify/trial_check.hpp"
+
+namespace palpate::data {
+
+/// One interval of a trial: its row of presentation (of files from before schema 5: the trial's), and its
+/// ticks.
+struct CheckedInterval {
+    StoredRow row;
+    StoredTrace trace;
+};
+
+/// The intervals of a trial against what they should have let one feel: rows of presentation, decays, chunks,
+/// replay and times.
+/// @param expected  what the plan and the rule say
+[[nodiscard]] std::vector<CheckedInterval> check_intervals(
+    Database& database,
+    const SessionFrame& frame,
+    const StoredRow& trial,
+    std::span<const protocols::Presentation> expected,
+    bool answered,
+    std::int64_t period_ns,
+    Findings& findings);
+
+/// The row of response: place, object and correct by the kind of answer, and their ranges.
+/// @return false if it is no answer to the question
+bool check_response(const SessionFrame& frame,
+                    const StoredRow& response,
+                    const protocols::PlannedTrial& planned,
+                    std::span<const protocols::Presentation> felt,
+                    Findings& findings);
+
+/// The row of adaptive_step of a trial: none unless the answer counted when it was given; else outcome,
+/// estimates and state are those of the rule, which takes the answer in.
+/// @param counted  when it was given
+void check_step(Database& database,
+                const SessionFrame& frame,
+                const StoredRow& trial,
+                const StoredRow* response,
+                const protocols::PlannedTrial& planned,
+                std::optional<double> stimulus,
+                bool counted,
+                protocols::AdaptiveRuns& runs,
+                Findings& findings);
+
+}  // namespace palpate::data

@@ -1,0 +1,128 @@
+#include "protocols/design/adaptive_plan.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/design/order_sampler.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/design/sha256.hpp"
+#include "protocols/psychometric/exact_math.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+std::size_t index_of(const std::vector<FrictionSpec>& specs, const std::string& name) {
+    const auto found = std::find_if(specs.begin(), specs.end(),
+                                    [&](const FrictionSpec& spec) { return spec.name == name; });
+    if (found == specs.end()) {
+        throw std::invalid_argument(fmt::format("there is no friction \"{}\"", name));
+    }
+    return static_cast<std::size_t>(found - specs.begin());
+}
+
+std::size_t index_of(const std::vector<ObjectSpec>& specs, const std::string& name) {
+    const auto found = std::find_if(specs.begin(), specs.end(),
+                                    [&](const ObjectSpec& spec) { return spec.name == name; });
+    if (found == specs.end()) {
+        throw std::invalid_argument(fmt::format("there is no object \"{}\"", name));
+    }
+    return static_cast<std::size_t>(found - specs.begin());
+}
+
+Pcg32 stream_of(StreamKey key, std::string_view purpose, std::size_t block = 0) {
+    key.purpose = purpose;
+    key.block = block;
+    return stream(key);
+}
+
+/// Runs as objects and intervals as frictions, for the sampler of orders.
+std::vector<Condition> run_intervals(const Protocol& protocol, Pcg32& random) {
+    const std::size_t intervals = intervals_of(protocol);
+    std::vector<Condition> trials;
+    for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
+        const std::size_t extra = random.bounded(2);
+        for (std::size_t i = 0; i < protocol.procedure->trials; ++i) {
+            trials.push_back({run, intervals == 1 ? 0 : (i + extra) % 2});
+        }
+    }
+    return trials;
+}
+
+}  // namespace
+
+std::size_t answers_of(const Protocol& protocol) {
+    switch (protocol.response.kind) {
+        case ResponseKind::identification:
+            return objects_of(protocol, true).size();
+        case ResponseKind::two_interval:
+        case ResponseKind::yes_no:
+            return 2;
+        case ResponseKind::rating:
+            return protocol.response.levels;
+    }
+    return 0;
+}
+
+double felt_value(const AdaptiveSpec& spec, double stimulus) {
+    constexpr double kLnOf10 = 2.302585092994046;
+    return spec.stimulus_as == StimulusAs::log10 ? exponential(kLnOf10 * stimulus) : stimulus;
+}
+
+std::vector<PlannedTrial> adaptive_trials(const Protocol& protocol,
+                                          const StreamKey& key,
+                                          Plan& plan) {
+    const AdaptiveSpec& spec = *protocol.procedure;
+    const std::size_t object = index_of(protocol.objects, spec.object);
+    std::vector<PlannedTrial> trials;
+    const auto add = [&](Phase phase, std::size_t run, std::size_t interval, bool rest) {
+        const RunSpec& of = protocol.runs.at(run);
+        const std::size_t friction = index_of(protocol.frictions, of.friction);
+        const std::string& standard =
+            of.standard_friction.empty() ? of.friction : of.standard_friction;
+        trials.push_back({.position = trials.size(),
+                          .phase = phase,
+                          .condition = {object, friction},
+                          .break_before = rest,
+                          .adaptive = AdaptiveTrial{
+                              .run = run,
+                              .comparison = interval + 1,
+                              .standard_friction = index_of(protocol.frictions, standard)}});
+    };
+    Pcg32 practice = stream_of(key, purpose::practice_order);
+    for (std::size_t i = 0; i < spec.practice_trials; ++i) {
+        add(Phase::practice, i % protocol.runs.size(),
+            intervals_of(protocol) == 1 ? 0 : practice.bounded(2), false);
+    }
+    Pcg32 extra = stream_of(key, purpose::main_order, 1);
+    OrderSampler sampler(run_intervals(protocol, extra),
+                         {.object = spec.max_run, .friction = spec.max_run_interval});
+    Pcg32 random = stream_of(key, purpose::main_order);
+    const ConstrainedOrder drawn = sampler.draw(random);
+    plan.attempts = drawn.attempts;
+    plan.way = drawn.way;
+    const std::size_t every = protocol.design.break_every;
+    for (std::size_t i = 0; i < drawn.order.size(); ++i) {
+        const bool begins = i == 0 && spec.practice_trials > 0;
+        const bool due = i > 0 && every > 0 && i % every == 0;
+        add(Phase::main, drawn.order[i].object, drawn.order[i].friction, begins || due);
+    }
+    return trials;
+}
+
+StreamKey run_key(StreamKey key, std::size_t run) {
+    key.purpose = purpose::procedure;
+    key.block = run;
+    return key;
+}
+
+std::string rule_lines(const Protocol& protocol, const StreamKey& key) {
+    std::string text = fmt::format("rule={}\n", sha256_hex(protocol.procedure->rule));
+    for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
+        text += fmt::format("run={} {}\n", run, sha256_hex(canonical_text(run_key(key, run))));
+    }
+    return text;
+}
+
+}  // namespace palpate::protocols

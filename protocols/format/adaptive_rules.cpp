@@ -1,0 +1,270 @@
+#include "protocols/format/adaptive_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/contact/closest_point.hpp"
+#include "stimuli/two_curve.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/format/keys.hpp"
+#include "protocols/format/procedure_keys.hpp"
+#include "protocols/format/procedure_tables.hpp"
+#include "protocols/procedure/rule_facts.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+constexpr std::array<std::string_view, 7> kTables{"constant", "staircase",  "quest", "model",
+                                                  "stimuli",  "parameters", "prior"};
+/// As [[friction]] has it.
+constexpr double kMostMu = 10.0;
+/// As an object's two curves have it: the sine of an arc's half sweep.
+constexpr double kMaxHalfSine = 0.95;
+
+bool of_the_rule(std::string_view key) {
+    const auto keys = procedure_keys();
+    return std::any_of(keys.begin(), keys.end(), [key](const ProcedureKey& row) {
+        return row.table == "procedure" && row.name == key;
+    });
+}
+
+template <class Spec>
+const Spec* named(const std::vector<Spec>& specs, std::string_view name) {
+    const auto found =
+        std::find_if(specs.begin(), specs.end(), [&](const Spec& s) { return s.name == name; });
+    return found == specs.end() ? nullptr : &*found;
+}
+
+template <class Spec>
+std::vector<std::string_view> names_of(const std::vector<Spec>& specs) {
+    std::vector<std::string_view> names;
+    for (const Spec& spec : specs) {
+        names.push_back(spec.name);
+    }
+    return names;
+}
+
+class AdaptiveRules {
+public:
+    AdaptiveRules(const Protocol& protocol, const Places& places, Problems& problems)
+        : protocol_(protocol), spec_(*protocol.procedure), places_(places), problems_(problems) {}
+
+    void check() {
+        if (named(protocol_.objects, spec_.object) == nullptr) {
+            add("procedure.object",
+                fmt::format("object is \"{}\", which no [[object]] is called{}", spec_.object,
+                            suggestion(spec_.object, names_of(protocol_.objects))));
+        }
+        runs();
+        answers();
+        design();
+        if (spec_.varies == Varies::curvature) {
+            curvatures();
+        } else {
+            frictions();
+        }
+        practice();
+    }
+
+private:
+    void add(const std::string& path, std::string what) {
+        problems_.add(places_.of(path), std::move(what));
+    }
+
+    void runs() {
+        if (protocol_.runs.size() > kMaxRuns) {
+            add("run.1",
+                fmt::format("there are {} runs: give 1 to {}", protocol_.runs.size(), kMaxRuns));
+        }
+        std::set<std::string_view> seen;
+        for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
+            const RunSpec& run = protocol_.runs[i];
+            const std::string path = fmt::format("run.{}.", i + 1);
+            if (!seen.insert(run.name).second) {
+                add(path + "name", fmt::format("name is \"{}\", as in an earlier [[run]]: give "
+                                               "every run a name of its own",
+                                               run.name));
+            }
+            friction(path + "friction", "friction", run.friction);
+            if (!run.standard_friction.empty()) {
+                friction(path + "standard_friction", "standard_friction", run.standard_friction);
+                if (intervals_of(protocol_) == 1) {
+                    add(path + "standard_friction",
+                        fmt::format("standard_friction is given, but answers of kind \"{}\" follow "
+                                    "one interval: delete it, or give kind \"two_interval\"",
+                                    word_of(protocol_.response.kind)));
+                }
+            }
+        }
+    }
+
+    void friction(const std::string& path, std::string_view key, const std::string& name) {
+        if (named(protocol_.frictions, name) == nullptr) {
+            add(path, fmt::format("{} is \"{}\", which no [[friction]] is called{}", key, name,
+                                  suggestion(name, names_of(protocol_.frictions))));
+        }
+    }
+
+    void answers() {
+        const std::size_t answers = answers_of(protocol_);
+        if (spec_.outcomes != answers) {
+            add("procedure.kind",
+                fmt::format("the rule knows {} outcomes, and answers of kind \"{}\" have {}: give "
+                            "another rule or another kind",
+                            spec_.outcomes, word_of(protocol_.response.kind), answers));
+        }
+    }
+
+    void design() {
+        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+            const std::string path = fmt::format("design.{}", key.name);
+            if (key.name != "break_every" && places_.has(path) && left_as_default(key) == false) {
+                add(path,
+                    fmt::format("{} is given, but [procedure] decides what is felt: delete it",
+                                key.name));
+            }
+        }
+        const std::size_t trials = spec_.practice_trials + spec_.trials * protocol_.runs.size();
+        if (trials > kMaxTrials) {
+            add("procedure.kind",
+                fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
+        }
+    }
+
+    /// The canonical text has the whole table.
+    [[nodiscard]] bool left_as_default(const Key<DesignSpec>& key) const {
+        const DesignSpec defaults;
+        return std::visit([&](auto member) { return protocol_.design.*member == defaults.*member; },
+                          key.member);
+    }
+
+    void curvatures() {
+        for (const ObjectSpec& object : extreme_objects(protocol_)) {
+            const stimuli::TwoCurve curves{.a = protocol_.outline.a,
+                                           .vertex = protocol_.outline.vertex,
+                                           .b = protocol_.outline.b,
+                                           .curvature = object.curvature};
+            const double chord = std::max(glm::length(curves.vertex - curves.a),
+                                          glm::length(curves.b - curves.vertex));
+            std::string why;
+            if (!(std::fabs(object.curvature) * chord / 2.0 < kMaxHalfSine)) {
+                why = fmt::format("stay below {:.1f} either way", 2.0 * kMaxHalfSine / chord);
+            } else {
+                try {
+                    const auto outline = stimuli::make_outline(curves);
+                    if (engine::OutlineFeet(*outline).closest(protocol_.apparatus.start).inside) {
+                        why = "start_mm is inside of it";
+                    }
+                } catch (const std::invalid_argument& error) {
+                    why = error.what();
+                }
+            }
+            if (!why.empty()) {
+                add("procedure.kind",
+                    fmt::format("the rule may choose a curvature of {} 1/m, and there is no such "
+                                "object: {}; narrow the stimuli, or lowest and highest",
+                                object.curvature, why));
+                return;
+            }
+        }
+    }
+
+    void frictions() {
+        const double lowest = felt_value(spec_, spec_.lowest);
+        const double highest = felt_value(spec_, spec_.highest);
+        if (!(lowest > 0.0 && highest <= kMostMu)) {
+            add("procedure.kind",
+                fmt::format("the rule may choose mu_s from {} to {}: keep it above 0 and at most "
+                            "{}, by the stimuli, or lowest and highest",
+                            lowest, highest, kMostMu));
+        }
+        for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
+            const FrictionSpec* base = named(protocol_.frictions, protocol_.runs[i].friction);
+            if (base != nullptr && base->law != "gos") {
+                add(fmt::format("run.{}.friction", i + 1),
+                    fmt::format("friction is \"{}\", which is {}: the rule varies mu_s; name one "
+                                "with law \"gos\"",
+                                base->name, base->law));
+            }
+        }
+    }
+
+    void practice() {
+        const double x = spec_.practice_stimulus;
+        if (spec_.practice_trials > 0 && !(x >= spec_.lowest && x <= spec_.highest)) {
+            add("procedure.practice_stimulus",
+                fmt::format("practice_stimulus is {}: give what the rule might choose, {} to {}", x,
+                            spec_.lowest, spec_.highest));
+        }
+    }
+
+    const Protocol& protocol_;
+    const AdaptiveSpec& spec_;
+    const Places& places_;
+    Problems& problems_;
+};
+
+}  // namespace
+
+void read_adaptive(const Entry& entry, Reader& reader, Problems& problems, Protocol& protocol) {
+    const auto* given = std::get_if<Table>(&entry.value.data);
+    if (given == nullptr) {
+        problems.add(entry.at, fmt::format("procedure is {}: write it as a table, [procedure]",
+                                           shown(entry.value)));
+        return;
+    }
+    Table own;
+    Table of_rule;
+    Table file;
+    for (const Entry& one : *given) {
+        const bool table = std::find(kTables.begin(), kTables.end(), one.key) != kTables.end();
+        (table ? file : of_the_rule(one.key) ? of_rule : own).push_back(one);
+    }
+    AdaptiveSpec& spec = protocol.procedure.emplace();
+    reader.read(own, "procedure", entry.at, spec);
+    file.push_back({.key = "procedure",
+                    .at = entry.at,
+                    .value = {.at = entry.value.at, .data = std::move(of_rule)}});
+    Problems of_rule_alone;
+    const std::optional<ProcedureSpec> rule = read_procedure(file, of_rule_alone);
+    problems.take(std::move(of_rule_alone));
+    if (!rule) {
+        return;
+    }
+    try {
+        const RuleFacts facts = facts_of(*rule);
+        spec.rule = procedure_text(file);
+        spec.trials = facts.trials;
+        spec.lowest = facts.lowest;
+        spec.highest = facts.highest;
+        spec.outcomes = facts.outcomes;
+    } catch (const std::invalid_argument& error) {
+        problems.add(entry.at, error.what());
+    }
+}
+
+std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
+    std::vector<ObjectSpec> objects;
+    const ObjectSpec* base =
+        protocol.procedure ? named(protocol.objects, protocol.procedure->object) : nullptr;
+    if (base == nullptr || protocol.procedure->varies != Varies::curvature) {
+        return objects;
+    }
+    for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
+        ObjectSpec& object = objects.emplace_back(*base);
+        object.curvature = felt_value(*protocol.procedure, x);
+    }
+    return objects;
+}
+
+void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems) {
+    AdaptiveRules(protocol, places, problems).check();
+}
+
+}  // namespace palpate::protocols

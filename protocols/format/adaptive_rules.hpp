@@ -1,0 +1,20 @@
+#pragma once
+
+#include "protocols/design/protocol.hpp"
+#include "protocols/format/reader.hpp"
+
+/// Private to protocols/format.
+namespace palpate::protocols {
+
+/// Reads the table [procedure]: the keys of AdaptiveSpec and those of a procedure file. What follows from
+/// the rule is filled in. @param entry  of the table, in the protocol's file
+void read_adaptive(const Entry& entry, Reader& reader, Problems& problems, Protocol& protocol);
+
+/// What [procedure], [[run]], [response], [design], objects and frictions need of each other.
+void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems);
+
+/// Every object that the rule can make of the procedure's, at the ends of what it may choose: what holds for
+/// both ends holds between them. Without curvature to vary: none.
+[[nodiscard]] std::vector<ObjectSpec> extreme_objects(const Protocol& protocol);
+
+}  // namespace palpate::protocols
