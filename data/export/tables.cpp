@@ -127,6 +127,10 @@ constexpr std::array kTrials{
     ExportColumn{"choice", "text", "", "the answer: the object of the picture chosen",
                  "response.object"},
     ExportColumn{"correct", "integer", "1", "1: the choice is the object", "response.correct"},
+    ExportColumn{"answer", "integer", "1",
+                 "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
+                 "response.answer"},
+    ExportColumn{"confidence", "integer", "1", "1 a guess to 4 sure", "response.confidence"},
     ExportColumn{"first_contact_s", "real", "s", "first tick to first contact",
                  "trial.first_contact_s"},
     ExportColumn{"done_s", "real", "s", "first tick to done", "trial.done_s"},
@@ -177,6 +181,67 @@ constexpr std::array kResponses{
     ExportColumn{"uncertainty_s", "real", "s", "how late the answer may have been seen",
                  "response.uncertainty_s"},
     ExportColumn{"input", "text", "", "key, arrows, mouse or simulated", "response.input"},
+    ExportColumn{"answer", "integer", "1",
+                 "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
+                 "response.answer"},
+    ExportColumn{"confidence", "integer", "1", "1 a guess to 4 sure", "response.confidence"},
+    ExportColumn{"confidence_reaction_s", "real", "s", "scale shown to confidence",
+                 "response.confidence_reaction_s"},
+};
+
+constexpr std::array kPresentations{
+    kSubject,
+    kStudy,
+    kSession,
+    kTrial,
+    ExportColumn{"interval", "integer", "1", "1 or 2", "presentation.interval"},
+    ExportColumn{"stimulus", "real", "", "what the rule chose, in the protocol's unit",
+                 "presentation.stimulus"},
+    ExportColumn{"object", "text", "", "what was felt", "presentation.object"},
+    ExportColumn{"curvature_per_m", "real", "1/m", "as felt", "presentation.curvature_per_m"},
+    ExportColumn{"friction", "text", "", "friction condition", "presentation.friction"},
+    ExportColumn{"mu_s", "real", "1", "as felt", "presentation.mu_s"},
+    ExportColumn{"mu_d", "real", "1", "as felt", "presentation.mu_d"},
+    ExportColumn{"slip_decay", "real", "1", "as in trials", "presentation.slip_decay"},
+    ExportColumn{"heal_decay", "real", "1", "as in trials", "presentation.heal_decay"},
+    ExportColumn{"done_s", "real", "s", "first tick to done", "presentation.done_s"},
+    ExportColumn{"done_uncertainty_s", "real", "s", "how late done may have been seen",
+                 "presentation.done_uncertainty_s"},
+    ExportColumn{"first_contact_s", "real", "s", "first tick to first contact",
+                 "presentation.first_contact_s"},
+    ExportColumn{"ticks", "integer", "1", "servo ticks", "presentation.ticks"},
+    ExportColumn{"contact_ticks", "integer", "1", "of them in contact",
+                 "presentation.contact_ticks"},
+    ExportColumn{"slip_ticks", "integer", "1", "of them slipping", "presentation.slip_ticks"},
+    ExportColumn{"late_ticks", "integer", "1", "of them late", "presentation.late_ticks"},
+    ExportColumn{"saturated_ticks", "integer", "1", "of them with the force at its limit",
+                 "presentation.saturated_ticks"},
+    ExportColumn{"path_length_m", "real", "m", "way of the handle", "presentation.path_length_m"},
+    ExportColumn{"mean_normal_force_n", "real", "N", "mean normal force in contact",
+                 "presentation.mean_normal_force_n"},
+    ExportColumn{"max_normal_force_n", "real", "N", "largest normal force",
+                 "presentation.max_normal_force_n"},
+};
+
+constexpr std::array kSteps{
+    kSubject,
+    kStudy,
+    kSession,
+    kTrial,
+    ExportColumn{"run", "integer", "1", "one rule with its own answers, from 0",
+                 "adaptive_plan.run"},
+    ExportColumn{"run_name", "text", "", "its name", "adaptive_plan.run_name"},
+    ExportColumn{"comparison", "integer", "1", "the interval with the rule's stimulus",
+                 "adaptive_plan.comparison"},
+    ExportColumn{"standard_friction", "text", "", "friction of the other interval",
+                 "adaptive_plan.standard_friction"},
+    ExportColumn{"outcome", "integer", "1", "as the rule took it: 1 the comparison was named",
+                 "adaptive_step.outcome"},
+    ExportColumn{"estimate", "real", "", "mean of the first estimate with this answer",
+                 "adaptive_step.estimate"},
+    ExportColumn{"estimates", "text", "", "all of them, as JSON", "adaptive_step.estimates"},
+    ExportColumn{"state_sha256", "text", "", "hash of the rule's state with this answer",
+                 "adaptive_step.state_sha256"},
 };
 
 constexpr std::array kEvents{
@@ -236,6 +301,19 @@ constexpr std::array kTables{
                 " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
                 " trial.id JOIN response ON response.trial = trial.id",
                 "chosen.subject, chosen.label, session.number, trial.id", kResponses},
+    ExportTable{"presentations", "one row an interval of an attempt: what was felt, and how",
+                PALPATE_SESSIONS
+                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
+                " trial.id JOIN presentation ON presentation.trial = trial.id",
+                "chosen.subject, chosen.label, session.number, trial.id, presentation.interval",
+                kPresentations},
+    ExportTable{"adaptive_steps", "one row an answer that a rule took in",
+                PALPATE_SESSIONS
+                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
+                " trial.id JOIN adaptive_step ON adaptive_step.trial = trial.id JOIN adaptive_plan"
+                " ON adaptive_plan.session = session.id AND adaptive_plan.position ="
+                " trial.position",
+                "chosen.subject, chosen.label, session.number, trial.id", kSteps},
     ExportTable{"events", "breaks, stops, resumes, faults",
                 PALPATE_SESSIONS " JOIN event ON event.session = session.id",
                 "chosen.subject, chosen.label, session.number, event.id", kEvents},

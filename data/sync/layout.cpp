@@ -66,8 +66,11 @@ std::string OwnedTable::insert(std::string_view owner) const {
 Layout read_layout(Database& database) {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
-    layout.session =
-        without(database, "session", {"id", "study", "participant", "finished", "finished_utc"});
+    const std::set<std::string> at_end{"finished", "finished_utc", "chain", "chain_events"};
+    layout.session = without(database, "session", {"id", "study", "participant"});
+    layout.session_end = layout.session;
+    std::erase_if(layout.session.columns, [&](const auto& c) { return at_end.contains(c); });
+    std::erase_if(layout.session_end.columns, [&](const auto& c) { return !at_end.contains(c); });
     layout.trial = without(database, "trial", {"id", "session", "invalid"});
     for (const std::string& table :
          names(database,

@@ -27,8 +27,9 @@ struct Layout {
     std::vector<OwnedTable> of_trial;        ///< response, trace_chunk, ...
     std::vector<OwnedTable> of_participant;  ///< participant_detail
     std::vector<OwnedTable> of_file;         ///< trace_column: nobody's, the same in every file
-    OwnedTable session;  ///< without id, study, participant, finished, finished_utc
-    OwnedTable trial;    ///< without id, session, invalid
+    OwnedTable session;      ///< set before the first trial: without id, study, participant
+    OwnedTable session_end;  ///< set when it finished
+    OwnedTable trial;        ///< without id, session, invalid
 };
 
 /// @throws StoreError if a table refers to one that this cannot follow

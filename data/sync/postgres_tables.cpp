@@ -67,7 +67,6 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
         {"participant_note",
          {{"participant", "text"}, {"key", "text"}, {"value", "text"}},
          {"participant", "key"}},
-        {"session_end", {{"session", "uuid"}, {"finished_utc", "text"}}, {"session"}},
         {"trial_invalid",
          {{"session", "uuid"}, {"trial", "bigint"}, {"reason", "text"}},
          {"session", "trial"}},
@@ -85,6 +84,9 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
         session.columns.end(),
         {{"study", "text"}, {"participant", "text"}, {"head", "text"}, {"file_schema", "bigint"}});
     tables.push_back(session);
+    PostgresTable end = owned(database, layout.session_end, of_session, "");
+    end.name = "session_end";
+    tables.push_back(end);
     PostgresTable trial = owned(database, layout.trial, of_trial, "");
     trial.columns.insert(trial.columns.end(), {{"content", "text"}, {"file_schema", "bigint"}});
     tables.push_back(trial);

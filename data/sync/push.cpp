@@ -297,7 +297,13 @@ private:
 
     void push_end(const SessionVersion& session) {
         if (session.finished) {
-            send("session_end", PostgresRow().text(session.uuid).text(session.finished_utc));
+            PostgresRow row;
+            row.text(session.uuid);
+            Statement line = database_.prepare(
+                fmt::format("SELECT {} FROM session WHERE id = ?1", layout_.session_end.list()));
+            line.bind(1, session.id).step();
+            add_values(line, row);
+            send("session_end", row);
             flush();
         }
     }

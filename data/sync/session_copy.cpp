@@ -125,19 +125,28 @@ void copy_events(const SessionVersion& from,
         }
         const std::string kind = row.text(1);
         add.bind(3, std::string_view(kind))
-            .bind(4, std::string_view(
-                         local_text(kind, portable_text(kind, row.text(2), from.trials), trials)))
+            .bind(4, std::string_view(portable_text(kind, row.text(2), from.trials)))
             .bind(5, std::string_view(row.text(3)))
             .run();
     }
 }
 
-void copy_end(const SessionVersion& from, Database& out, std::int64_t session) {
-    out.prepare("UPDATE session SET finished = ?2, finished_utc = nullif(?3, '') WHERE id = ?1")
-        .bind(1, session)
-        .bind(2, std::int64_t{from.finished ? 1 : 0})
-        .bind(3, std::string_view(from.finished_utc))
-        .run();
+void copy_end(const SessionVersion& from,
+              Database& out,
+              const Layout& layout,
+              std::int64_t session) {
+    const OwnedTable& end = layout.session_end;
+    Statement row =
+        from.database->prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", end.list()));
+    row.bind(1, from.id).step();
+    std::string set;
+    for (std::size_t i = 0; i < end.columns.size(); ++i) {
+        set += fmt::format("{}{} = ?{}", i == 0 ? "" : ", ", end.columns[i], i + 2);
+    }
+    Statement write = out.prepare(fmt::format("UPDATE session SET {} WHERE id = ?1", set));
+    write.bind(1, session);
+    bind_row(row, write, 2);
+    write.run();
 }
 
 }  // namespace
@@ -152,7 +161,7 @@ void add_session(const SessionVersion& from, Database& out, const Layout& layout
         trials.push_back(copy_trial(from, trial, out, layout, session, 0));
     }
     copy_events(from, out, session, trials, 0);
-    copy_end(from, out, session);
+    copy_end(from, out, layout, session);
 }
 
 void extend_session(const SessionVersion& from,
@@ -168,7 +177,7 @@ void extend_session(const SessionVersion& from,
         trials.push_back(same ? there : copy_trial(from, trial, out, layout, own.id, there));
     }
     copy_events(from, out, own.id, trials, own.events.size());
-    copy_end(from, out, own.id);
+    copy_end(from, out, layout, own.id);
 }
 
 }  // namespace palpate::data

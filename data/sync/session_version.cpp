@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -13,8 +12,7 @@ namespace {
 
 using protocols::sha256_hex;
 
-constexpr std::string_view kAfter = "after trial ";
-constexpr std::string_view kBegan = "when as many were begun: ";
+constexpr std::string_view kAfterTrial = "after trial ";
 
 /// The row's values with their types and sizes: no two rows give the same bytes.
 std::string row_bytes(const Statement& row) {
@@ -95,11 +93,16 @@ std::vector<std::string> events_of(Database& database, const SessionVersion& ses
     return events;
 }
 
+std::string session_row(Database& database, const OwnedTable& part, std::int64_t id) {
+    Statement row =
+        database.prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", part.list()));
+    row.bind(1, id).step();
+    return row_bytes(row);
+}
+
 std::string head_of(Database& database, const Layout& layout, const SessionVersion& session) {
-    Statement row = database.prepare(
-        fmt::format("SELECT {} FROM session WHERE id = ?1", layout.session.list()));
-    row.bind(1, session.id).step();
-    std::string head = session.study + ' ' + session.participant + ' ' + row_bytes(row);
+    std::string head = session.study + ' ' + session.participant + ' ' +
+                       session_row(database, layout.session, session.id);
     for (const OwnedTable& table : layout.of_session) {
         head += rows_of(database, table, "session", session.id);
     }
@@ -114,19 +117,6 @@ bool became(const TrialVersion& earlier, const TrialVersion& later) {
            (later.outcome != "running" || earlier.ticks < later.ticks);
 }
 
-/// The number after `start` and the rest from ": " on.
-std::optional<std::pair<std::int64_t, std::string>> numbered(const std::string& text,
-                                                             std::string_view start) {
-    const std::size_t colon = text.find(": ");
-    std::int64_t number = 0;
-    if (!text.starts_with(start) || colon == std::string::npos ||
-        std::from_chars(text.data() + start.size(), text.data() + colon, number).ptr !=
-            text.data() + colon) {
-        return std::nullopt;
-    }
-    return std::pair{number, text.substr(colon)};
-}
-
 }  // namespace
 
 std::vector<SessionVersion> session_versions(Database& database,
@@ -134,8 +124,8 @@ std::vector<SessionVersion> session_versions(Database& database,
                                              const std::string& file) {
     std::vector<SessionVersion> all;
     Statement row = database.prepare(
-        "SELECT session.id, uuid, protocol_sha256, name, code, number, finished,"
-        " coalesce(finished_utc, '') FROM session JOIN study ON study.id = study"
+        "SELECT session.id, uuid, protocol_sha256, name, code, number, finished FROM session"
+        " JOIN study ON study.id = study"
         " JOIN participant ON participant.id = participant ORDER BY session.id");
     while (row.step()) {
         SessionVersion& session = all.emplace_back();
@@ -148,7 +138,7 @@ std::vector<SessionVersion> session_versions(Database& database,
         session.participant = row.text(4);
         session.number = row.integer(5);
         session.finished = row.integer(6) != 0;
-        session.finished_utc = row.text(7);
+        session.end = sha256_hex(session_row(database, layout.session_end, session.id));
         session.head = head_of(database, layout, session);
         session.trials = trials_of(database, layout, session.id);
         session.events = events_of(database, session);
@@ -159,7 +149,7 @@ std::vector<SessionVersion> session_versions(Database& database,
 bool became(const SessionVersion& earlier, const SessionVersion& later) {
     if (earlier.head != later.head || earlier.trials.size() > later.trials.size() ||
         earlier.events.size() > later.events.size() ||
-        (earlier.finished && (!later.finished || earlier.finished_utc != later.finished_utc))) {
+        (earlier.finished && earlier.end != later.end)) {
         return false;
     }
     for (std::size_t i = 0; i < earlier.trials.size(); ++i) {
@@ -173,24 +163,14 @@ bool became(const SessionVersion& earlier, const SessionVersion& later) {
 std::string portable_text(std::string_view kind,
                           const std::string& text,
                           const std::vector<TrialVersion>& trials) {
-    const auto found = kind == "mark" ? numbered(text, kAfter) : std::nullopt;
-    return found ? fmt::format("{}{}{}", kBegan, place_of(found->first, trials), found->second)
-                 : text;
-}
-
-std::string local_text(std::string_view kind,
-                       const std::string& portable,
-                       const std::vector<std::int64_t>& trials) {
-    if (kind != "mark" || !portable.starts_with(kBegan)) {
-        return portable;
+    const std::size_t colon = text.find(": ");
+    std::int64_t number = 0;
+    if (kind != "mark" || !text.starts_with(kAfterTrial) || colon == std::string::npos ||
+        std::from_chars(text.data() + kAfterTrial.size(), text.data() + colon, number).ptr !=
+            text.data() + colon) {
+        return text;
     }
-    const std::string rest = portable.substr(kBegan.size());
-    const auto found = numbered(rest, "");
-    if (!found || found->first < 0 || found->first > static_cast<std::int64_t>(trials.size())) {
-        return portable;
-    }
-    const auto place = static_cast<std::size_t>(found->first);
-    return fmt::format("{}{}{}", kAfter, place == 0 ? 0 : trials[place - 1], found->second);
+    return fmt::format("after {} attempts{}", place_of(number, trials), text.substr(colon));
 }
 
 }  // namespace palpate::data

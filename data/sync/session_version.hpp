@@ -30,7 +30,7 @@ struct SessionVersion {
     std::int64_t number = 0;
     std::string head;  ///< hash of all that is set before the first trial
     bool finished = false;
-    std::string finished_utc;
+    std::string end;                   ///< hash of what was set when it finished
     std::vector<TrialVersion> trials;  ///< in the order in which they were run
     std::vector<std::string> events;   ///< hashes, in their order
 };
@@ -46,13 +46,10 @@ struct SessionVersion {
 /// order: two files can hold two sessions of one uuid of which neither became the other.
 [[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
 
-/// The text of a mark with the trial it names (data/store/people.hpp) given as how many trials of the
-/// session had been begun; and back, for a file where they have these ids. Other texts stay.
+/// The text of an event as every file has it: a mark of an older palpate names a trial by a number of its
+/// file (data/store/people.hpp).
 [[nodiscard]] std::string portable_text(std::string_view kind,
                                         const std::string& text,
                                         const std::vector<TrialVersion>& trials);
-[[nodiscard]] std::string local_text(std::string_view kind,
-                                     const std::string& portable,
-                                     const std::vector<std::int64_t>& trials);
 
 }  // namespace palpate::data

@@ -68,8 +68,8 @@ std::string a_database(const TemporaryFolder& folder) {
         const std::int64_t trial = database.last_row();
         database
             .prepare(
-                "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s,"
-                " input) VALUES (?1, 0, 'straight', 1, 0.7, 0.0, 'key')")
+                "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s, "
+                "input, answer) VALUES (?1, 0, 'straight', 1, 0.7, 0.0, 'key', 0)")
             .bind(1, trial)
             .run();
         (void)data::mark_invalid(database, trial, "SECRET reason");
@@ -187,6 +187,13 @@ TEST_CASE("every column of the file is exported or known to be left out", "[expo
                                          "trial.id",
                                          "trial.session",
                                          "trial.chain",
+                                         "presentation.trial",
+                                         "adaptive_plan.session",
+                                         "adaptive_plan.position",
+                                         "adaptive_step.trial",
+                                         "trial.chain_events",
+                                         "session.chain",
+                                         "session.chain_events",
                                          "event.id",
                                          "event.session",
                                          "participant_detail.participant"};

@@ -46,9 +46,7 @@ std::string content(const std::string& file) {
           " trace_chunk WHERE trace_chunk.trial = trial.id ORDER BY first_tick))"
           " FROM trial JOIN session ON session.id = session LEFT JOIN response ON response.trial ="
           " trial.id ORDER BY uuid, trial.id",
-          "SELECT uuid, event.kind, at_utc, position, attempt, iif(event.kind = 'mark',"
-          " (SELECT count(*) FROM trial AS t WHERE t.session = event.session AND t.id <="
-          " CAST(substr(text, 13) AS INTEGER)) || substr(text, instr(text, ':')), text)"
+          "SELECT uuid, event.kind, at_utc, position, attempt, text"
           " FROM event JOIN session ON session.id = event.session"
           " LEFT JOIN trial ON trial.id = event.trial ORDER BY uuid, event.id"}) {
         auto row = database.prepare(sql);
@@ -141,8 +139,9 @@ private:
         if (answered) {
             database
                 .prepare(
-                    "INSERT INTO response (trial, place, object, correct, reaction_s,"
-                    " uncertainty_s, input) VALUES (?1, 0, 'straight', 1, ?2, 0.0, 'key')")
+                    "INSERT INTO response (trial, place, object, correct, reaction_s, "
+                    "uncertainty_s, input, answer) VALUES (?1, 0, 'straight', 1, ?2, 0.0, 'key', "
+                    "0)")
                 .bind(1, trial)
                 .bind(2, random.in(0.1, 3.0))
                 .run();
@@ -274,8 +273,9 @@ TEST_CASE(
             "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
             " started_utc, done_s, invalid) VALUES (1, 0, 1, 'complete', 0.5, 0.5, '2026', 1.0,"
             " 'talked');"
-            "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s, input)"
-            " VALUES (1, 0, 'straight', 1, 1.0, 0.0, 'key');"
+            "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s, "
+            "input, answer)"
+            " VALUES (1, 0, 'straight', 1, 1.0, 0.0, 'key', 0);"
             "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns, holds,"
             " crc32, derived, data) VALUES (1, 1, 0, 1, 2, 1000000, '', 0, 0, x'0102');");
         data::add_note(database, 1, "a note");
