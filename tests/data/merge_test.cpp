@@ -374,3 +374,26 @@ TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
         CHECK(rows(out) == expected);
     }
 }
+
+TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and marked",
+          "[merge][law]") {
+    const TemporaryFolder folder;
+    const auto run = [&folder](const char* participant, const char* file) {
+        REQUIRE(tests::palpate_command({"run", "shape_friction_demo", "--participant", participant,
+                                        "--db", folder.file(file), "--headless"})
+                    .code == 0);
+    };
+    run("P1", "a.sqlite");
+    run("P2", "b.sqlite");
+    run("P3", "b.sqlite");
+    REQUIRE(tests::palpate_command({"mark", folder.file("b.sqlite"), "12", "--invalid", "a bell"})
+                .code == 0);
+    const std::string out = folder.file("out.sqlite");
+    const auto merged =
+        tests::palpate_command({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});
+    CHECK(merged.code == 0);
+    const auto verified = tests::palpate_command({"verify", out});
+    CAPTURE(verified.out);
+    CHECK(verified.code == 0);
+    CHECK_THAT(verified.out, ContainsSubstring("3 sessions"));
+}
