@@ -120,13 +120,13 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
     const std::string whole = new_database(*server, "whole");
     REQUIRE(data::push_file(file, whole).conflicts.empty());
     const std::string expected = content(whole);
-    for (int seed = 0; seed < 4; ++seed) {
+    for (int seed = 0; seed < 6; ++seed) {
         CAPTURE(seed);
         tests::Random random(static_cast<std::uint64_t>(seed));
         const std::string url = new_database(*server, fmt::format("cut{}", seed));
-        for (int i = 0; i < 6; ++i) {
+        for (int i = 0; i < 10; ++i) {
             Process push({tests::palpate_program(), "push", file, "--to", url});
-            std::this_thread::sleep_for(std::chrono::microseconds(random.below(150'000)));
+            std::this_thread::sleep_for(std::chrono::microseconds(random.below(60'000)));
             if (random.coin()) {
                 push.signal(SIGKILL);
             } else {  // the connection is cut instead
@@ -136,10 +136,64 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
                                      seed));
             }
             CHECK_THAT(push.wait().error, !ContainsSubstring(PostgresServer::kPassword));
+            Postgres now(url);
+            if (now.rows("SELECT 1 FROM pg_tables WHERE schemaname = 'palpate' AND tablename ="
+                         " 'trace_chunk'")
+                    .empty()) {
+                continue;
+            }
+            // An attempt is there with all that belongs to it, or not at all.
+            CHECK(now.rows("SELECT session, trial FROM palpate.trial EXCEPT SELECT session, trial"
+                           " FROM palpate.trace_chunk")
+                      .empty());
+            CHECK(now.rows("SELECT session, trial FROM palpate.trace_chunk EXCEPT SELECT session,"
+                           " trial FROM palpate.trial")
+                      .empty());
         }
         CHECK(data::push_file(file, url).conflicts.empty());
         CHECK(content(url) == expected);
     }
+}
+
+TEST_CASE(
+    "an attempt is on the server with all that belongs to it or not at all, wherever it fails",
+    "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    Postgres admin(server->url());
+    admin.run(data::push_setup());
+    admin.run(
+        "CREATE FUNCTION fail() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN IF (SELECT count(*) "
+        "FROM"
+        " palpate.trace_chunk) >= TG_ARGV[0]::int THEN RAISE EXCEPTION 'enough'; END IF; RETURN "
+        "NEW;"
+        " END $$");
+    for (const int chunks : {0, 1, 4, 8, 15}) {
+        CAPTURE(chunks);
+        admin.run(
+            fmt::format("CREATE OR REPLACE TRIGGER fail BEFORE INSERT ON palpate.trace_chunk FOR"
+                        " EACH ROW EXECUTE FUNCTION fail({})",
+                        chunks));
+        CHECK_THROWS_AS(data::push_file(file, server->url()), data::PostgresError);
+        CHECK(admin
+                  .rows("SELECT session, trial FROM palpate.trial EXCEPT SELECT session, trial FROM"
+                        " palpate.trace_chunk")
+                  .empty());
+        CHECK(
+            admin
+                .rows("SELECT session, trial FROM palpate.trace_chunk EXCEPT SELECT session, trial"
+                      " FROM palpate.trial")
+                .empty());
+    }
+    admin.run("DROP TRIGGER fail ON palpate.trace_chunk");
+    const std::string whole = new_database(*server, "whole");
+    (void)data::push_file(file, whole);
+    CHECK(data::push_file(file, server->url()).conflicts.empty());
+    CHECK(content(server->url()) == content(whole));
 }
 
 TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]") {
