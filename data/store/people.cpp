@@ -114,7 +114,8 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
     database
         .prepare(
             "INSERT INTO event (session, trial, kind, text, at_utc)"
-            " SELECT ?1, ?2, 'mark', 'after trial ' || max(id) || ': ' || ?3, ?4 FROM trial")
+            " SELECT ?1, ?2, 'mark', 'after ' || count(*) || ' attempts: ' || ?3, ?4 FROM trial"
+            " WHERE session = ?1")
         .bind(1, session)
         .bind(2, trial)
         .bind(3, reason)
@@ -125,22 +126,31 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
 }
 
 std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
-    Statement row = database.prepare("SELECT text FROM event WHERE trial = ?1 AND kind = 'mark'");
+    Statement row =
+        database.prepare("SELECT text, session FROM event WHERE trial = ?1 AND kind = 'mark'");
     if (!row.bind(1, trial).step()) {
         return std::nullopt;
     }
-    constexpr std::string_view kAfter = "after trial ";
+    constexpr std::string_view kAfter = "after ";
+    constexpr std::string_view kTrial = "after trial ";  // of an older palpate: the file's number
     const std::string text = row.text(0);
-    const std::size_t colon = text.find(": ");
+    const bool older = text.starts_with(kTrial);
+    const std::size_t colon = text.find(older ? ": " : " attempts: ");
+    const std::size_t start = older ? kTrial.size() : kAfter.size();
     Mark mark;
-    if (!text.starts_with(kAfter) || colon == std::string::npos) {
+    if (!text.starts_with(kAfter) || colon == std::string::npos ||
+        std::from_chars(text.data() + start, text.data() + colon, mark.after).ptr !=
+            text.data() + colon) {
         return std::nullopt;
     }
-    const char* end = text.data() + colon;
-    if (std::from_chars(text.data() + kAfter.size(), end, mark.after).ptr != end) {
-        return std::nullopt;
+    mark.reason = text.substr(text.find(": ") + 2);
+    if (!older) {
+        Statement last = database.prepare(
+            "SELECT coalesce(max(id), 0) FROM (SELECT id FROM trial WHERE session = ?1 ORDER BY id"
+            " LIMIT ?2)");
+        last.bind(1, row.integer(1)).bind(2, mark.after).step();
+        mark.after = last.integer(0);
     }
-    mark.reason = text.substr(colon + 2);
     return mark;
 }
 

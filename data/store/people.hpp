@@ -48,13 +48,13 @@ struct SessionRow {
 void add_note(Database& database, std::int64_t session, std::string_view text);
 
 /// The answer of a trial does not count, for this reason: it stays, and analyses leave it out. An event
-/// too. Unless the session is finished, the position is run again when it is resumed.
+/// too; it says how many attempts the session had by then. Unless the session is finished, the position is run again when it is resumed.
 /// @return whether the session is finished
 /// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count already
 bool mark_invalid(Database& database, std::int64_t trial, std::string_view reason);
 
 struct Mark {
-    std::int64_t after = 0;  ///< the last trial that the file had then
+    std::int64_t after = 0;  ///< the last trial that the session had then
     std::string reason;
 };
 

@@ -144,7 +144,7 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
     CHECK_THROWS_WITH(data::mark_invalid(database, 2, "again"), ContainsSubstring("she sneezed"));
     CHECK(lines(database, "SELECT trial FROM trial_result ORDER BY 1") == "1 \n3 \n");
     CHECK(lines(database, "SELECT trial, text FROM event WHERE kind = 'mark'") ==
-          "2 after trial 4: she sneezed \n");
+          "2 after 4 attempts: she sneezed \n");
     {
         const auto opened = data::open_session(database, spec);
         CHECK(opened.pending.has(1));
@@ -231,6 +231,6 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(lines(database,
                 "SELECT number, event.kind, text FROM event JOIN session ON session.id = session"
                 " ORDER BY event.id") ==
-          "2 note tired \n1 note early \n1 mark after trial 2: bell rang \n");
+          "2 note tired \n1 note early \n1 mark after 1 attempts: bell rang \n");
     CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
 }

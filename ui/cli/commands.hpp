@@ -21,6 +21,11 @@ namespace palpate::ui {
 [[nodiscard]] int sql_command(const SqlOptions& options);
 [[nodiscard]] int extension_command();
 [[nodiscard]] int trace_command(const TraceOptions& options);
+[[nodiscard]] int export_command(const ExportCommandOptions& options);
+/// 0, or kExitFailure if something was in conflict and not merged.
+[[nodiscard]] int merge_command(const MergeOptions& options);
+/// 0, or kExitFailure if something was in conflict and not pushed.
+[[nodiscard]] int push_command(const PushOptions& options);
 [[nodiscard]] int screenshots_command(const ScreenshotOptions& options);
 [[nodiscard]] int render_command(const SceneOptions& options);
 [[nodiscard]] int closest_command(const SceneOptions& options);

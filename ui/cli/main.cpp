@@ -29,6 +29,9 @@ int dispatch(const Options& options) {
         int operator()(const VerifyOptions& verify) const { return verify_command(verify); }
         int operator()(const SqlOptions& sql) const { return sql_command(sql); }
         int operator()(const ExtensionOptions& /*none*/) const { return extension_command(); }
+        int operator()(const ExportCommandOptions& words) const { return export_command(words); }
+        int operator()(const MergeOptions& files) const { return merge_command(files); }
+        int operator()(const PushOptions& push) const { return push_command(push); }
         int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
         int operator()(const RenderOptions& render) const { return render_command(render); }
         int operator()(const ClosestOptions& closest) const { return closest_command(closest); }

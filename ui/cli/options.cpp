@@ -343,6 +343,43 @@ void add_scene_command(CLI::App& app,
                         "Where to write; standard output without it");
 }
 
+void add_export(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand(
+        "export", "Write a database as CSV, BIDS, Psych-DS or Parquet, de-identified");
+    auto& words = options_of<ExportCommandOptions>(command, chosen);
+    command->add_option("FILE", words.database, "A database; only read")->required();
+    command->add_option("--format", words.format, "csv, bids, psych-ds or parquet")
+        ->check(CLI::IsMember({"csv", "bids", "psych-ds", "parquet"}))
+        ->capture_default_str();
+    command->add_option("-o,--output", words.directory, "A new folder")->required();
+    command->add_option("--kind", words.kind, "Which sessions: real, pilot, simulated or all")
+        ->check(CLI::IsMember({"real", "pilot", "simulated", "all"}))
+        ->capture_default_str();
+    command->add_flag("--with-details", words.details,
+                      "Operators, wall clock, notes, details of participants, provenance as well");
+    command->add_flag("--traces", words.traces, "Every servo tick as well");
+    command->add_flag("--keep-codes", words.keep_codes,
+                      "codes.csv: which code of the lab each subject is");
+}
+
+void add_merge(CLI::App& app, Options& chosen) {
+    CLI::App* command =
+        app.add_subcommand("merge", "Bring the sessions of several files together in one");
+    auto& files = options_of<MergeOptions>(command, chosen);
+    command->add_option("OUT", files.database, "The file of all; made if it is not there")
+        ->required();
+    command->add_option("IN", files.inputs, "Files of rigs; only read")->required();
+}
+
+void add_push(CLI::App& app, Options& chosen) {
+    CLI::App* command = app.add_subcommand("push", "Bring a file's new rows into PostgreSQL");
+    auto& push = options_of<PushOptions>(command, chosen);
+    command->add_option("FILE", push.database, "A database; only read");
+    command->add_option("--to", push.url, "postgresql://..., with libpq's sslmode and sslrootcert");
+    command->add_flag("--roles", push.roles,
+                      "Print SQL for an administrator: the schema and two roles");
+}
+
 }  // namespace
 
 Options parse_command_line(int argc, const char* const* argv) {
@@ -367,6 +404,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     add_verify(app, chosen);
     add_sql(app, chosen);
     add_trace(app, chosen);
+    add_export(app, chosen);
+    add_merge(app, chosen);
+    add_push(app, chosen);
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
     add_emulator(app, chosen);

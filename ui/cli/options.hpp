@@ -112,6 +112,27 @@ struct TraceOptions {
     std::int64_t interval = 1;
 };
 
+struct ExportCommandOptions {
+    std::string database;
+    std::string format = "csv";  ///< csv, bids, psych-ds, parquet
+    std::string directory;       ///< made; never one that holds something
+    std::string kind = "real";   ///< real, pilot, simulated, all
+    bool details = false;
+    bool traces = false;
+    bool keep_codes = false;
+};
+
+struct MergeOptions {
+    std::string database;             ///< made if it is not there
+    std::vector<std::string> inputs;  ///< read only
+};
+
+struct PushOptions {
+    std::string database;
+    std::string url;     ///< postgresql://...
+    bool roles = false;  ///< only print the script of the roles
+};
+
 struct ScreenshotOptions {
     std::string protocol =
         "shape_friction";  ///< a file or a shipped one: its pictures, instructions
@@ -180,6 +201,9 @@ using Options = std::variant<Exit,
                              SqlOptions,
                              ExtensionOptions,
                              TraceOptions,
+                             ExportCommandOptions,
+                             MergeOptions,
+                             PushOptions,
                              ScreenshotOptions,
                              RenderOptions,
                              ClosestOptions,

@@ -1,0 +1,183 @@
+#include "data/export/bids_export.hpp"
+
+#include <fmt/format.h>
+
+#include "data/export/bids_files.hpp"
+#include "data/export/csv_export.hpp"
+#include "data/export/json_text.hpp"
+#include "data/report/text_file.hpp"
+
+namespace palpate::data {
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_json(const fs::path& path, const JsonMembers& members) {
+    write_text_file(path, json_object(members) + "\n");
+}
+
+std::string described(const ExportColumn& column) {
+    JsonMembers words{{"Description", json_string(column.meaning)}};
+    if (!column.unit.empty() && column.unit != "1") {
+        words.emplace_back("Units", json_string(column.unit));
+    }
+    return json_object(words);
+}
+
+void write_participants(Database& database, const fs::path& folder) {
+    DelimitedFile file(folder / "participants.tsv", Delimited::tsv);
+    for (const char* name : {"participant_id", "handedness", "edinburgh_score"}) {
+        file.text(name);
+    }
+    file.end_row();
+    Statement row = database.prepare(
+        "SELECT DISTINCT subject, CASE WHEN handedness > 0 THEN 'right' WHEN handedness < 0 THEN"
+        " 'left' WHEN handedness = 0 THEN 'ambidextrous' END, handedness FROM chosen JOIN session"
+        " ON session.id = session JOIN participant ON participant.id = participant ORDER BY "
+        "subject");
+    while (row.step()) {
+        for (int column = 0; column < row.columns(); ++column) {
+            file.value(row, column);
+        }
+        file.end_row();
+    }
+    file.close();
+    write_json(
+        folder / "participants.json",
+        {{"handedness",
+          json_object({{"Description", json_string("the sign of the Edinburgh score")},
+                       {"Levels", json_object({{"right", json_string("score above 0")},
+                                               {"left", json_string("score below 0")},
+                                               {"ambidextrous", json_string("score 0")}})}})},
+         {"edinburgh_score",
+          json_object({{"Description",
+                        json_string("Edinburgh handedness score, -100 left to 100 right")}})}});
+}
+
+void write_sessions(Database& database, const std::string& subject, const fs::path& folder) {
+    DelimitedFile file(folder / (subject + "_sessions.tsv"), Delimited::tsv);
+    for (const char* name : {"session_id", "studies", "kind", "day"}) {
+        file.text(name);
+    }
+    file.end_row();
+    Statement row = database.prepare(
+        "SELECT printf('ses-%02d', number), group_concat(label, ' '), group_concat(DISTINCT kind),"
+        " min(day) FROM chosen JOIN session ON session.id = session WHERE subject = ?1"
+        " GROUP BY number ORDER BY number");
+    row.bind(1, std::string_view(subject));
+    while (row.step()) {
+        for (int column = 0; column < row.columns(); ++column) {
+            file.value(row, column);
+        }
+        file.end_row();
+    }
+    file.close();
+    const auto words = [](const char* text) {
+        return json_object({{"Description", json_string(text)}});
+    };
+    write_json(
+        folder / (subject + "_sessions.json"),
+        {{"studies", words("the tasks of the session")},
+         {"kind", words("real, pilot or simulated")},
+         {"day",
+          json_object({{"Description", json_string("since the participant's first session here")},
+                       {"Units", json_string("d")}})}});
+}
+
+/// The trials' columns but those that the name of the file says.
+std::vector<ExportColumn> beh_columns(bool details) {
+    std::vector<ExportColumn> columns = visible_columns(export_table("trials"), details);
+    std::erase_if(columns, [](const ExportColumn& column) {
+        return column.name == "subject" || column.name == "study" || column.name == "session";
+    });
+    return columns;
+}
+
+void write_beh(Database& database,
+               const ChosenSession& session,
+               bool details,
+               const fs::path& folder) {
+    fs::create_directories(folder);
+    const auto columns = beh_columns(details);
+    const std::string stem = bids_stem(session) + "_beh";
+    DelimitedFile file(folder / (stem + ".tsv"), Delimited::tsv);
+    JsonMembers sidecar{{"TaskName", json_string(session.label)},
+                        {"TaskDescription", json_string(session.title)}};
+    for (const ExportColumn& column : columns) {
+        file.text(column.name);
+        sidecar.emplace_back(std::string(column.name), described(column));
+    }
+    file.end_row();
+    Statement row =
+        database.prepare(select_sql(export_table("trials"), columns, "chosen.session = ?1"));
+    row.bind(1, session.id);
+    while (row.step()) {
+        for (int column = 0; column < row.columns(); ++column) {
+            file.value(row, column);
+        }
+        file.end_row();
+    }
+    file.close();
+    write_json(folder / (stem + ".json"), sidecar);
+}
+
+std::string readme(const Selection& selection, const ExportOptions& options) {
+    return fmt::format(
+        "# Felt shape: choices{}\n\n"
+        "People felt an object they could not see through a two-degree-of-freedom pantograph, "
+        "then\n"
+        "chose what it was. Written by palpate as BIDS {}: {} sessions, kind {}.\n\n"
+        "What BIDS covers: participants, sessions, beh (one row an attempt at a trial, the "
+        "columns\n"
+        "described in the .json beside it){}.\n"
+        "What it does not: the plan that was not run and the row of pictures; export CSV for "
+        "these.\n"
+        "Units are SI. {}\n{}",
+        options.traces ? ", motion and forces" : "", kBidsVersion, selection.sessions().size(),
+        options.kind,
+        options.traces ? ", motion (the handle as POS; contact, rendered force, encoder\n"
+                         "counts and flags as MISC) and stim (the commanded force). run is the "
+                         "column trial of beh.\n"
+                         "A lost tick is a row of n/a: row k is always tick k"
+                       : "",
+        options.details ? "With details of people: hand it on to nobody who may not know them."
+                        : "De-identified: codes, operators, wall clock and notes are left out.",
+        selection.without_consent() == 0
+            ? ""
+            : fmt::format("{} participants who do not consent are left out.\n",
+                          selection.without_consent()));
+}
+
+}  // namespace
+
+void export_bids(Database& database,
+                 const Selection& selection,
+                 const ExportOptions& options,
+                 const std::filesystem::path& folder) {
+    write_json(folder / "dataset_description.json",
+               {{"Name", json_string(selection.sessions().front().title)},
+                {"BIDSVersion", json_string(kBidsVersion)},
+                {"DatasetType", json_string("raw")},
+                {"GeneratedBy", json_array({json_object({{"Name", json_string("palpate")}})})}});
+    write_text_file(folder / "README", readme(selection, options));
+    write_participants(database, folder);
+    for (const ChosenSession& session : selection.sessions()) {
+        const fs::path subject = folder / session.subject;
+        const fs::path place = subject / fmt::format("ses-{:02}", session.number);
+        write_beh(database, session, options.details, place / "beh");
+        if (!fs::exists(subject / (session.subject + "_sessions.tsv"))) {
+            write_sessions(database, session.subject, subject);
+        }
+        if (options.traces) {
+            each_traced_trial(database, session, [&](std::int64_t trial, std::int64_t number) {
+                write_bids_run(database, session, trial, number, place / "motion");
+            });
+        }
+    }
+    if (options.keep_codes) {
+        fs::create_directory(folder / "sourcedata");
+        write_codes(database, folder / "sourcedata" / "codes.csv");
+    }
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,249 @@
+#include "data/export/bids_files.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "engine/realtime/tick_record.hpp"
+#include "data/export/delimited_file.hpp"
+#include "data/export/json_text.hpp"
+#include "data/report/text_file.hpp"
+#include "data/store/reader.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+
+struct Channel {
+    std::string_view name, component, type, units, description;
+    double (*value)(const TickRecord&);
+};
+
+constexpr std::array kChannels{
+    Channel{"latency", "n/a", "LATENCY", "s", "from the first tick, by the servo's clock", nullptr},
+    Channel{"hip_x", "x", "POS", "m", "handle, to the right",
+            [](const TickRecord& t) {
+                return t.hip.x;
+            }},
+    Channel{"hip_y", "y", "POS", "m", "handle, away from the person",
+            [](const TickRecord& t) {
+                return t.hip.y;
+            }},
+    Channel{"cp_x", "x", "MISC", "m", "closest point of the object",
+            [](const TickRecord& t) {
+                return t.cp.x;
+            }},
+    Channel{"cp_y", "y", "MISC", "m", "closest point of the object",
+            [](const TickRecord& t) {
+                return t.cp.y;
+            }},
+    Channel{"go_x", "x", "MISC", "m", "god-object",
+            [](const TickRecord& t) {
+                return t.go.x;
+            }},
+    Channel{"go_y", "y", "MISC", "m", "god-object",
+            [](const TickRecord& t) {
+                return t.go.y;
+            }},
+    Channel{"force_x", "x", "MISC", "N", "force as rendered, on the person",
+            [](const TickRecord& t) {
+                return t.force.x;
+            }},
+    Channel{"force_y", "y", "MISC", "N", "force as rendered, on the person",
+            [](const TickRecord& t) {
+                return t.force.y;
+            }},
+    Channel{"normal_force", "n/a", "MISC", "N", "part along the normal at the god-object",
+            [](const TickRecord& t) {
+                return t.normal_force;
+            }},
+    Channel{"tangential_force", "n/a", "MISC", "N", "part along the direction of travel",
+            [](const TickRecord& t) {
+                return t.tangential_force;
+            }},
+    Channel{"mu", "n/a", "MISC", "n/a", "coefficient of friction",
+            [](const TickRecord& t) {
+                return t.mu;
+            }},
+    Channel{"parameter", "n/a", "MISC", "n/a", "place on the segment, or rad at a vertex",
+            [](const TickRecord& t) {
+                return t.parameter;
+            }},
+    Channel{"feature", "n/a", "MISC", "n/a", ">= 0: segment; -1 - j: vertex j",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.feature);
+            }},
+    Channel{"mode", "n/a", "MISC", "n/a", "0 free, 1 stuck, 2 slip, 3 transition",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.mode);
+            }},
+    Channel{"flags", "n/a", "MISC", "n/a",
+            "1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 held, 64 slewed, 128 stale",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.flags);
+            }},
+    Channel{"count_1", "n/a", "MISC", "n/a", "encoder counts of motor 1",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.counts[0]);
+            }},
+    Channel{"count_2", "n/a", "MISC", "n/a", "encoder counts of motor 2",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.counts[1]);
+            }},
+    Channel{"code_1", "n/a", "MISC", "n/a", "converter code of motor 1",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.codes[0]);
+            }},
+    Channel{"code_2", "n/a", "MISC", "n/a", "converter code of motor 2",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.codes[1]);
+            }},
+    Channel{"lateness", "n/a", "MISC", "us", "how late the servo woke",
+            [](const TickRecord& t) {
+                return static_cast<double>(t.lateness_us);
+            }},
+};
+
+double seconds(std::int64_t ns) {
+    return static_cast<double>(ns) * 1e-9;
+}
+
+/// The ticks by number, each lost one as nothing.
+template <class Row>
+void each_tick(const std::vector<TickRecord>& ticks, const Row& row) {
+    std::int64_t next = ticks.front().tick;
+    for (const TickRecord& tick : ticks) {
+        for (; next < tick.tick; ++next) {
+            row(static_cast<const TickRecord*>(nullptr));
+        }
+        row(&tick);
+        ++next;
+    }
+}
+
+void write_motion(const std::vector<TickRecord>& ticks, const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::tsv);
+    const std::int64_t begin = ticks.front().time_ns;
+    each_tick(ticks, [&](const TickRecord* tick) {
+        for (const Channel& channel : kChannels) {
+            if (tick == nullptr) {
+                file.none();
+            } else {
+                file.real(channel.value == nullptr ? seconds(tick->time_ns - begin)
+                                                   : channel.value(*tick));
+            }
+        }
+        file.end_row();
+    });
+    file.close();
+}
+
+void write_channels(double rate_hz, const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::tsv);
+    for (const char* name : {"name", "component", "type", "tracked_point", "units",
+                             "sampling_frequency", "description"}) {
+        file.text(name);
+    }
+    file.end_row();
+    for (const Channel& channel : kChannels) {
+        for (const std::string_view word :
+             {channel.name, channel.component, channel.type,
+              std::string_view(channel.type == "POS" ? "handle" : "n/a"), channel.units}) {
+            file.text(word);
+        }
+        file.real(rate_hz);
+        file.text(channel.description);
+        file.end_row();
+    }
+    file.close();
+}
+
+std::int64_t channels_of(std::string_view type) {
+    return std::count_if(kChannels.begin(), kChannels.end(),
+                         [type](const Channel& channel) { return channel.type == type; });
+}
+
+std::string motion_json(const ChosenSession& session, const std::vector<TickRecord>& ticks) {
+    const auto count = [](std::int64_t n) {
+        return fmt::format("{}", n);
+    };
+    const double duration = seconds(ticks.back().time_ns - ticks.front().time_ns);
+    const auto steps = static_cast<double>(ticks.back().tick - ticks.front().tick);
+    return json_object(
+        {{"TaskName", json_string(session.label)},
+         {"TaskDescription", json_string(session.title)},
+         {"TrackingSystemName", json_string("handle")},
+         {"SamplingFrequency", json_number(session.rate_hz)},
+         {"SamplingFrequencyEffective",
+          json_number(duration > 0.0 ? steps / duration : session.rate_hz)},
+         {"RecordingDuration", json_number(duration)},
+         {"MotionChannelCount", count(static_cast<std::int64_t>(kChannels.size()))},
+         {"POSChannelCount", count(channels_of("POS"))},
+         {"LATENCYChannelCount", count(channels_of("LATENCY"))},
+         {"MISCChannelCount", count(channels_of("MISC"))},
+         {"TrackedPointsCount", "1"},
+         {"MissingValues", json_string("n/a: the tick was lost, or the value was not a number")}});
+}
+
+void write_stim(const std::vector<TickRecord>& ticks, const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::tsv);
+    each_tick(ticks, [&file](const TickRecord* tick) {
+        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.x);
+        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.y);
+        file.end_row();
+    });
+    file.close();
+}
+
+std::string stim_json(const ChosenSession& session) {
+    const auto column = [](const char* words) {
+        return json_object({{"Description", json_string(words)}, {"Units", json_string("N")}});
+    };
+    return json_object(
+        {{"SamplingFrequency", json_number(session.rate_hz)},
+         {"StartTime", "0"},
+         {"Columns", json_array({json_string("command_x"), json_string("command_y")})},
+         {"command_x",
+          column("force commanded to the motors after the safety chain, to the right")},
+         {"command_y",
+          column("force commanded to the motors after the safety chain, away from the person")}});
+}
+
+}  // namespace
+
+std::string bids_stem(const ChosenSession& session) {
+    return fmt::format("{}_ses-{:02}_task-{}", session.subject, session.number, session.label);
+}
+
+std::string bids_run(std::int64_t number) {
+    return fmt::format("{:04}", number);
+}
+
+void write_bids_run(Database& database,
+                    const ChosenSession& session,
+                    std::int64_t trial,
+                    std::int64_t number,
+                    const std::filesystem::path& folder) {
+    TraceReader traces(database);
+    for (const std::int64_t interval : {1, 2}) {
+        const std::vector<TickRecord> ticks = traces.stored(trial, interval);
+        if (ticks.empty()) {
+            continue;
+        }
+        const std::string stem =
+            fmt::format("{}_tracksys-handle{}_run-{}", bids_stem(session),
+                        interval == 1 ? "" : "_acq-interval2", bids_run(number));
+        std::filesystem::create_directories(folder);
+        write_motion(ticks, folder / (stem + "_motion.tsv"));
+        write_text_file(folder / (stem + "_motion.json"), motion_json(session, ticks) + "\n");
+        write_channels(session.rate_hz, folder / (stem + "_channels.tsv"));
+        write_stim(ticks, folder / (stem + "_recording-force_stim.tsv.gz"));
+        write_text_file(folder / (stem + "_recording-force_stim.json"), stim_json(session) + "\n");
+    }
+}
+
+}  // namespace palpate::data

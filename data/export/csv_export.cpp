@@ -1,0 +1,202 @@
+#include "data/export/csv_export.hpp"
+
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "data/report/text_file.hpp"
+#include "data/store/reader.hpp"
+#include "data/trace/columns.hpp"
+
+namespace palpate::data {
+namespace {
+
+template <class T>
+T value_at(const std::byte* at) {
+    T value{};
+    std::memcpy(&value, at, sizeof value);
+    return value;
+}
+
+void write_value(DelimitedFile& file, const TraceColumn& column, const std::byte* at) {
+    if (column.type == "f64le") {
+        file.real(value_at<double>(at));
+    } else if (column.type == "f32le") {
+        file.real(static_cast<double>(value_at<float>(at)));
+    } else if (column.type == "i64le") {
+        file.integer(value_at<std::int64_t>(at));
+    } else if (column.type == "i32le") {
+        file.integer(value_at<std::int32_t>(at));
+    } else if (column.type == "i16le") {
+        file.integer(value_at<std::int16_t>(at));
+    } else {
+        file.integer(value_at<std::uint8_t>(at));
+    }
+}
+
+void describe(const ExportOptions& options, const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::csv);
+    const auto row = [&file](std::initializer_list<std::string_view> words) {
+        for (const std::string_view word : words) {
+            word.empty() ? file.none() : file.text(word);
+        }
+        file.end_row();
+    };
+    row({"table", "column", "type", "unit", "meaning"});
+    for (const ExportTable& table : export_tables()) {
+        if (table.detail && !options.details) {
+            continue;
+        }
+        row({table.name, "", "", "", table.meaning});
+        for (const ExportColumn& column : visible_columns(table, options.details)) {
+            row({table.name, column.name, column.type, column.unit, column.meaning});
+        }
+    }
+    if (options.traces) {
+        row({"ticks", "", "", "", "one row a servo tick; tick numbers jump where ticks were lost"});
+        row({"ticks", "interval", "integer", "1", "of a trial with two things to feel: 1 or 2"});
+        for (const TraceColumn& column : trace_columns()) {
+            row({"ticks", column.name, column.type.starts_with('f') ? "real" : "integer",
+                 column.unit, "as the table trace_column of the file has it"});
+        }
+    }
+    file.close();
+}
+
+std::string words(const Selection& selection, const ExportOptions& options) {
+    return fmt::format(
+        "Exported by palpate: {} sessions, kind {}.\n"
+        "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
+        "are\n"
+        "subject, study, session, trial. Text is UTF-8; an empty field: not known or not so. "
+        "Numbers read\n"
+        "back to the same bits in C, Python and R.\n{}{}",
+        selection.sessions().size(), options.kind,
+        options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
+                          "not know them.\n"
+                        : "De-identified: codes, operators, wall clock, notes and details of "
+                          "participants left out.\n",
+        selection.without_consent() == 0
+            ? ""
+            : fmt::format("{} participants who do not consent are left out.\n",
+                          selection.without_consent()));
+}
+
+void write_rows(Statement row,
+                const std::vector<ExportColumn>& columns,
+                const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::csv);
+    for (const ExportColumn& column : columns) {
+        file.text(column.name);
+    }
+    file.end_row();
+    while (row.step()) {
+        for (int column = 0; column < row.columns(); ++column) {
+            file.value(row, column);
+        }
+        file.end_row();
+    }
+    file.close();
+}
+
+}  // namespace
+
+std::string trial_name(const ChosenSession& session, std::int64_t trial) {
+    return fmt::format("{}_{}_ses-{:02}_trial-{:04}", session.subject, session.label,
+                       session.number, trial);
+}
+
+void write_table(Database& database,
+                 const ExportTable& table,
+                 const ExportOptions& options,
+                 const std::filesystem::path& path) {
+    const auto columns = visible_columns(table, options.details);
+    write_rows(database.prepare(select_sql(table, columns)), columns, path);
+}
+
+void write_session_table(Database& database,
+                         const ExportTable& table,
+                         const ExportOptions& options,
+                         const ChosenSession& session,
+                         const std::filesystem::path& path) {
+    const auto columns = visible_columns(table, options.details);
+    Statement row = database.prepare(select_sql(table, columns, "chosen.session = ?1"));
+    row.bind(1, session.id);
+    write_rows(std::move(row), columns, path);
+}
+
+void write_ticks(Database& database,
+                 std::int64_t trial,
+                 std::int64_t number,
+                 const ChosenSession& session,
+                 const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::csv);
+    for (const char* name : {"subject", "study", "session", "trial", "interval"}) {
+        file.text(name);
+    }
+    for (const TraceColumn& column : trace_columns()) {
+        file.text(column.name);
+    }
+    file.end_row();
+    TraceReader traces(database);
+    for (const std::int64_t interval : {1, 2}) {
+        for (const engine::TickRecord& tick : traces.stored(trial, interval)) {
+            file.text(session.subject);
+            file.text(session.label);
+            file.integer(session.number);
+            file.integer(number);
+            file.integer(interval);
+            for (const TraceColumn& column : trace_columns()) {
+                write_value(file, column,
+                            reinterpret_cast<const std::byte*>(&tick) + column.offset);
+            }
+            file.end_row();
+        }
+    }
+    file.close();
+}
+
+void write_codes(Database& database, const std::filesystem::path& path) {
+    DelimitedFile file(path, Delimited::csv);
+    file.text("subject");
+    file.text("code");
+    file.end_row();
+    Statement row = database.prepare(
+        "SELECT DISTINCT subject, code FROM chosen JOIN session ON session.id = session"
+        " JOIN participant ON participant.id = participant ORDER BY subject");
+    while (row.step()) {
+        file.text(row.text(0));
+        file.text(row.text(1));
+        file.end_row();
+    }
+    file.close();
+}
+
+void export_csv(Database& database,
+                const Selection& selection,
+                const ExportOptions& options,
+                const std::filesystem::path& folder) {
+    for (const ExportTable& table : export_tables()) {
+        if (!table.detail || options.details) {
+            write_table(database, table, options, folder / (std::string(table.name) + ".csv"));
+        }
+    }
+    describe(options, folder / "columns.csv");
+    write_text_file(folder / "README.txt", words(selection, options));
+    if (options.keep_codes) {
+        write_codes(database, folder / "codes.csv");
+    }
+    if (!options.traces) {
+        return;
+    }
+    std::filesystem::create_directory(folder / "ticks");
+    for (const ChosenSession& session : selection.sessions()) {
+        each_traced_trial(database, session, [&](std::int64_t trial, std::int64_t number) {
+            write_ticks(database, trial, number, session,
+                        folder / "ticks" / (trial_name(session, number) + ".csv.gz"));
+        });
+    }
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,119 @@
+#include "data/export/delimited_file.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "data/export/number_text.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::size_t kPending = std::size_t{1} << 16U;
+
+std::string quoted(std::string_view value) {
+    std::string out = "\"";
+    for (const char c : value) {
+        out += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return out + '"';
+}
+
+std::string one_line(std::string_view value) {
+    std::string out(value);
+    for (char& c : out) {
+        c = c == '\t' || c == '\n' || c == '\r' ? ' ' : c;
+    }
+    return out;
+}
+
+}  // namespace
+
+DelimitedFile::DelimitedFile(std::filesystem::path path, Delimited style)
+    : path_(std::move(path)), style_(style) {
+    // "T": as it is.
+    file_ = gzopen(path_.c_str(), path_.extension() == ".gz" ? "wbe6" : "wbeT");
+    if (file_ == nullptr) {
+        fail();
+    }
+}
+
+DelimitedFile::~DelimitedFile() {
+    if (file_ != nullptr) {
+        gzclose(static_cast<gzFile>(file_));
+    }
+}
+
+void DelimitedFile::fail() const {
+    throw std::runtime_error(fmt::format(
+        "cannot write {}: is its folder writable and the disk not full?", path_.string()));
+}
+
+void DelimitedFile::raw(std::string_view value) {
+    if (!first_) {
+        pending_ += style_ == Delimited::csv ? ',' : '\t';
+    }
+    first_ = false;
+    pending_ += value;
+}
+
+void DelimitedFile::text(std::string_view value) {
+    if (style_ == Delimited::tsv) {
+        raw(value.empty() ? "n/a" : one_line(value));
+    } else if (value.find_first_of(",\"\r\n") != std::string_view::npos || value.empty()) {
+        raw(quoted(value));
+    } else {
+        raw(value);
+    }
+}
+
+void DelimitedFile::integer(std::int64_t value) {
+    raw(fmt::format("{}", value));
+}
+void DelimitedFile::real(double value) {
+    std::isnan(value) ? none() : raw(number_text(value));
+}
+void DelimitedFile::none() {
+    raw(style_ == Delimited::tsv ? "n/a" : "");
+}
+
+void DelimitedFile::value(const Statement& row, int column) {
+    switch (row.type(column)) {
+        case 1:
+            return integer(row.integer(column));
+        case 2:
+            return real(row.real(column));
+        case 5:
+            return none();
+        default:
+            return text(row.text(column));
+    }
+}
+
+void DelimitedFile::end_row() {
+    pending_ += '\n';
+    first_ = true;
+    if (pending_.size() >= kPending) {
+        flush();
+    }
+}
+
+void DelimitedFile::flush() {
+    const auto size = static_cast<unsigned>(pending_.size());
+    if (size > 0 && gzwrite(static_cast<gzFile>(file_), pending_.data(), size) <= 0) {
+        fail();
+    }
+    pending_.clear();
+}
+
+void DelimitedFile::close() {
+    flush();
+    if (gzclose(static_cast<gzFile>(std::exchange(file_, nullptr))) != Z_OK) {
+        fail();
+    }
+}
+
+}  // namespace palpate::data

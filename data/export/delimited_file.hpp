@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "data/store/statement.hpp"
+
+namespace palpate::data {
+
+/// How a table is written. csv: RFC 4180 with "\n", nothing for what is not there. tsv: BIDS' (common
+/// principles, tabular files), n/a for what is not there, and tabs and line ends of texts become spaces.
+enum class Delimited : std::uint8_t { csv, tsv };
+
+/// A table of text, row by row. A name that ends in .gz is compressed, the same bytes for the same rows.
+/// Numbers as number_text() has them; NaN is not there. Every call throws std::runtime_error if the file
+/// cannot be written.
+class DelimitedFile {
+public:
+    DelimitedFile(std::filesystem::path path, Delimited style);
+    DelimitedFile(const DelimitedFile&) = delete;
+    DelimitedFile& operator=(const DelimitedFile&) = delete;
+    ~DelimitedFile();
+
+    void text(std::string_view value);
+    void integer(std::int64_t value);
+    void real(double value);
+    void none();
+    /// Column `column` of a query's row.
+    void value(const Statement& row, int column);
+    void end_row();
+    /// What was not closed is not whole.
+    void close();
+
+private:
+    void raw(std::string_view value);
+    void flush();
+    [[noreturn]] void fail() const;
+
+    std::filesystem::path path_;
+    Delimited style_;
+    std::string pending_;
+    void* file_ = nullptr;  ///< zlib's
+    bool first_ = true;     ///< of its row
+};
+
+}  // namespace palpate::data

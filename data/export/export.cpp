@@ -1,0 +1,58 @@
+#include "data/export/export.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/export/bids_export.hpp"
+#include "data/export/csv_export.hpp"
+#include "data/export/new_folder.hpp"
+#include "data/export/parquet_export.hpp"
+#include "data/export/psych_ds_export.hpp"
+#include "data/store/current_copy.hpp"
+
+namespace palpate::data {
+
+ExportFormat parse_export_format(std::string_view word) {
+    if (word == "csv") {
+        return ExportFormat::csv;
+    }
+    if (word == "bids") {
+        return ExportFormat::bids;
+    }
+    if (word == "psych-ds") {
+        return ExportFormat::psych_ds;
+    }
+    if (word == "parquet") {
+        return ExportFormat::parquet;
+    }
+    throw std::invalid_argument(
+        fmt::format("\"{}\" is no format: give csv, bids, psych-ds or parquet", word));
+}
+
+Exported export_file(const std::string& file,
+                     ExportFormat format,
+                     const ExportOptions& options,
+                     const std::filesystem::path& folder) {
+    CurrentCopy copy(file);
+    NewFolder built(folder);
+    const Selection selection(copy.database(), options);
+    switch (format) {
+        case ExportFormat::csv:
+            export_csv(copy.database(), selection, options, built.path());
+            break;
+        case ExportFormat::bids:
+            export_bids(copy.database(), selection, options, built.path());
+            break;
+        case ExportFormat::psych_ds:
+            export_psych_ds(copy.database(), selection, options, built.path());
+            break;
+        case ExportFormat::parquet:
+            export_parquet(copy.database(), selection, options, built.path());
+            break;
+    }
+    built.keep();
+    return {selection.sessions().size(), selection.without_consent()};
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "data/export/selection.hpp"
+
+namespace palpate::data {
+
+enum class ExportFormat : std::uint8_t { csv, bids, psych_ds, parquet };
+
+/// csv, bids, psych-ds, parquet. @throws std::invalid_argument for another word
+[[nodiscard]] ExportFormat parse_export_format(std::string_view word);
+
+struct Exported {
+    std::size_t sessions = 0;
+    std::int64_t without_consent = 0;  ///< participants left out
+};
+
+/// Writes a palpate database in a form that others can read, into a new folder: whole or not at all. The
+/// database is only read, and sees one moment of it; a file of an older palpate is brought up to date in a
+/// temporary copy. De-identified unless the options say otherwise (see Selection for what that means).
+/// @throws std::invalid_argument if the folder is there and not empty, or nothing is there to export
+/// @throws TraceError if a trace is damaged: nothing is exported then
+Exported export_file(const std::string& file,
+                     ExportFormat format,
+                     const ExportOptions& options,
+                     const std::filesystem::path& folder);
+
+}  // namespace palpate::data

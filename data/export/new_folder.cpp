@@ -1,0 +1,61 @@
+#include "data/export/new_folder.hpp"
+
+#include <cstdlib>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+namespace palpate::data {
+namespace {
+
+/// What mkdir would have given: mkdtemp makes folders for the owner alone.
+mode_t usual_rights() {
+    const mode_t mask = umask(0);
+    umask(mask);
+    return static_cast<mode_t>((S_IRWXU | S_IRWXG | S_IRWXO) & ~mask);
+}
+
+}  // namespace
+
+NewFolder::NewFolder(std::filesystem::path place) : place_(std::move(place)) {
+    if (!place_.has_filename()) {  // "here/"
+        place_ = place_.parent_path();
+    }
+    std::error_code unknown;
+    if (place_.empty() ||
+        (std::filesystem::exists(std::filesystem::symlink_status(place_, unknown)) &&
+         !(std::filesystem::is_directory(place_, unknown) &&
+           std::filesystem::is_empty(place_, unknown)))) {
+        throw std::invalid_argument(fmt::format(
+            "\"{}\" is there already: give -o the name of a new folder", place_.string()));
+    }
+    std::string name = place_.string() + ".part-XXXXXX";
+    if (mkdtemp(name.data()) == nullptr) {
+        throw std::runtime_error(fmt::format(
+            "cannot make a folder beside {}: is its parent there and writable?", place_.string()));
+    }
+    building_ = name;
+}
+
+NewFolder::~NewFolder() {
+    if (!building_.empty()) {
+        std::error_code gone;
+        std::filesystem::remove_all(building_, gone);
+    }
+}
+
+void NewFolder::keep() {
+    chmod(building_.c_str(), usual_rights());
+    std::error_code failed;
+    std::filesystem::rename(building_, place_, failed);
+    if (failed) {
+        throw std::runtime_error(fmt::format("cannot rename {} to {}: {}", building_.string(),
+                                             place_.string(), failed.message()));
+    }
+    building_.clear();
+}
+
+}  // namespace palpate::data

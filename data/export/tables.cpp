@@ -1,0 +1,359 @@
+#include "data/export/tables.hpp"
+
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+constexpr ExportColumn kSubject{"subject", "text", "",
+                                "the participant: sub-001 and on, in an order that says nothing",
+                                "chosen.subject"};
+constexpr ExportColumn kStudy{"study", "text", "", "the study, as in sessions", "chosen.label"};
+constexpr ExportColumn kSession{"session", "integer", "1", "the participant's session of the study",
+                                "session.number"};
+constexpr ExportColumn kKind{"kind", "text", "", "real, pilot or simulated", "session.kind"};
+constexpr ExportColumn kTrial{"trial", "integer", "1",
+                              "attempts at trials of the session, counted from 1 in the order run",
+                              "numbered.number"};
+
+constexpr std::array kParticipants{
+    kSubject,
+    ExportColumn{"handedness", "integer", "1", "Edinburgh score, -100 left to 100 right",
+                 "participant.handedness"},
+    ExportColumn{"sessions", "integer", "1", "sessions in this export", "count(*)"},
+    ExportColumn{"consent", "integer", "1", "1: consent to take part was noted",
+                 "participant.consent"},
+    ExportColumn{"consent_utc", "text", "", "when that was noted", "participant.consent_utc", true},
+};
+
+constexpr std::array kDetails{
+    kSubject,
+    ExportColumn{"key", "text", "", "what was asked", "participant_detail.key"},
+    ExportColumn{"value", "text", "", "the answer", "participant_detail.value"},
+};
+
+constexpr std::array kSessions{
+    kSubject,
+    kStudy,
+    kSession,
+    kKind,
+    ExportColumn{"day", "integer", "d", "days since the participant's first session here",
+                 "chosen.day"},
+    ExportColumn{"finished", "integer", "1", "1: all planned trials were run", "session.finished"},
+    ExportColumn{"study_name", "text", "", "the protocol's id", "study.name"},
+    ExportColumn{"study_title", "text", "", "the protocol's title", "study.title"},
+    ExportColumn{"protocol_sha256", "text", "", "SHA-256 of the protocol's canonical text",
+                 "study.protocol_sha256"},
+    ExportColumn{"device", "text", "", "kind of device",
+                 "substr(session.device, 1, instr(session.device || ':', ':') - 1)"},
+    ExportColumn{"rate_hz", "real", "Hz", "servo ticks a second", "session.rate_hz"},
+    ExportColumn{"stiffness_n_per_m", "real", "N/m", "stiffness of the object",
+                 "session.stiffness_n_per_m"},
+    ExportColumn{"device_words", "text", "", "device as given", "session.device", true},
+    ExportColumn{"seed", "text", "", "study seed, unsigned 64 bit", "session.seed", true},
+    ExportColumn{"plan_sha256", "text", "", "hash of the plan", "session.plan_sha256", true},
+    ExportColumn{"shuffles", "integer", "1", "orders proposed until one kept the limits",
+                 "session.shuffles", true},
+    ExportColumn{"operator", "text", "", "who ran it", "session.operator", true},
+    ExportColumn{"started_utc", "text", "", "begin, wall clock", "session.started_utc", true},
+    ExportColumn{"finished_utc", "text", "", "end, wall clock", "session.finished_utc", true},
+    ExportColumn{"uuid", "text", "", "the session's name wherever it is copied to", "session.uuid",
+                 true},
+};
+
+constexpr std::array kProvenance{
+    kSubject,
+    kStudy,
+    kSession,
+    ExportColumn{"key", "text", "", "what", "session_provenance.key"},
+    ExportColumn{"value", "text", "", "its version, text or hash", "session_provenance.value"},
+};
+
+constexpr std::array kPlan{
+    kSubject,
+    kStudy,
+    kSession,
+    ExportColumn{"position", "integer", "1", "place in the plan, from 0", "plan.position"},
+    ExportColumn{"phase", "text", "", "practice, main or catch", "plan.phase"},
+    ExportColumn{"block", "integer", "1", "block of the main phase; 0 in practice", "plan.block"},
+    ExportColumn{"object", "text", "", "what was presented", "plan.object"},
+    ExportColumn{"curvature_per_m", "real", "1/m", "> 0 convex, 0 straight, < 0 concave",
+                 "plan.curvature_per_m"},
+    ExportColumn{"friction", "text", "", "friction condition", "plan.friction"},
+    ExportColumn{"mu_s", "real", "1", "static coefficient of friction", "plan.mu_s"},
+    ExportColumn{"mu_d", "real", "1", "dynamic coefficient of friction", "plan.mu_d"},
+    ExportColumn{"break_before", "integer", "1", "1: a break came before it", "plan.break_before"},
+};
+
+constexpr std::array kPictures{
+    kSubject,
+    kStudy,
+    kSession,
+    ExportColumn{"place", "integer", "1", "from left to right, from 0", "picture.place"},
+    ExportColumn{"object", "text", "", "which picture", "picture.object"},
+};
+
+constexpr std::array kTrials{
+    kSubject,
+    kStudy,
+    kSession,
+    kKind,
+    kTrial,
+    ExportColumn{"position", "integer", "1", "place in the plan, from 0", "trial.position"},
+    ExportColumn{"attempt", "integer", "1", "attempts at this position, from 1", "trial.attempt"},
+    ExportColumn{"phase", "text", "", "practice, main or catch", "plan.phase"},
+    ExportColumn{"block", "integer", "1", "block of the main phase; 0 in practice", "plan.block"},
+    ExportColumn{"object", "text", "", "what was presented", "plan.object"},
+    ExportColumn{"curvature_per_m", "real", "1/m", "> 0 convex, 0 straight, < 0 concave",
+                 "plan.curvature_per_m"},
+    ExportColumn{"friction", "text", "", "friction condition", "plan.friction"},
+    ExportColumn{"mu_s", "real", "1", "static coefficient of friction", "plan.mu_s"},
+    ExportColumn{"mu_d", "real", "1", "dynamic coefficient of friction", "plan.mu_d"},
+    ExportColumn{"outcome", "text", "",
+                 "complete, timed_out (both answered), aborted, interrupted, faulted, running",
+                 "trial.outcome"},
+    ExportColumn{"counts", "integer", "1", "1: answered, and the answer counts",
+                 "response.trial IS NOT NULL AND trial.invalid IS NULL"},
+    ExportColumn{"invalid", "text", "",
+                 "why the answer does not count; \"marked\": somebody said so",
+                 "iif(EXISTS (SELECT 1 FROM event WHERE event.trial = trial.id AND event.kind ="
+                 " 'mark'), 'marked', trial.invalid)"},
+    ExportColumn{"invalid_words", "text", "", "the same with the words of the mark",
+                 "trial.invalid", true},
+    ExportColumn{"fault", "text", "", "why the force went off", "trial.fault"},
+    ExportColumn{"choice", "text", "", "the answer: the object of the picture chosen",
+                 "response.object"},
+    ExportColumn{"correct", "integer", "1", "1: the choice is the object", "response.correct"},
+    ExportColumn{"answer", "integer", "1",
+                 "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
+                 "response.answer"},
+    ExportColumn{"confidence", "integer", "1", "1 a guess to 4 sure", "response.confidence"},
+    ExportColumn{"first_contact_s", "real", "s", "first tick to first contact",
+                 "trial.first_contact_s"},
+    ExportColumn{"done_s", "real", "s", "first tick to done", "trial.done_s"},
+    ExportColumn{"done_uncertainty_s", "real", "s", "how late done may have been seen",
+                 "trial.done_uncertainty_s"},
+    ExportColumn{"reaction_s", "real", "s", "pictures shown to answer", "response.reaction_s"},
+    ExportColumn{"uncertainty_s", "real", "s", "how late the answer may have been seen",
+                 "response.uncertainty_s"},
+    ExportColumn{"ticks", "integer", "1", "servo ticks", "trial.ticks"},
+    ExportColumn{"contact_ticks", "integer", "1", "of them in contact", "trial.contact_ticks"},
+    ExportColumn{"slip_ticks", "integer", "1", "of them slipping", "trial.slip_ticks"},
+    ExportColumn{"late_ticks", "integer", "1", "of them late", "trial.late_ticks"},
+    ExportColumn{"saturated_ticks", "integer", "1", "of them with the force at its limit",
+                 "trial.saturated_ticks"},
+    ExportColumn{"slewed_ticks", "integer", "1", "of them held back by the slew limit",
+                 "trial.slewed_ticks"},
+    ExportColumn{"stale_ticks", "integer", "1", "of them without a new reading",
+                 "trial.stale_ticks"},
+    ExportColumn{"skipped_ticks", "integer", "1", "of them out of reach", "trial.skipped_ticks"},
+    ExportColumn{"path_length_m", "real", "m", "way of the handle", "trial.path_length_m"},
+    ExportColumn{"mean_normal_force_n", "real", "N", "mean normal force in contact",
+                 "trial.mean_normal_force_n"},
+    ExportColumn{"max_normal_force_n", "real", "N", "largest normal force",
+                 "trial.max_normal_force_n"},
+    ExportColumn{"energy_j", "real", "J", "work done on the user", "trial.energy_j"},
+    ExportColumn{"contact_episodes", "integer", "1", "times that contact began",
+                 "trial.contact_episodes"},
+    ExportColumn{"worst_episode_j", "real", "J",
+                 "most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive",
+                 "trial.worst_episode_j"},
+    ExportColumn{"slip_decay", "real", "1", "exp(-T/tau_slip) as computed on that machine",
+                 "trial.slip_decay"},
+    ExportColumn{"heal_decay", "real", "1", "exp(-T/tau_heal) as computed on that machine",
+                 "trial.heal_decay"},
+    ExportColumn{"started_utc", "text", "", "begin, wall clock", "trial.started_utc", true},
+    ExportColumn{"ended_utc", "text", "", "end, wall clock", "trial.ended_utc", true},
+};
+
+constexpr std::array kResponses{
+    kSubject,
+    kStudy,
+    kSession,
+    kTrial,
+    ExportColumn{"place", "integer", "1", "place of the picture chosen, from 0", "response.place"},
+    ExportColumn{"object", "text", "", "the object of that picture", "response.object"},
+    ExportColumn{"correct", "integer", "1", "1: it is the object presented", "response.correct"},
+    ExportColumn{"reaction_s", "real", "s", "pictures shown to answer", "response.reaction_s"},
+    ExportColumn{"uncertainty_s", "real", "s", "how late the answer may have been seen",
+                 "response.uncertainty_s"},
+    ExportColumn{"input", "text", "", "key, arrows, mouse or simulated", "response.input"},
+    ExportColumn{"answer", "integer", "1",
+                 "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
+                 "response.answer"},
+    ExportColumn{"confidence", "integer", "1", "1 a guess to 4 sure", "response.confidence"},
+    ExportColumn{"confidence_reaction_s", "real", "s", "scale shown to confidence",
+                 "response.confidence_reaction_s"},
+};
+
+constexpr std::array kPresentations{
+    kSubject,
+    kStudy,
+    kSession,
+    kTrial,
+    ExportColumn{"interval", "integer", "1", "1 or 2", "presentation.interval"},
+    ExportColumn{"stimulus", "real", "", "what the rule chose, in the protocol's unit",
+                 "presentation.stimulus"},
+    ExportColumn{"object", "text", "", "what was felt", "presentation.object"},
+    ExportColumn{"curvature_per_m", "real", "1/m", "as felt", "presentation.curvature_per_m"},
+    ExportColumn{"friction", "text", "", "friction condition", "presentation.friction"},
+    ExportColumn{"mu_s", "real", "1", "as felt", "presentation.mu_s"},
+    ExportColumn{"mu_d", "real", "1", "as felt", "presentation.mu_d"},
+    ExportColumn{"slip_decay", "real", "1", "as in trials", "presentation.slip_decay"},
+    ExportColumn{"heal_decay", "real", "1", "as in trials", "presentation.heal_decay"},
+    ExportColumn{"done_s", "real", "s", "first tick to done", "presentation.done_s"},
+    ExportColumn{"done_uncertainty_s", "real", "s", "how late done may have been seen",
+                 "presentation.done_uncertainty_s"},
+    ExportColumn{"first_contact_s", "real", "s", "first tick to first contact",
+                 "presentation.first_contact_s"},
+    ExportColumn{"ticks", "integer", "1", "servo ticks", "presentation.ticks"},
+    ExportColumn{"contact_ticks", "integer", "1", "of them in contact",
+                 "presentation.contact_ticks"},
+    ExportColumn{"slip_ticks", "integer", "1", "of them slipping", "presentation.slip_ticks"},
+    ExportColumn{"late_ticks", "integer", "1", "of them late", "presentation.late_ticks"},
+    ExportColumn{"saturated_ticks", "integer", "1", "of them with the force at its limit",
+                 "presentation.saturated_ticks"},
+    ExportColumn{"path_length_m", "real", "m", "way of the handle", "presentation.path_length_m"},
+    ExportColumn{"mean_normal_force_n", "real", "N", "mean normal force in contact",
+                 "presentation.mean_normal_force_n"},
+    ExportColumn{"max_normal_force_n", "real", "N", "largest normal force",
+                 "presentation.max_normal_force_n"},
+};
+
+constexpr std::array kSteps{
+    kSubject,
+    kStudy,
+    kSession,
+    kTrial,
+    ExportColumn{"run", "integer", "1", "one rule with its own answers, from 0",
+                 "adaptive_plan.run"},
+    ExportColumn{"run_name", "text", "", "its name", "adaptive_plan.run_name"},
+    ExportColumn{"comparison", "integer", "1", "the interval with the rule's stimulus",
+                 "adaptive_plan.comparison"},
+    ExportColumn{"standard_friction", "text", "", "friction of the other interval",
+                 "adaptive_plan.standard_friction"},
+    ExportColumn{"outcome", "integer", "1", "as the rule took it: 1 the comparison was named",
+                 "adaptive_step.outcome"},
+    ExportColumn{"estimate", "real", "", "mean of the first estimate with this answer",
+                 "adaptive_step.estimate"},
+    ExportColumn{"estimates", "text", "", "all of them, as JSON", "adaptive_step.estimates"},
+    ExportColumn{"state_sha256", "text", "", "hash of the rule's state with this answer",
+                 "adaptive_step.state_sha256"},
+};
+
+constexpr std::array kEvents{
+    kSubject,
+    kStudy,
+    kSession,
+    ExportColumn{"event", "integer", "1", "events of the session, counted from 1",
+                 "row_number() OVER (PARTITION BY event.session ORDER BY event.id)"},
+    ExportColumn{"trial", "integer", "1", "the attempt it belongs to",
+                 "(SELECT number FROM numbered WHERE numbered.trial = event.trial)"},
+    ExportColumn{"kind", "text", "", "break, abort, fault, go on, timing, mark, ...", "event.kind"},
+    ExportColumn{"text", "text", "", "what palpate noted itself",
+                 "iif(event.kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
+                 " 'interrupted'), event.text, NULL)"},
+    ExportColumn{"words", "text", "", "the same, with notes, names and versions", "event.text",
+                 true},
+    ExportColumn{"at_utc", "text", "", "wall clock", "event.at_utc", true},
+};
+
+constexpr std::string_view kJoined =
+    "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study"
+    " JOIN participant ON participant.id = session.participant";
+constexpr std::string_view kSessionOrder = "chosen.subject, chosen.label, session.number";
+
+// The same joins, spelled out: string literals cannot be joined at compile time.
+#define PALPATE_SESSIONS                                                                        \
+    "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study" \
+    " JOIN participant ON participant.id = session.participant"
+
+constexpr std::array kTables{
+    ExportTable{"participants", "one row a participant",
+                PALPATE_SESSIONS " GROUP BY participant.id", "chosen.subject", kParticipants},
+    ExportTable{"participant_details", "what else was asked of participants",
+                "(SELECT DISTINCT subject, participant FROM chosen JOIN session"
+                " ON session.id = chosen.session) AS chosen"
+                " JOIN participant_detail ON participant_detail.participant = chosen.participant",
+                "chosen.subject, participant_detail.key", kDetails, true},
+    ExportTable{"sessions", "one row a session", kJoined, kSessionOrder, kSessions},
+    ExportTable{
+        "provenance", "versions, machine, calibration",
+        PALPATE_SESSIONS " JOIN session_provenance ON session_provenance.session = session.id",
+        "chosen.subject, chosen.label, session.number, session_provenance.key", kProvenance, true},
+    ExportTable{"plan", "the whole order, complete before the first trial",
+                PALPATE_SESSIONS " JOIN plan ON plan.session = session.id",
+                "chosen.subject, chosen.label, session.number, plan.position", kPlan},
+    ExportTable{"pictures", "which picture stood at which place",
+                PALPATE_SESSIONS " JOIN picture ON picture.session = session.id",
+                "chosen.subject, chosen.label, session.number, picture.place", kPictures},
+    ExportTable{"trials", "one row an attempt at a planned trial, with its answer",
+                PALPATE_SESSIONS
+                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
+                " trial.id JOIN plan ON plan.session = session.id AND plan.position ="
+                " trial.position LEFT JOIN response ON response.trial = trial.id",
+                "chosen.subject, chosen.label, session.number, trial.id", kTrials},
+    ExportTable{"responses", "one row an answer",
+                PALPATE_SESSIONS
+                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
+                " trial.id JOIN response ON response.trial = trial.id",
+                "chosen.subject, chosen.label, session.number, trial.id", kResponses},
+    ExportTable{"presentations", "one row an interval of an attempt: what was felt, and how",
+                PALPATE_SESSIONS
+                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
+                " trial.id JOIN presentation ON presentation.trial = trial.id",
+                "chosen.subject, chosen.label, session.number, trial.id, presentation.interval",
+                kPresentations},
+    ExportTable{"adaptive_steps", "one row an answer that a rule took in",
+                PALPATE_SESSIONS
+                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
+                " trial.id JOIN adaptive_step ON adaptive_step.trial = trial.id JOIN adaptive_plan"
+                " ON adaptive_plan.session = session.id AND adaptive_plan.position ="
+                " trial.position",
+                "chosen.subject, chosen.label, session.number, trial.id", kSteps},
+    ExportTable{"events", "breaks, stops, resumes, faults",
+                PALPATE_SESSIONS " JOIN event ON event.session = session.id",
+                "chosen.subject, chosen.label, session.number, event.id", kEvents},
+};
+#undef PALPATE_SESSIONS
+
+}  // namespace
+
+std::span<const ExportTable> export_tables() noexcept {
+    return kTables;
+}
+
+const ExportTable& export_table(std::string_view name) {
+    for (const ExportTable& table : kTables) {
+        if (table.name == name) {
+            return table;
+        }
+    }
+    throw std::logic_error(fmt::format("there is no table {}", name));
+}
+
+std::vector<ExportColumn> visible_columns(const ExportTable& table, bool details) {
+    std::vector<ExportColumn> columns;
+    for (const ExportColumn& column : table.columns) {
+        if (details || !column.detail) {
+            columns.push_back(column);
+        }
+    }
+    return columns;
+}
+
+std::string select_sql(const ExportTable& table,
+                       std::span<const ExportColumn> columns,
+                       std::string_view where) {
+    std::string names;
+    for (const ExportColumn& column : columns) {
+        names += fmt::format("{}{} AS {}", names.empty() ? "" : ", ", column.sql, column.name);
+    }
+    return fmt::format("SELECT {} FROM {}{}{} ORDER BY {}", names, table.from,
+                       where.empty() ? "" : " WHERE ", where, table.order);
+}
+
+}  // namespace palpate::data

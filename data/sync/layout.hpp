@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "data/store/database.hpp"
+
+/// What belongs to what in a palpate database, read from its schema, so that files can be brought together
+/// whatever tables a later schema adds.
+namespace palpate::data {
+
+/// A table whose rows belong to one session, trial or participant.
+struct OwnedTable {
+    std::string name;
+    std::vector<std::string> columns;  ///< without the owner's and without a number of its own (id)
+
+    /// "a, b, c"
+    [[nodiscard]] std::string list() const;
+    /// SELECT list() of the owner ?1, in an order that depends on the content alone.
+    [[nodiscard]] std::string select(std::string_view owner) const;
+    /// INSERT of the owner ?1 and list() from ?2 on.
+    [[nodiscard]] std::string insert(std::string_view owner) const;
+};
+
+struct Layout {
+    std::vector<OwnedTable> of_session;      ///< plan, picture, ...: set before the first trial
+    std::vector<OwnedTable> of_trial;        ///< response, trace_chunk, ...
+    std::vector<OwnedTable> of_participant;  ///< participant_detail
+    std::vector<OwnedTable> of_file;         ///< trace_column: nobody's, the same in every file
+    OwnedTable session;      ///< set before the first trial: without id, study, participant
+    OwnedTable session_end;  ///< set when it finished
+    OwnedTable trial;        ///< without id, session, invalid
+};
+
+/// @throws StoreError if a table refers to one that this cannot follow
+[[nodiscard]] Layout read_layout(Database& database);
+
+/// Binds all columns of `from`'s row to `to`, the first to parameter `first`.
+void bind_row(const Statement& from, Statement& to, int first);
+
+}  // namespace palpate::data

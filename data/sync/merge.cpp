@@ -1,0 +1,158 @@
+#include "data/sync/merge.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "data/store/current_copy.hpp"
+#include "data/sync/people_merge.hpp"
+#include "data/sync/session_copy.hpp"
+#include "data/sync/session_version.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// An input, and one moment of it.
+struct Input {
+    explicit Input(const std::string& file) : name(file), copy(file), now(copy.database()) {}
+    std::string name;
+    CurrentCopy copy;
+    Snapshot now;
+};
+
+using Versions = std::vector<SessionVersion>;
+
+std::string called(const SessionVersion& session) {
+    return fmt::format("{}, participant {}, session {} ({})", session.study_name,
+                       session.participant, session.number, session.uuid);
+}
+
+/// The version that all others became; none if two of them differ, which is a conflict.
+const SessionVersion* last_of(const Versions& versions, std::vector<MergeConflict>& conflicts) {
+    const SessionVersion* last = &versions.front();
+    for (const SessionVersion& version : versions) {
+        if (became(version, *last)) {
+            continue;
+        }
+        if (!became(*last, version)) {
+            conflicts.push_back({.what = called(version) + ": what was recorded differs",
+                                 .first = last->file,
+                                 .second = version.file});
+            return nullptr;
+        }
+        last = &version;
+    }
+    return last;
+}
+
+/// One study, participant and number can only be one session.
+std::set<std::string> doubled(const std::map<std::string, Versions>& all,
+                              std::vector<MergeConflict>& conflicts) {
+    std::map<std::string, const SessionVersion*> first;
+    std::set<std::string> found;
+    for (const auto& [uuid, versions] : all) {
+        const SessionVersion& one = versions.front();
+        const auto [there, is_new] =
+            first.emplace(fmt::format("{} {} {}", one.study, one.participant, one.number), &one);
+        if (!is_new) {
+            found.insert(uuid);
+            found.insert(there->second->uuid);
+            conflicts.push_back({.what = fmt::format("{}: another session of the same number is {}",
+                                                     called(one), there->second->uuid),
+                                 .first = there->second->file,
+                                 .second = one.file});
+        }
+    }
+    return found;
+}
+
+void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file) {
+    for (const OwnedTable& table : layout.of_file) {
+        std::string places;
+        std::string same;
+        for (std::size_t i = 1; i <= table.columns.size(); ++i) {
+            places += fmt::format("{}?{}", i == 1 ? "" : ", ", i);
+            same += fmt::format("{}{} IS ?{}", i == 1 ? "" : " AND ", table.columns[i - 1], i);
+        }
+        Statement row = from.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name));
+        Statement add = out.prepare(fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})",
+                                                table.name, table.list(), places));
+        Statement there = out.prepare(fmt::format("SELECT 1 FROM {} WHERE {}", table.name, same));
+        while (row.step()) {
+            bind_row(row, add, 1);
+            add.run();
+            bind_row(row, there, 1);
+            if (!there.step()) {
+                throw StoreError(fmt::format("{}: {} differs from that of {}: nothing was merged",
+                                             file, table.name, out.file()));
+            }
+            there.reset();
+        }
+    }
+}
+
+std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& files) {
+    std::vector<std::unique_ptr<Input>> inputs;
+    for (const std::string& file : files) {
+        inputs.push_back(std::make_unique<Input>(file));
+    }
+    return inputs;
+}
+
+}  // namespace
+
+MergeReport merge_files(const std::string& file, const std::vector<std::string>& files) {
+    const auto inputs = open_all(files);  // before anything is made
+    Database out(file, Access::write);
+    MergeReport report;
+    report.backup = out.backup();
+    Transaction whole(out);
+    out.execute("PRAGMA defer_foreign_keys = ON");
+    const Layout layout = read_layout(out);
+
+    PeopleMerge people;
+    std::map<std::string, Versions> all;
+    std::map<std::string, const SessionVersion*> there;
+    const auto collect = [&](Database& database, const std::string& name) {
+        people.read(database, name);
+        for (SessionVersion& version : session_versions(database, layout, name)) {
+            all[version.uuid].push_back(std::move(version));
+        }
+    };
+    collect(out, file);
+    for (const auto& input : inputs) {
+        collect(input->copy.database(), input->name);
+    }
+    report.conflicts = people.conflicts();
+    people.write(out);
+    const std::set<std::string> twice = doubled(all, report.conflicts);
+    for (const auto& [uuid, versions] : all) {
+        const SessionVersion* last = last_of(versions, report.conflicts);
+        const SessionVersion* own = versions.front().database == &out ? &versions.front() : nullptr;
+        if (last == nullptr || twice.contains(uuid) ||
+            people.in_conflict().contains(last->participant)) {
+            continue;
+        }
+        if (own == last || (own != nullptr && became(*last, *own))) {
+            ++report.same;
+        } else if (own != nullptr) {
+            extend_session(*last, *own, out, layout);
+            ++report.extended;
+        } else {
+            add_session(*last, out, layout);
+            ++report.added;
+        }
+    }
+    for (const auto& input : inputs) {
+        copy_shared(input->copy.database(), out, layout, input->name);
+    }
+    whole.commit();
+    out.checkpoint();
+    return report;
+}
+
+}  // namespace palpate::data

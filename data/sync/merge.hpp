@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace palpate::data {
+
+/// What two files say differently, so that nothing of it was merged.
+struct MergeConflict {
+    std::string what;    ///< the session or participant, and what differs
+    std::string first;   ///< a file
+    std::string second;  ///< the other one
+};
+
+struct MergeReport {
+    std::size_t added = 0;     ///< sessions that the file did not have
+    std::size_t extended = 0;  ///< sessions that went on since
+    std::size_t same = 0;      ///< sessions that the file had as they are
+    std::vector<MergeConflict> conflicts;
+    std::string
+        backup;  ///< where the file was copied before it was brought up to date; empty: it was not
+};
+
+/// Brings the sessions of `inputs` into `file` (made if it is not there), in one transaction.
+///
+/// A session is known by its uuid, a participant by the code, a study by the hash of its protocol. Merging
+/// the same files again changes nothing, and the order of the files does not matter but for row ids: of a
+/// session that several files hold, the one that the others became is kept (see became()). Nothing is
+/// merged, and a conflict is listed, of
+/// - a session of one uuid that two files tell differently;
+/// - two sessions that are the same study, participant and number under two uuids;
+/// - all that `inputs` have of a participant whose handedness, consent or details two files tell differently.
+/// What `file` itself holds stays in any case. The inputs are only read, also while a rig writes them.
+/// @throws StoreError if a file cannot be read or written: nothing was merged
+[[nodiscard]] MergeReport merge_files(const std::string& file,
+                                      const std::vector<std::string>& inputs);
+
+}  // namespace palpate::data

@@ -1,0 +1,89 @@
+#include "data/sync/people_merge.hpp"
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+constexpr const char* kHandedness = "handedness";
+constexpr const char* kConsent = "consent";
+constexpr const char* kConsentTime = "consent_utc";
+constexpr std::string_view kDetail = "detail ";
+
+}  // namespace
+
+void PeopleMerge::say(const std::string& code, const std::string& key, const Said& said) {
+    Person& person = people_[code];
+    const auto [there, is_new] = person.emplace(key, said);
+    if (is_new || there->second.value == said.value) {
+        return;
+    }
+    if (key == kConsentTime) {  // the same answer noted twice: when it was noted first
+        if (said.value < there->second.value) {
+            there->second = said;
+        }
+        return;
+    }
+    in_conflict_.insert(code);
+    conflicts_.push_back({.what = fmt::format("participant {}: {} is {} and {}", code, key,
+                                              there->second.value, said.value),
+                          .first = there->second.file,
+                          .second = said.file});
+}
+
+void PeopleMerge::read(Database& database, const std::string& file) {
+    Statement row =
+        database.prepare("SELECT code, handedness, consent, consent_utc FROM participant");
+    while (row.step()) {
+        const std::string code = row.text(0);
+        people_[code];
+        int column = 0;
+        for (const char* key : {kHandedness, kConsent, kConsentTime}) {
+            if (!row.null(++column)) {
+                say(code, key, {row.text(column), file});
+            }
+        }
+    }
+    Statement detail = database.prepare(
+        "SELECT code, key, value FROM participant_detail JOIN participant"
+        " ON participant.id = participant");
+    while (detail.step()) {
+        say(detail.text(0), std::string(kDetail) + detail.text(1), {detail.text(2), file});
+    }
+}
+
+void PeopleMerge::write(Database& out) const {
+    Statement add =
+        out.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING");
+    Statement note = out.prepare(
+        "UPDATE participant SET handedness = CAST(?2 AS INTEGER), consent = CAST(?3 AS INTEGER),"
+        " consent_utc = ?4 WHERE code = ?1");
+    Statement detail = out.prepare(
+        "INSERT INTO participant_detail SELECT id, ?2, ?3 FROM participant WHERE code = ?1"
+        " ON CONFLICT (participant, key) DO NOTHING");
+    for (const auto& [code, person] : people_) {
+        if (in_conflict_.contains(code)) {
+            continue;
+        }
+        add.bind(1, std::string_view(code)).run();
+        note.bind(1, std::string_view(code));
+        int parameter = 1;
+        for (const char* key : {kHandedness, kConsent, kConsentTime}) {
+            const auto said = person.find(key);
+            ++parameter;
+            said == person.end() ? note.bind_null(parameter)
+                                 : note.bind(parameter, std::string_view(said->second.value));
+        }
+        note.run();
+        for (const auto& [key, said] : person) {
+            if (key.starts_with(kDetail)) {
+                detail.bind(1, std::string_view(code))
+                    .bind(2, std::string_view(key).substr(kDetail.size()))
+                    .bind(3, std::string_view(said.value))
+                    .run();
+            }
+        }
+    }
+}
+
+}  // namespace palpate::data

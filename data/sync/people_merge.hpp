@@ -1,0 +1,40 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "data/store/database.hpp"
+#include "data/sync/merge.hpp"
+
+namespace palpate::data {
+
+/// What the files say of participants, by code.
+class PeopleMerge {
+public:
+    /// @param file  how to call the database
+    void read(Database& database, const std::string& file);
+    /// Of these codes two files say different things.
+    [[nodiscard]] const std::set<std::string>& in_conflict() const { return in_conflict_; }
+    [[nodiscard]] const std::vector<MergeConflict>& conflicts() const { return conflicts_; }
+    /// Registers all but those in conflict, and fills in what was not known.
+    void write(Database& out) const;
+
+private:
+    struct Said {
+        std::string value;
+        std::string file;
+    };
+    using Person =
+        std::map<std::string, Said>;  ///< key, value; "detail KEY" for participant_detail
+
+    void say(const std::string& code, const std::string& key, const Said& said);
+
+    std::map<std::string, Person> people_;
+    std::set<std::string> in_conflict_;
+    std::vector<MergeConflict> conflicts_;
+};
+
+}  // namespace palpate::data

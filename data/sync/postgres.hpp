@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace palpate::data {
+
+/// The server, or the way to it, failed. Never says a password.
+class PostgresError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// A row's values as the server takes them: text, or bytes.
+class PostgresRow {
+public:
+    PostgresRow& none();
+    PostgresRow& text(std::string_view value);
+    PostgresRow& integer(std::int64_t value);
+    PostgresRow& real(double value);  ///< to the bit
+    PostgresRow& bytes(std::span<const std::byte> value);
+
+private:
+    friend class Postgres;
+    struct Value {
+        std::string bytes;
+        bool binary = false;
+        bool null = false;
+    };
+    std::vector<Value> values_;
+};
+
+/// A connection to a PostgreSQL server by libpq, the only place that knows it.
+class Postgres {
+public:
+    /// @param url  postgresql://...; TLS and all else as libpq's documentation of connection URIs says
+    /// @throws std::invalid_argument if it is no such URL, or this palpate was built without libpq
+    /// @throws PostgresError if nobody answers there
+    explicit Postgres(const std::string& url);
+    Postgres(const Postgres&) = delete;
+    Postgres& operator=(const Postgres&) = delete;
+    ~Postgres();
+
+    /// Several statements, all or nothing. @throws PostgresError
+    void run(const std::string& sql);
+    /// All rows as text; NULL is nothing.
+    [[nodiscard]] std::vector<std::vector<std::optional<std::string>>> rows(
+        const std::string& sql, const PostgresRow& parameters = {});
+
+    /// Notes a statement for flush(): sent at once in pipeline mode, without waiting for its answer.
+    void send(const std::string& sql, const PostgresRow& parameters);
+    /// Waits for all answers: what was sent since the last flush is one transaction.
+    /// @return rows that were added @throws PostgresError if any failed: then none was added
+    std::int64_t flush();
+
+private:
+    [[noreturn]] void fail(std::string_view doing, const char* words) const;
+
+    void* connection_ = nullptr;
+    std::size_t waiting_ = 0;
+};
+
+}  // namespace palpate::data

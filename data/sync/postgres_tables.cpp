@@ -1,0 +1,156 @@
+#include "data/sync/postgres_tables.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+std::string type_of(const std::string& sqlite) {
+    return sqlite == "INTEGER" ? "bigint"
+         : sqlite == "REAL"    ? "double precision"
+         : sqlite == "BLOB"    ? "bytea"
+                               : "text";
+}
+
+std::string quoted(const std::string& name) {
+    return '"' + name + '"';
+}
+
+std::string quoted(const std::vector<std::string>& names) {
+    std::string list;
+    for (const std::string& name : names) {
+        list += (list.empty() ? "" : ", ") + quoted(name);
+    }
+    return list;
+}
+
+/// The columns of `from` after those of its owner, and the part of its key that is not the owner.
+PostgresTable owned(Database& database,
+                    const OwnedTable& from,
+                    PostgresTable to,
+                    const std::string& owner) {
+    to.name = from.name;
+    Statement row =
+        database.prepare("SELECT name, type, pk FROM pragma_table_info(?1) ORDER BY pk, cid");
+    row.bind(1, std::string_view(from.name));
+    std::vector<std::pair<std::string, std::string>> types;
+    while (row.step()) {
+        types.emplace_back(row.text(0), type_of(row.text(1)));
+        if (row.integer(2) > 0 && row.text(0) != owner && row.text(0) != "id") {
+            to.key.push_back(row.text(0));
+        }
+    }
+    for (const std::string& column : from.columns) {
+        to.columns.push_back(*std::find_if(types.begin(), types.end(), [&column](const auto& type) {
+            return type.first == column;
+        }));
+    }
+    return to;
+}
+
+}  // namespace
+
+std::vector<PostgresTable> postgres_tables(Database& database, const Layout& layout) {
+    const PostgresTable of_session{{}, {{"session", "uuid"}}, {"session"}};
+    const PostgresTable of_trial{
+        {}, {{"session", "uuid"}, {"trial", "bigint"}}, {"session", "trial"}};
+    std::vector<PostgresTable> tables{
+        {"study",
+         {{"protocol_sha256", "text"},
+          {"name", "text"},
+          {"title", "text"},
+          {"protocol_toml", "text"}},
+         {"protocol_sha256"}},
+        {"participant_note",
+         {{"participant", "text"}, {"key", "text"}, {"value", "text"}},
+         {"participant", "key"}},
+        {"trial_invalid",
+         {{"session", "uuid"}, {"trial", "bigint"}, {"reason", "text"}},
+         {"session", "trial"}},
+        {"event",
+         {{"session", "uuid"},
+          {"event", "bigint"},
+          {"trial", "bigint"},
+          {"kind", "text"},
+          {"text", "text"},
+          {"at_utc", "text"},
+          {"content", "text"}},
+         {"session", "event"}}};
+    PostgresTable session = owned(database, layout.session, of_session, "");
+    session.columns.insert(
+        session.columns.end(),
+        {{"study", "text"}, {"participant", "text"}, {"head", "text"}, {"file_schema", "bigint"}});
+    tables.push_back(session);
+    PostgresTable end = owned(database, layout.session_end, of_session, "");
+    end.name = "session_end";
+    tables.push_back(end);
+    PostgresTable trial = owned(database, layout.trial, of_trial, "");
+    trial.columns.insert(trial.columns.end(), {{"content", "text"}, {"file_schema", "bigint"}});
+    tables.push_back(trial);
+    for (const OwnedTable& table : layout.of_session) {
+        tables.push_back(owned(database, table, of_session, "session"));
+    }
+    for (const OwnedTable& table : layout.of_trial) {
+        tables.push_back(owned(database, table, of_trial, "trial"));
+    }
+    for (const OwnedTable& table : layout.of_file) {
+        tables.push_back(owned(database, table, {}, ""));
+    }
+    return tables;
+}
+
+std::string postgres_schema(const std::vector<PostgresTable>& tables) {
+    std::string sql = "CREATE SCHEMA IF NOT EXISTS palpate;\n";
+    for (const PostgresTable& table : tables) {
+        const std::string name = "palpate." + quoted(table.name);
+        std::string columns;
+        std::string later;
+        for (const auto& [column, type] : table.columns) {
+            columns += fmt::format("    {} {},\n", quoted(column), type);
+            later += fmt::format("ALTER TABLE {} ADD COLUMN IF NOT EXISTS {} {};\n", name,
+                                 quoted(column), type);
+            later += type == "bytea"
+                       ? fmt::format("ALTER TABLE {} ALTER COLUMN {} SET STORAGE EXTERNAL;\n", name,
+                                     quoted(column))
+                       : "";
+        }
+        sql += fmt::format("CREATE TABLE IF NOT EXISTS {} (\n{}    PRIMARY KEY ({})\n);\n{}", name,
+                           columns, quoted(table.key), later);
+    }
+    return sql;
+}
+
+std::string postgres_roles() {
+    std::string sql =
+        "-- Least privilege. GRANT palpate_writer TO a login of a rig, palpate_reader TO one of an "
+        "analyst.\n";
+    for (const char* role : {"palpate_writer", "palpate_reader"}) {
+        sql += fmt::format(
+            "DO $$ BEGIN\n    IF NOT EXISTS (SELECT FROM pg_roles WHERE rolname = '{0}') THEN\n"
+            "        CREATE ROLE {0} NOLOGIN;\n    END IF;\nEND $$;\n"
+            "GRANT USAGE ON SCHEMA palpate TO {0};\n"
+            "GRANT SELECT ON ALL TABLES IN SCHEMA palpate TO {0};\n"
+            "ALTER DEFAULT PRIVILEGES IN SCHEMA palpate GRANT SELECT ON TABLES TO {0};\n",
+            role);
+    }
+    return sql +
+           "GRANT INSERT ON ALL TABLES IN SCHEMA palpate TO palpate_writer;\n"
+           "ALTER DEFAULT PRIVILEGES IN SCHEMA palpate GRANT INSERT ON TABLES TO palpate_writer;\n"
+           "REVOKE ALL ON SCHEMA palpate FROM PUBLIC;\n";
+}
+
+std::string postgres_insert(const PostgresTable& table) {
+    std::vector<std::string> names;
+    std::string places;
+    for (const auto& [column, type] : table.columns) {
+        names.push_back(column);
+        places += fmt::format("{}${}", names.size() == 1 ? "" : ", ", names.size());
+    }
+    return fmt::format("INSERT INTO palpate.{} ({}) VALUES ({}) ON CONFLICT DO NOTHING",
+                       quoted(table.name), quoted(names), places);
+}
+
+}  // namespace palpate::data

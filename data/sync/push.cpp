@@ -1,0 +1,343 @@
+#include "data/sync/push.hpp"
+
+#include <filesystem>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/store/current_copy.hpp"
+#include "data/store/schema.hpp"
+#include "data/sync/postgres.hpp"
+#include "data/sync/postgres_tables.hpp"
+#include "data/sync/session_version.hpp"
+
+namespace palpate::data {
+namespace {
+
+void add_values(const Statement& row, PostgresRow& to) {
+    for (int column = 0; column < row.columns(); ++column) {
+        switch (row.type(column)) {
+            case 1:
+                to.integer(row.integer(column));
+                break;
+            case 2:
+                to.real(row.real(column));
+                break;
+            case 3:
+                to.text(row.text(column));
+                break;
+            case 4:
+                to.bytes(row.blob(column));
+                break;
+            default:
+                to.none();
+        }
+    }
+}
+
+class Push {
+public:
+    Push(Database& database, Postgres& server)
+        : database_(database), server_(server), layout_(read_layout(database)) {
+        for (PostgresTable& table : postgres_tables(database, layout_)) {
+            insert_[table.name] = postgres_insert(table);
+            tables_.push_back(std::move(table));
+        }
+    }
+
+    PushReport run(const std::string& file) {
+        require_schema();
+        push_shared();
+        push_people();
+        for (const SessionVersion& session : session_versions(database_, layout_, file)) {
+            ++report_.sessions;
+            if (push_head(session) && push_events(session, false)) {
+                push_trials(session);
+                push_events(session, true);
+                push_end(session);
+            }
+        }
+        return report_;
+    }
+
+private:
+    void conflict(const SessionVersion& session, std::string_view what) {
+        report_.conflicts.push_back(fmt::format("{}, participant {}, session {} ({}): {}",
+                                                session.study_name, session.participant,
+                                                session.number, session.uuid, what));
+    }
+
+    void require_schema() {
+        std::set<std::string> there;
+        for (const auto& row :
+             server_.rows("SELECT relname || '.' || attname FROM pg_attribute JOIN pg_class ON "
+                          "pg_class.oid ="
+                          " attrelid JOIN pg_namespace ON pg_namespace.oid = relnamespace"
+                          " WHERE nspname = 'palpate' AND attnum > 0 AND NOT attisdropped")) {
+            there.insert(*row[0]);
+        }
+        bool whole = true;
+        for (const PostgresTable& table : tables_) {
+            for (const auto& [column, type] : table.columns) {
+                whole = whole && there.contains(table.name + '.' + column);
+            }
+        }
+        if (whole) {
+            return;
+        }
+        try {
+            // One who makes it waits for another.
+            server_.run("BEGIN; SELECT pg_advisory_xact_lock(1885432944);" +
+                        postgres_schema(tables_) + "COMMIT;");
+        } catch (const PostgresError& e) {
+            throw PostgresError(
+                fmt::format("{}; the schema palpate is not there or not whole: an administrator "
+                            "makes it with the SQL "
+                            "of palpate push --roles",
+                            e.what()));
+        }
+    }
+
+    void send(const std::string& table, const PostgresRow& row) {
+        server_.send(insert_.at(table), row);
+    }
+
+    /// One transaction.
+    void flush() { report_.rows += server_.flush(); }
+
+    void push_shared() {
+        Statement study =
+            database_.prepare("SELECT protocol_sha256, name, title, protocol_toml FROM study");
+        while (study.step()) {
+            PostgresRow row;
+            add_values(study, row);
+            send("study", row);
+        }
+        for (const OwnedTable& table : layout_.of_file) {
+            Statement line =
+                database_.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name));
+            while (line.step()) {
+                PostgresRow row;
+                add_values(line, row);
+                send(table.name, row);
+            }
+        }
+        flush();
+    }
+
+    void push_people() {
+        std::map<std::string, std::string> there;
+        for (const auto& row : server_.rows(
+                 "SELECT participant || ' ' || key, value FROM palpate.participant_note")) {
+            there[*row[0]] = *row[1];
+        }
+        Statement note = database_.prepare(
+            "SELECT code, 'handedness', CAST(handedness AS TEXT) FROM participant"
+            " WHERE handedness IS NOT NULL UNION ALL"
+            " SELECT code, 'consent', CAST(consent AS TEXT) FROM participant"
+            " WHERE consent IS NOT NULL");
+        while (note.step()) {
+            const auto found = there.find(note.text(0) + ' ' + note.text(1));
+            if (found != there.end() && found->second != note.text(2)) {
+                report_.conflicts.push_back(
+                    fmt::format("participant {}: {} is {} here and {} on the server", note.text(0),
+                                note.text(1), note.text(2), found->second));
+            }
+            PostgresRow row;
+            add_values(note, row);
+            send("participant_note", row);
+        }
+        flush();
+    }
+
+    /// The session is there as it began. @return nothing in conflict
+    bool push_head(const SessionVersion& session) {
+        const auto there = server_.rows(
+            "SELECT session, head, file_schema FROM palpate.session WHERE session = $1::uuid OR"
+            " (study = $2 AND participant = $3 AND number = $4)",
+            PostgresRow()
+                .text(session.uuid)
+                .text(session.study)
+                .text(session.participant)
+                .integer(session.number));
+        for (const auto& row : there) {
+            if (*row[0] != session.uuid) {
+                conflict(session, "the server has it under the uuid " + *row[0]);
+                return false;
+            }
+            if (*row[1] != session.head && same_schema(*row[2])) {
+                conflict(session, "it began otherwise on the server");
+                return false;
+            }
+        }
+        if (!there.empty()) {
+            return true;
+        }
+        Statement line = database_.prepare(
+            fmt::format("SELECT {} FROM session WHERE id = ?1", layout_.session.list()));
+        line.bind(1, session.id).step();
+        PostgresRow row;
+        row.text(session.uuid);
+        add_values(line, row);
+        row.text(session.study)
+            .text(session.participant)
+            .text(session.head)
+            .integer(kSchemaVersion);
+        send("session", row);
+        for (const OwnedTable& table : layout_.of_session) {
+            push_owned(table, "session", session.id, PostgresRow().text(session.uuid));
+        }
+        flush();
+        return true;
+    }
+
+    static bool same_schema(const std::string& there) {
+        return there == fmt::format("{}", kSchemaVersion);
+    }
+
+    void push_owned(const OwnedTable& table,
+                    std::string_view owner,
+                    std::int64_t id,
+                    const PostgresRow& key) {
+        Statement line = database_.prepare(table.select(owner));
+        line.bind(1, id);
+        while (line.step()) {
+            PostgresRow row = key;
+            add_values(line, row);
+            send(table.name, row);
+        }
+    }
+
+    void push_trials(const SessionVersion& session) {
+        std::map<std::string, std::pair<std::string, std::string>> there;
+        for (const auto& row : server_.rows(
+                 "SELECT trial, content, file_schema FROM palpate.trial WHERE session = $1::uuid",
+                 PostgresRow().text(session.uuid))) {
+            there[*row[0]] = {*row[1], *row[2]};
+        }
+        std::int64_t number = 0;
+        for (const TrialVersion& trial : session.trials) {
+            const auto found = there.find(fmt::format("{}", ++number));
+            if (trial.outcome == "running") {
+                continue;  // it comes when it has ended
+            }
+            if (found == there.end()) {
+                push_trial(session, trial, number);
+            } else if (found->second.first != trial.content && same_schema(found->second.second)) {
+                conflict(session, fmt::format("attempt {} is another on the server", number));
+                continue;
+            }
+            if (!trial.invalid.empty()) {
+                send("trial_invalid",
+                     PostgresRow().text(session.uuid).integer(number).text(trial.invalid));
+                flush();
+            }
+        }
+    }
+
+    void push_trial(const SessionVersion& session, const TrialVersion& trial, std::int64_t number) {
+        PostgresRow key;
+        key.text(session.uuid).integer(number);
+        for (const OwnedTable& table : layout_.of_trial) {
+            push_owned(table, "trial", trial.id, key);
+        }
+        Statement line = database_.prepare(
+            fmt::format("SELECT {} FROM trial WHERE id = ?1", layout_.trial.list()));
+        line.bind(1, trial.id).step();
+        PostgresRow row = key;
+        add_values(line, row);
+        row.text(trial.content).integer(kSchemaVersion);
+        send("trial", row);
+        flush();
+    }
+
+    /// Compares the events that are there, and adds the others if told. @return nothing in conflict
+    bool push_events(const SessionVersion& session, bool add) {
+        const auto there =
+            server_.rows("SELECT event, content FROM palpate.event WHERE session = $1::uuid",
+                         PostgresRow().text(session.uuid));
+        for (const auto& row : there) {
+            const auto number = static_cast<std::size_t>(std::stoull(*row[0]));
+            if (number <= session.events.size() && session.events[number - 1] != *row[1]) {
+                conflict(session, fmt::format("event {} is another on the server", number));
+                return false;
+            }
+        }
+        if (!add) {
+            return true;
+        }
+        Statement line = database_.prepare(
+            "SELECT trial, kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id");
+        line.bind(1, session.id);
+        for (std::int64_t number = 1; line.step(); ++number) {
+            PostgresRow row;
+            row.text(session.uuid).integer(number);
+            const std::int64_t trial = place_of(session, line.integer(0));
+            line.null(0) || trial == 0 ? row.none() : row.integer(trial);
+            row.text(line.text(1))
+                .text(portable_text(line.text(1), line.text(2), session.trials))
+                .text(line.text(3))
+                .text(session.events.at(static_cast<std::size_t>(number - 1)));
+            send("event", row);
+        }
+        flush();
+        return true;
+    }
+
+    static std::int64_t place_of(const SessionVersion& session, std::int64_t id) {
+        for (std::size_t i = 0; i < session.trials.size(); ++i) {
+            if (session.trials[i].id == id) {
+                return static_cast<std::int64_t>(i) + 1;
+            }
+        }
+        return 0;
+    }
+
+    void push_end(const SessionVersion& session) {
+        if (session.finished) {
+            PostgresRow row;
+            row.text(session.uuid);
+            Statement line = database_.prepare(
+                fmt::format("SELECT {} FROM session WHERE id = ?1", layout_.session_end.list()));
+            line.bind(1, session.id).step();
+            add_values(line, row);
+            send("session_end", row);
+            flush();
+        }
+    }
+
+    Database& database_;
+    Postgres& server_;
+    Layout layout_;
+    std::vector<PostgresTable> tables_;
+    std::map<std::string, std::string> insert_;
+    PushReport report_;
+};
+
+}  // namespace
+
+PushReport push_file(const std::string& file, const std::string& url) {
+    CurrentCopy copy(file);
+    Postgres server(url);
+    const Snapshot now(copy.database());
+    return Push(copy.database(), server).run(file);
+}
+
+std::string push_setup() {
+    // The present schema, from a database of no session.
+    std::string folder = (std::filesystem::temp_directory_path() / "palpate-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr) {
+        throw StoreError("cannot make a temporary folder: is TMPDIR there and writable?");
+    }
+    std::string sql;
+    {
+        Database none(folder + "/none.sqlite", Access::write);
+        sql = postgres_schema(postgres_tables(none, read_layout(none))) + postgres_roles();
+    }
+    std::filesystem::remove_all(folder);
+    return sql;
+}
+
+}  // namespace palpate::data

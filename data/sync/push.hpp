@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace palpate::data {
+
+struct PushReport {
+    std::size_t sessions = 0;  ///< looked at
+    std::int64_t rows = 0;     ///< added
+    std::vector<std::string>
+        conflicts;  ///< what the server says differently: nothing of it was added
+};
+
+/// Adds what the server does not have yet of a file: sessions with their plans, every attempt that ended with
+/// its chunks as they are, events, ends, studies, handedness and consent. The file is only read. An attempt
+/// and all that belongs to it is one transaction, so that a push that was cut off left whole attempts behind,
+/// and the next one goes on. Pushing twice is pushing once.
+///
+/// Makes the schema `palpate` if it is not there and the user may. In conflict are a session whose beginning, an
+/// attempt or an event that the server has otherwise, a study, participant and number that are there under
+/// another uuid, and a participant's handedness or consent.
+/// @throws std::invalid_argument for a wrong URL, or without libpq
+/// @throws PostgresError if the server fails: what was added stays
+[[nodiscard]] PushReport push_file(const std::string& file, const std::string& url);
+
+/// SQL for an administrator: postgres_schema() and postgres_roles().
+[[nodiscard]] std::string push_setup();
+
+}  // namespace palpate::data

@@ -1,0 +1,183 @@
+#include "data/sync/session_copy.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace palpate::data {
+namespace {
+
+using Ids = std::vector<std::int64_t>;
+
+void copy_owned(const SessionVersion& from,
+                Database& out,
+                const OwnedTable& table,
+                std::string_view owner,
+                std::int64_t from_id,
+                std::int64_t to_id) {
+    Statement row = from.database->prepare(table.select(owner));
+    Statement add = out.prepare(table.insert(owner));
+    row.bind(1, from_id);
+    while (row.step()) {
+        add.bind(1, to_id);
+        bind_row(row, add, 2);
+        add.run();
+    }
+}
+
+std::int64_t study_of(const SessionVersion& from, Database& out) {
+    Statement row = from.database->prepare(
+        "SELECT name, title, protocol_sha256, protocol_toml FROM study WHERE protocol_sha256 = ?1");
+    row.bind(1, std::string_view(from.study)).step();
+    Statement add = out.prepare(
+        "INSERT INTO study (name, title, protocol_sha256, protocol_toml) VALUES (?1, ?2, ?3, ?4)"
+        " ON CONFLICT (protocol_sha256) DO NOTHING");
+    bind_row(row, add, 1);
+    add.run();
+    Statement id = out.prepare("SELECT id FROM study WHERE protocol_sha256 = ?1");
+    id.bind(1, std::string_view(from.study)).step();
+    return id.integer(0);
+}
+
+std::int64_t copy_session_row(const SessionVersion& from, Database& out, const Layout& layout) {
+    const OwnedTable& table = layout.session;
+    const std::int64_t study = study_of(from, out);
+    Statement row =
+        from.database->prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", table.list()));
+    row.bind(1, from.id).step();
+    std::string places;
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+        places += fmt::format(", ?{}", i + 3);
+    }
+    Statement add = out.prepare(
+        fmt::format("INSERT INTO session (study, participant, {}) VALUES (?1, (SELECT id FROM"
+                    " participant WHERE code = ?2){})",
+                    table.list(), places));
+    add.bind(1, study).bind(2, std::string_view(from.participant));
+    bind_row(row, add, 3);
+    add.run();
+    return out.last_row();
+}
+
+/// Insert of a whole trial, or an update of one that is there (`id`).
+std::int64_t copy_trial_row(const SessionVersion& from,
+                            const TrialVersion& trial,
+                            Database& out,
+                            const Layout& layout,
+                            std::int64_t session,
+                            std::int64_t id) {
+    const OwnedTable& table = layout.trial;
+    Statement row = from.database->prepare(
+        fmt::format("SELECT {}, invalid FROM trial WHERE id = ?1", table.list()));
+    row.bind(1, trial.id).step();
+    std::string places;
+    std::string set;
+    for (std::size_t i = 0; i < table.columns.size(); ++i) {
+        places += fmt::format("?{}, ", i + 2);
+        set += fmt::format("{} = ?{}, ", table.columns[i], i + 2);
+    }
+    const std::size_t last = table.columns.size() + 2;
+    Statement write = out.prepare(
+        id == 0 ? fmt::format("INSERT INTO trial (session, {}, invalid) VALUES (?1, {}?{})",
+                              table.list(), places, last)
+                : fmt::format("UPDATE trial SET {}invalid = ?{} WHERE id = ?1", set, last));
+    write.bind(1, id == 0 ? session : id);
+    bind_row(row, write, 2);
+    write.run();
+    return id == 0 ? out.last_row() : id;
+}
+
+std::int64_t copy_trial(const SessionVersion& from,
+                        const TrialVersion& trial,
+                        Database& out,
+                        const Layout& layout,
+                        std::int64_t session,
+                        std::int64_t there) {
+    const std::int64_t id = copy_trial_row(from, trial, out, layout, session, there);
+    for (const OwnedTable& table : layout.of_trial) {
+        if (there != 0) {
+            out.prepare(fmt::format("DELETE FROM {} WHERE trial = ?1", table.name))
+                .bind(1, there)
+                .run();
+        }
+        copy_owned(from, out, table, "trial", trial.id, id);
+    }
+    return id;
+}
+
+void copy_events(const SessionVersion& from,
+                 Database& out,
+                 std::int64_t session,
+                 const Ids& trials,
+                 std::size_t already) {
+    Statement row = from.database->prepare(
+        "SELECT trial, kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id"
+        " LIMIT -1 OFFSET ?2");
+    row.bind(1, from.id).bind(2, static_cast<std::int64_t>(already));
+    Statement add = out.prepare(
+        "INSERT INTO event (session, trial, kind, text, at_utc) VALUES (?1, ?2, ?3, ?4, ?5)");
+    while (row.step()) {
+        add.bind(1, session).bind_null(2);
+        for (std::size_t i = 0; i < from.trials.size() && !row.null(0); ++i) {
+            if (from.trials[i].id == row.integer(0)) {
+                add.bind(2, trials.at(i));
+            }
+        }
+        const std::string kind = row.text(1);
+        add.bind(3, std::string_view(kind))
+            .bind(4, std::string_view(portable_text(kind, row.text(2), from.trials)))
+            .bind(5, std::string_view(row.text(3)))
+            .run();
+    }
+}
+
+void copy_end(const SessionVersion& from,
+              Database& out,
+              const Layout& layout,
+              std::int64_t session) {
+    const OwnedTable& end = layout.session_end;
+    Statement row =
+        from.database->prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", end.list()));
+    row.bind(1, from.id).step();
+    std::string set;
+    for (std::size_t i = 0; i < end.columns.size(); ++i) {
+        set += fmt::format("{}{} = ?{}", i == 0 ? "" : ", ", end.columns[i], i + 2);
+    }
+    Statement write = out.prepare(fmt::format("UPDATE session SET {} WHERE id = ?1", set));
+    write.bind(1, session);
+    bind_row(row, write, 2);
+    write.run();
+}
+
+}  // namespace
+
+void add_session(const SessionVersion& from, Database& out, const Layout& layout) {
+    const std::int64_t session = copy_session_row(from, out, layout);
+    for (const OwnedTable& table : layout.of_session) {
+        copy_owned(from, out, table, "session", from.id, session);
+    }
+    Ids trials;
+    for (const TrialVersion& trial : from.trials) {
+        trials.push_back(copy_trial(from, trial, out, layout, session, 0));
+    }
+    copy_events(from, out, session, trials, 0);
+    copy_end(from, out, layout, session);
+}
+
+void extend_session(const SessionVersion& from,
+                    const SessionVersion& own,
+                    Database& out,
+                    const Layout& layout) {
+    Ids trials;
+    for (std::size_t i = 0; i < from.trials.size(); ++i) {
+        const TrialVersion& trial = from.trials[i];
+        const std::int64_t there = i < own.trials.size() ? own.trials[i].id : 0;
+        const bool same = there != 0 && own.trials[i].content == trial.content &&
+                          own.trials[i].invalid == trial.invalid;
+        trials.push_back(same ? there : copy_trial(from, trial, out, layout, own.id, there));
+    }
+    copy_events(from, out, own.id, trials, own.events.size());
+    copy_end(from, out, layout, own.id);
+}
+
+}  // namespace palpate::data

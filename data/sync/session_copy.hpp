@@ -1,0 +1,17 @@
+#pragma once
+
+#include "data/sync/session_version.hpp"
+
+namespace palpate::data {
+
+/// Copies a session that `out` does not have, with its study, into it. Its participant is there.
+void add_session(const SessionVersion& from, Database& out, const Layout& layout);
+
+/// Brings `own`, a session of `out`, to what it became in `from`. Its rows keep their ids.
+/// @pre became(own, from)
+void extend_session(const SessionVersion& from,
+                    const SessionVersion& own,
+                    Database& out,
+                    const Layout& layout);
+
+}  // namespace palpate::data

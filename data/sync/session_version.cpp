@@ -1,0 +1,176 @@
+#include "data/sync/session_version.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "protocols/design/sha256.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::sha256_hex;
+
+constexpr std::string_view kAfterTrial = "after trial ";
+
+/// The row's values with their types and sizes: no two rows give the same bytes.
+std::string row_bytes(const Statement& row) {
+    std::string bytes;
+    for (int column = 0; column < row.columns(); ++column) {
+        std::string value = row.text(column);
+        if (row.type(column) == 2) {
+            const double real = row.real(column);
+            value.assign(reinterpret_cast<const char*>(&real), sizeof real);
+        }
+        bytes += fmt::format("{}:{}:", row.type(column), value.size()) + value;
+    }
+    return bytes;
+}
+
+std::string rows_of(Database& database,
+                    const OwnedTable& table,
+                    std::string_view owner,
+                    std::int64_t id) {
+    std::string hashes = table.name + '\n';
+    Statement row = database.prepare(table.select(owner));
+    row.bind(1, id);
+    while (row.step()) {
+        hashes += sha256_hex(row_bytes(row)) + '\n';
+    }
+    return hashes;
+}
+
+std::vector<TrialVersion> trials_of(Database& database,
+                                    const Layout& layout,
+                                    std::int64_t session) {
+    std::vector<TrialVersion> trials;
+    Statement row = database.prepare(
+        "SELECT position, attempt, started_utc, slip_decay, heal_decay FROM trial WHERE id = ?1");
+    Statement all =
+        database.prepare(fmt::format("SELECT {} FROM trial WHERE id = ?1", layout.trial.list()));
+    Statement ids = database.prepare(
+        "SELECT id, outcome, coalesce(invalid, ''), (SELECT coalesce(sum(trace_chunk.ticks), 0)"
+        " FROM trace_chunk WHERE trace_chunk.trial = trial.id) FROM trial WHERE session = ?1"
+        " ORDER BY id");
+    ids.bind(1, session);
+    while (ids.step()) {
+        TrialVersion& trial = trials.emplace_back();
+        trial.id = ids.integer(0);
+        trial.outcome = ids.text(1);
+        trial.invalid = ids.text(2);
+        trial.ticks = ids.integer(3);
+        row.bind(1, trial.id).step();
+        trial.key = sha256_hex(row_bytes(row));
+        row.reset();
+        all.bind(1, trial.id).step();
+        std::string content = row_bytes(all);
+        all.reset();
+        for (const OwnedTable& table : layout.of_trial) {
+            content += rows_of(database, table, "trial", trial.id);
+        }
+        trial.content = sha256_hex(content);
+    }
+    return trials;
+}
+
+std::size_t place_of(std::int64_t id, const std::vector<TrialVersion>& trials) {
+    return static_cast<std::size_t>(
+        std::count_if(trials.begin(), trials.end(), [id](const auto& t) { return t.id <= id; }));
+}
+
+std::vector<std::string> events_of(Database& database, const SessionVersion& session) {
+    std::vector<std::string> events;
+    Statement row = database.prepare(
+        "SELECT coalesce(trial, 0), kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id");
+    row.bind(1, session.id);
+    while (row.step()) {
+        events.push_back(
+            sha256_hex(fmt::format("{} {}:{} {} ", place_of(row.integer(0), session.trials),
+                                   row.text(1).size(), row.text(1), row.text(3)) +
+                       portable_text(row.text(1), row.text(2), session.trials)));
+    }
+    return events;
+}
+
+std::string session_row(Database& database, const OwnedTable& part, std::int64_t id) {
+    Statement row =
+        database.prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", part.list()));
+    row.bind(1, id).step();
+    return row_bytes(row);
+}
+
+std::string head_of(Database& database, const Layout& layout, const SessionVersion& session) {
+    std::string head = session.study + ' ' + session.participant + ' ' +
+                       session_row(database, layout.session, session.id);
+    for (const OwnedTable& table : layout.of_session) {
+        head += rows_of(database, table, "session", session.id);
+    }
+    return sha256_hex(head);
+}
+
+bool became(const TrialVersion& earlier, const TrialVersion& later) {
+    if (earlier.content == later.content) {
+        return earlier.invalid.empty() || earlier.invalid == later.invalid;
+    }
+    return earlier.outcome == "running" && earlier.key == later.key &&
+           (later.outcome != "running" || earlier.ticks < later.ticks);
+}
+
+}  // namespace
+
+std::vector<SessionVersion> session_versions(Database& database,
+                                             const Layout& layout,
+                                             const std::string& file) {
+    std::vector<SessionVersion> all;
+    Statement row = database.prepare(
+        "SELECT session.id, uuid, protocol_sha256, name, code, number, finished FROM session"
+        " JOIN study ON study.id = study"
+        " JOIN participant ON participant.id = participant ORDER BY session.id");
+    while (row.step()) {
+        SessionVersion& session = all.emplace_back();
+        session.file = file;
+        session.database = &database;
+        session.id = row.integer(0);
+        session.uuid = row.text(1);
+        session.study = row.text(2);
+        session.study_name = row.text(3);
+        session.participant = row.text(4);
+        session.number = row.integer(5);
+        session.finished = row.integer(6) != 0;
+        session.end = sha256_hex(session_row(database, layout.session_end, session.id));
+        session.head = head_of(database, layout, session);
+        session.trials = trials_of(database, layout, session.id);
+        session.events = events_of(database, session);
+    }
+    return all;
+}
+
+bool became(const SessionVersion& earlier, const SessionVersion& later) {
+    if (earlier.head != later.head || earlier.trials.size() > later.trials.size() ||
+        earlier.events.size() > later.events.size() ||
+        (earlier.finished && earlier.end != later.end)) {
+        return false;
+    }
+    for (std::size_t i = 0; i < earlier.trials.size(); ++i) {
+        if (!became(earlier.trials[i], later.trials[i])) {
+            return false;
+        }
+    }
+    return std::equal(earlier.events.begin(), earlier.events.end(), later.events.begin());
+}
+
+std::string portable_text(std::string_view kind,
+                          const std::string& text,
+                          const std::vector<TrialVersion>& trials) {
+    const std::size_t colon = text.find(": ");
+    std::int64_t number = 0;
+    if (kind != "mark" || !text.starts_with(kAfterTrial) || colon == std::string::npos ||
+        std::from_chars(text.data() + kAfterTrial.size(), text.data() + colon, number).ptr !=
+            text.data() + colon) {
+        return text;
+    }
+    return fmt::format("after {} attempts{}", place_of(number, trials), text.substr(colon));
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "data/sync/layout.hpp"
+
+namespace palpate::data {
+
+/// One attempt as a file has it.
+struct TrialVersion {
+    std::int64_t id = 0;  ///< in its file
+    std::string key;      ///< hash of what was there when it began
+    std::string content;  ///< hash of all but `invalid`, with the rows that belong to it
+    std::string outcome;
+    std::string invalid;     ///< why it does not count; empty: it does
+    std::int64_t ticks = 0;  ///< stored
+};
+
+/// One session as a file has it. Two files can hold the same session (the same uuid) at two moments.
+struct SessionVersion {
+    std::string file;  ///< as the user named it
+    Database* database = nullptr;
+    std::int64_t id = 0;  ///< in its file
+    std::string uuid;
+    std::string study;  ///< SHA-256 of the protocol
+    std::string study_name;
+    std::string participant;  ///< code
+    std::int64_t number = 0;
+    std::string head;  ///< hash of all that is set before the first trial
+    bool finished = false;
+    std::string end;                   ///< hash of what was set when it finished
+    std::vector<TrialVersion> trials;  ///< in the order in which they were run
+    std::vector<std::string> events;   ///< hashes, in their order
+};
+
+/// All sessions of a file. @param file  how to call it
+[[nodiscard]] std::vector<SessionVersion> session_versions(Database& database,
+                                                           const Layout& layout,
+                                                           const std::string& file);
+
+/// Whether `later` is what `earlier` was or has become: the same beginning, the same trials and events as
+/// far as `earlier` has them. Of those a running trial may have gone on, an answer may have been marked not
+/// to count, and the session may have finished; nothing else changes in a session that goes on. A partial
+/// order: two files can hold two sessions of one uuid of which neither became the other.
+[[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
+
+/// The text of an event as every file has it: a mark of an older palpate names a trial by a number of its
+/// file (data/store/people.hpp).
+[[nodiscard]] std::string portable_text(std::string_view kind,
+                                        const std::string& text,
+                                        const std::vector<TrialVersion>& trials);
+
+}  // namespace palpate::data

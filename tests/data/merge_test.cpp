@@ -1,0 +1,399 @@
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "data/store/people.hpp"
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "data/sync/merge.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using data::MergeReport;
+using tests::Random;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Everything that a file says of sessions and people, row by row, without the ids that are its own.
+std::string content(const std::string& file) {
+    Database database(file, Access::read);
+    std::string all;
+    for (const char* sql :
+         {"SELECT code, handedness, consent, consent_utc FROM participant ORDER BY code",
+          "SELECT code, key, value FROM participant_detail JOIN participant ON participant.id ="
+          " participant ORDER BY code, key",
+          "SELECT protocol_sha256, protocol_toml, name, title FROM study ORDER BY 1",
+          "SELECT uuid, protocol_sha256, code, number, kind, seed, plan_sha256, shuffles, device,"
+          " rate_hz, stiffness_n_per_m, started_utc, finished_utc, finished, operator FROM session"
+          " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
+          " ORDER BY uuid",
+          "SELECT uuid, key, value FROM session_provenance JOIN session ON session.id = session"
+          " ORDER BY 1, 2",
+          "SELECT uuid, position, phase, object, curvature_per_m, friction, mu_s, mu_d, "
+          "break_before,"
+          " block FROM plan JOIN session ON session.id = session ORDER BY uuid, position",
+          "SELECT uuid, position, attempt, outcome, trial.started_utc, ended_utc, done_s, invalid,"
+          " trial.ticks, energy_j, place, object, correct, reaction_s,"
+          " (SELECT group_concat(hex(data) || crc32 || first_tick, '/') FROM (SELECT * FROM"
+          " trace_chunk WHERE trace_chunk.trial = trial.id ORDER BY first_tick))"
+          " FROM trial JOIN session ON session.id = session LEFT JOIN response ON response.trial ="
+          " trial.id ORDER BY uuid, trial.id",
+          "SELECT uuid, event.kind, at_utc, position, attempt, text"
+          " FROM event JOIN session ON session.id = event.session"
+          " LEFT JOIN trial ON trial.id = event.trial ORDER BY uuid, event.id"}) {
+        auto row = database.prepare(sql);
+        while (row.step()) {
+            for (int column = 0; column < row.columns(); ++column) {
+                all +=
+                    row.type(column) == 2 ? fmt::format("{}", row.real(column)) : row.text(column);
+                all += row.null(column) ? "NULL|" : "|";
+            }
+            all += '\n';
+        }
+    }
+    return all;
+}
+
+/// A rig that runs sessions step by step.
+class Rig {
+public:
+    Rig(std::string file, std::string participant, std::size_t number, bool other_study = false)
+        : file_(std::move(file)) {
+        protocols::Protocol protocol = tests::small_protocol();
+        protocol.title = other_study ? "The same name, another text" : protocol.title;
+        spec_ = tests::session_spec(protocol, std::move(participant), number);
+        spec_.kind = data::RunKind::real;
+        Database database(file_, Access::write);
+        session_ = data::open_session(database, spec_).id;
+    }
+
+    /// Something that happens in a session.
+    void step(Random& random) {
+        Database database(file_, Access::write);
+        auto row =
+            database.prepare("SELECT id, outcome FROM trial WHERE session = ?1 ORDER BY id DESC");
+        row.bind(1, session_);
+        const bool any = row.step();
+        const std::int64_t last = any ? row.integer(0) : 0;
+        const bool runs = any && row.text(1) == "running";
+        row.reset();
+        if (runs) {
+            random.coin() ? chunk(database, last, random) : end(database, last, random);
+        } else if (any && random.below(4) == 0) {
+            mark(database, last);
+        } else if (random.below(5) == 0) {
+            data::add_note(database, session_, fmt::format("note {}", random.below(1000)));
+        } else {
+            begin(database, random);
+        }
+        database.checkpoint();
+    }
+
+    void finish() {
+        Database database(file_, Access::write);
+        data::SqliteRecorder(database, spec_.protocol, session_).finish_session();
+    }
+
+    [[nodiscard]] const std::string& file() const { return file_; }
+
+private:
+    void begin(Database& database, Random& random) {
+        database
+            .prepare(
+                "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
+                " started_utc) SELECT ?1, ?2, 1 + count(*), 'running', 0.5, 0.25, ?3 FROM trial"
+                " WHERE session = ?1 AND position = ?2")
+            .bind(1, session_)
+            .bind(2, std::int64_t{random.below(6)})
+            .bind(3, data::utc_now())
+            .run();
+    }
+    void chunk(Database& database, std::int64_t trial, Random& random) {
+        const std::vector<std::byte> bytes(static_cast<std::size_t>(1 + random.below(40)),
+                                           static_cast<std::byte>(random.below(256)));
+        database
+            .prepare(
+                "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns,"
+                " holds, crc32, derived, data) SELECT ?1, 1, coalesce(max(first_tick), -256) + 256,"
+                " 256, 2, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial = ?1")
+            .bind(1, trial)
+            .bind(2, std::span<const std::byte>(bytes))
+            .run();
+    }
+    void end(Database& database, std::int64_t trial, Random& random) {
+        const bool answered = random.below(4) != 0;
+        database.prepare("UPDATE trial SET outcome = ?2, done_s = ?3, ended_utc = ?4 WHERE id = ?1")
+            .bind(1, trial)
+            .bind(2, std::string_view(answered ? "complete" : "aborted"))
+            .bind(3, random.in(0.0, 9.0))
+            .bind(4, data::utc_now())
+            .run();
+        if (answered) {
+            database
+                .prepare(
+                    "INSERT INTO response (trial, place, object, correct, reaction_s, "
+                    "uncertainty_s, input, answer) VALUES (?1, 0, 'straight', 1, ?2, 0.0, 'key', "
+                    "0)")
+                .bind(1, trial)
+                .bind(2, random.in(0.1, 3.0))
+                .run();
+        }
+    }
+    void mark(Database& database, std::int64_t trial) {
+        try {
+            data::mark_invalid(database, trial, "talked meanwhile");
+        } catch (const std::invalid_argument&) {  // it has no answer, or is marked already
+        }
+    }
+
+    std::string file_;
+    data::SessionSpec spec_;
+    std::int64_t session_ = 0;
+};
+
+void shuffle(std::vector<std::string>& files, Random& random) {
+    for (std::size_t i = files.size(); i > 1; --i) {
+        std::swap(files[i - 1], files[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
+    }
+}
+
+std::string copy_of(const std::string& file, const TemporaryFolder& folder, int number) {
+    const std::string to = folder.file(fmt::format("copy{}.sqlite", number));
+    std::filesystem::copy_file(file, to);
+    return to;
+}
+
+/// Rigs that went through random steps, and copies of their files from in between.
+struct World {
+    explicit World(std::uint64_t seed) : random(seed) {
+        rigs.emplace_back(folder.file("a.sqlite"), "P01", 1);
+        rigs.emplace_back(folder.file("a.sqlite"), "P02", 1);
+        rigs.emplace_back(folder.file("b.sqlite"), "P03", 1);
+        rigs.emplace_back(folder.file("b.sqlite"), "P01", 2);
+        rigs.emplace_back(folder.file("c.sqlite"), "P01", 1, true);
+        for (int i = 0; i < 60; ++i) {
+            Rig& rig = rigs[static_cast<std::size_t>(random.below(5))];
+            rig.step(random);
+            if (random.below(8) == 0) {
+                files.push_back(copy_of(rig.file(), folder, i));
+            }
+        }
+        if (random.coin()) {
+            rigs.front().finish();
+        }
+        for (const char* name : {"a.sqlite", "b.sqlite", "c.sqlite"}) {
+            last.push_back(folder.file(name));
+            files.push_back(last.back());
+        }
+    }
+    TemporaryFolder folder;
+    Random random;
+    std::vector<Rig> rigs;
+    std::vector<std::string> files;  ///< all moments
+    std::vector<std::string> last;   ///< what became of them
+};
+
+}  // namespace
+
+TEST_CASE(
+    "files merged in any order, at once or one by one, again or in part before, give the same "
+    "content",
+    "[merge][law]") {
+    const auto seed = GENERATE(range(0U, 12U));
+    CAPTURE(seed);
+    World world(seed);
+    const std::string whole = world.folder.file("whole.sqlite");
+    REQUIRE(data::merge_files(whole, world.last).conflicts.empty());
+    const std::string expected = content(whole);
+
+    std::vector<std::string> some = world.files;
+    shuffle(some, world.random);
+    const std::string once = world.folder.file("once.sqlite");
+    const MergeReport all = data::merge_files(once, some);
+    CHECK(all.conflicts.empty());
+    CHECK(all.added == 5);
+    CHECK(content(once) == expected);
+
+    shuffle(some, world.random);
+    const std::string stepwise = world.folder.file("stepwise.sqlite");
+    for (const std::string& file : some) {
+        CHECK(data::merge_files(stepwise, {file}).conflicts.empty());
+    }
+    CHECK(content(stepwise) == expected);
+
+    const MergeReport again = data::merge_files(stepwise, some);
+    CHECK(again.added == 0);
+    CHECK(again.extended == 0);
+    CHECK(again.same == 5);
+    CHECK(content(stepwise) == expected);
+}
+
+TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
+    const auto seed = GENERATE(range(0U, 6U));
+    CAPTURE(seed);
+    World world(seed);
+    const std::string out = world.folder.file("out.sqlite");
+    std::map<std::string, std::int64_t> ids;
+    for (const std::string& file : world.files) {
+        (void)data::merge_files(out, {file});
+        Database database(out, Access::read);
+        auto row = database.prepare(
+            "SELECT uuid || position || '.' || attempt, trial.id FROM trial JOIN session ON"
+            " session.id = session");
+        while (row.step()) {
+            const auto [there, is_new] = ids.emplace(row.text(0), row.integer(1));
+            CHECK(there->second == row.integer(1));
+        }
+    }
+}
+
+TEST_CASE(
+    "a session that two files tell differently is named with both, and nothing of it is merged",
+    "[merge][law]") {
+    const auto column = GENERATE("session SET device = 'other'", "plan SET mu_s = mu_s + 1",
+                                 "trial SET done_s = 99.0", "trial SET position = 5",
+                                 "response SET reaction_s = 99.0", "trace_chunk SET data = x'00'",
+                                 "event SET text = 'other'", "session SET finished_utc = '2026'",
+                                 "trial SET invalid = 'other'");
+    CAPTURE(column);
+    const TemporaryFolder folder;
+    Random random(3);
+    Rig rig(folder.file("a.sqlite"), "P01", 1);
+    {
+        Database database(rig.file(), Access::write);
+        database.execute(
+            "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
+            " started_utc, done_s, invalid) VALUES (1, 0, 1, 'complete', 0.5, 0.5, '2026', 1.0,"
+            " 'talked');"
+            "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s, "
+            "input, answer)"
+            " VALUES (1, 0, 'straight', 1, 1.0, 0.0, 'key', 0);"
+            "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns, holds,"
+            " crc32, derived, data) VALUES (1, 1, 0, 1, 2, 1000000, '', 0, 0, x'0102');");
+        data::add_note(database, 1, "a note");
+        database.checkpoint();
+    }
+    rig.finish();
+    const std::string other = copy_of(rig.file(), folder, 1);
+    {
+        Database database(other, Access::write);
+        database.execute(fmt::format("UPDATE {}", column).c_str());
+        database.checkpoint();
+    }
+    const Rig third(folder.file("c.sqlite"), "P07", 1);
+
+    const std::string out = folder.file("out.sqlite");
+    const MergeReport report = data::merge_files(out, {rig.file(), other, third.file()});
+    REQUIRE(report.conflicts.size() == 1);
+    CHECK(report.conflicts[0].first == rig.file());
+    CHECK(report.conflicts[0].second == other);
+    CHECK_THAT(report.conflicts[0].what, ContainsSubstring("P01"));
+    CHECK(report.added == 1);
+    Database database(out, Access::read);
+    auto row = database.prepare(
+        "SELECT group_concat(code) FROM session JOIN participant ON"
+        " participant.id = participant");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "P07");
+}
+
+TEST_CASE(
+    "one study, participant and number under two uuids is a conflict, and what was there stays",
+    "[merge][law]") {
+    const TemporaryFolder folder;
+    const Rig a(folder.file("a.sqlite"), "P01", 1);
+    const Rig b(folder.file("b.sqlite"), "P01", 1);
+    const std::string out = folder.file("out.sqlite");
+    CHECK(data::merge_files(out, {a.file(), b.file()}).conflicts.size() == 1);
+    CHECK(content(out).find("small") == std::string::npos);
+    CHECK(data::merge_files(out, {a.file()}).added == 1);
+    const std::string before = content(out);
+    CHECK(data::merge_files(out, {b.file()}).conflicts.size() == 1);
+    CHECK(content(out) == before);
+}
+
+TEST_CASE(
+    "what one file knows of a participant fills what the other does not, and a contradiction is a "
+    "conflict",
+    "[merge][law]") {
+    const TemporaryFolder folder;
+    const Rig a(folder.file("a.sqlite"), "P01", 1);
+    const Rig b(folder.file("b.sqlite"), "P01", 2);
+    const auto note = [](const Rig& rig, const data::ParticipantNotes& notes) {
+        Database database(rig.file(), Access::write);
+        data::note_participant(database, "P01", notes);
+    };
+    note(a, {.handedness = 80, .details = {{"age", "30"}}});
+    note(b, {.consent = true, .details = {{"gender", "x"}}});
+    const std::string out = folder.file("out.sqlite");
+    REQUIRE(data::merge_files(out, {a.file(), b.file()}).conflicts.empty());
+    Database database(out, Access::read);
+    const auto known = data::find_participant(database, "P01");
+    REQUIRE(known);
+    CHECK(known->notes.handedness == 80);
+    CHECK(known->notes.consent == true);
+    CHECK(known->notes.details.size() == 2);
+
+    const auto notes = GENERATE(data::ParticipantNotes{.handedness = -80},
+                                data::ParticipantNotes{.details = {{"age", "31"}}});
+    note(b, notes);
+    const std::string none = folder.file("none.sqlite");
+    const MergeReport report = data::merge_files(none, {b.file(), a.file()});
+    CHECK(report.conflicts.size() == 1);
+    CHECK(report.added == 0);
+}
+
+TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
+    World world(99);
+    const std::string out = world.folder.file("out.sqlite");
+    (void)data::merge_files(out, world.last);
+    Database merged(out, Access::read);
+    auto tables = merged.prepare(
+        "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%' AND name"
+        " NOT IN ('study', 'participant', 'trace_column')");
+    while (tables.step()) {
+        const auto rows = [&](const std::string& file) {
+            Database database(file, Access::read);
+            auto row = database.prepare(fmt::format("SELECT count(*) FROM {}", tables.text(0)));
+            row.step();
+            return row.integer(0);
+        };
+        CAPTURE(tables.text(0));
+        std::int64_t expected = 0;
+        for (const std::string& file : world.last) {
+            expected += rows(file);
+        }
+        CHECK(rows(out) == expected);
+    }
+}
+
+TEST_CASE("verify finds nothing wrong in a file merged from rigs that ran and marked",
+          "[merge][law]") {
+    const TemporaryFolder folder;
+    const auto run = [&folder](const char* participant, const char* file) {
+        REQUIRE(tests::palpate_command({"run", "shape_friction_demo", "--participant", participant,
+                                        "--db", folder.file(file), "--headless"})
+                    .code == 0);
+    };
+    run("P1", "a.sqlite");
+    run("P2", "b.sqlite");
+    run("P3", "b.sqlite");
+    REQUIRE(tests::palpate_command({"mark", folder.file("b.sqlite"), "12", "--invalid", "a bell"})
+                .code == 0);
+    const std::string out = folder.file("out.sqlite");
+    const auto merged =
+        tests::palpate_command({"merge", out, folder.file("b.sqlite"), folder.file("a.sqlite")});
+    CHECK(merged.code == 0);
+    const auto verified = tests::palpate_command({"verify", out});
+    CAPTURE(verified.out);
+    CHECK(verified.code == 0);
+    CHECK_THAT(verified.out, ContainsSubstring("3 sessions"));
+}

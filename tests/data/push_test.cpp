@@ -1,0 +1,264 @@
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "data/store/database.hpp"
+#include "data/store/people.hpp"
+#include "data/sync/postgres.hpp"
+#include "data/sync/push.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/postgres_server.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using data::Postgres;
+using data::PushReport;
+using tests::Finished;
+using tests::palpate_command;
+using tests::PostgresServer;
+using tests::Process;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// A server, or nothing and a word why not.
+std::unique_ptr<PostgresServer> a_server() {
+    auto server = PostgresServer::start();
+    if (!server) {
+        WARN("skipped: no PostgreSQL server is installed");
+        return nullptr;
+    }
+    try {
+        const Postgres there(server->url());
+    } catch (const std::invalid_argument& e) {
+        WARN("skipped: " << e.what());
+        return nullptr;
+    }
+    return server;
+}
+
+std::string a_database(const TemporaryFolder& folder) {
+    const std::string file = folder.file("demo.sqlite");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    return file;
+}
+
+/// Number and hash of the rows of each table.
+std::string content(const std::string& url) {
+    Postgres server(url);
+    std::string all;
+    for (const auto& table : server.rows(
+             "SELECT relname FROM pg_class JOIN pg_namespace ON pg_namespace.oid = relnamespace"
+             " WHERE nspname = 'palpate' AND relkind = 'r' ORDER BY relname")) {
+        const auto hash = server.rows(fmt::format(
+            "SELECT count(*) || ' ' || coalesce(md5(string_agg(t::text, '' ORDER BY t::text)), '-')"
+            " FROM palpate.\"{}\" AS t",
+            *table[0]));
+        all += *table[0] + ' ' + *hash[0][0] + '\n';
+    }
+    return all;
+}
+
+std::string new_database(const PostgresServer& server, const std::string& name) {
+    Postgres(server.url()).run("CREATE DATABASE " + name);
+    return server.url(name);
+}
+
+}  // namespace
+
+TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    const PushReport first = data::push_file(file, server->url());
+    CHECK(first.conflicts.empty());
+    const std::string once = content(server->url());
+    const PushReport second = data::push_file(file, server->url());
+    CHECK(second.rows == 0);
+    CHECK(second.conflicts.empty());
+    CHECK(content(server->url()) == once);
+
+    Database database(file, Access::read);
+    auto chunk = database.prepare(
+        "SELECT trial.id - (SELECT min(id) FROM trial) + 1, first_tick, lower(hex(data)), done_s"
+        " FROM trace_chunk JOIN trial ON trial.id = trial");
+    Postgres there(server->url());
+    while (chunk.step()) {
+        const auto row = there.rows(fmt::format(
+            "SELECT encode(data, 'hex'), done_s FROM palpate.trace_chunk JOIN palpate.trial USING"
+            " (session, trial) WHERE trial = {} AND first_tick = {}",
+            chunk.integer(0), chunk.integer(1)));
+        REQUIRE(row.size() == 1);
+        CHECK(*row[0][0] == chunk.text(2));
+        CHECK(std::stod(*row[0][1]) == chunk.real(3));
+    }
+    // What the session became since is added, and nothing else.
+    {
+        Database mine(file, Access::write);
+        data::add_note(mine, 1, "seen by the other lab too");
+    }
+    CHECK(data::push_file(file, server->url()).rows == 1);
+}
+
+TEST_CASE("a push cut off at random moments and repeated equals one whole push", "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    const std::string whole = new_database(*server, "whole");
+    REQUIRE(data::push_file(file, whole).conflicts.empty());
+    const std::string expected = content(whole);
+    for (int seed = 0; seed < 6; ++seed) {
+        CAPTURE(seed);
+        tests::Random random(static_cast<std::uint64_t>(seed));
+        const std::string url = new_database(*server, fmt::format("cut{}", seed));
+        for (int i = 0; i < 10; ++i) {
+            Process push({tests::palpate_program(), "push", file, "--to", url});
+            std::this_thread::sleep_for(std::chrono::microseconds(random.below(60'000)));
+            if (random.coin()) {
+                push.signal(SIGKILL);
+            } else {  // the connection is cut instead
+                Postgres(server->url())
+                    .run(fmt::format("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE"
+                                     " datname = 'cut{}'",
+                                     seed));
+            }
+            CHECK_THAT(push.wait().error, !ContainsSubstring(PostgresServer::kPassword));
+            Postgres now(url);
+            if (now.rows("SELECT 1 FROM pg_tables WHERE schemaname = 'palpate' AND tablename ="
+                         " 'trace_chunk'")
+                    .empty()) {
+                continue;
+            }
+            // An attempt is there with all that belongs to it, or not at all.
+            CHECK(now.rows("SELECT session, trial FROM palpate.trial EXCEPT SELECT session, trial"
+                           " FROM palpate.trace_chunk")
+                      .empty());
+            CHECK(now.rows("SELECT session, trial FROM palpate.trace_chunk EXCEPT SELECT session,"
+                           " trial FROM palpate.trial")
+                      .empty());
+        }
+        CHECK(data::push_file(file, url).conflicts.empty());
+        CHECK(content(url) == expected);
+    }
+}
+
+TEST_CASE(
+    "an attempt is on the server with all that belongs to it or not at all, wherever it fails",
+    "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    Postgres admin(server->url());
+    admin.run(data::push_setup());
+    admin.run(
+        "CREATE FUNCTION fail() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN IF (SELECT count(*) "
+        "FROM"
+        " palpate.trace_chunk) >= TG_ARGV[0]::int THEN RAISE EXCEPTION 'enough'; END IF; RETURN "
+        "NEW;"
+        " END $$");
+    for (const int chunks : {0, 1, 4, 8, 15}) {
+        CAPTURE(chunks);
+        admin.run(
+            fmt::format("CREATE OR REPLACE TRIGGER fail BEFORE INSERT ON palpate.trace_chunk FOR"
+                        " EACH ROW EXECUTE FUNCTION fail({})",
+                        chunks));
+        CHECK_THROWS_AS(data::push_file(file, server->url()), data::PostgresError);
+        CHECK(admin
+                  .rows("SELECT session, trial FROM palpate.trial EXCEPT SELECT session, trial FROM"
+                        " palpate.trace_chunk")
+                  .empty());
+        CHECK(
+            admin
+                .rows("SELECT session, trial FROM palpate.trace_chunk EXCEPT SELECT session, trial"
+                      " FROM palpate.trial")
+                .empty());
+    }
+    admin.run("DROP TRIGGER fail ON palpate.trace_chunk");
+    const std::string whole = new_database(*server, "whole");
+    (void)data::push_file(file, whole);
+    CHECK(data::push_file(file, server->url()).conflicts.empty());
+    CHECK(content(server->url()) == content(whole));
+}
+
+TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    REQUIRE(data::push_file(file, server->url()).conflicts.empty());
+    const std::string before = content(server->url());
+    for (const char* change :
+         {"UPDATE session SET device = 'other'", "UPDATE plan SET mu_s = mu_s + 1",
+          "UPDATE trial SET done_s = 99.0 WHERE id = 2", "UPDATE response SET reaction_s = 99.0",
+          "UPDATE session SET uuid = '00000000-0000-4000-8000-000000000000'"}) {
+        CAPTURE(change);
+        const std::string other = folder.file("other.sqlite");
+        std::filesystem::copy_file(file, other, std::filesystem::copy_options::overwrite_existing);
+        Database(other, Access::write).execute(change);
+        const Finished push = palpate_command({"push", other, "--to", server->url()});
+        CHECK(push.code == 1);
+        CHECK_THAT(push.error, ContainsSubstring("conflict: "));
+        CHECK(content(server->url()) == before);
+        std::filesystem::remove(other + "-wal");
+        std::filesystem::remove(other + "-shm");
+    }
+}
+
+TEST_CASE("a writer adds and never changes, a reader only reads, and no message holds a password",
+          "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    Postgres admin(server->url());
+    admin.run(data::push_setup());
+    for (const char* role : {"writer", "reader"}) {
+        admin.run(fmt::format("CREATE ROLE {0} LOGIN PASSWORD '{1}'; GRANT palpate_{0} TO {0}",
+                              role, PostgresServer::kPassword));
+    }
+    const std::string writer = server->url("postgres", "writer");
+    const std::string reader = server->url("postgres", "reader");
+    CHECK(data::push_file(file, writer).rows > 0);
+    CHECK(Postgres(reader).rows("SELECT * FROM palpate.trial").size() == 10);
+    for (const char* sql : {"UPDATE palpate.trial SET done_s = 0", "DELETE FROM palpate.trial",
+                            "TRUNCATE palpate.trial", "DROP TABLE palpate.trial"}) {
+        CHECK_THROWS_AS(Postgres(writer).run(sql), data::PostgresError);
+    }
+    CHECK_THROWS_AS(Postgres(reader).run("INSERT INTO palpate.session_end SELECT session FROM"
+                                         " palpate.session"),
+                    data::PostgresError);
+
+    const std::string empty = new_database(*server, "empty");
+    std::string nobody = server->url("empty", "reader");
+    const Finished refused = palpate_command({"push", file, "--to", nobody});
+    CHECK(refused.code == 1);
+    CHECK_THAT(refused.error, ContainsSubstring("--roles"));
+    nobody.replace(nobody.find("reader:") + 7, 3, "NOT");
+    for (const std::string& url :
+         {nobody, "postgresql://u:%zz" + std::string(PostgresServer::kPassword) + "@h/d",
+          "host=h password=" + std::string(PostgresServer::kPassword)}) {
+        const Finished wrong = palpate_command({"push", file, "--to", url});
+        CHECK(wrong.code != 0);
+        CHECK_THAT(wrong.error, !ContainsSubstring("to-be-said"));
+    }
+}

@@ -1,0 +1,113 @@
+#include "tests/support/postgres_server.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <thread>
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+namespace palpate::tests {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uid_t kNobody = 65534;
+
+/// The folder of the newest server programs; empty: there are none.
+std::string find_programs() {
+    std::string found;
+    std::error_code none;
+    for (const auto& version : fs::directory_iterator("/usr/lib/postgresql", none)) {
+        const fs::path programs = version.path() / "bin";
+        if (fs::exists(programs / "initdb") && fs::exists(programs / "postgres") &&
+            programs.string() > found) {
+            found = programs.string();
+        }
+    }
+    return found;
+}
+
+int free_port() {
+    const int fd = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    bind(fd, reinterpret_cast<const sockaddr*>(&address), size);
+    getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size);
+    close(fd);
+    return ntohs(address.sin_port);
+}
+
+/// The server refuses to run as root.
+std::vector<std::string> as_ordinary_user(std::vector<std::string> command) {
+    if (geteuid() == 0) {
+        const std::string id = fmt::format("{}", kNobody);
+        command.insert(command.begin(),
+                       {"setpriv", "--reuid=" + id, "--regid=" + id, "--clear-groups"});
+    }
+    return command;
+}
+
+bool answers(const std::string& programs, int port) {
+    return Process(
+               {programs + "/pg_isready", "-q", "-h", "127.0.0.1", "-p", fmt::format("{}", port)})
+               .wait()
+               .code == 0;
+}
+
+}  // namespace
+
+std::unique_ptr<PostgresServer> PostgresServer::start() {
+    const std::string programs = find_programs();
+    if (programs.empty()) {
+        return nullptr;
+    }
+    auto server = std::unique_ptr<PostgresServer>(new PostgresServer);
+    server->make(programs);
+    return server;
+}
+
+void PostgresServer::make(const std::string& programs) {
+    const std::string data = folder_.file("data");
+    const std::string word = folder_.file("word");
+    fs::create_directory(data);
+    std::ofstream(word) << kPassword << '\n';
+    if (geteuid() == 0) {
+        for (const std::string& path : {folder_.path().string(), data, word}) {
+            if (chown(path.c_str(), kNobody, kNobody) != 0) {
+                throw std::runtime_error("cannot give " + path + " to an ordinary user");
+            }
+        }
+    }
+    const Finished made =
+        Process(as_ordinary_user({programs + "/initdb", "-D", data, "-U", "postgres", "-A",
+                                  "scram-sha-256", "--pwfile=" + word, "--no-sync", "-E", "UTF8",
+                                  "--locale=C"}))
+            .wait();
+    if (made.code != 0) {
+        throw std::runtime_error("initdb: " + made.error);
+    }
+    port_ = free_port();
+    process_ = std::make_unique<Process>(
+        as_ordinary_user({programs + "/postgres", "-D", data, "-p", fmt::format("{}", port_), "-h",
+                          "127.0.0.1", "-k", "", "-c", "fsync=off"}));
+    for (int i = 0; i < 3000 && process_->running() && !answers(programs, port_); ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    if (!answers(programs, port_)) {
+        throw std::runtime_error("postgres: " + process_->wait(std::chrono::seconds(1)).error);
+    }
+}
+
+std::string PostgresServer::url(const std::string& database, const std::string& user) const {
+    return fmt::format("postgresql://{}:{}@127.0.0.1:{}/{}", user, kPassword, port_, database);
+}
+
+}  // namespace palpate::tests

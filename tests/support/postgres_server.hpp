@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/process.hpp"
+
+namespace palpate::tests {
+
+/// A PostgreSQL server of the test's own: in a temporary folder, on a free port of the loopback, run by an
+/// ordinary user. Gone at the end.
+class PostgresServer {
+public:
+    /// Nothing where PostgreSQL is not installed.
+    static std::unique_ptr<PostgresServer> start();
+
+    /// postgresql://postgres:PASSWORD@127.0.0.1:PORT/DATABASE
+    [[nodiscard]] std::string url(const std::string& database = "postgres",
+                                  const std::string& user = "postgres") const;
+    static constexpr const char* kPassword = "not-to-be-said";
+
+private:
+    PostgresServer() = default;
+    void make(const std::string& programs);
+
+    TemporaryFolder folder_;
+    int port_ = 0;
+    std::unique_ptr<Process> process_;
+};
+
+}  // namespace palpate::tests

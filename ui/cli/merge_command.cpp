@@ -1,0 +1,23 @@
+#include <fmt/format.h>
+
+#include "data/sync/merge.hpp"
+#include "ui/cli/commands.hpp"
+
+namespace palpate::ui {
+
+int merge_command(const MergeOptions& options) {
+    const data::MergeReport done = data::merge_files(options.database, options.inputs);
+    if (!done.backup.empty()) {
+        fmt::print("{} was brought up to date; a copy of it before that is {}.\n", options.database,
+                   done.backup);
+    }
+    fmt::print("{}: {} session{} new, {} went on, {} as before.\n", options.database, done.added,
+               done.added == 1 ? "" : "s", done.extended, done.same);
+    for (const data::MergeConflict& conflict : done.conflicts) {
+        fmt::print(stderr, "conflict: {}\n  in {}\n  in {}\n  not merged\n", conflict.what,
+                   conflict.first, conflict.second);
+    }
+    return done.conflicts.empty() ? 0 : kExitFailure;
+}
+
+}  // namespace palpate::ui

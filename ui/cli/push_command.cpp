@@ -1,0 +1,27 @@
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/sync/push.hpp"
+#include "ui/cli/commands.hpp"
+
+namespace palpate::ui {
+
+int push_command(const PushOptions& options) {
+    if (options.roles) {
+        fmt::print("{}", data::push_setup());
+        return 0;
+    }
+    if (options.database.empty() || options.url.empty()) {
+        throw std::invalid_argument("push needs FILE and --to postgresql://..., or --roles");
+    }
+    const data::PushReport done = data::push_file(options.database, options.url);
+    fmt::print("{}: {} session{}, {} rows new on the server.\n", options.database, done.sessions,
+               done.sessions == 1 ? "" : "s", done.rows);
+    for (const std::string& conflict : done.conflicts) {
+        fmt::print(stderr, "conflict: {}; not pushed\n", conflict);
+    }
+    return done.conflicts.empty() ? 0 : kExitFailure;
+}
+
+}  // namespace palpate::ui
