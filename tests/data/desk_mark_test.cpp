@@ -22,10 +22,12 @@ namespace {
 class Placed : public tests::FaultyApparatus {
 public:
     using FaultyApparatus::FaultyApparatus;
-    void begin(const engine::Scene& scene, const PlannedTrial& planned) override {
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override {
         position = planned.position;
         ++attempts[position];
-        FaultyApparatus::begin(scene, planned);
+        FaultyApparatus::begin(scene, planned, interval);
     }
     std::size_t position = 0;
     std::map<std::size_t, int> attempts;  ///< begun, by position

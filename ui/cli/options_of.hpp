@@ -1,0 +1,25 @@
+#pragma once
+
+#include <memory>
+
+#include "ui/cli/options.hpp"
+
+namespace CLI {
+class App;
+}
+
+/// Private to the command line.
+namespace palpate::ui {
+
+/// The values that `command` writes to, and which become `chosen` when it is the one given.
+template <class T, class Command>
+T& options_of(Command* command, Options& chosen) {
+    auto options = std::make_shared<T>();
+    command->callback([options, &chosen] { chosen = *options; });
+    return *options;
+}
+
+/// The commands on files that are there: what they hold, what is noted in them, what goes out of them.
+void add_data_commands(CLI::App& app, Options& chosen);
+
+}  // namespace palpate::ui
