@@ -258,6 +258,7 @@ TEST_CASE("every edit of a chained session is evident, and a mark is none", "[st
     database.execute(
         "PRAGMA foreign_keys = OFF; UPDATE response SET trial = trial + 100;"
         "UPDATE trace_chunk SET trial = trial + 100; UPDATE event SET trial = trial + 100;"
+        "UPDATE presentation SET trial = trial + 100;"
         "UPDATE trial SET id = id + 100; UPDATE event SET text = 'mark after trial 106: the bell "
         "rang'"
         " WHERE kind = 'mark' AND 0");
