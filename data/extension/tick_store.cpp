@@ -67,17 +67,30 @@ struct TickStore::State {
 };
 
 TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
-    Query row(db,
-              "SELECT plan.object, plan.friction, trial.slip_decay, trial.heal_decay,"
-              " study.protocol_toml, (SELECT value FROM main.session_provenance AS p"
-              " WHERE p.session = session.id AND p.key = 'calibration')"
-              " FROM main.trial JOIN main.plan USING (session, position)"
-              " JOIN main.session ON session.id = trial.session"
-              " JOIN main.study ON study.id = session.study WHERE trial.id = ?1");
-    if (!row.bind(1, part.trial).step()) {
+    // Before schema 5 there is no table presentation: what was felt is what was planned.
+    const std::string felt =
+        old ? "SELECT plan.object, plan.friction, trial.slip_decay, trial.heal_decay, NULL, NULL, "
+              "NULL,"
+            : "SELECT coalesce(felt.object, plan.object), coalesce(felt.friction, plan.friction),"
+              " coalesce(felt.slip_decay, trial.slip_decay), coalesce(felt.heal_decay, "
+              "trial.heal_decay), felt.curvature_per_m, felt.mu_s, felt.mu_d,";
+    const std::string from = old ? " WHERE trial.id = ?1 AND ?2 = ?2"
+                                 : " LEFT JOIN main.presentation AS felt ON felt.trial = trial.id"
+                                   " AND felt.interval = ?2 WHERE trial.id = ?1";
+    Query row(db, felt +
+                      " study.protocol_toml, (SELECT value FROM main.session_provenance AS p"
+                      " WHERE p.session = session.id AND p.key = 'calibration')"
+                      " FROM main.trial JOIN main.plan USING (session, position)"
+                      " JOIN main.session ON session.id = trial.session"
+                      " JOIN main.study ON study.id = session.study" +
+                      from);
+    if (!row.bind(1, part.trial).bind(2, part.interval).step()) {
         fail(part, "it has ticks, but no row in trial");
     }
-    const std::pair key(row.text(4), row.text(5));
+    const auto number = [&row](int column) {
+        return row.null(column) ? std::nullopt : std::optional(row.real(column));
+    };
+    const std::pair key(row.text(7), row.text(8));
     auto session = sessions.find(key);
     if (session == sessions.end()) {
         session = sessions.emplace(key, SessionTraces(key.first, key.second)).first;
@@ -85,7 +98,10 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
     return {.trial = {.object = row.text(0),
                       .friction = row.text(1),
                       .slip_decay = row.real(2),
-                      .heal_decay = row.real(3)},
+                      .heal_decay = row.real(3),
+                      .curvature = number(4),
+                      .mu_s = number(5),
+                      .mu_d = number(6)},
             .session = &session->second};
 }
 

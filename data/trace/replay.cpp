@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/object_outline.hpp"
 #include "protocols/format/calibration_file.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/running/trial_scene.hpp"
@@ -224,7 +225,9 @@ const engine::Scene& SessionTraces::scene_of(const TraceTrial& trial) {
             .object = protocol_.objects[index_of(protocol_.objects, trial.object, "object")],
             .friction =
                 protocol_.frictions[index_of(protocol_.frictions, trial.friction, "friction")]};
-        felt.object.curvature = trial.curvature.value_or(felt.object.curvature);
+        if (trial.curvature && trial.curvature != protocols::curvature_of(felt.object)) {
+            felt.object.curvature = *trial.curvature;  // a rule's: of an object without a pose
+        }
         felt.friction.mu_s = trial.mu_s.value_or(felt.friction.mu_s);
         felt.friction.mu_d = trial.mu_d.value_or(felt.friction.mu_d);
         std::unique_ptr<engine::Scene> scene(

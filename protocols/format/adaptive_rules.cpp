@@ -11,6 +11,7 @@
 #include "engine/contact/closest_point.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/format/procedure_keys.hpp"
@@ -145,6 +146,13 @@ private:
     }
 
     void curvatures() {
+        if (!differ_in_curvature_alone(protocol_)) {
+            add("procedure.varies",
+                "varies is \"curvature_per_m\", and an object has a form of its own, a size, a "
+                "turn or "
+                "an offset: give objects a curvature_per_m alone");
+            return;
+        }
         for (const ObjectSpec& object : extreme_objects(protocol_)) {
             const stimuli::TwoCurve curves{.a = protocol_.outline.a,
                                            .vertex = protocol_.outline.vertex,
