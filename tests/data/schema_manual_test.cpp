@@ -16,8 +16,10 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     const auto manual = data::schema_manual(data::schema_sql());
     // What has no unit though it is REAL.
-    const std::set<std::string> plain{"mu_s",      "mu_d", "slip_decay", "heal_decay",
-                                      "parameter", "mu",   "scale"};
+    const std::set<std::string> plain{"mu_s", "mu_d", "slip_decay", "heal_decay", "parameter", "mu",
+                                      "scale",
+                                      // In the unit of what the rule varies, on its scale.
+                                      "stimulus", "estimate"};
     std::size_t columns = 0;
     data::Statement row = database.prepare(
         "SELECT s.name, c.name, c.type FROM sqlite_schema AS s, pragma_table_info(s.name) AS c"

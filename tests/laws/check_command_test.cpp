@@ -51,7 +51,7 @@ TEST_CASE("new refuses wrong words and paths, and makes nothing", "[cli]") {
     const TemporaryFolder folder;
     const Finished unknown = palpate_command({"new", folder.file("a.toml"), "--from", "shape"});
     CHECK(unknown.code == 2);
-    CHECK_THAT(unknown.error, ContainsSubstring("give one of shape_friction"));
+    CHECK_THAT(unknown.error, ContainsSubstring("give one of curvature_2afc, "));
     const Finished nowhere = palpate_command({"new", folder.file("no/a.toml")});
     CHECK(nowhere.code == 2);
     CHECK_THAT(nowhere.error, ContainsSubstring("check the path"));
