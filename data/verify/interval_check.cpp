@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "protocols/running/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
 #include "data/verify/replay_check.hpp"
@@ -47,7 +48,8 @@ void check_row(const StoredRow& row, const Presentation& felt, Findings& finding
     findings.expect(table, "interval", row, static_cast<std::int64_t>(felt.interval));
     findings.expect(table, "stimulus", row, felt.stimulus ? Value(*felt.stimulus) : Value());
     findings.expect(table, "object", row, felt.object.name);
-    findings.expect(table, "curvature_per_m", row, felt.object.curvature);
+    const auto curvature = protocols::curvature_of(felt.object);
+    findings.expect(table, "curvature_per_m", row, curvature ? Value(*curvature) : Value());
     findings.expect(table, "friction", row, felt.friction.name);
     findings.expect(table, "mu_s", row, felt.friction.mu_s);
     findings.expect(table, "mu_d", row, felt.friction.mu_d);

@@ -26,6 +26,8 @@ protocols::Protocol two_trials() {
     protocol.frictions.erase(protocol.frictions.begin());
     protocol.apparatus.stiffness = 200.0;
     protocol.apparatus.force_limit = 1.5;
+    protocol.invalid = {
+        .late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};  // of the machine's load
     return protocol;
 }
 
