@@ -17,7 +17,7 @@ using engine::TickRecord;
 constexpr const char* kHead =
     "tick,time_ns,count_1,count_2,code_1,code_2,lateness_us,flags,mode,feature,parameter,hip_x_m,"
     "hip_y_m,cp_x_m,cp_y_m,go_x_m,go_y_m,fx_n,fy_n,command_x_n,command_y_n,fn_n,ft_n,mu\n";
-constexpr int kX = 11;  // places in kHead
+constexpr int kX = 19;  // places in kHead
 constexpr int kFn = 21;
 
 class CsvStore : public TraceStore {
@@ -56,7 +56,7 @@ public:
         add(trial, kFn, sum);
         return sum.value / static_cast<double>(sum.n);
     }
-    [[nodiscard]] double mean_x() override {
+    [[nodiscard]] double mean_command_x() override {
         Sum sum;
         for (std::int64_t trial = 1; trial <= trials_; ++trial) {
             add(trial, kX, sum);

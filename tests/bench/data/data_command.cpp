@@ -50,7 +50,7 @@ struct Result {
     double bytes_per_sample = 0.0;
     double ingest = 0.0;        ///< million samples/s
     double one_trial_ms = 0.0;  ///< mean normal force of a trial, median
-    double scan_s = 0.0;        ///< mean x over all trials
+    double scan_s = 0.0;        ///< mean commanded force over all trials
     double mean_force = 0.0;    ///< of the first trial, N: all stores must agree
 };
 
@@ -76,7 +76,7 @@ Result measure(TraceStore& store,
                         seconds_of([&] { static_cast<void>(store.mean_normal_force(trial)); }));
     }
     result.one_trial_ms = percentile(times, 0.5);
-    result.scan_s = seconds_of([&] { static_cast<void>(store.mean_x()); });
+    result.scan_s = seconds_of([&] { static_cast<void>(store.mean_command_x()); });
     return result;
 }
 
@@ -114,10 +114,10 @@ int data_command(const std::vector<std::string>& arguments) {
         "encode %.2f, decode of one stored column %.1f, full replay %.2f million samples/s\n",
         own.encode, own.decode, own.replay);
     std::printf("%-28s %8s %10s %14s %12s %18s\n", "store", "bytes/s.", "ingest M/s",
-                "avg(fn_n) ms", "avg(x) s", "mean fn, trial 1");
+                "avg(fn_n) ms", "avg(fx_n) s", "mean fn, trial 1");
     if (csv.is_open()) {
         csv << "machine,store,trials,seconds,bytes_per_sample,ingest_msps,avg_fn_trial_ms,"
-               "avg_x_scan_s,encode_msps,decode_msps,replay_msps\n";
+               "avg_fx_scan_s,encode_msps,decode_msps,replay_msps\n";
     }
     const Folder folder;
     for (const auto& store : stores(folder.name(), study)) {

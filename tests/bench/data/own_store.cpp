@@ -77,7 +77,7 @@ public:
         return value(fmt::format("SELECT avg(fn_n) FROM sample WHERE trial_id = {}",
                                  ids_.at(static_cast<std::size_t>(trial - 1))));
     }
-    [[nodiscard]] double mean_x() override { return value("SELECT avg(x_m) FROM sample"); }
+    [[nodiscard]] double mean_command_x() override { return value("SELECT avg(fx_n) FROM sample"); }
 
 private:
     [[nodiscard]] double value(const std::string& sql) {

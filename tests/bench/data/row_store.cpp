@@ -56,7 +56,9 @@ public:
     [[nodiscard]] double mean_normal_force(std::int64_t trial) override {
         return value(fmt::format("SELECT avg(fn_n) FROM sample WHERE trial = {}", trial));
     }
-    [[nodiscard]] double mean_x() override { return value("SELECT avg(hip_x_m) FROM sample"); }
+    [[nodiscard]] double mean_command_x() override {
+        return value("SELECT avg(command_x_n) FROM sample");
+    }
 
 private:
     void require(int code) const {

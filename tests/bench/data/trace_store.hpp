@@ -27,8 +27,8 @@ public:
     [[nodiscard]] virtual std::uintmax_t bytes() const = 0;
     /// Mean normal force of one trial, N: a column that must be read or computed again.
     [[nodiscard]] virtual double mean_normal_force(std::int64_t trial) = 0;
-    /// Mean x of HIP over all trials, m: one column of everything.
-    [[nodiscard]] virtual double mean_x() = 0;
+    /// Mean x of the commanded force over all trials, N: one stored column of everything.
+    [[nodiscard]] virtual double mean_command_x() = 0;
 };
 
 /// Row per sample in SQLite, PRIMARY KEY (trial, tick) WITHOUT ROWID, WAL, one transaction a trial.

@@ -80,10 +80,10 @@ public:
         add(trial, "fn_n", sum);
         return sum.value / static_cast<double>(sum.n);
     }
-    [[nodiscard]] double mean_x() override {
+    [[nodiscard]] double mean_command_x() override {
         Sum sum;
         for (std::int64_t trial = 1; trial <= trials_; ++trial) {
-            add(trial, "hip_x_m", sum);
+            add(trial, "command_x_n", sum);
         }
         return sum.value / static_cast<double>(sum.n);
     }
