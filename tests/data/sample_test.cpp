@@ -183,7 +183,8 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
     }
     CAPTURE(seed, indexed, plain);
     const auto sql = [&](const std::string& where) {
-        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s", columns[seed % 6], where);
+        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s",
+                           columns[seed % 6], where);
     };
     const auto a = rows_of(database, sql(indexed));
     const auto b = rows_of(database, sql(plain));
@@ -294,9 +295,8 @@ TEST_CASE(
         database, "SELECT sum(count_1), sum(fx_n), sum(x_m) FROM sample WHERE trial_id = 6");
     const std::string edit =
         GENERATE("UPDATE trace_chunk SET derived = derived + 1 WHERE trial = 6 AND first_tick > 0",
-                 "UPDATE trial SET slip_decay = 0.5, heal_decay = 0.5",
-                 "UPDATE plan SET object = (SELECT min(object) FROM plan AS p WHERE p.object <> "
-                 "plan.object)");
+                 "UPDATE presentation SET slip_decay = 0.5, heal_decay = 0.5",
+                 "UPDATE presentation SET curvature_per_m = curvature_per_m + 1");
     database.execute("PRAGMA foreign_keys = OFF");
     database.execute(edit.c_str());
     CAPTURE(edit);
