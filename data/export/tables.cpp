@@ -173,6 +173,7 @@ constexpr std::array kTrials{
                  "trial.slip_decay"},
     ExportColumn{"heal_decay", "real", "1", "exp(-T/tau_heal) as computed on that machine",
                  "trial.heal_decay"},
+    ExportColumn{"started_ns", "integer", "ns", "begin, on the servo's clock", "trial.started_ns"},
     ExportColumn{"started_utc", "text", "", "begin, wall clock", "trial.started_utc", true},
     ExportColumn{"ended_utc", "text", "", "end, wall clock", "trial.ended_utc", true},
 };
@@ -266,6 +267,7 @@ constexpr std::array kEvents{
                  " 'interrupted'), event.text, NULL)"},
     ExportColumn{"words", "text", "", "the same, with notes, names and versions", "event.text",
                  true},
+    ExportColumn{"at_ns", "integer", "ns", "on the clock of the trials' started_ns", "event.at_ns"},
     ExportColumn{"at_utc", "text", "", "wall clock", "event.at_utc", true},
 };
 

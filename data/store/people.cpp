@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/clock.hpp"
+
 namespace palpate::data {
 
 std::optional<Participant> find_participant(Database& database, std::string_view code) {
@@ -78,10 +80,14 @@ std::vector<SessionRow> sessions_of(Database& database,
 }
 
 void add_note(Database& database, std::int64_t session, std::string_view text) {
-    database.prepare("INSERT INTO event (session, kind, text, at_utc) VALUES (?1, 'note', ?2, ?3)")
+    database
+        .prepare(
+            "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, 'note', ?2, ?3, "
+            "?4)")
         .bind(1, session)
         .bind(2, text)
         .bind(3, utc_now())
+        .bind(4, engine::monotonic_ns())
         .run();
 }
 
@@ -113,13 +119,14 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
         .run();
     database
         .prepare(
-            "INSERT INTO event (session, trial, kind, text, at_utc)"
-            " SELECT ?1, ?2, 'mark', 'after ' || count(*) || ' attempts: ' || ?3, ?4 FROM trial"
+            "INSERT INTO event (session, trial, kind, text, at_utc, at_ns)"
+            " SELECT ?1, ?2, 'mark', 'after ' || count(*) || ' attempts: ' || ?3, ?4, ?5 FROM trial"
             " WHERE session = ?1")
         .bind(1, session)
         .bind(2, trial)
         .bind(3, reason)
         .bind(4, utc_now())
+        .bind(5, engine::monotonic_ns())
         .run();
     all.commit();
     return finished;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/clock.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -66,11 +68,13 @@ bool begin_again(Database& database,
     }
     Statement mark = database.prepare("UPDATE trial SET invalid = ?2 WHERE id = ?1");
     Statement event = database.prepare(
-        "INSERT INTO event (session, trial, kind, text, at_utc)"
-        " SELECT ?1, ?2, ?3, 'after trial ' || max(id) || ': ' || ?4, ?5 FROM trial");
+        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns)"
+        " SELECT ?1, ?2, ?3, 'after ' || count(*) || ' attempts: ' || ?4, ?5, ?6 FROM trial"
+        " WHERE session = ?1");
     for (const std::int64_t trial : trials) {
         mark.bind(1, trial).bind(2, reason).run();
         event.bind(1, session).bind(2, trial).bind(3, "mark").bind(4, reason).bind(5, utc_now());
+        event.bind(6, engine::monotonic_ns());
         event.run();
     }
     event.bind(1, session)
@@ -80,6 +84,7 @@ bool begin_again(Database& database,
               fmt::format("part {}: {} is run again from its first trial, {} answers do not count",
                           part, part_name(part), trials.size()))
         .bind(5, utc_now())
+        .bind(6, engine::monotonic_ns())
         .run();
     pending.begin_again(part);
     return true;

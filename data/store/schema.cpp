@@ -132,6 +132,7 @@ CREATE TABLE trial (
     invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
     chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
     chain_events        INTEGER,                    -- how many of the session's events that head covers
+    started_ns          INTEGER,                    -- when it began, on the servo's clock
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
     before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
@@ -147,7 +148,8 @@ CREATE TABLE event (
     trial   INTEGER REFERENCES trial,               -- trial.id; NULL: of the session as a whole
     kind    TEXT NOT NULL,                          -- break, abort, fault, resume, note, ...
     text    TEXT NOT NULL,                          -- a sentence
-    at_utc  TEXT NOT NULL                           -- wall clock, ISO 8601
+    at_utc  TEXT NOT NULL,                          -- wall clock, ISO 8601
+    at_ns   INTEGER                                 -- servo's clock (CLOCK_MONOTONIC of the rig), as trial.started_ns
 ) STRICT;
 )sql";
 
@@ -295,6 +297,8 @@ ALTER TABLE trial ADD COLUMN strokes INTEGER;
 ALTER TABLE trial ADD COLUMN mean_speed_m_per_s REAL;
 ALTER TABLE trial ADD COLUMN before_vertex_ticks INTEGER;
 ALTER TABLE trial ADD COLUMN after_vertex_ticks INTEGER;
+ALTER TABLE trial ADD COLUMN started_ns INTEGER;
+ALTER TABLE event ADD COLUMN at_ns INTEGER;
 )sql";
 
 /// Other tables and the views keep their references to session by name: foreign keys are off during a

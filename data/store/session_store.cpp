@@ -9,6 +9,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include "engine/realtime/clock.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "data/store/adaptive_store.hpp"
@@ -140,11 +141,14 @@ void note_event(Database& database,
                 std::int64_t session,
                 std::string_view kind,
                 std::string_view text) {
-    database.prepare("INSERT INTO event (session, kind, text, at_utc) VALUES (?1, ?2, ?3, ?4)")
+    database
+        .prepare(
+            "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5)")
         .bind(1, session)
         .bind(2, kind)
         .bind(3, text)
         .bind(4, utc_now())
+        .bind(5, engine::monotonic_ns())
         .run();
 }
 
@@ -227,12 +231,13 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
     count.reset();
     database
         .prepare(
-            "INSERT INTO event (session, trial, kind, text, at_utc) SELECT session, id, "
+            "INSERT INTO event (session, trial, kind, text, at_utc, at_ns) SELECT session, id, "
             "'interrupted',"
-            " 'found running when the session was opened again', ?2 FROM trial"
+            " 'found running when the session was opened again', ?2, ?3 FROM trial"
             " WHERE session = ?1 AND outcome = 'running'")
         .bind(1, session)
         .bind(2, utc_now())
+        .bind(3, engine::monotonic_ns())
         .run();
     database
         .prepare(

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/clock.hpp"
 #include "protocols/running/pending_trials.hpp"
 #include "protocols/running/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
@@ -89,14 +90,16 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
     database_
         .prepare(
             "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
-            "started_utc)"
-            " SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4, ?5 FROM trial WHERE session = ?1 AND "
+            "started_utc, started_ns)"
+            " SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4, ?5, ?6 FROM trial WHERE session = ?1 "
+            "AND "
             "position = ?2")
         .bind(1, session_)
         .bind(2, static_cast<std::int64_t>(planned.position))
         .bind(3, scene.slip_decay)
         .bind(4, scene.heal_decay)
         .bind(5, utc_now())
+        .bind(6, engine::monotonic_ns())
         .run();
     const TrialId id = database_.last_row();
     if (!planned.adaptive) {
@@ -286,11 +289,14 @@ void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
 }
 
 void SqliteRecorder::event(std::string_view kind, std::string_view text) {
-    database_.prepare("INSERT INTO event (session, kind, text, at_utc) VALUES (?1, ?2, ?3, ?4)")
+    database_
+        .prepare(
+            "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5)")
         .bind(1, session_)
         .bind(2, kind)
         .bind(3, text)
         .bind(4, utc_now())
+        .bind(5, engine::monotonic_ns())
         .run();
 }
 

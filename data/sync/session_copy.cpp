@@ -111,11 +111,12 @@ void copy_events(const SessionVersion& from,
                  const Ids& trials,
                  std::size_t already) {
     Statement row = from.database->prepare(
-        "SELECT trial, kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id"
+        "SELECT trial, kind, text, at_utc, at_ns FROM event WHERE session = ?1 ORDER BY id"
         " LIMIT -1 OFFSET ?2");
     row.bind(1, from.id).bind(2, static_cast<std::int64_t>(already));
     Statement add = out.prepare(
-        "INSERT INTO event (session, trial, kind, text, at_utc) VALUES (?1, ?2, ?3, ?4, ?5)");
+        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5, "
+        "?6)");
     while (row.step()) {
         add.bind(1, session).bind_null(2);
         for (std::size_t i = 0; i < from.trials.size() && !row.null(0); ++i) {
@@ -127,6 +128,7 @@ void copy_events(const SessionVersion& from,
         add.bind(3, std::string_view(kind))
             .bind(4, std::string_view(portable_text(kind, row.text(2), from.trials)))
             .bind(5, std::string_view(row.text(3)))
+            .bind(6, row.null(4) ? std::nullopt : std::optional(row.integer(4)))
             .run();
     }
 }
