@@ -18,14 +18,14 @@ struct Group {
     std::string kind;
 };
 
-/// Files of schema 3 and before have no view of that name.
-bool knows_invalid_trials(Database& database) {
-    return database.prepare("SELECT 1 FROM sqlite_schema WHERE name = 'invalid_trial'").step();
+/// Files of schema 3 and before have no view invalid_trial, those before 5 no view adaptive_trial.
+bool knows(Database& database, std::string_view view) {
+    return database.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1").bind(1, view).step();
 }
 
 std::vector<Group> groups(Database& database) {
-    std::string sql = "SELECT study, kind FROM confusion";
-    if (knows_invalid_trials(database)) {
+    std::string sql = "SELECT study, kind FROM trial_result WHERE phase = 'main'";
+    if (knows(database, "invalid_trial")) {
         sql += " UNION SELECT study, kind FROM invalid_trial WHERE phase = 'main'";
     }
     std::vector<Group> all;
@@ -68,7 +68,15 @@ std::size_t width_of(const std::vector<std::string>& texts, std::size_t least) {
     return least;
 }
 
+/// Nothing where the answers are no pictures.
 std::string confusion_text(Database& database, const Group& group) {
+    Statement pictures = database.prepare(
+        "SELECT 1 FROM picture JOIN session ON session.id = picture.session"
+        " JOIN study ON study.id = session.study WHERE name = ?1 AND kind = ?2");
+    pictures.bind(1, group.study).bind(2, group.kind);
+    if (!pictures.step()) {
+        return {};
+    }
     const std::vector<std::string> names = objects(database, group);
     std::map<std::pair<std::string, std::string>, std::int64_t> counts;
     Statement row = database.prepare(
@@ -95,6 +103,43 @@ std::string confusion_text(Database& database, const Group& group) {
     return text;
 }
 
+/// A rule chose what was felt: its runs are the conditions.
+bool has_runs(Database& database, const Group& group) {
+    return knows(database, "adaptive_trial") &&
+           database.prepare("SELECT 1 FROM adaptive_trial WHERE study = ?1 AND kind = ?2")
+               .bind(1, group.study)
+               .bind(2, group.kind)
+               .step();
+}
+
+/// What each run of a rule has come to, a line each; nothing where there is no rule.
+std::string estimates_text(Database& database, const Group& group) {
+    if (!has_runs(database, group)) {
+        return {};
+    }
+    Statement row = database.prepare(
+        "SELECT participant, session, run_name, n, (SELECT group_concat(printf('%s %s', key,"
+        " ifnull(printf('%.4g', json_extract(value, '$.mean')), 'unknown')), ', ')"
+        " FROM json_each(estimates)), (SELECT count(*) FROM adaptive_trial WHERE NOT counts AND"
+        " study = last.study AND kind = last.kind AND participant = last.participant"
+        " AND session = last.session AND run = last.run) FROM adaptive_trial AS last WHERE study = "
+        "?1 AND kind = ?2"
+        " AND n = (SELECT max(n) FROM adaptive_trial WHERE study = last.study AND kind = last.kind"
+        " AND participant = last.participant AND session = last.session AND run = last.run)"
+        " ORDER BY participant, session, run");
+    row.bind(1, group.study).bind(2, group.kind);
+    std::string text = "\n  what the rule estimates, run by run:\n";
+    while (row.step()) {
+        const std::string marked =
+            row.integer(5) == 0 ? "" : fmt::format(", {} of them marked later", row.integer(5));
+        text +=
+            fmt::format("    {} session {}  {}, {} answer{}{}: {}\n", row.text(0), row.integer(1),
+                        row.text(2), row.integer(3), row.integer(3) == 1 ? "" : "s", marked,
+                        row.null(4) ? "nothing yet" : row.text(4));
+    }
+    return text;
+}
+
 /// @param left_out  participants whose trials are not counted
 std::string shares_text(Database& database,
                         const Group& group,
@@ -104,9 +149,13 @@ std::string shares_text(Database& database,
     };
     std::map<std::string, Share> shares;
     std::size_t width = 4;
+    const bool runs = has_runs(database, group);
     Statement row = database.prepare(
-        "SELECT friction, participant, sum(correct), count(*) FROM trial_result WHERE study = ?1 "
-        "AND kind = ?2 AND phase = 'main' GROUP BY friction, participant");
+        std::string("SELECT ") +
+        (runs ? "(SELECT run_name FROM adaptive_trial WHERE trial = trial_result.trial)"
+              : "friction") +
+        ", participant, sum(correct), count(correct) FROM trial_result WHERE study = ?1 AND kind = "
+        "?2 AND phase = 'main' AND correct IS NOT NULL GROUP BY 1, participant");
     row.bind(1, group.study).bind(2, group.kind);
     while (row.step()) {
         width = std::max(width, row.text(0).size());
@@ -116,14 +165,14 @@ std::string shares_text(Database& database,
             share.trials += row.integer(3);
         }
     }
-    std::string text = "\n";
-    for (const auto& [friction, share] : shares) {
+    std::string text = shares.empty() ? "" : "\n";
+    for (const auto& [name, share] : shares) {
         const auto [correct, trials] = share;
         const Interval ci = wilson(correct, trials);
         text += fmt::format(
-            "  friction {:<{}} {:>3} of {:>3} correct = {:.2f}   95 % interval {:.2f} to {:.2f} "
+            "  {} {:<{}} {:>3} of {:>3} correct = {:.2f}   95 % interval {:.2f} to {:.2f} "
             "(Wilson)\n",
-            friction, width, correct, trials,
+            runs ? "run" : "friction", name, width, correct, trials,
             static_cast<double>(correct) / static_cast<double>(trials), ci.low, ci.high);
     }
     return text;
@@ -203,8 +252,8 @@ std::string summary_text(Database& database) {
     std::string text;
     for (const Group& group : groups(database)) {
         text += title(group) + confusion_text(database, group) + shares_text(database, group) +
-                exclusions_text(database, group) + faults_text(database, group) +
-                invalid_text(database, group) + '\n';
+                estimates_text(database, group) + exclusions_text(database, group) +
+                faults_text(database, group) + invalid_text(database, group) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";

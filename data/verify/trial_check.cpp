@@ -84,6 +84,7 @@ void TrialCheck::check(const StoredRow& trial) {
     findings_.look_at(trial.integer("id"));
     const auto responses =
         rows_of(database_, "SELECT * FROM response WHERE trial = ?1", trial.integer("id"));
+    heed_marks(trial);
     const std::size_t number = pending_.answered() + 1;
     check_attempt(trial, !responses.empty());
     const auto position = static_cast<std::size_t>(trial.integer("position"));
@@ -166,7 +167,6 @@ void TrialCheck::heed_marks(const StoredRow& trial) {
 }
 
 void TrialCheck::check_attempt(const StoredRow& trial, bool answered) {
-    heed_marks(trial);
     const auto position = static_cast<std::size_t>(trial.integer("position"));
     if (position != pending_.next()) {
         findings_.differs("trial.position", fmt::format("{}", position),

@@ -6,6 +6,7 @@
 
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/format/procedure_file.hpp"
+#include "data/analysis/summary.hpp"
 #include "data/store/adaptive_export.hpp"
 #include "data/store/content_hash.hpp"
 #include "data/store/people.hpp"
@@ -290,6 +291,7 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
         protocol.design = {.repetitions = 2, .catch_trials = 0, .blocks = 2};
     }
     data::SessionSpec spec = session_spec(protocol);
+    spec.kind = data::RunKind::simulated;  // verify computes the answers again
     Database database(folder.file("a.sqlite"), Access::write);
     const auto dying = [at](protocols::Recorder& recorder) {
         return Killer(recorder, at);
@@ -313,4 +315,38 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
     CHECK(count(database, "trial JOIN response ON trial.id = trial WHERE invalid IS NULL") ==
           static_cast<std::int64_t>(spec.plan.trials.size()));
     CHECK(differences(database) == "");
+}
+
+TEST_CASE("the summary counts answers without pictures, and says what each run of a rule estimates",
+          "[adaptive][analysis]") {
+    const bool staircase = GENERATE(false, true);
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto spec =
+        session_spec(adaptive_protocol(staircase ? tests::kStaircaseRule : tests::kQuestPlusRule));
+    REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    const std::string text = data::summary_text(database);
+    CAPTURE(text);
+    CHECK(text.find("felt") == std::string::npos);
+    for (const std::string run : {"equal", "different"}) {
+        const std::string in_run =
+            " FROM adaptive_trial WHERE run_name = '" + run + "' AND correct IS NOT NULL";
+        data::Statement share = database.prepare("SELECT sum(correct), count(*)" + in_run);
+        REQUIRE(share.step());
+        CHECK_THAT(text, ContainsSubstring(fmt::format("run {:<9} {:>3} of {:>3} correct", run,
+                                                       share.integer(0), share.integer(1))));
+        CHECK_THAT(text, ContainsSubstring(run + ", 7 answers: "));
+    }
+    CHECK_THAT(text,
+               ContainsSubstring(staircase ? "answers: staircase_1 " : "answers: threshold "));
+    data::Statement last = database.prepare(
+        "SELECT trial, printf('%.4g', estimate) FROM adaptive_trial WHERE run = 1 AND n = 7");
+    REQUIRE(last.step());
+    if (!staircase) {
+        CHECK_THAT(text, ContainsSubstring("different, 7 answers: threshold " + last.text(1)));
+    }
+    CHECK(text.find("marked later") == std::string::npos);
+    data::mark_invalid(database, last.integer(0), "bell");
+    CHECK_THAT(data::summary_text(database),
+               ContainsSubstring("different, 7 answers, 1 of them marked later: "));
 }
