@@ -17,7 +17,7 @@ using palpate::tests::Random;
 namespace {
 
 /// Bytes and words that break things: signs, brackets, quotes, numbers at the edges, no UTF-8.
-constexpr std::array<std::string_view, 36> kSplinters{"-",
+constexpr std::array<std::string_view, 46> kSplinters{"-",
                                                       "[",
                                                       "]",
                                                       "[[",
@@ -52,7 +52,17 @@ constexpr std::array<std::string_view, 36> kSplinters{"-",
                                                       "offset_mm = [3, -3]\n",
                                                       "friction_blocks = \"abba\"\n",
                                                       "[exclusion]\n",
-                                                      "catch_correct_min = 0.5\n"};
+                                                      "catch_correct_min = 0.5\n",
+                                                      "[procedure]\n",
+                                                      "[[run]]\nname = \"third\"\n",
+                                                      "[response]\n",
+                                                      "kind = \"rating\"\n",
+                                                      "kind = \"psi\"\n",
+                                                      "varies = \"mu\"\n",
+                                                      "[procedure.prior]\n",
+                                                      "[[procedure.staircase]]\n",
+                                                      "standard_friction = \"on\"\n",
+                                                      "levels = 5\n"};
 
 /// Tables that the default study leaves out.
 constexpr std::string_view kYounger =
@@ -101,8 +111,9 @@ std::string mutated(std::string text, Random& random) {
 }  // namespace
 
 TEST_CASE("no file, however broken, does more than be refused line by line", "[protocol][fuzz]") {
-    const std::string file = GENERATE(as<std::string>{}, "protocols/library/shape_friction.toml",
-                                      "tests/golden/free_forms.toml");
+    const std::string file = GENERATE(
+        as<std::string>{}, "protocols/library/shape_friction.toml", "tests/golden/free_forms.toml",
+        "protocols/library/curvature_2afc.toml", "protocols/library/friction_threshold.toml");
     std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
     std::string study{std::istreambuf_iterator<char>(stream), {}};
     study += kYounger;

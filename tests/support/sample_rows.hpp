@@ -46,10 +46,12 @@ inline const std::vector<std::string>& sample_columns() {
     return names;
 }
 
-/// What `sample` must say of a trial.
-inline std::vector<SampleRow> expected_rows(data::Database& database, std::int64_t trial) {
+/// What `sample` must say of an interval of a trial.
+inline std::vector<SampleRow> expected_rows(data::Database& database,
+                                            std::int64_t trial,
+                                            std::int64_t interval = 1) {
     std::vector<SampleRow> rows;
-    const auto ticks = data::stored_ticks(database, trial);
+    const auto ticks = data::TraceReader(database).stored(trial, interval);
     const auto steps_of = [](double newton) {
         const auto steps = data::in_steps(newton, 1e4);
         return exactly(std::isfinite(newton) ? steps / 1e4 : std::nan(""));
@@ -63,7 +65,7 @@ inline std::vector<SampleRow> expected_rows(data::Database& database, std::int64
         }
         const char* const modes[] = {"free", "stuck", "slip", "transition"};
         rows.push_back({std::to_string(trial),
-                        "1",
+                        std::to_string(interval),
                         std::to_string(t.tick),
                         exactly(static_cast<double>(t.time_ns) * 1e-9),
                         exactly(t.hip.x),

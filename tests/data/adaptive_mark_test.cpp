@@ -1,0 +1,229 @@
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/store/people.hpp"
+#include "data/verify/verify.hpp"
+#include "tests/support/adaptive.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using data::Access;
+using data::Database;
+
+namespace {
+
+/// An experimenter at the desk who marks about every third attempt: while the first or the second interval
+/// is felt, at the question, at the gap after it, or when the next trial is ready.
+class Marking : public SimulatedObserver {
+public:
+    Marking(const data::SessionSpec& spec,
+            std::uint64_t seed,
+            OperatorDesk& desk,
+            std::function<bool()> done)
+        : SimulatedObserver(
+              spec.protocol, session_stream(spec), spec.plan.picture_order, std::move(done)),
+          seed_(seed),
+          desk_(desk) {}
+
+    Signal ready(const TrialView& trial) override {
+        if (trial.interval == 1) {
+            at(Place::next, attempt_);
+        }
+        return SimulatedObserver::ready(trial);
+    }
+    Exploring explore(const TrialView& trial, double elapsed_s) override {
+        feels_ = true;
+        at(trial.interval == 1 ? Place::first : Place::second, attempt_ + 1);
+        return SimulatedObserver::explore(trial, elapsed_s);
+    }
+    Choice choose(const TrialView& trial, const Question& question) override {
+        at(Place::question, ++attempt_);
+        feels_ = false;
+        return SimulatedObserver::choose(trial, question);
+    }
+    Signal gap(double seconds) override {
+        if (!feels_) {
+            at(Place::gap, attempt_);
+        }
+        return SimulatedObserver::gap(seconds);
+    }
+
+private:
+    enum class Place : std::uint8_t { first, second, question, gap, next };
+
+    void at(Place place, int attempt) {
+        tests::Random random(seed_ * 7919 + static_cast<std::uint64_t>(attempt));
+        if (random.below(3) == 0 && random.below(5) == static_cast<int>(place) &&
+            marked_.insert(attempt).second) {
+            desk_.mark();
+        }
+    }
+
+    std::uint64_t seed_;
+    OperatorDesk& desk_;
+    std::set<int> marked_;  ///< once each
+    int attempt_ = 0;       ///< answered so far
+    bool feels_ = false;
+};
+
+/// Dies when a trial has been stored whose number is among those to be marked.
+class Dying : public data::SqliteRecorder {
+public:
+    struct Died {
+        TrialId trial = 0;
+    };
+    Dying(Database& database, const Protocol& protocol, std::int64_t session, std::set<TrialId>& at)
+        : SqliteRecorder(database, protocol, session), at_(at) {}
+    void end_trial(TrialId trial, const TrialResult& result) override {
+        SqliteRecorder::end_trial(trial, result);
+        if (at_.erase(trial) > 0) {
+            throw Died{trial};
+        }
+    }
+
+private:
+    std::set<TrialId>& at_;
+};
+
+/// Opens or resumes; marks of the desk where a seed is given.
+SessionEnd run(Database& database,
+               const data::SessionSpec& spec,
+               std::optional<std::uint64_t> seed,
+               std::set<TrialId>& die_at) {
+    const data::OpenedSession opened = data::open_session(database, spec);
+    SimulatedApparatus apparatus(spec.protocol,
+                                 DrawnHand(spec.protocol, spec.protocol_hash, spec.key, spec.seed));
+    OperatorDesk desk;
+    const auto done = [&] {
+        return apparatus.hand_is_done();
+    };
+    SimulatedObserver plain(spec.protocol, session_stream(spec), spec.plan.picture_order, done);
+    Marking marking(spec, seed.value_or(0), desk, done);
+    Dying recorder(database, spec.protocol, opened.id, die_at);
+    return run_session(spec.protocol, spec.plan,
+                       {.title = spec.protocol.title,
+                        .participant = spec.key.participant,
+                        .trials = spec.plan.trials.size(),
+                        .next = opened.pending.answered(),
+                        .simulated = true,
+                        .device = "test"},
+                       opened.pending,
+                       {.apparatus = apparatus,
+                        .observer = seed ? marking : plain,
+                        .recorder = recorder,
+                        .pause = [](double) {},
+                        .desk = &desk},
+                       opened.runs);
+}
+
+/// Every attempt in its order: what was felt, answered and taken in by the rule, and what was marked when.
+std::string attempts(Database& database) {
+    std::string text;
+    for (const char* sql :
+         {"SELECT id, position, outcome, invalid, slip_decay, heal_decay, ticks, path_length_m "
+          "FROM "
+          "trial"
+          " ORDER BY id",
+          "SELECT * FROM presentation ORDER BY trial, interval",
+          "SELECT * FROM response ORDER BY trial", "SELECT * FROM adaptive_step ORDER BY trial",
+          "SELECT trial, kind, text FROM event WHERE kind = 'mark' ORDER BY id"}) {
+        data::Statement row = database.prepare(sql);
+        while (row.step()) {
+            for (int column = 0; column < row.columns(); ++column) {
+                text += row.null(column)      ? "-"
+                      : row.type(column) == 2 ? fmt::format("{:a} ", row.real(column))
+                                              : row.text(column) + ' ';
+            }
+            text += '\n';
+        }
+    }
+    return text;
+}
+
+std::set<TrialId> marked(Database& database) {
+    std::set<TrialId> ids;
+    auto row = database.prepare("SELECT id FROM trial WHERE invalid = ?1 ORDER BY id");
+    row.bind(1, std::string_view(kMarkedAtDesk));
+    while (row.step()) {
+        ids.insert(row.integer(0));
+    }
+    return ids;
+}
+
+std::int64_t count(Database& database, const std::string& from) {
+    auto row = database.prepare("SELECT count(*) FROM " + from);
+    row.step();
+    return row.integer(0);
+}
+
+std::string differences(Database& database) {
+    const data::Verification found = data::verify(database);
+    std::string text;
+    const auto add = [&text](const std::vector<data::Finding>& findings) {
+        for (const data::Finding& one : findings) {
+            if (one.kind != data::FindingKind::missing) {  // made-up provenance
+                text += fmt::format("{} {}: {} | {}\n", one.trial.value_or(0), one.what, one.stored,
+                                    one.recomputed);
+            }
+        }
+    };
+    add(found.file);
+    for (const auto& session : found.sessions) {
+        add(session.findings);
+    }
+    return text;
+}
+
+}  // namespace
+
+TEST_CASE("a mark at the desk does to a rule what the same mark from outside and a resume do",
+          "[adaptive][desk][law]") {
+    const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
+    const char* kind = GENERATE("two_interval", "yes_no");
+    std::size_t marks = 0;
+    std::int64_t of_the_rule = 0;
+    std::int64_t ruled_out = 0;
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        CAPTURE(kind, seed);
+        const tests::TemporaryFolder folder;
+        Protocol protocol = tests::adaptive_protocol(rule, kind);
+        protocol.timing.explore_min = 0.1;
+        protocol.timing.explore_prompt = 0.3;
+        protocol.timing.explore_timeout = 0.4;
+        protocol.invalid.path_min = seed % 2 == 0 ? 0.0 : 0.03;  // some hands are slower than that
+        const data::SessionSpec spec =
+            tests::session_spec(protocol, fmt::format("P{:02}", seed + 1));
+        Database inside(folder.file("inside.sqlite"), Access::write);
+        inside.execute("PRAGMA synchronous = OFF");
+        std::set<TrialId> never;
+        REQUIRE(run(inside, spec, seed, never).why == SessionEnd::Why::finished);
+        const std::set<TrialId> ids = marked(inside);
+        marks += ids.size();
+        of_the_rule += count(inside, "adaptive_trial WHERE NOT counts");
+        ruled_out += count(inside, "trial WHERE invalid IS NOT NULL") -
+                     static_cast<std::int64_t>(ids.size());
+
+        Database outside(folder.file("outside.sqlite"), Access::write);
+        outside.execute("PRAGMA synchronous = OFF");
+        std::set<TrialId> left = ids;
+        std::optional<SessionEnd> end;
+        while (!end) {
+            try {
+                end = run(outside, spec, std::nullopt, left);
+            } catch (const Dying::Died& died) {
+                CHECK_FALSE(data::mark_invalid(outside, died.trial, kMarkedAtDesk));
+            }
+        }
+        REQUIRE(end->why == SessionEnd::Why::finished);
+        REQUIRE(attempts(inside) == attempts(outside));
+        CHECK(differences(inside) == "");
+        CHECK(differences(outside) == "");
+    }
+    CHECK(marks > 10);
+    CHECK(of_the_rule > 8);  // the others in practice
+    CHECK(ruled_out > 3);
+}

@@ -1,0 +1,139 @@
+#include <fstream>
+#include <iterator>
+
+#include "protocols/library/shipped.hpp"
+#include "data/extension/sample_module.hpp"
+#include "data/store/current_copy.hpp"
+#include "data/trace/codec.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/sample_rows.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using tests::rows_of;
+using tests::SampleRow;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// A shipped protocol made short.
+std::string short_text(std::string_view name,
+                       const std::vector<std::pair<std::string, std::string>>& edits) {
+    std::string text;
+    for (const auto& shipped : protocols::shipped_protocols()) {
+        if (shipped.name == name) {
+            text = shipped.text;
+        }
+    }
+    for (const auto& [from, to] : edits) {
+        const std::size_t at = text.find(from);
+        CAPTURE(from);
+        REQUIRE(at != std::string::npos);
+        text.replace(at, from.size(), to);
+    }
+    return text;
+}
+
+/// The first difference, by names. @param rows  of `sample`
+void require_same(const std::vector<SampleRow>& rows, const std::vector<SampleRow>& expected) {
+    REQUIRE(rows.size() == expected.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        for (std::size_t c = 0; rows[i] != expected[i] && c < rows[i].size(); ++c) {
+            CAPTURE(i, tests::sample_columns()[c]);
+            REQUIRE(rows[i][c] == expected[i][c]);
+        }
+    }
+}
+
+/// A file of schema 4 whose trial 1 has these ticks.
+void write_old(const std::string& file, const std::vector<engine::TickRecord>& ticks) {
+    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_4.sql");
+    std::string sql = "\n";
+    sql.append(std::istreambuf_iterator<char>(in), {});
+    sql += "PRAGMA foreign_keys = OFF;";
+    for (std::size_t first = 0; first < ticks.size(); first += 256) {
+        const auto part =
+            std::span(ticks).subspan(first, std::min<std::size_t>(256, ticks.size() - first));
+        const data::EncodedChunk chunk = data::encode(part);
+        std::string hex;
+        for (const std::byte byte : chunk.data) {
+            hex += fmt::format("{:02x}", static_cast<unsigned>(byte));
+        }
+        sql += fmt::format("INSERT INTO trace_chunk VALUES (1, {}, {}, 1, {}, x'{}');\n", first,
+                           part.size(), chunk.crc32, hex);
+    }
+    const std::string script = file + ".sql";
+    std::ofstream(script) << sql;
+    REQUIRE(tests::Process({"sqlite3", file, ".read " + script}).wait().code == 0);
+}
+
+}  // namespace
+
+TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit",
+          "[sample][law]") {
+    const bool curvature = GENERATE(true, false);
+    const std::string text =
+        curvature
+            ? short_text("curvature_2afc", {{"trials = 60", "trials = 4"},
+                                            {"practice_trials = 4", "practice_trials = 1"}})
+            : short_text("friction_threshold", {{"trials = 40", "trials = 4"},
+                                                {"trials = 40", "trials = 4"},
+                                                {"practice_trials = 4", "practice_trials = 1"}});
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("p.toml")) << text;
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(tests::palpate_command(
+                {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"})
+                .code == 0);
+    data::Database database(file, data::Access::read);
+    REQUIRE(data::add_extension(database.handle()) == 0);
+    // What the rule chose is what the intervals differ by, and nothing that the protocol has.
+    CHECK(rows_of(database, curvature ? "SELECT DISTINCT curvature_per_m FROM presentation"
+                                      : "SELECT DISTINCT mu_s FROM presentation")
+              .size() > 3);
+    std::size_t ticks = 0;
+    const auto trials = rows_of(database, "SELECT id FROM trial ORDER BY id");
+    REQUIRE(trials.size() == 9);
+    for (const SampleRow& one : trials) {
+        const std::int64_t trial = std::stoll(one[0]);
+        std::vector<SampleRow> both;
+        for (const std::int64_t interval : {1, 2}) {
+            CAPTURE(trial, interval);
+            const auto expected = tests::expected_rows(database, trial, interval);
+            REQUIRE(expected.size() > 100);
+            require_same(
+                rows_of(database,
+                        fmt::format("SELECT * FROM sample WHERE trial_id = {} AND interval = {}",
+                                    trial, interval)),
+                expected);
+            both.insert(both.end(), expected.begin(), expected.end());
+        }
+        CAPTURE(trial);
+        require_same(
+            rows_of(database, fmt::format("SELECT * FROM sample WHERE trial_id = {}", trial)),
+            both);
+        ticks += both.size();
+    }
+    CHECK(rows_of(database, "SELECT count(*) FROM sample")[0][0] == std::to_string(ticks));
+}
+
+TEST_CASE("an old file has the ticks of the reader, before and after it is brought up to date",
+          "[sample][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{4}));
+    CAPTURE(seed);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("old.sqlite");
+    const auto ticks = tests::random_ticks(seed, 700);
+    write_old(file, ticks);
+    data::CurrentCopy copy(file);
+    REQUIRE(data::add_extension(copy.database().handle()) == 0);
+    const auto expected = tests::expected_rows(copy.database(), 1);
+    REQUIRE(expected.size() == ticks.size());
+    require_same(rows_of(copy.database(), "SELECT * FROM sample WHERE trial_id = 1"), expected);
+    data::Database old(file, data::Access::read);
+    REQUIRE(data::add_extension(old.handle()) == 0);
+    CHECK(rows_of(old, "SELECT user_version FROM pragma_user_version")[0][0] == "4");
+    require_same(rows_of(old, "SELECT * FROM sample WHERE trial_id = 1"), expected);
+    CHECK(rows_of(old, "SELECT * FROM sample WHERE trial_id = 1 AND interval = 2").empty());
+}
