@@ -132,20 +132,14 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
     return finished;
 }
 
-std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
-    Statement row =
-        database.prepare("SELECT text, session FROM event WHERE trial = ?1 AND kind = 'mark'");
-    if (!row.bind(1, trial).step()) {
-        return std::nullopt;
-    }
+std::optional<Mark> read_mark(Database& database, std::int64_t session, std::string_view text) {
     constexpr std::string_view kAfter = "after ";
     constexpr std::string_view kTrial = "after trial ";  // of an older palpate: the file's number
-    const std::string text = row.text(0);
     const bool older = text.starts_with(kTrial);
     const std::size_t colon = text.find(older ? ": " : " attempts: ");
     const std::size_t start = older ? kTrial.size() : kAfter.size();
     Mark mark;
-    if (!text.starts_with(kAfter) || colon == std::string::npos ||
+    if (!text.starts_with(kAfter) || colon == std::string_view::npos ||
         std::from_chars(text.data() + start, text.data() + colon, mark.after).ptr !=
             text.data() + colon) {
         return std::nullopt;
@@ -155,10 +149,19 @@ std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
         Statement last = database.prepare(
             "SELECT coalesce(max(id), 0) FROM (SELECT id FROM trial WHERE session = ?1 ORDER BY id"
             " LIMIT ?2)");
-        last.bind(1, row.integer(1)).bind(2, mark.after).step();
+        last.bind(1, session).bind(2, mark.after).step();
         mark.after = last.integer(0);
     }
     return mark;
+}
+
+std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
+    Statement row =
+        database.prepare("SELECT text, session FROM event WHERE trial = ?1 AND kind = 'mark'");
+    if (!row.bind(1, trial).step()) {
+        return std::nullopt;
+    }
+    return read_mark(database, row.integer(1), row.text(0));
 }
 
 }  // namespace palpate::data

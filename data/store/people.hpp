@@ -58,6 +58,11 @@ struct Mark {
     std::string reason;
 };
 
+/// The text of an event that says after which attempt of its session it came, and the rest of it.
+[[nodiscard]] std::optional<Mark> read_mark(Database& database,
+                                            std::int64_t session,
+                                            std::string_view text);
+
 /// What mark_invalid() noted of a trial.
 [[nodiscard]] std::optional<Mark> find_mark(Database& database, std::int64_t trial);
 

@@ -5,12 +5,12 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/clock.hpp"
+#include "data/store/people.hpp"
 
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kAfter = "after trial ";
-constexpr std::string_view kPart = ": part ";
+constexpr std::string_view kPart = "part ";
 
 template <class Number>
 const char* read(const char* from, const char* end, Number& number) {
@@ -29,15 +29,13 @@ std::vector<Redo> redos_of(Database& database, std::int64_t session) {
         database.prepare("SELECT text FROM event WHERE session = ?1 AND kind = 'redo' ORDER BY id");
     row.bind(1, session);
     while (row.step()) {
-        const std::string text = row.text(0);
-        const std::size_t part = text.find(kPart);
-        if (!text.starts_with(kAfter) || part == std::string::npos) {
+        const auto note = read_mark(database, session, row.text(0));
+        if (!note || !note->reason.starts_with(kPart)) {
             continue;
         }
-        Redo redo;
-        const char* const end = text.data() + text.size();
-        read(text.data() + kAfter.size(), end, redo.after);
-        read(text.data() + part + kPart.size(), end, redo.part);
+        Redo redo{.after = note->after};
+        const char* const end = note->reason.data() + note->reason.size();
+        read(note->reason.data() + kPart.size(), end, redo.part);
         redos.push_back(redo);
     }
     return redos;
