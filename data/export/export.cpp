@@ -8,6 +8,7 @@
 #include "data/export/csv_export.hpp"
 #include "data/export/new_folder.hpp"
 #include "data/export/parquet_export.hpp"
+#include "data/export/procedure_export.hpp"
 #include "data/export/psych_ds_export.hpp"
 #include "data/store/current_copy.hpp"
 
@@ -26,8 +27,11 @@ ExportFormat parse_export_format(std::string_view word) {
     if (word == "parquet") {
         return ExportFormat::parquet;
     }
+    if (word == "procedure") {
+        return ExportFormat::procedure;
+    }
     throw std::invalid_argument(
-        fmt::format("\"{}\" is no format: give csv, bids, psych-ds or parquet", word));
+        fmt::format("\"{}\" is no format: give csv, bids, psych-ds, parquet or procedure", word));
 }
 
 Exported export_file(const std::string& file,
@@ -49,6 +53,9 @@ Exported export_file(const std::string& file,
             break;
         case ExportFormat::parquet:
             export_parquet(copy.database(), selection, options, built.path());
+            break;
+        case ExportFormat::procedure:
+            export_procedures(copy.database(), selection, options, built.path());
             break;
     }
     built.keep();

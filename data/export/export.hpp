@@ -10,9 +10,9 @@
 
 namespace palpate::data {
 
-enum class ExportFormat : std::uint8_t { csv, bids, psych_ds, parquet };
+enum class ExportFormat : std::uint8_t { csv, bids, psych_ds, parquet, procedure };
 
-/// csv, bids, psych-ds, parquet. @throws std::invalid_argument for another word
+/// csv, bids, psych-ds, parquet, procedure. @throws std::invalid_argument for another word
 [[nodiscard]] ExportFormat parse_export_format(std::string_view word);
 
 struct Exported {

@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <exception>
+#include <string>
+#include <string_view>
 
 #include <fmt/format.h>
 
+#include "data/store/schema.hpp"
+#include "data/store/views.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/codec.hpp"
 #include "data/trace/columns.hpp"
@@ -86,6 +90,26 @@ void check_columns(Database& database, Findings& findings) {
     }
 }
 
+/// The views of this palpate, word by word: a query of an edited one says something else. Those that
+/// somebody added are theirs.
+void check_views(Database& database, Findings& findings) {
+    constexpr std::string_view kCreate = "CREATE VIEW ";
+    const std::string_view text = views_sql();
+    for (std::size_t at = text.find(kCreate); at != std::string_view::npos;
+         at = text.find(kCreate, at + 1)) {
+        const std::size_t from = at + kCreate.size();
+        const std::string name(text.substr(from, text.find(' ', from) - from));
+        Statement row =
+            database.prepare("SELECT sql FROM sqlite_schema WHERE type = 'view' AND name = ?1");
+        const std::string stored =
+            row.bind(1, std::string_view(name)).step() ? row.text(0) : std::string();
+        if (stored.empty() || !text.substr(at).starts_with(stored + ';')) {
+            findings.differs("view " + name, stored.empty() ? "it is not there" : stored,
+                             "as this palpate makes it");
+        }
+    }
+}
+
 /// What a damaged file does not let happen is a finding too.
 template <class Check>
 void try_to(Findings& findings, const char* what, const Check& check) {
@@ -108,6 +132,9 @@ Verification verify(Database& database) {
     Verification found;
     Findings findings(found.file);
     try_to(findings, "integrity_check", [&] { ask_sqlite(database, findings); });
+    if (database.schema() == kSchemaVersion) {
+        try_to(findings, "view", [&] { check_views(database, findings); });
+    }
     try_to(findings, "session", [&] {
         for (const StoredRow& session : rows_of(database, kSessions)) {
             found.sessions.push_back(check_session(database, session));

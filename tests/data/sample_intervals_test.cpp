@@ -51,7 +51,17 @@ void write_old(const std::string& file, const std::vector<engine::TickRecord>& t
     std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_4.sql");
     std::string sql = "\n";
     sql.append(std::istreambuf_iterator<char>(in), {});
-    sql += "PRAGMA foreign_keys = OFF;";
+    const std::string hash = "'" + std::string(64, 'a') + "'";
+    sql += "INSERT INTO study VALUES (1, 's', 't', " + hash +
+           ", ''); INSERT INTO participant (id, code) VALUES (1, 'P1');"
+           "INSERT INTO session (id, study, participant, number, kind, seed, plan_sha256, shuffles,"
+           " device, rate_hz, stiffness_n_per_m, started_utc) VALUES (1, 1, 1, 1, 'real', '7', " +
+           hash +
+           ", 1, 'd', 1000, 1000, '2026-01-31T12:34:56.789Z');"
+           "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s,"
+           " mu_d, break_before) VALUES (1, 0, 'main', 'o', -2.5, 'f', 0.7, 0.5, 0);"
+           "INSERT INTO trial (id, session, position, attempt, outcome, slip_decay, heal_decay,"
+           " started_utc) VALUES (1, 1, 0, 1, 'complete', 0, 0, '');";
     for (std::size_t first = 0; first < ticks.size(); first += 256) {
         const auto part =
             std::span(ticks).subspan(first, std::min<std::size_t>(256, ticks.size() - first));

@@ -95,8 +95,11 @@ void add_export(CLI::App& app, Options& chosen) {
         "export", "Write a database as CSV, BIDS, Psych-DS or Parquet, de-identified");
     auto& words = options_of<ExportCommandOptions>(command, chosen);
     command->add_option("FILE", words.database, "A database; only read")->required();
-    command->add_option("--format", words.format, "csv, bids, psych-ds or parquet")
-        ->check(CLI::IsMember({"csv", "bids", "psych-ds", "parquet"}))
+    command
+        ->add_option(
+            "--format", words.format,
+            "csv, bids, psych-ds, parquet, or procedure: runs of a rule for palpate procedure")
+        ->check(CLI::IsMember({"csv", "bids", "psych-ds", "parquet", "procedure"}))
         ->capture_default_str();
     command->add_option("-o,--output", words.directory, "A new folder")->required();
     command->add_option("--kind", words.kind, "Which sessions: real, pilot, simulated or all")

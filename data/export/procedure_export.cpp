@@ -1,0 +1,43 @@
+#include "data/export/procedure_export.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/report/text_file.hpp"
+#include "data/store/adaptive_export.hpp"
+
+namespace palpate::data {
+
+void export_procedures(Database& database,
+                       const Selection& selection,
+                       const ExportOptions& options,
+                       const std::filesystem::path& folder) {
+    if (!options.keep_codes) {
+        throw std::invalid_argument(
+            "the random numbers of a rule follow from the participant's code, so each CONFIG.toml "
+            "names it: add --keep-codes, or take another format");
+    }
+    int runs = 0;
+    Statement row =
+        database.prepare("SELECT DISTINCT run FROM adaptive_plan WHERE session = ?1 ORDER BY run");
+    for (const ChosenSession& session : selection.sessions()) {
+        row.bind(1, session.id);
+        for (; row.step(); ++runs) {
+            const ExportedRun made = exported_run(database, session.id, row.integer(0));
+            const std::filesystem::path place =
+                folder / fmt::format("study-{}_subject-{}_session-{}_run-{}", session.label,
+                                     session.subject.substr(4), session.number, row.integer(0));
+            std::filesystem::create_directory(place);
+            write_text_file(place / "CONFIG.toml", made.procedure);
+            write_text_file(place / "RESPONSES.csv", made.responses);
+        }
+        row.reset();
+    }
+    if (runs == 0) {
+        throw std::invalid_argument(
+            "no session of the file has a rule that chooses stimuli: take another format");
+    }
+}
+
+}  // namespace palpate::data

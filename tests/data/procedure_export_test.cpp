@@ -1,0 +1,88 @@
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "tests/support/adaptive.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+TEST_CASE("palpate procedure prints the stored states of every exported run",
+          "[export][adaptive][law]") {
+    const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    Database database(file, Access::write);
+    for (const char* who : {"P01", "P02"}) {
+        const auto spec = tests::session_spec(tests::adaptive_protocol(rule), who);
+        REQUIRE(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    }
+    const Finished done = palpate_command({"export", file, "--format", "procedure", "--kind", "all",
+                                           "--keep-codes", "-o", folder.file("out")});
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    std::size_t replayed = 0;
+    for (const auto& run : std::filesystem::directory_iterator(folder.file("out"))) {
+        const std::string name = run.path().filename();
+        CAPTURE(name);
+        const Finished shown = palpate_command(
+            {"procedure", run.path() / "CONFIG.toml", run.path() / "RESPONSES.csv", "--hashes"});
+        CAPTURE(shown.error);
+        REQUIRE(shown.code == 0);
+        // Which participant it is, by the one file that says so.
+        std::ifstream config(run.path() / "CONFIG.toml");
+        const std::string text{std::istreambuf_iterator<char>(config), {}};
+        const std::string who = text.find("\"P01\"") != std::string::npos ? "P01" : "P02";
+        data::Statement row = database.prepare(
+            "SELECT stimulus, outcome, state_sha256 FROM adaptive_trial WHERE participant = ?1 AND"
+            " run = ?2 ORDER BY n");
+        row.bind(1, std::string_view(who)).bind(2, std::int64_t{name.back() - '0'});
+        std::istringstream lines(shown.out);
+        std::string line;
+        REQUIRE(std::getline(lines, line));
+        CHECK_THAT(line, ContainsSubstring("state_sha256"));
+        std::size_t n = 0;
+        for (; row.step(); ++n) {
+            REQUIRE(std::getline(lines, line));
+            CAPTURE(line);
+            REQUIRE(line.starts_with(fmt::format("{},{},{},", n + 1, row.real(0), row.integer(1))));
+            REQUIRE(line.ends_with("," + row.text(2)));
+        }
+        CHECK_FALSE(std::getline(lines, line));
+        CHECK(n == 7);
+        ++replayed;
+    }
+    CHECK(replayed == 4);
+}
+
+TEST_CASE("runs are exported only by who wants the codes of the lab, and where there are runs",
+          "[export][adaptive]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const bool adaptive = GENERATE(true, false);
+    {
+        Database database(file, Access::write);
+        const auto spec =
+            tests::session_spec(adaptive ? tests::adaptive_protocol() : tests::small_protocol());
+        static_cast<void>(data::open_session(database, spec));
+    }
+    std::vector<std::string> words{"export", file,  "--format", "procedure",
+                                   "--kind", "all", "-o",       folder.file("out")};
+    if (!adaptive) {
+        words.emplace_back("--keep-codes");
+    }
+    const Finished refused = palpate_command(words);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.error, ContainsSubstring(adaptive ? "add --keep-codes" : "no session"));
+    CHECK_FALSE(std::filesystem::exists(folder.file("out")));
+}
