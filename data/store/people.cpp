@@ -125,6 +125,14 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
     return finished;
 }
 
+std::int64_t trial_of_attempt(Database& database, std::int64_t session, std::int64_t attempts) {
+    Statement last = database.prepare(
+        "SELECT coalesce(max(id), 0) FROM (SELECT id FROM trial WHERE session = ?1 ORDER BY id"
+        " LIMIT ?2)");
+    last.bind(1, session).bind(2, attempts).step();
+    return last.integer(0);
+}
+
 std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
     Statement row =
         database.prepare("SELECT text, session FROM event WHERE trial = ?1 AND kind = 'mark'");
@@ -145,11 +153,7 @@ std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
     }
     mark.reason = text.substr(text.find(": ") + 2);
     if (!older) {
-        Statement last = database.prepare(
-            "SELECT coalesce(max(id), 0) FROM (SELECT id FROM trial WHERE session = ?1 ORDER BY id"
-            " LIMIT ?2)");
-        last.bind(1, row.integer(1)).bind(2, mark.after).step();
-        mark.after = last.integer(0);
+        mark.after = trial_of_attempt(database, row.integer(1), mark.after);
     }
     return mark;
 }

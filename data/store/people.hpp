@@ -58,6 +58,12 @@ struct Mark {
     std::string reason;
 };
 
+/// The trial that was the session's last one when it had so many attempts; 0 before the first. Events say
+/// when they were by attempts: numbers of trials are of one file alone.
+[[nodiscard]] std::int64_t trial_of_attempt(Database& database,
+                                            std::int64_t session,
+                                            std::int64_t attempts);
+
 /// What mark_invalid() noted of a trial.
 [[nodiscard]] std::optional<Mark> find_mark(Database& database, std::int64_t trial);
 

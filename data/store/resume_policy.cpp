@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "data/store/people.hpp"
+
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kAfter = "after trial ";
+constexpr std::string_view kAfter = "after ";
 constexpr std::string_view kPart = ": part ";
 
 template <class Number>
@@ -35,6 +37,7 @@ std::vector<Redo> redos_of(Database& database, std::int64_t session) {
         Redo redo;
         const char* const end = text.data() + text.size();
         read(text.data() + kAfter.size(), end, redo.after);
+        redo.after = trial_of_attempt(database, session, redo.after);
         read(text.data() + part + kPart.size(), end, redo.part);
         redos.push_back(redo);
     }
@@ -67,7 +70,8 @@ bool begin_again(Database& database,
     Statement mark = database.prepare("UPDATE trial SET invalid = ?2 WHERE id = ?1");
     Statement event = database.prepare(
         "INSERT INTO event (session, trial, kind, text, at_utc)"
-        " SELECT ?1, ?2, ?3, 'after trial ' || max(id) || ': ' || ?4, ?5 FROM trial");
+        " SELECT ?1, ?2, ?3, 'after ' || count(*) || ' attempts: ' || ?4, ?5 FROM trial"
+        " WHERE session = ?1");
     for (const std::int64_t trial : trials) {
         mark.bind(1, trial).bind(2, reason).run();
         event.bind(1, session).bind(2, trial).bind(3, "mark").bind(4, reason).bind(5, utc_now());
@@ -76,9 +80,9 @@ bool begin_again(Database& database,
     event.bind(1, session)
         .bind_null(2)
         .bind(3, "redo")
-        .bind(4,
-              fmt::format("part {}: {} is run again from its first trial, {} answers do not count",
-                          part, part_name(part), trials.size()))
+        .bind(4, fmt::format("part {}: {} is run again from its first trial, {} answer{} not count",
+                             part, part_name(part), trials.size(),
+                             trials.size() == 1 ? " does" : "s do"))
         .bind(5, utc_now())
         .run();
     pending.begin_again(part);
