@@ -22,7 +22,7 @@ inline constexpr std::array<std::string_view, 3> kResumeWords{"continue", "redo-
 
 /// An event "redo" of the session.
 struct Redo {
-    std::int64_t after = 0;  ///< the last trial that the file had then
+    std::int64_t after = 0;  ///< the last trial that the session had then
     std::size_t part = 0;    ///< as PendingTrials counts
 };
 

@@ -10,6 +10,7 @@
 #include "data/store/adaptive_export.hpp"
 #include "data/store/content_hash.hpp"
 #include "data/store/people.hpp"
+#include "data/sync/merge.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
@@ -315,6 +316,17 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
     CHECK(count(database, "trial JOIN response ON trial.id = trial WHERE invalid IS NULL") ==
           static_cast<std::int64_t>(spec.plan.trials.size()));
     CHECK(differences(database) == "");
+    if (at == 25) {  // in a file where its trials have other numbers
+        Database other(folder.file("b.sqlite"), Access::write);
+        REQUIRE_THROWS_AS(run_simulated(other, session_spec(protocol, "P2"), dying),
+                          Killer::Killed);
+        const std::string all = folder.file("all.sqlite");
+        REQUIRE(data::merge_files(all, {folder.file("b.sqlite")}).conflicts.empty());
+        REQUIRE(data::merge_files(all, {folder.file("a.sqlite")}).conflicts.empty());
+        Database merged(all, Access::read);
+        CHECK(count(merged, "session") == 2);
+        CHECK(differences(merged) == "");
+    }
 }
 
 TEST_CASE("the summary counts answers without pictures, and says what each run of a rule estimates",
