@@ -132,11 +132,11 @@ CREATE TABLE trial (
     invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
     chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
     chain_events        INTEGER,                    -- how many of the session's events that head covers
-    started_ns          INTEGER,                    -- when it began, on the servo's clock
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
     before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
     after_vertex_ticks  INTEGER,                    -- in contact with the second curve, right of the vertex
+    started_ns          INTEGER,                    -- when it began, on the servo's clock
     UNIQUE (session, position, attempt),
     FOREIGN KEY (session, position) REFERENCES plan (session, position)
 ) STRICT;
