@@ -243,6 +243,8 @@ TEST_CASE("a file without ticks' table has no samples, and says so", "[sample]")
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     database.execute("PRAGMA foreign_keys = OFF; DROP TABLE trace_chunk");
     REQUIRE(data::add_extension(database.handle()) == 0);
-    const auto ask = [&] { return database.prepare("SELECT * FROM sample").step(); };
+    const auto ask = [&] {
+        return database.prepare("SELECT * FROM sample").step();
+    };
     CHECK_THROWS_WITH(ask(), ContainsSubstring("trace_chunk"));
 }
