@@ -1,6 +1,7 @@
 #include "data/store/database.hpp"
 
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <ctime>
 #include <filesystem>
@@ -161,6 +162,11 @@ void Database::open(Access access) {
     }
     if (access == Access::write) {
         make_private_file(plain_name(file_));
+    } else if (::access(plain_name(file_).c_str(), R_OK) != 0) {
+        throw WrongFile(fmt::format("{}: {}", file_,
+                                    errno == ENOENT || errno == ENOTDIR
+                                        ? "there is no such file: check the path"
+                                        : "it may not be read: change its rights"));
     }
     connect(plain_name(file_),
             access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);

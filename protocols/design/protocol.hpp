@@ -52,8 +52,12 @@ struct OutlineSpec {
     friend bool operator==(const OutlineSpec&, const OutlineSpec&) = default;
 };
 
+/// What a real session of the study must be run on.
+enum class DeviceClass : std::uint8_t { any, haply, comedi, mouse };
+
 /// What the hand meets.
 struct ApparatusSpec {
+    DeviceClass device = DeviceClass::any;
     double rate_hz = 1000.0;         ///< servo rate, 1/s, 1000 to 10000
     double stiffness = 1000.0;       ///< K, N/m
     double damping = 0.0;            ///< B of the contact, N s/m; 0: a spring alone

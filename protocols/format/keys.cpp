@@ -44,6 +44,8 @@ constexpr std::array kStudy{
 };
 
 constexpr std::array kApparatus{
+    Key<ApparatusSpec>{.name = "device", .member = &ApparatusSpec::device, .late = true,
+                       .meaning = "of real sessions; pilots and simulations may use another"},
     Key<ApparatusSpec>{.name = "rate_hz", .member = &ApparatusSpec::rate_hz, .lowest = 1000, .highest = 10000,
                        .meaning = "rate of the force loop"},
     Key<ApparatusSpec>{.name = "stiffness_n_per_m", .member = &ApparatusSpec::stiffness, .highest = 20000, .above = true,

@@ -45,6 +45,7 @@ struct Key {
                  engine::Vec2 Record::*,
                  OrderRule Record::*,
                  FrictionBlocks Record::*,
+                 DeviceClass Record::*,
                  Handedness Record::*,
                  Noise Record::*,
                  Language Record::*,
@@ -66,6 +67,7 @@ struct Key {
 // What a key for an enumeration may say, by its numbers.
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
 inline constexpr std::array<std::string_view, 3> kFrictionBlocks{"interleaved", "abba", "blocked"};
+inline constexpr std::array<std::string_view, 4> kDeviceClasses{"any", "haply", "comedi", "mouse"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
 inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "tr"};
 inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
@@ -80,6 +82,9 @@ inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(FrictionBlocks) {
     return kFrictionBlocks;
+}
+[[nodiscard]] constexpr std::span<const std::string_view> words_of(DeviceClass) {
+    return kDeviceClasses;
 }
 [[nodiscard]] constexpr std::span<const std::string_view> words_of(Handedness) {
     return kHandedness;

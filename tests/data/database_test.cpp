@@ -83,7 +83,7 @@ TEST_CASE("a place that cannot be written is named, with the remedy", "[store]")
         ContainsSubstring("/nowhere/at/all.sqlite") && ContainsSubstring("folder exists"));
     const TemporaryFolder folder;
     CHECK_THROWS_WITH(Database(folder.file("absent.sqlite"), Access::read),
-                      ContainsSubstring("absent.sqlite"));
+                      ContainsSubstring("absent.sqlite: there is no such file"));
     CHECK(folder.names().empty());
 }
 

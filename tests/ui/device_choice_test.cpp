@@ -28,3 +28,16 @@ TEST_CASE("a device is read as it is written, also a replay of a file with colon
                           ContainsSubstring(wrong) && ContainsSubstring(std::string(kDeviceWords)));
     }
 }
+
+TEST_CASE("a study that asks for a device fits that one alone, and one that asks for any fits all",
+          "[cli][law]") {
+    using Kind = DeviceChoice::Kind;
+    using palpate::protocols::DeviceClass;
+    for (const Kind kind : {Kind::simulated, Kind::mouse, Kind::replay, Kind::haply,
+                            Kind::haply_emulator, Kind::comedi}) {
+        CHECK(fits(DeviceClass::any, kind));
+        CHECK(fits(DeviceClass::haply, kind) == (kind == Kind::haply));
+        CHECK(fits(DeviceClass::comedi, kind) == (kind == Kind::comedi));
+        CHECK(fits(DeviceClass::mouse, kind) == (kind == Kind::mouse));
+    }
+}

@@ -59,6 +59,21 @@ DeviceChoice parse_device(std::string_view text) {
         fmt::format("--device {}: no such device; give {}", text, kDeviceWords));
 }
 
+bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
+    using enum protocols::DeviceClass;
+    switch (asked) {
+        case any:
+            return true;
+        case haply:
+            return kind == DeviceChoice::Kind::haply;
+        case comedi:
+            return kind == DeviceChoice::Kind::comedi;
+        case mouse:
+            return kind == DeviceChoice::Kind::mouse;
+    }
+    return false;
+}
+
 bool held_by_a_person(Kind kind) noexcept {
     return kind == Kind::mouse || kind == Kind::haply || kind == Kind::comedi;
 }

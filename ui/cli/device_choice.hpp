@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "protocols/design/protocol.hpp"
+
 namespace palpate::ui {
 
 /// What --device asks for.
@@ -28,6 +30,9 @@ struct DeviceChoice {
 
 /// A person can hold it: what it records may be a person's.
 [[nodiscard]] bool held_by_a_person(DeviceChoice::Kind kind) noexcept;
+
+/// A real session of a study that asks for this class may be run on it.
+[[nodiscard]] bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept;
 
 /// For --help and for errors.
 inline constexpr std::string_view kDeviceWords =

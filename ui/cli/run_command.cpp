@@ -34,6 +34,16 @@ data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
     return options.kind == "pilot" ? data::RunKind::pilot : data::RunKind::real;
 }
 
+void heed_device(const RunOptions& options, const RigSpec& spec) {
+    const protocols::DeviceClass asked = spec.study.protocol.apparatus.device;
+    if (spec.kind == data::RunKind::real && !fits(asked, spec.device.kind)) {
+        throw std::invalid_argument(fmt::format(
+            "this protocol asks for the device \"{}\", and --device is {}: use that device, or run "
+            "it with --kind pilot",
+            protocols::word_of(asked), options.device));
+    }
+}
+
 /// Of a real session without a noted consent: said, or refused where the protocol demands it.
 void heed_consent(data::Database& database, const RunOptions& options, const RigSpec& spec) {
     if (spec.kind != data::RunKind::real) {
@@ -103,6 +113,7 @@ int run_command(const RunOptions& options) {
     spec.durable = options.durable;
     spec.spin_share = options.spin;
     spec.kind = kind_of(options, spec.device);
+    heed_device(options, spec);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
     }
