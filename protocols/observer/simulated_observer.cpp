@@ -87,11 +87,10 @@ Choice SimulatedObserver::choose(const TrialView& trial, const Question& questio
         random.bounded(static_cast<std::uint32_t>(std::max<std::size_t>(question.answers, 1)));
 
     Choice choice{.place = any, .reaction_s = reaction_time(random)};
-    if (shapes_ && shapes_->felt() && !lapse) {
-        choice.place = best_fit(random);
-        return choice;
-    }
-    const std::optional<std::size_t> named = answer(question, noise, random);
+    const bool by_shape = shapes_ && question.kind == ResponseKind::identification;
+    const std::optional<std::size_t> named = !by_shape       ? answer(question, noise, random)
+                                           : shapes_->felt() ? std::optional(best_fit(random))
+                                                             : std::nullopt;
     if (named && !lapse) {
         choice.place = *named;
     }
@@ -179,13 +178,18 @@ double SimulatedObserver::to_criterion(double curvature) const noexcept {
     return 0.5 * (second - nearest);
 }
 
-std::size_t SimulatedObserver::best_fit(Pcg32& random) const {
+std::size_t SimulatedObserver::best_fit(Pcg32& random) {
     std::vector<double> misfits = shapes_->misfits();
     for (double& misfit : misfits) {
         misfit += blur_ * normal_draw(random);
     }
-    return static_cast<std::size_t>(
-        std::distance(misfits.begin(), std::min_element(misfits.begin(), misfits.end())));
+    const auto best = std::min_element(misfits.begin(), misfits.end());
+    double second = std::numeric_limits<double>::infinity();
+    for (auto other = misfits.begin(); other != misfits.end(); ++other) {
+        second = other == best ? second : std::min(second, *other);
+    }
+    distance_ = blur_ > 0.0 ? spec_.noise * (second - *best) / blur_ : second - *best;
+    return static_cast<std::size_t>(std::distance(misfits.begin(), best));
 }
 
 std::size_t SimulatedObserver::nearest_place(double curvature) const noexcept {

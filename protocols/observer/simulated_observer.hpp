@@ -72,7 +72,7 @@ private:
     [[nodiscard]] int confidence() const noexcept;
     [[nodiscard]] double to_criterion(double curvature) const noexcept;
     [[nodiscard]] std::size_t nearest_place(double curvature) const noexcept;
-    [[nodiscard]] std::size_t best_fit(Pcg32& random) const;
+    [[nodiscard]] std::size_t best_fit(Pcg32& random);
 
     OutlineSpec outline_;
     ObserverSpec spec_;

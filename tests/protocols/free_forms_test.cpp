@@ -337,6 +337,12 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
     observer.feel(ticks);
     const std::vector<Picture> pictures(4);
     CHECK(observer.choose({}, which_of(pictures)).place == place);
+    Question sure = which_of(pictures);
+    sure.confidence = true;
+    CHECK(observer.choose({}, sure).confidence.value_or(0) >= 1);
+    sure.kind = ResponseKind::yes_no;  // what no picture answers is a guess, not a picture's place
+    sure.answers = 2;
+    CHECK(observer.choose({}, sure).place < 2);
     OutlineCues cues(study, order);
     cues.add(ticks);
     CHECK(cues.misfits()[place] < 1e-9);

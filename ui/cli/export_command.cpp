@@ -15,7 +15,9 @@ int export_command(const ExportCommandOptions& options) {
                           options.directory);
     fmt::print("{}: {} session{} as {}{}.\n", options.directory, done.sessions,
                done.sessions == 1 ? "" : "s", options.format,
-               options.details ? ", with details" : ", de-identified");
+               options.details      ? ", with details"
+               : options.keep_codes ? ", with the participants' codes"
+                                    : ", de-identified");
     if (done.without_consent > 0) {
         fmt::print("{} participant{} left out: no consent.\n", done.without_consent,
                    done.without_consent == 1 ? "" : "s");
