@@ -5,7 +5,9 @@
 namespace palpate::protocols {
 
 Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
-    TroubleView view{.sentence = fault.text, .in_a_row = in_a_row};
+    TroubleView view{.sentence = fault.text,
+                     .in_a_row = in_a_row,
+                     .by_hand = fault.cause == engine::Trip::stopped};
     for (std::size_t slice = 0;; ++slice) {
         if (!view.solved && slice % kSlicesPerTry == 0) {
             view.solved = ports.apparatus.reconnect();

@@ -173,9 +173,12 @@ void draw(Window& window, const TroubleFace& face) {
     constexpr double kSmall = 0.75;
     const Words& words = window.words();
     const double type = kSmall * type_size(window.size());
-    line(window, face.solved ? words.can_go_on : words.moment, 0.36, 2.2, kText);
-    line(window, face.solved ? words.thank_you_for_waiting : words.help_comes, 0.48, 1.15, kText);
-    if (face.solved) {
+    const bool participant = face.solved && !face.by_chord;
+    line(window, participant ? words.can_go_on : words.moment, 0.36, 2.2, kText);
+    line(window, participant ? words.thank_you_for_waiting : words.help_comes, 0.48, 1.15, kText);
+    if (face.solved && face.by_chord) {
+        line(window, words.end_of_pause, 0.88, 0.75, kQuiet);
+    } else if (participant) {
         line(window, words.go_on, 0.84, 1.3, kAccent);
     }
     double y = 0.62 * window.size().y;
