@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/cusps.hpp"
+
 namespace palpate::stress {
 namespace {
 
