@@ -36,6 +36,7 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
     double excess = -1.0;
     double highest_mu = 0.0;
     while (trial.step()) {
+        const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
         for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
             if (tick.mode == engine::Mode::free) {
                 ++outside;
@@ -43,7 +44,6 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
                 continue;
             }
             ++inside;
-            const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
             excess = std::max(excess, std::fabs(tick.tangential_force) - mu_s * tick.normal_force);
             highest_mu = std::max(highest_mu, tick.mu);
             const bool within = glm::length(tick.command) <= 10.0 * (1.0 + 1e-12);
