@@ -186,7 +186,7 @@ TEST_CASE("a trial that does not count leaves the rule as it was, and its stimul
           "[adaptive][law]") {
     const TemporaryFolder folder;
     protocols::Protocol protocol = adaptive_protocol();
-    protocol.invalid.path_min = 0.117;  // some hands are slower than that
+    protocol.invalid.path_min = 0.025;  // some hands are slower than that
     const data::SessionSpec spec = session_spec(protocol);
     Database database(folder.file("a.sqlite"), Access::write);
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);

@@ -17,9 +17,14 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// A shipped protocol made short.
+/// A shipped protocol made short, every interval too.
 std::string short_text(std::string_view name,
-                       const std::vector<std::pair<std::string, std::string>>& edits) {
+                       std::vector<std::pair<std::string, std::string>> edits) {
+    edits.emplace_back("[timing]\nexplore_min_s = 2\n",
+                       "[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n\n"
+                       "[timing]\nexplore_min_s = 0.5\n");
+    edits.emplace_back("explore_prompt_s = 10", "explore_prompt_s = 0.8");
+    edits.emplace_back("explore_timeout_s = 15", "explore_timeout_s = 1");
     std::string text;
     for (const auto& shipped : protocols::shipped_protocols()) {
         if (shipped.name == name) {

@@ -19,7 +19,7 @@ std::string printable(std::string_view text) {
     return out;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     std::string out = "\"";
     for (const char c : printable(text)) {
         out += c == '"' || c == '\\' ? fmt::format("\\{}", c) : std::string(1, c);
@@ -92,8 +92,8 @@ std::string json_of(const std::vector<Finding>& findings) {
             "\"recomputed\": {}, \"count\": {}}}",
             text.empty() ? "" : ", ", finding.kind == FindingKind::differs ? "differs" : "missing",
             finding.trial ? fmt::format("{}", *finding.trial) : "null",
-            finding.tick ? fmt::format("{}", *finding.tick) : "null", quoted(finding.what),
-            quoted(finding.stored), quoted(finding.recomputed), finding.count);
+            finding.tick ? fmt::format("{}", *finding.tick) : "null", in_quotes(finding.what),
+            in_quotes(finding.stored), in_quotes(finding.recomputed), finding.count);
     }
     return "[" + text + "]";
 }
@@ -104,14 +104,14 @@ void print_json(const std::string& file, const data::Verification& found) {
         sessions += fmt::format(
             "{}{{\"id\": {}, \"study\": {}, \"participant\": {}, \"number\": {}, \"kind\": {}, "
             "\"finished\": {}, \"trials\": {}, \"ticks_replayed\": {}, \"findings\": {}}}",
-            sessions.empty() ? "" : ", ", session.id, quoted(session.study),
-            quoted(session.participant), session.number, quoted(session.kind), session.finished,
-            session.trials, session.replayed, json_of(session.findings));
+            sessions.empty() ? "" : ", ", session.id, in_quotes(session.study),
+            in_quotes(session.participant), session.number, in_quotes(session.kind),
+            session.finished, session.trials, session.replayed, json_of(session.findings));
     }
     fmt::print(
         "{{\"file\": {}, \"differences\": {}, \"missing\": {}, \"findings\": {}, "
         "\"sessions\": [{}]}}\n",
-        quoted(file), found.count(FindingKind::differs), found.count(FindingKind::missing),
+        in_quotes(file), found.count(FindingKind::differs), found.count(FindingKind::missing),
         json_of(found.file), sessions);
 }
 

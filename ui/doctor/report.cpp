@@ -61,7 +61,7 @@ std::size_t utf8_length(std::string_view text) {
     return overlong || beyond ? 0 : length;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     std::string out = "\"";
     while (!text.empty()) {
         const std::size_t length = utf8_length(text);
@@ -88,12 +88,12 @@ std::string object(const Check& check) {
     std::string numbers;
     for (const auto& [name, value] : check.numbers) {
         numbers +=
-            fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", quoted(name), number(value));
+            fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", in_quotes(name), number(value));
     }
     return fmt::format(
         "{{\"name\": {}, \"status\": {}, \"detail\": {}, \"remedy\": {}, \"numbers\": {{{}}}}}",
-        quoted(check.name), quoted(to_string(check.status)), quoted(check.detail),
-        quoted(check.remedy), numbers);
+        in_quotes(check.name), in_quotes(to_string(check.status)), in_quotes(check.detail),
+        in_quotes(check.remedy), numbers);
 }
 
 }  // namespace
@@ -154,7 +154,7 @@ std::string as_json(std::string_view version, const std::vector<Check>& checks) 
     for (const Check& check : checks) {
         list += (list.empty() ? "\n  " : ",\n  ") + object(check);
     }
-    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", quoted(version), list);
+    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", in_quotes(version), list);
 }
 
 }  // namespace palpate::ui
