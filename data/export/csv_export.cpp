@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "data/export/table_sql.hpp"
 #include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"

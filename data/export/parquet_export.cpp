@@ -6,6 +6,7 @@
 
 #include "data/export/csv_export.hpp"
 #include "data/export/duckdb.hpp"
+#include "data/export/table_sql.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {

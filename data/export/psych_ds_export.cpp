@@ -6,6 +6,7 @@
 
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
+#include "data/export/table_sql.hpp"
 #include "data/report/text_file.hpp"
 #include "data/trace/columns.hpp"
 

@@ -1,6 +1,5 @@
 #include "data/export/tables.hpp"
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 
@@ -29,14 +28,11 @@ constexpr std::string_view kPhases =
     "ones, an object that no picture shows";
 constexpr std::string_view kSure =
     "1 = a guess; 2 = nearer to a guess; 3 = nearer to sure; 4 = sure";
-constexpr ExportColumn kKind{"kind",
-                             "text",
-                             "",
-                             "what the session is",
-                             "session.kind",
-                             false,
-                             "real = a session of the study; pilot = to try the study; simulated = "
-                             "no person: computed hand and answers"};
+constexpr std::string_view kKinds =
+    "real = a session of the study; pilot = to try the study; simulated = computed hand and "
+    "answers";
+constexpr ExportColumn kKind{"kind",         "text", "",    "what the session is",
+                             "session.kind", false,  kKinds};
 constexpr ExportColumn kTrial{"trial", "integer", "1",
                               "attempts at trials of the session, counted from 1 in the order run",
                               "numbered.number"};
@@ -387,38 +383,6 @@ const ExportTable& export_table(std::string_view name) {
         }
     }
     throw std::logic_error(fmt::format("there is no table {}", name));
-}
-
-std::vector<std::pair<std::string_view, std::string_view>> levels_of(const ExportColumn& column) {
-    std::vector<std::pair<std::string_view, std::string_view>> levels;
-    for (std::string_view left = column.levels; !left.empty();) {
-        const std::string_view one = left.substr(0, left.find("; "));
-        left.remove_prefix(std::min(one.size() + 2, left.size()));
-        const std::size_t sign = one.find(" = ");
-        levels.emplace_back(one.substr(0, sign), one.substr(sign + 3));
-    }
-    return levels;
-}
-
-std::vector<ExportColumn> visible_columns(const ExportTable& table, bool details) {
-    std::vector<ExportColumn> columns;
-    for (const ExportColumn& column : table.columns) {
-        if (details || !column.detail) {
-            columns.push_back(column);
-        }
-    }
-    return columns;
-}
-
-std::string select_sql(const ExportTable& table,
-                       std::span<const ExportColumn> columns,
-                       std::string_view where) {
-    std::string names;
-    for (const ExportColumn& column : columns) {
-        names += fmt::format("{}{} AS {}", names.empty() ? "" : ", ", column.sql, column.name);
-    }
-    return fmt::format("SELECT {} FROM {}{}{} ORDER BY {}", names, table.from,
-                       where.empty() ? "" : " WHERE ", where, table.order);
 }
 
 }  // namespace palpate::data

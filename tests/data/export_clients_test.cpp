@@ -176,12 +176,13 @@ TEST_CASE("bids-validator finds no error in an export", "[export]") {
     AwkwardLab lab;
     const fs::path out = lab.exported("bids", {"--traces", "--keep-codes"});
     const Finished done = Process({validator, out.string(), "--json"}).wait();
-    CAPTURE(done.out, done.error);
+    CAPTURE(done.out.substr(0, 2000), done.error);
     CHECK(done.code == 0);
     CHECK_THAT(done.out, ContainsSubstring("\"errors\":[]"));
+    const std::string warned = done.out.substr(0, done.out.find("\"ignored\":"));
     // 38: not everybody did everything. 82: motion.tsv has no head line, as the standard has it. 113: no authors.
-    for (std::size_t at = 0; (at = done.out.find("\"code\":", at)) != std::string::npos; ++at) {
-        const int code = std::atoi(done.out.c_str() + at + 7);
+    for (std::size_t at = 0; (at = warned.find("\"code\":", at)) != std::string::npos; ++at) {
+        const int code = std::atoi(warned.c_str() + at + 7);
         CHECK((code == 38 || code == 82 || code == 113));
     }
 }
@@ -222,20 +223,21 @@ TEST_CASE("DuckDB reads from Parquet what stands in the CSV files, column by col
             head =
                 "trial,interval,tick,time_ns,count_1,lateness_us,hip_x_m,fx_n,command_x_n,fn_n,mu";
         }
+        std::string differs;
         for (std::size_t at = 0; at <= head.size();) {
             const std::size_t end = std::min(head.find(',', at), head.size());
             const std::string column = head.substr(at, end - at);
-            CAPTURE(column);
-            CHECK_NOTHROW(duck.run(fmt::format(
-                "SELECT CASE WHEN count(*) > 0 THEN error('{0} differs') END FROM text JOIN typed"
-                " USING (row_) WHERE CASE typeof(typed.\"{0}\") WHEN 'DOUBLE' THEN "
-                "TRY_CAST(text.\"{0}\""
-                " AS DOUBLE) IS DISTINCT FROM TRY_CAST(typed.\"{0}\" AS DOUBLE) WHEN 'BIGINT' THEN"
-                " CAST(text.\"{0}\" AS VARCHAR) IS DISTINCT FROM CAST(typed.\"{0}\" AS VARCHAR)"
-                " ELSE text.\"{0}\" IS DISTINCT FROM CAST(typed.\"{0}\" AS VARCHAR) END",
-                column)));
+            differs += fmt::format(
+                "{1}CASE typeof(typed.\"{0}\") WHEN 'DOUBLE' THEN TRY_CAST(text.\"{0}\" AS DOUBLE)"
+                " IS DISTINCT FROM TRY_CAST(typed.\"{0}\" AS DOUBLE) ELSE text.\"{0}\" IS DISTINCT"
+                " FROM CAST(typed.\"{0}\" AS VARCHAR) END",
+                column, differs.empty() ? "" : " OR ");
             at = end + 1;
         }
+        CHECK_NOTHROW(duck.run(fmt::format(
+            "SELECT CASE WHEN count(*) > 0 THEN error('row ' || min(row_)) END FROM text JOIN typed"
+            " USING (row_) WHERE {}",
+            differs)));
     };
     for (const data::ExportTable& table : data::export_tables()) {
         compare(std::string(table.name), (csv / fmt::format("{}.csv", table.name)).string(),
