@@ -176,7 +176,7 @@ void export_bids(Database& database,
                  const ExportOptions& options,
                  const std::filesystem::path& folder) {
     write_json(folder / "dataset_description.json",
-               {{"Name", json_string(selection.sessions().front().title)},
+               {{"Name", json_string(selection.titles())},
                 {"BIDSVersion", json_string(kBidsVersion)},
                 {"DatasetType", json_string("raw")},
                 {"GeneratedBy", json_array({json_object({{"Name", json_string("palpate")}})})}});

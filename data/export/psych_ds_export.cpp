@@ -77,7 +77,7 @@ void export_psych_ds(Database& database,
     write_text_file(folder / "dataset_description.json",
                     json_object({{"@context", json_string("http://schema.org/")},
                                  {"@type", json_string("Dataset")},
-                                 {"name", json_string(selection.sessions().front().title)},
+                                 {"name", json_string(selection.titles())},
                                  {"description", json_string(description)},
                                  {"variableMeasured", variables(options)}}) +
                         "\n");
