@@ -10,10 +10,9 @@ namespace {
 
 // The servo's clock runs since the machine was switched on: its reading would tell in which order people
 // came. The session's first attempt is its zero instead.
-#define PALPATE_FIRST                                                                            \
-    "(SELECT started_ns FROM trial AS first WHERE first.session = session.id AND started_ns IS " \
-    "NOT"                                                                                        \
-    " NULL ORDER BY first.id LIMIT 1)"
+#define PALPATE_FIRST                                                         \
+    "(SELECT started_ns FROM trial AS first WHERE first.session = session.id" \
+    " AND started_ns IS NOT NULL ORDER BY first.id LIMIT 1)"
 
 constexpr ExportColumn kSubject{"subject", "text", "",
                                 "the participant: sub-001 and on, in an order that says nothing",
@@ -23,14 +22,12 @@ constexpr ExportColumn kSession{"session", "integer", "1", "the participant's se
                                 "session.number"};
 constexpr std::string_view kYesNo = "0 = no; 1 = yes";
 constexpr std::string_view kPhases =
-    "practice = before the main trials, not to be analysed; main = the study; catch = among the "
-    "main "
-    "ones, an object that no picture shows";
+    "practice = before the main trials, not to be analysed; main = the study; catch = among the"
+    " main ones, an object that no picture shows";
 constexpr std::string_view kSure =
     "1 = a guess; 2 = nearer to a guess; 3 = nearer to sure; 4 = sure";
 constexpr std::string_view kKinds =
-    "real = a session of the study; pilot = to try the study; simulated = computed hand and "
-    "answers";
+    "real = a session of the study; pilot = to try it; simulated = computed hand and answers";
 constexpr ExportColumn kKind{"kind",         "text", "",    "what the session is",
                              "session.kind", false,  kKinds};
 constexpr ExportColumn kTrial{"trial", "integer", "1",
@@ -196,9 +193,10 @@ constexpr std::array kTrials{
                  "trial.slip_decay"},
     ExportColumn{"heal_decay", "real", "1", "exp(-T/tau_heal) as computed on that machine",
                  "trial.heal_decay"},
-    ExportColumn{"since_first_ns", "integer", "ns",
-                 "begin, on the servo's clock, since the session's first attempt began",
-                 "trial.started_ns - " PALPATE_FIRST},
+    ExportColumn{
+        "since_first_ns", "integer", "ns",
+        "begin, since the session's first attempt began; a restart of the rig sets the clock back",
+        "trial.started_ns - " PALPATE_FIRST},
     ExportColumn{"started_ns", "integer", "ns", "begin, on the servo's clock", "trial.started_ns",
                  true},
     ExportColumn{"started_utc", "text", "", "begin, wall clock", "trial.started_utc", true},
