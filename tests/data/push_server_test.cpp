@@ -1,12 +1,18 @@
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <thread>
 #include <vector>
 
+#include <arpa/inet.h>
 #include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include "data/store/database.hpp"
 #include "data/sync/postgres.hpp"
@@ -139,9 +145,8 @@ TEST_CASE(
             return;
         }
     }
-    const auto server = PostgresServer::start(folder.file("rig.crt"), folder.file("rig.key"));
+    const auto server = a_server(folder.file("rig.crt"), folder.file("rig.key"));
     if (!server) {
-        WARN("skipped: no PostgreSQL server is installed (Debian: postgresql)");
         return;
     }
     const std::string file = a_database(folder);
@@ -185,4 +190,34 @@ TEST_CASE(
     };
     CHECK(by_service("rig.crt") == 0);
     CHECK(by_service("other.crt") == 1);
+}
+
+TEST_CASE("a password in the address is not left among the words that ps shows", "[push]") {
+    if (!tests::has_libpq()) {
+        return;
+    }
+    // Somebody who takes the call and says nothing.
+    const int silent = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    REQUIRE(bind(silent, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+    REQUIRE(listen(silent, 1) == 0);
+    getsockname(silent, reinterpret_cast<sockaddr*>(&address), &size);
+    const TemporaryFolder folder;
+    Process push({tests::palpate_program(), "push", a_database(folder), "--to",
+                  fmt::format("postgresql://u:{}@127.0.0.1:{}/d", PostgresServer::kPassword,
+                              ntohs(address.sin_port))});
+    const auto words = [&push] {
+        std::ifstream line(fmt::format("/proc/{}/cmdline", push.id()), std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(line), {});
+    };
+    for (int i = 0; i < 3000 && words().find("://xxx") == std::string::npos; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    CHECK_THAT(words(), ContainsSubstring("://xxx"));
+    CHECK_THAT(words(), !ContainsSubstring(PostgresServer::kPassword));
+    push.signal(SIGKILL);
+    close(silent);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
@@ -13,18 +14,27 @@
 /// What tests of push share: a server, a file, and what is on the server.
 namespace palpate::tests {
 
-/// A server, or nothing and a word why not.
-inline std::unique_ptr<PostgresServer> a_server() {
-    auto server = PostgresServer::start();
-    if (!server) {
-        WARN("skipped: no PostgreSQL server is installed (Debian: postgresql)");
-        return nullptr;
-    }
+/// Whether this palpate can talk to PostgreSQL at all; says so where not.
+inline bool has_libpq() {
     try {
-        const data::Postgres there(server->url());
+        const data::Postgres nobody("postgresql://u@127.0.0.1:1/d");
     } catch (const std::invalid_argument& e) {
         WARN("skipped: " << e.what());
+        return false;
+    } catch (const data::PostgresError&) {  // nobody answers there
+    }
+    return true;
+}
+
+/// A server, or nothing and a word why not.
+inline std::unique_ptr<PostgresServer> a_server(const std::string& certificate = {},
+                                                const std::string& key = {}) {
+    if (!has_libpq()) {
         return nullptr;
+    }
+    auto server = PostgresServer::start(certificate, key);
+    if (!server) {
+        WARN("skipped: no PostgreSQL server is installed (Debian: postgresql)");
     }
     return server;
 }
