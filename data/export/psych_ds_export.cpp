@@ -47,8 +47,10 @@ std::string variables(const ExportOptions& options) {
             all.push_back(variable(column));
         }
     };
-    for (const ExportColumn& column : visible_columns(export_table("trials"), options.details)) {
-        add(column);
+    for (const char* table : {"trials", "participants"}) {
+        for (const ExportColumn& column : visible_columns(export_table(table), options.details)) {
+            add(column);
+        }
     }
     if (options.traces) {
         for (const ExportColumn& key : tick_keys()) {
@@ -89,6 +91,8 @@ void export_psych_ds(Database& database,
             "them to dataset_description.json.\n",
             description,
             options.traces ? "; in files with description-ticks, interval and tick as well" : ""));
+    write_table(database, export_table("participants"), options,
+                data / "description-participants_data.csv");
     const ExportTable& trials = export_table("trials");
     for (const ChosenSession& session : selection.sessions()) {
         const std::string stem = stem_of(session);

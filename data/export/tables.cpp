@@ -34,6 +34,12 @@ constexpr ExportColumn kTrial{"trial", "integer", "1",
                               "attempts at trials of the session, counted from 1 in the order run",
                               "numbered.number"};
 
+constexpr ExportColumn kRunName{"run_name", "text", "", "of a rule that chooses: which run",
+                                "adaptive_plan.run_name"};
+constexpr ExportColumn kComparison{"comparison", "integer", "1",
+                                   "the interval with the rule's stimulus",
+                                   "adaptive_plan.comparison"};
+
 constexpr std::array kParticipants{
     kSubject,
     ExportColumn{"handedness", "integer", "1", "Edinburgh score, -100 left to 100 right",
@@ -151,6 +157,11 @@ constexpr std::array kTrials{
                  "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
                  "response.answer"},
     ExportColumn{"confidence", "integer", "1", "how sure", "response.confidence", false, kSure},
+    kRunName,
+    kComparison,
+    ExportColumn{"stimulus", "real", "", "what the rule chose for it, in the protocol's unit",
+                 "(SELECT stimulus FROM presentation WHERE presentation.trial = trial.id AND"
+                 " presentation.interval = adaptive_plan.comparison)"},
     ExportColumn{"first_contact_s", "real", "s", "first tick to first contact",
                  "trial.first_contact_s"},
     ExportColumn{"done_s", "real", "s", "first tick to done", "trial.done_s"},
@@ -265,9 +276,8 @@ constexpr std::array kSteps{
     kTrial,
     ExportColumn{"run", "integer", "1", "one rule with its own answers, from 0",
                  "adaptive_plan.run"},
-    ExportColumn{"run_name", "text", "", "its name", "adaptive_plan.run_name"},
-    ExportColumn{"comparison", "integer", "1", "the interval with the rule's stimulus",
-                 "adaptive_plan.comparison"},
+    kRunName,
+    kComparison,
     ExportColumn{"standard_friction", "text", "", "friction of the other interval",
                  "adaptive_plan.standard_friction"},
     ExportColumn{"outcome", "integer", "1", "as the rule took it: 1 the comparison was named",
@@ -337,7 +347,9 @@ constexpr std::array kTables{
                 PALPATE_SESSIONS
                 " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
                 " trial.id JOIN plan ON plan.session = session.id AND plan.position ="
-                " trial.position LEFT JOIN response ON response.trial = trial.id",
+                " trial.position LEFT JOIN response ON response.trial = trial.id LEFT JOIN"
+                " adaptive_plan ON adaptive_plan.session = session.id AND adaptive_plan.position ="
+                " trial.position",
                 "chosen.subject, chosen.label, session.number, trial.id", kTrials},
     ExportTable{"responses", "one row an answer",
                 PALPATE_SESSIONS

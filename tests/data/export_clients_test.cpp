@@ -129,6 +129,14 @@ std::string recounted(const std::string& file) {
                                row.integer(2), row.real(3), row.real(4));
         }
     }
+    auto chosen = database.prepare(
+        "SELECT run_name, comparison, stimulus FROM trial JOIN adaptive_plan USING (session, "
+        "position)"
+        " JOIN presentation ON presentation.trial = trial.id AND interval = comparison ORDER BY"
+        " trial.id");
+    while (chosen.step()) {
+        all += fmt::format("{} {} {:.17g}\n", chosen.text(0), chosen.integer(1), chosen.real(2));
+    }
     auto note = database.prepare("SELECT lower(hex(text)) FROM event WHERE kind = 'note'");
     while (note.step()) {
         all += "note " + note.text(0) + '\n';

@@ -196,7 +196,7 @@ assert described["@context"].rstrip("/").endswith("schema.org") and described["@
 assert described["name"] and described["description"]
 named = {v["name"] for v in described["variableMeasured"]}
 files = list((out / "data").iterdir())
-assert len(files) == 11
+assert len(files) == 12
 for path in files:
     assert re.fullmatch(r"([a-z]+-[A-Za-z0-9]+_)+data\.csv", path.name), path.name
     with open(path, newline="") as text:

@@ -21,8 +21,10 @@ files <- function(place, pattern) {
 }
 count("csv", comma(file.path(folder, "csv", "trials.csv")))
 count("bids", do.call(rbind, lapply(files("bids", "_beh\\.tsv$"), tabs)))
-sessions <- files("psych-ds/data", "_data\\.csv$")
-count("psych-ds", do.call(rbind, lapply(sessions[!grepl("_trial-", sessions)], comma)))
+count("psych-ds", do.call(rbind, lapply(files("psych-ds/data", "^study-.*_data\\.csv$"), comma)))
+trials <- comma(file.path(folder, "csv", "trials.csv"))
+trials <- trials[!is.na(trials$run_name), ]
+cat(sprintf("%s %d %.17g\n", trials$run_name, trials$comparison, trials$stimulus), sep = "")
 events <- comma(file.path(folder, "csv", "events.csv"))
 for (words in events$words[events$kind == "note"]) {
   cat("note ", as.character(charToRaw(enc2utf8(words))), "\n", sep = "")

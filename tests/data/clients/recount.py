@@ -1,7 +1,8 @@
 """Counts an exported study again with Python's standard library alone: what was answered to what.
 
 python3 recount.py FOLDER prints, for each of csv, bids and psych-ds in FOLDER, one line for each object and
-friction: how many answers count, how many are correct, the longest reaction time; then the notes, in hex.
+friction: how many answers count, how many are correct, the longest reaction time; then what rules
+chose; then the notes, in hex.
 """
 import csv
 import json
@@ -67,7 +68,10 @@ check_psych_ds(folder / "psych-ds")
 count("csv", table(folder / "csv" / "trials.csv"))
 count("bids", [row for path in sorted((folder / "bids").rglob("*_beh.tsv")) for row in table(path, True)])
 count("psych-ds", [row for path in sorted((folder / "psych-ds" / "data").iterdir())
-                   if "_trial-" not in path.name for row in table(path)])
+                   if path.name.startswith("study-") for row in table(path)])
+for trial in table(folder / "csv" / "trials.csv"):
+    if trial["run_name"]:
+        print(trial["run_name"], trial["comparison"], "%.17g" % float(trial["stimulus"]))
 for event in table(folder / "csv" / "events.csv"):
     if event["kind"] == "note":
         print("note", event["words"].encode("utf-8").hex())
