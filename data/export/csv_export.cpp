@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "data/export/table_sql.hpp"
 #include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
@@ -43,22 +44,24 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
         }
         file.end_row();
     };
-    row({"table", "column", "type", "unit", "meaning"});
+    row({"table", "column", "type", "unit", "meaning", "levels"});
     for (const ExportTable& table : export_tables()) {
         if (table.detail && !options.details) {
             continue;
         }
-        row({table.name, "", "", "", table.meaning});
+        row({table.name, "", "", "", table.meaning, ""});
         for (const ExportColumn& column : visible_columns(table, options.details)) {
-            row({table.name, column.name, column.type, column.unit, column.meaning});
+            row({table.name, column.name, column.type, column.unit, column.meaning, column.levels});
         }
     }
     if (options.traces) {
-        row({"ticks", "", "", "", "one row a servo tick; tick numbers jump where ticks were lost"});
-        row({"ticks", "interval", "integer", "1", "of a trial with two things to feel: 1 or 2"});
+        row({"ticks", "", "", "", "one row a servo tick, in the object's frame", ""});
+        for (const ExportColumn& key : tick_keys()) {
+            row({"ticks", key.name, key.type, key.unit, key.meaning, key.levels});
+        }
         for (const TraceColumn& column : trace_columns()) {
             row({"ticks", column.name, column.type.starts_with('f') ? "real" : "integer",
-                 column.unit, "as the table trace_column of the file has it"});
+                 column.unit, column.meaning, ""});
         }
     }
     file.close();
@@ -132,8 +135,8 @@ void write_ticks(Database& database,
                  const ChosenSession& session,
                  const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::csv);
-    for (const char* name : {"subject", "study", "session", "trial", "interval"}) {
-        file.text(name);
+    for (const ExportColumn& key : tick_keys()) {
+        file.text(key.name);
     }
     for (const TraceColumn& column : trace_columns()) {
         file.text(column.name);

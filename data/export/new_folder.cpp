@@ -47,8 +47,10 @@ NewFolder::~NewFolder() {
     }
 }
 
-void NewFolder::keep() {
-    chmod(building_.c_str(), usual_rights());
+void NewFolder::keep(bool own) {
+    if (!own) {
+        chmod(building_.c_str(), usual_rights());
+    }
     std::error_code failed;
     std::filesystem::rename(building_, place_, failed);
     if (failed) {

@@ -63,6 +63,14 @@ Selection::Selection(Database& database, const ExportOptions& options)
         " FROM trial WHERE session IN (SELECT session FROM chosen);");
 }
 
+std::string Selection::titles() const {
+    std::set<std::string_view> titles;
+    for (const ChosenSession& session : sessions_) {
+        titles.insert(session.title);
+    }
+    return fmt::format("{}", fmt::join(titles, "; "));
+}
+
 void Selection::choose(const std::string& kind) {
     constexpr std::string_view kOfKind = "SELECT count(*) FROM session WHERE ?1 IN ('all', kind)";
     constexpr std::string_view kRefused =

@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <stdexcept>
 
@@ -46,11 +47,22 @@ int dispatch(const Options& options) {
     return std::visit(Visitor{}, options);
 }
 
+/// Everybody can list the words of a command (ps): the address of a server may hold a password.
+void hide_addresses(int argc, char** argv) {
+    for (int i = 1; i < argc; ++i) {
+        if (char* scheme = std::strstr(argv[i], "://")) {
+            std::memset(scheme + 3, 'x', std::strlen(scheme + 3));
+        }
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
-        return dispatch(parse_command_line(argc, argv));
+        const Options options = parse_command_line(argc, argv);
+        hide_addresses(argc, argv);
+        return dispatch(options);
     } catch (const palpate::protocols::ProtocolError& e) {
         fmt::print(stderr, "{}\n", e.what());
         return kExitUsage;

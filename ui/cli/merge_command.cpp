@@ -14,8 +14,11 @@ int merge_command(const MergeOptions& options) {
     fmt::print("{}: {} session{} new, {} went on, {} as before.\n", options.database, done.added,
                done.added == 1 ? "" : "s", done.extended, done.same);
     for (const data::MergeConflict& conflict : done.conflicts) {
-        fmt::print(stderr, "conflict: {}\n  in {}\n  in {}\n  not merged\n", conflict.what,
-                   conflict.first, conflict.second);
+        fmt::print(stderr, "conflict: {}\n  in {}\n", conflict.what, conflict.first);
+        if (!conflict.second.empty()) {
+            fmt::print(stderr, "  in {}\n", conflict.second);
+        }
+        fmt::print(stderr, "  not merged\n");
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
 }
