@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/tick_record.hpp"
-#include "data/csv/whole_file.hpp"
 #include "data/export/delimited_file.hpp"
 #include "data/export/json_text.hpp"
+#include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
 
 namespace palpate::data {
@@ -239,10 +239,10 @@ void write_bids_run(Database& database,
                         interval == 1 ? "" : "_acq-interval2", bids_run(number));
         std::filesystem::create_directories(folder);
         write_motion(ticks, folder / (stem + "_motion.tsv"));
-        write_whole(folder / (stem + "_motion.json"), motion_json(session, ticks) + "\n");
+        write_text_file(folder / (stem + "_motion.json"), motion_json(session, ticks) + "\n");
         write_channels(session.rate_hz, folder / (stem + "_channels.tsv"));
         write_stim(ticks, folder / (stem + "_recording-force_stim.tsv.gz"));
-        write_whole(folder / (stem + "_recording-force_stim.json"), stim_json(session) + "\n");
+        write_text_file(folder / (stem + "_recording-force_stim.json"), stim_json(session) + "\n");
     }
 }
 

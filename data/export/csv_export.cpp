@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "data/csv/whole_file.hpp"
+#include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 
@@ -183,7 +183,7 @@ void export_csv(Database& database,
         }
     }
     describe(options, folder / "columns.csv");
-    write_whole(folder / "README.txt", words(selection, options));
+    write_text_file(folder / "README.txt", words(selection, options));
     if (options.keep_codes) {
         write_codes(database, folder / "codes.csv");
     }

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "data/csv/whole_file.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
+#include "data/report/text_file.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
@@ -61,14 +61,14 @@ void export_psych_ds(Database& database,
         "trial. "
         "SI units.{}",
         selection.sessions().size(), options.kind, options.details ? "" : " De-identified.");
-    write_whole(folder / "dataset_description.json",
-                json_object({{"@context", json_string("http://schema.org/")},
-                             {"@type", json_string("Dataset")},
-                             {"name", json_string(selection.sessions().front().title)},
-                             {"description", json_string(description)},
-                             {"variableMeasured", variables(options)}}) +
-                    "\n");
-    write_whole(folder / "README.md", description + "\n");
+    write_text_file(folder / "dataset_description.json",
+                    json_object({{"@context", json_string("http://schema.org/")},
+                                 {"@type", json_string("Dataset")},
+                                 {"name", json_string(selection.sessions().front().title)},
+                                 {"description", json_string(description)},
+                                 {"variableMeasured", variables(options)}}) +
+                        "\n");
+    write_text_file(folder / "README.md", description + "\n");
     const ExportTable& trials = export_table("trials");
     for (const ChosenSession& session : selection.sessions()) {
         const std::string stem = stem_of(session);

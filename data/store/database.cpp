@@ -295,6 +295,18 @@ void Database::checkpoint() {
     if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY && (code & 0xFF) != SQLITE_LOCKED) {
         fail("moving the log into the file");
     }
+    require_in_place();
+}
+
+void Database::require_in_place() const {
+    int moved = 0;
+    sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (moved != 0) {
+        throw StoreError(
+            fmt::format("{}: it was moved or deleted while it was in use; what was recorded is in "
+                        "the file wherever it is now: put it back and run again",
+                        file_));
+    }
 }
 
 Transaction::Transaction(Database& database) : database_(&database) {

@@ -33,7 +33,7 @@ int Reserve::take(std::int64_t bytes) {
         const auto there = std::filesystem::canonical(file_, unknown);  // a link may lie elsewhere
         const std::string name =
             fmt::format("{}.{}.part", unknown ? file_ : there.string(), getpid());
-        descriptor_ = open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, S_IRUSR | S_IWUSR);
+        descriptor_ = open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR);
         if (descriptor_ < 0) {
             return errno;
         }

@@ -99,6 +99,7 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
     running_ = 0;
     interval_ = 0;
+    database_.require_in_place();
     reserve_.hold(bytes_needed(protocol_, 1));
     const TrialId id = with_room([&] { return insert_trial(planned, scene); });
     if (!planned.adaptive) {

@@ -1,9 +1,7 @@
 #include <cerrno>
-#include <memory>
 #include <optional>
 #include <string>
 
-#include "data/store/async_recorder.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -25,43 +23,32 @@ using tests::wrong;
 namespace {
 
 /// Another program takes all that is free as soon as a trial has `ticks`, and before each trial from then on.
-class Filling : public protocols::Recorder {
+class Filling : public Noting {
 public:
-    Filling(protocols::Recorder& recorder, WatchedDisk& disk, TrialId trial, std::int64_t ticks)
-        : recorder_(recorder), disk_(disk), trial_(trial), left_(ticks) {}
+    Filling(protocols::Recorder& recorder,
+            WatchedDisk& disk,
+            std::vector<Promise>& promises,
+            std::optional<std::chrono::milliseconds> save_every,
+            TrialId trial,
+            std::int64_t ticks)
+        : Noting(recorder, disk, promises, save_every), disk_(disk), trial_(trial), left_(ticks) {}
     TrialId begin_trial(const protocols::PlannedTrial& planned,
                         const protocols::SceneConstants& scene) override {
-        if (full) {
+        if (left_ < 0) {
             disk_.room(0);
         }
-        return recorder_.begin_trial(planned, scene);
-    }
-    void begin_interval(TrialId trial,
-                        const protocols::Presentation& felt,
-                        const protocols::SceneConstants& scene) override {
-        recorder_.begin_interval(trial, felt, scene);
+        return Noting::begin_trial(planned, scene);
     }
     void append(TrialId trial, std::span<const engine::TickRecord> ticks) override {
+        const bool filled = left_ < 0;
         left_ -= trial == trial_ ? static_cast<std::int64_t>(ticks.size()) : 0;
-        if (left_ < 0 && !full) {
+        if (left_ < 0 && !filled) {
             disk_.room(0);
-            full = true;
         }
-        recorder_.append(trial, ticks);
+        Noting::append(trial, ticks);
     }
-    bool save() override { return recorder_.save(); }
-    void end_trial(TrialId trial, const protocols::TrialResult& result) override {
-        recorder_.end_trial(trial, result);
-    }
-    void event(std::string_view kind, std::string_view text) override {
-        recorder_.event(kind, text);
-    }
-    void finish_session() override { recorder_.finish_session(); }
-
-    bool full = false;
 
 private:
-    protocols::Recorder& recorder_;
     WatchedDisk& disk_;
     TrialId trial_;
     std::int64_t left_;
@@ -103,19 +90,13 @@ TEST_CASE(
     WatchedDisk disk(folder.path());
     {
         Database database(folder.file("a.sqlite"), Access::write);
-        std::unique_ptr<data::AsyncRecorder> async;
-        std::unique_ptr<Noting> noting;
-        std::unique_ptr<Filling> filling;
-        const std::string said =
-            run(database, spec, [&](protocols::Recorder& recorder) -> Filling& {
-                if (on_a_thread) {
-                    async = std::make_unique<data::AsyncRecorder>(recorder);
-                }
-                noting = std::make_unique<Noting>(async ? *async : recorder, disk);
-                filling = std::make_unique<Filling>(*noting, disk, trial, 100 * when);
-                return *filling;
-            });
-        CHECK(filling->full);
+        std::vector<Promise> promises{{}};
+        const std::string said = run(database, spec, [&](protocols::Recorder& recorder) {
+            return Filling(
+                recorder, disk, promises,
+                on_a_thread ? std::optional(data::AsyncRecorder::kSaveEvery) : std::nullopt, trial,
+                100 * when);
+        });
         CHECK_THAT(said,
                    ContainsSubstring("a.sqlite: its disk does not have the 16 MB that a trial") &&
                        ContainsSubstring("free some space"));
@@ -147,12 +128,12 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
         const TemporaryFolder folder;
         WatchedDisk disk(folder.path());
         disk.fail(call, error, for_good);
-        std::optional<Noting> noting;
+        std::vector<Promise> promises{{}};
         std::string said;
         try {
             Database database(folder.file("a.sqlite"), Access::write);
-            said = run(database, spec, [&](protocols::Recorder& recorder) -> Noting& {
-                return noting.emplace(recorder, disk);
+            said = run(database, spec, [&](protocols::Recorder& recorder) {
+                return Noting(recorder, disk, promises, {});
             });
         } catch (const data::StoreError& e) {
             said = e.what();
@@ -160,7 +141,7 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
         calls = said.empty() ? disk.tried() : calls + 100;
         CHECK((said.empty() || said.find("a.sqlite") != std::string::npos));
         disk.fail(SIZE_MAX, 0, false);
-        const Promise promised = noting ? noting->promises().back() : Promise{};
+        const Promise& promised = promises.back();
         CHECK((!said.empty() || promised.finished));
         Database database(folder.file("a.sqlite"), Access::write);
         REQUIRE(lines(database, "PRAGMA integrity_check") == "ok \n");

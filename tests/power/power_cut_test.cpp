@@ -1,10 +1,10 @@
-#include <memory>
+#include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
-#include "data/store/async_recorder.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -25,7 +25,9 @@ using tests::wrong;
 
 namespace {
 
-/// A watched session from the making of its file to the last line.
+using SaveEvery = std::optional<std::chrono::milliseconds>;
+
+/// A watched session, from wherever its file is to the last line.
 struct Recorded {
     std::vector<Promise> promises;
     std::string content;
@@ -33,22 +35,18 @@ struct Recorded {
 
 Recorded record(const std::string& file,
                 const data::SessionSpec& spec,
-                bool on_a_thread,
+                SaveEvery save_every,
                 const WatchedDisk& disk) {
     Database database(file, Access::write);
-    std::unique_ptr<data::AsyncRecorder> async;
-    std::unique_ptr<Noting> noting;
-    const auto end = tests::run_simulated(
-        database, spec, [&](protocols::Recorder& recorder) -> protocols::Recorder& {
-            if (on_a_thread) {
-                async = std::make_unique<data::AsyncRecorder>(recorder,
-                                                              data::AsyncRecorder::kSaveOften);
-            }
-            noting = std::make_unique<Noting>(async ? *async : recorder, disk);
-            return *noting;
-        });
+    Recorded recorded;
+    recorded.promises.push_back(
+        {.answered = static_cast<std::size_t>(number(database, "SELECT count(*) FROM response"))});
+    const auto end = tests::run_simulated(database, spec, [&](protocols::Recorder& recorder) {
+        return Noting(recorder, disk, recorded.promises, save_every);
+    });
     CHECK(end.why == protocols::SessionEnd::Why::finished);
-    return {noting->promises(), content(database)};
+    recorded.content = content(database);
+    return recorded;
 }
 
 /// What must hold of the file that a power cut left.
@@ -77,12 +75,15 @@ void check_left(const std::string& file,
     }
 }
 
-/// Cuts the power at every `step`-th call of a session, and goes on with each 16th of what that left.
-void cut_everywhere(bool adaptive, bool on_a_thread, std::size_t step, std::uint64_t seed) {
-    const TemporaryFolder folder;
-    const auto spec = tests::short_session(adaptive);
+/// Cuts the power at every `step`-th call of the session in `folder`, and goes on with each 16th of what
+/// that left.
+void cut_everywhere(const TemporaryFolder& folder,
+                    const data::SessionSpec& spec,
+                    SaveEvery save_every,
+                    std::size_t step,
+                    std::uint64_t seed) {
     WatchedDisk disk(folder.path());
-    const Recorded recorded = record(folder.file("a.sqlite"), spec, on_a_thread, disk);
+    const Recorded recorded = record(folder.file("a.sqlite"), spec, save_every, disk);
     disk.stop();
     REQUIRE(recorded.promises.back().finished);
 
@@ -114,21 +115,42 @@ TEST_CASE(
     "a power cut at any write leaves a sound file with all that was said to be saved, and the "
     "session goes on to the same answers",
     "[power][law]") {
-    cut_everywhere(false, false, 1, 0);
+    cut_everywhere(TemporaryFolder(), tests::short_session(false), {}, 1, 0);
 }
 
 TEST_CASE("a power cut in a session with a rule loses nothing that was said to be saved",
           "[power][law]") {
-    cut_everywhere(true, false, 3, GENERATE(range(std::uint64_t{0}, std::uint64_t{3})));
+    cut_everywhere(TemporaryFolder(), tests::short_session(true), {}, 3, 0);
 }
 
 TEST_CASE("a power cut under the writing thread loses nothing that was said to be saved",
           "[power][law]") {
-    cut_everywhere(GENERATE(false, true), true, 4, 1);
+    const bool adaptive = GENERATE(false, true);
+    cut_everywhere(TemporaryFolder(), tests::short_session(adaptive),
+                   data::AsyncRecorder::kSaveOften, 6, 1);
+}
+
+TEST_CASE("a second power cut, after a session went on from the first, loses nothing either",
+          "[power][law]") {
+    const auto spec = tests::short_session(false);
+    const TemporaryFolder first;
+    WatchedDisk disk(first.path());
+    static_cast<void>(record(first.file("a.sqlite"), spec, {}, disk));
+    disk.stop();
+    DiskModel model = disk.before();
+    for (std::size_t call = 0; call < disk.log().size() / 2; ++call) {
+        model.apply(disk.log()[call]);
+    }
+    const TemporaryFolder left;
+    tests::Random random(1);
+    model.lay_out(GENERATE(Leaves::everything, Leaves::sectors_512), random, left.path());
+    cut_everywhere(left, spec, {}, 3, 2);
 }
 
 TEST_CASE("many power cuts", "[.power-long]") {
     const bool adaptive = GENERATE(false, true);
-    cut_everywhere(adaptive, GENERATE(false, true), 1,
+    const bool on_a_thread = GENERATE(false, true);
+    cut_everywhere(TemporaryFolder(), tests::short_session(adaptive),
+                   on_a_thread ? SaveEvery(data::AsyncRecorder::kSaveOften) : SaveEvery(), 1,
                    GENERATE(range(std::uint64_t{10}, std::uint64_t{20})));
 }

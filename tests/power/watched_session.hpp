@@ -1,13 +1,16 @@
 #pragma once
 
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "data/store/async_recorder.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/watched_disk.hpp"
@@ -28,8 +31,18 @@ struct Promise {
 /// Saves often, and notes what was promised at which moment of the disk.
 class Noting : public protocols::Recorder {
 public:
-    Noting(protocols::Recorder& recorder, const WatchedDisk& disk)
-        : recorder_(recorder), disk_(disk) {}
+    /// @param promises    where to: begins with what was promised before
+    /// @param save_every  of a writing thread between this and the recorder; nothing: there is none
+    Noting(protocols::Recorder& recorder,
+           const WatchedDisk& disk,
+           std::vector<Promise>& promises,
+           std::optional<std::chrono::milliseconds> save_every)
+        : thread_(save_every ? std::make_unique<data::AsyncRecorder>(recorder, *save_every)
+                             : nullptr),
+          recorder_(thread_ ? *thread_ : recorder),
+          disk_(disk),
+          promises_(promises),
+          now_(promises.back()) {}
 
     protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
                                    const protocols::SceneConstants& scene) override {
@@ -73,19 +86,18 @@ public:
         note();
     }
 
-    [[nodiscard]] const std::vector<Promise>& promises() const { return promises_; }
-
 private:
     void note() {
         now_.calls = disk_.calls();
         promises_.push_back(now_);
     }
 
+    std::unique_ptr<data::AsyncRecorder> thread_;
     protocols::Recorder& recorder_;
     const WatchedDisk& disk_;
+    std::vector<Promise>& promises_;
     Promise now_;
     std::int64_t handed_ = 0;
-    std::vector<Promise> promises_{{}};
 };
 
 inline std::string lines(data::Database& database, const char* sql) {
