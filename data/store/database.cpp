@@ -98,8 +98,15 @@ FirstPage first_page(sqlite3* handle) {
         return FirstPage::blank;
     }
     constexpr std::string_view kMagic{"SQLite format 3\0", 16};
-    if (file->pMethods->xRead(file, head.data(), head.size(), 0) != SQLITE_OK ||
-        std::memcmp(head.data(), kMagic.data(), kMagic.size()) != 0) {
+    if (file->pMethods->xRead(file, head.data(), head.size(), 0) != SQLITE_OK) {
+        return FirstPage::theirs;
+    }
+    // The power went while the tables were made: SQLite's journal will take it back to nothing.
+    if (head == decltype(head){} &&
+        ::access(sqlite3_filename_journal(sqlite3_db_filename(handle, "main")), F_OK) == 0) {
+        return FirstPage::blank;
+    }
+    if (std::memcmp(head.data(), kMagic.data(), kMagic.size()) != 0) {
         return FirstPage::theirs;
     }
     const auto number = [&head](std::size_t at) {
@@ -137,6 +144,9 @@ void Database::fail(std::string_view doing) const {
                                          *what == '\0' ? "" : "; ", what);
     if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
         throw LockedFile(text);
+    }
+    if ((code & 0xFF) == SQLITE_FULL || (code & 0xFF) == SQLITE_IOERR) {
+        throw DiskRefused(text);
     }
     throw StoreError(text);
 }
@@ -288,6 +298,18 @@ void Database::checkpoint() {
     sqlite3_busy_timeout(handle_, wait_ms_);
     if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY && (code & 0xFF) != SQLITE_LOCKED) {
         fail("moving the log into the file");
+    }
+    require_in_place();
+}
+
+void Database::require_in_place() const {
+    int moved = 0;
+    sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (moved != 0) {
+        throw StoreError(
+            fmt::format("{}: it was moved or deleted while it was in use; what was recorded is in "
+                        "the file wherever it is now: put it back and run again",
+                        file_));
     }
 }
 

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <sys/statvfs.h>
 
+#include "protocols/design/adaptive_plan.hpp"
 #include "data/store/statement.hpp"
 
 namespace palpate::data {
@@ -18,8 +19,8 @@ constexpr double kBytesBesides = 16e6;
 }  // namespace
 
 std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trials) {
-    const double ticks =
-        static_cast<double>(trials) * protocol.timing.explore_timeout * protocol.apparatus.rate_hz;
+    const double ticks = static_cast<double>(trials * protocols::intervals_of(protocol)) *
+                         protocol.timing.explore_timeout * protocol.apparatus.rate_hz;
     return static_cast<std::int64_t>(std::ceil(ticks * kBytesPerTick + kBytesBesides));
 }
 
