@@ -27,6 +27,20 @@ void fail(const TrialPart& part, const std::string& why) {
                     part.interval, why));
 }
 
+std::span<const engine::TickRecord> ticks_in(std::span<const engine::TickRecord> ticks,
+                                             const TickRange& range) noexcept {
+    const auto early = [&range](const engine::TickRecord& tick) {
+        return tick.tick < range.first || static_cast<double>(tick.time_ns) * 1e-9 < range.from_s;
+    };
+    const auto inside = [&range](const engine::TickRecord& tick) {
+        return tick.tick <= range.last && static_cast<double>(tick.time_ns) * 1e-9 <= range.to_s;
+    };
+    auto first = std::partition_point(ticks.begin(), ticks.end(), early);
+    const auto last = std::partition_point(first, ticks.end(), inside);
+    first -= first == ticks.begin() ? 0 : 1;
+    return {first, last};
+}
+
 PartChunks::PartChunks(sqlite3* db, bool old, const TrialPart& part)
     : part_(part),
       rows_(db,

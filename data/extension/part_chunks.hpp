@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <new>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -60,13 +61,8 @@ auto of_part(const TrialPart& part, const Work& work) {
                                 : static_cast<double>(steps) / kCommandSteps;
 }
 
-/// The command to these steps, whatever else of the tick is exact: a query gives the same number for it
-/// with and without a replay.
-inline void command_in_steps(std::vector<engine::TickRecord>& ticks) noexcept {
-    for (engine::TickRecord& tick : ticks) {
-        tick.command = {steps_in_newton(in_steps(tick.command.x, kCommandSteps)),
-                        steps_in_newton(in_steps(tick.command.y, kCommandSteps))};
-    }
-}
+/// Those of the range and the one before, which velocities need. Numbers and times never go back.
+[[nodiscard]] std::span<const engine::TickRecord> ticks_in(
+    std::span<const engine::TickRecord> ticks, const TickRange& range) noexcept;
 
 }  // namespace palpate::data

@@ -7,10 +7,12 @@
 
 #include <fmt/format.h>
 
+#include "data/extension/sample_module.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
 
 /// Rows of the virtual table `sample`, and what they must be by the reader's ticks.
 namespace palpate::tests {
@@ -21,6 +23,23 @@ using SampleRow = std::vector<std::string>;
 inline std::string exactly(double value) {
     return std::isnan(value) ? "null" : fmt::format("{:a}", value);
 }
+
+/// Ten trials of the demo, recorded by the program.
+inline const std::string& demo_file() {
+    static const TemporaryFolder folder;
+    static const std::string file = [] {
+        REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("a.sqlite")}).code == 0);
+        return folder.file("a.sqlite");
+    }();
+    return file;
+}
+
+struct Opened : data::Database {
+    explicit Opened(const std::string& file, data::Access access = data::Access::read)
+        : data::Database(file, access) {
+        REQUIRE(data::add_extension(handle()) == 0);
+    }
+};
 
 inline std::vector<SampleRow> rows_of(data::Database& database, const std::string& sql) {
     std::vector<SampleRow> rows;
@@ -34,6 +53,23 @@ inline std::vector<SampleRow> rows_of(data::Database& database, const std::strin
         }
     }
     return rows;
+}
+
+inline std::string plan_of(data::Database& database, const std::string& sql) {
+    std::string text;
+    for (const SampleRow& row : rows_of(database, "EXPLAIN QUERY PLAN " + sql)) {
+        text += row.back() + '\n';
+    }
+    return text;
+}
+
+inline std::string error_of(data::Database& database, const std::string& sql) {
+    try {
+        rows_of(database, sql);
+    } catch (const data::StoreError& e) {
+        return e.what();
+    }
+    return {};
 }
 
 inline const std::vector<std::string>& sample_columns() {
