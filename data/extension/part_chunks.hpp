@@ -23,9 +23,13 @@ struct PartChunk {
 };
 
 /// Rows of trace_chunk of one part, in the order of their ticks, read when they are asked for.
+///
+/// Checksums see nothing outside the columns' bytes: that a chunk is of this trial, in its place and of this
+/// servo is what the other chunks and the rows of trial, presentation and session say.
 class PartChunks {
 public:
     /// @param old  a file from before schema 5
+    /// @throws SampleError if ticks are missing, but not where the session says that some were lost
     PartChunks(sqlite3* db, bool old, const TrialPart& part);
 
     [[nodiscard]] std::size_t size() const noexcept { return first_ticks_.size(); }
@@ -34,8 +38,11 @@ public:
     [[nodiscard]] PartChunk at(std::size_t i);
 
 private:
+    void require_all(sqlite3* db, bool old, const std::vector<std::int64_t>& counts);
+
     TrialPart part_;
     Query rows_;
+    std::int64_t period_ns_ = 0;
     std::vector<std::int64_t> first_ticks_;
 };
 

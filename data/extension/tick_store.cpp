@@ -155,11 +155,16 @@ std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
         "SELECT count(*) FROM pragma_table_info('trace_chunk', 'main') WHERE name = 'interval'");
     has.step();
     state_->old = has.integer(0) == 0;
-    const std::string interval = state_->old ? "1" : "interval";
+    // A part whose chunks are gone is one too: it is refused.
     std::vector<TrialPart> parts;
-    Query query(state_->db, "SELECT DISTINCT trial, " + interval +
-                                " FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2"
-                                " ORDER BY 1, 2");
+    Query query(state_->db,
+                state_->old
+                    ? "SELECT trial, 1 FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2 UNION"
+                      " SELECT id, 1 FROM main.trial WHERE id BETWEEN ?1 AND ?2 AND ticks > 0"
+                      " ORDER BY 1, 2"
+                    : "SELECT trial, interval FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2"
+                      " UNION SELECT trial, interval FROM main.presentation"
+                      " WHERE trial BETWEEN ?1 AND ?2 AND ticks > 0 ORDER BY 1, 2");
     query.bind(1, trials.first).bind(2, trials.last);
     while (query.step()) {
         parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});

@@ -51,7 +51,7 @@ public:
     TickStore& operator=(const TickStore&) = delete;
     ~TickStore();
 
-    /// Parts with ticks, in order.
+    /// Parts with ticks, or of which ticks are counted, in order.
     [[nodiscard]] std::vector<TrialPart> parts(const TrialRange& trials);
 
     class Blocks;

@@ -46,38 +46,6 @@ void require_same(const std::vector<SampleRow>& rows, const std::vector<SampleRo
     }
 }
 
-/// A file of schema 4 whose trial 1 has these ticks.
-void write_old(const std::string& file, const std::vector<engine::TickRecord>& ticks) {
-    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_4.sql");
-    std::string sql = "\n";
-    sql.append(std::istreambuf_iterator<char>(in), {});
-    const std::string hash = "'" + std::string(64, 'a') + "'";
-    sql += "INSERT INTO study VALUES (1, 's', 't', " + hash +
-           ", ''); INSERT INTO participant (id, code) VALUES (1, 'P1');"
-           "INSERT INTO session (id, study, participant, number, kind, seed, plan_sha256, shuffles,"
-           " device, rate_hz, stiffness_n_per_m, started_utc) VALUES (1, 1, 1, 1, 'real', '7', " +
-           hash +
-           ", 1, 'd', 1000, 1000, '2026-01-31T12:34:56.789Z');"
-           "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s,"
-           " mu_d, break_before) VALUES (1, 0, 'main', 'o', -2.5, 'f', 0.7, 0.5, 0);"
-           "INSERT INTO trial (id, session, position, attempt, outcome, slip_decay, heal_decay,"
-           " started_utc) VALUES (1, 1, 0, 1, 'complete', 0, 0, '');";
-    for (std::size_t first = 0; first < ticks.size(); first += 256) {
-        const auto part =
-            std::span(ticks).subspan(first, std::min<std::size_t>(256, ticks.size() - first));
-        const data::EncodedChunk chunk = data::encode(part);
-        std::string hex;
-        for (const std::byte byte : chunk.data) {
-            hex += fmt::format("{:02x}", static_cast<unsigned>(byte));
-        }
-        sql += fmt::format("INSERT INTO trace_chunk VALUES (1, {}, {}, 1, {}, x'{}');\n", first,
-                           part.size(), chunk.crc32, hex);
-    }
-    const std::string script = file + ".sql";
-    std::ofstream(script) << sql;
-    REQUIRE(tests::Process({"sqlite3", file, ".read " + script}).wait().code == 0);
-}
-
 }  // namespace
 
 TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit",
@@ -135,7 +103,7 @@ TEST_CASE("an old file has the ticks of the reader, before and after it is broug
     const TemporaryFolder folder;
     const std::string file = folder.file("old.sqlite");
     const auto ticks = tests::random_ticks(seed, 700);
-    write_old(file, ticks);
+    tests::write_old(file, ticks);
     data::CurrentCopy copy(file);
     REQUIRE(data::add_extension(copy.database().handle()) == 0);
     const auto expected = tests::expected_rows(copy.database(), 1);

@@ -163,9 +163,7 @@ TEST_CASE("a tick joined with the tick before gives what lag() gives, also of tw
     const std::string file = folder.file("d.sqlite");
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
-    database.execute(
-        "INSERT INTO trace_chunk SELECT 3, 2, first_tick, ticks, codec, period_ns, holds, crc32, "
-        "derived, data FROM trace_chunk WHERE trial = 3");
+    tests::add_interval(database);
     const std::string what = GENERATE("x_m", "fn_n", "count_1");
     const std::string range = "BETWEEN 4000 AND 4200";  // across the border of two chunks
     const auto joined =
@@ -182,4 +180,39 @@ TEST_CASE("a tick joined with the tick before gives what lag() gives, also of tw
             what, range));
     REQUIRE(joined.size() == 2 * 201);
     CHECK((joined == lagged));
+}
+
+TEST_CASE(
+    "a chunk that is gone, or stands in another place, trial, interval or period, is an error",
+    "[sample][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::filesystem::copy_file(demo_file(), file);
+    Opened database(file, data::Access::write);
+    database.execute("PRAGMA foreign_keys = OFF");
+    const std::string what = GENERATE("count_1", "x_m", "t_s", "fn_n");
+    const std::string query = "SELECT sum(" + what + ") FROM sample WHERE trial_id ";
+    for (const std::string edit :
+         {"DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 0",
+          "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096",
+          "DELETE FROM trace_chunk WHERE trial = 4",
+          "UPDATE trace_chunk SET first_tick = 4097 WHERE trial = 4 AND first_tick = 4096",
+          "UPDATE trace_chunk SET first_tick = first_tick + 1 WHERE trial = 4",
+          "UPDATE trace_chunk SET trial = 44 WHERE trial = 4",
+          "UPDATE trace_chunk SET interval = 2 WHERE trial = 4",
+          "UPDATE trace_chunk SET period_ns = period_ns + 1 WHERE trial = 4",
+          "DELETE FROM trial WHERE id = 4", "DELETE FROM presentation WHERE trial = 4"}) {
+        CAPTURE(what, edit);
+        database.execute("BEGIN");
+        database.execute(edit.c_str());
+        CHECK_THAT(tests::error_of(database, query + "< 6"),
+                   ContainsSubstring("trial 4, interval 1: "));
+        CHECK(tests::error_of(database, query + "<> 4 AND trial_id IN (1, 5)").empty());
+        database.execute("ROLLBACK");
+    }
+    // Where the session says that ticks were lost, what is left can be had.
+    database.execute(
+        "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096;"
+        "INSERT INTO event (session, kind, text, at_utc) VALUES (1, 'ticks lost', '4096', '')");
+    CHECK(tests::error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
 }

@@ -1,10 +1,7 @@
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
 #include "data/store/sqlite_recorder.hpp"
-#include "data/trace/codec.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
@@ -205,10 +202,7 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
                                       "trial_id, interval, t_s, vy_m_per_s, fx_n");
     const auto once =
         rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
-    database.execute(
-        "INSERT INTO trace_chunk SELECT trial, 2, first_tick, ticks, codec, period_ns, holds, "
-        "crc32, derived, data"
-        " FROM trace_chunk WHERE trial = 3");
+    tests::add_interval(database);
     const auto both =
         rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
     REQUIRE(both.size() == 2 * once.size());
@@ -238,24 +232,8 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
 TEST_CASE("files of older schemas have the same table", "[sample][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("old.sqlite");
-    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_4.sql");
-    std::string sql = "\n";
-    sql.append(std::istreambuf_iterator<char>(in), {});
-    REQUIRE(tests::Process({"sqlite3", file, sql + "PRAGMA foreign_keys = OFF;"}).wait().code == 0);
     const auto ticks = tests::random_ticks(3, 600);
-    for (std::size_t first = 0; first < ticks.size(); first += 256) {
-        const auto part =
-            std::span(ticks).subspan(first, std::min<std::size_t>(256, ticks.size() - first));
-        const data::EncodedChunk chunk = data::encode(part);
-        std::string hex;
-        for (const std::byte byte : chunk.data) {
-            hex += fmt::format("{:02x}", static_cast<unsigned>(byte));
-        }
-        const std::string row =
-            fmt::format("INSERT INTO trace_chunk VALUES (1, {}, {}, 1, {}, x'{}');", first,
-                        part.size(), chunk.crc32, hex);
-        REQUIRE(tests::Process({"sqlite3", file, row}).wait().code == 0);
-    }
+    tests::write_old(file, ticks);
     Opened database(file);
     const auto rows =
         rows_of(database, "SELECT tick, x_m, fn_n, mode, interval FROM sample WHERE trial_id = 1");
