@@ -8,6 +8,7 @@
 
 #include "data/extension/functions.hpp"
 #include "data/extension/part_chunks.hpp"
+#include "data/extension/query.hpp"
 #include "data/extension/sample_scan.hpp"
 
 SQLITE_EXTENSION_INIT3
@@ -235,6 +236,17 @@ int add_extension(sqlite3* db) {
     const int code = add_sample_module(db);
     const int scalars = code != SQLITE_OK ? code : add_scalar_functions(db);
     return scalars != SQLITE_OK ? scalars : add_aggregate_functions(db);
+}
+
+bool sample_is_hidden(sqlite3* db) {
+    try {
+        return Query(db,
+                     "SELECT 1 FROM main.sqlite_schema WHERE name = 'sample' COLLATE NOCASE"
+                     " AND type IN ('table', 'view')")
+            .step();
+    } catch (const SampleError&) {
+        return false;  // whoever asks for ticks is told why the file cannot be read
+    }
 }
 
 }  // namespace palpate::data

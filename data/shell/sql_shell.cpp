@@ -95,6 +95,9 @@ std::vector<TableManual> manual_of(Database& database) {
 
 SqlShell::SqlShell(Database& database, RowFormat format, std::FILE* out, std::FILE* error)
     : database_(database), format_(format), out_(out), error_(error) {
+    if (sample_is_hidden(database.handle())) {
+        throw StoreError(fmt::format("{}: {}", database.file(), kSampleIsHidden));
+    }
     if (add_extension(database.handle()) != SQLITE_OK) {
         database.fail("adding the table sample");
     }

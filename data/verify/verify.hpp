@@ -8,7 +8,8 @@ namespace palpate::data {
 /// Recomputes all that a database says and that follows from something else in it, and says what differs.
 /// Changes nothing: give a database opened to read. Sees one moment of it, also while a session runs.
 ///
-/// - SQLite's integrity_check and foreign_key_check, the table trace_column.
+/// - SQLite's integrity_check and foreign_key_check, the table trace_column, the views; that no trigger stands
+///   on a table of palpate and nothing called sample hides the ticks.
 /// - The protocol's hash from its text, the plan from protocol, participant, session, seed and row of
 ///   pictures, the hashes of the objects' geometry, the calibration's hash from its text.
 /// - Every trial: its turn, attempt and outcome, every bit of its chunks, its ticks without a gap; every

@@ -1,13 +1,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "protocols/library/shipped.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/store/current_copy.hpp"
 #include "data/trace/codec.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
@@ -16,24 +16,6 @@ using tests::SampleRow;
 using tests::TemporaryFolder;
 
 namespace {
-
-/// A shipped protocol made short.
-std::string short_text(std::string_view name,
-                       const std::vector<std::pair<std::string, std::string>>& edits) {
-    std::string text;
-    for (const auto& shipped : protocols::shipped_protocols()) {
-        if (shipped.name == name) {
-            text = shipped.text;
-        }
-    }
-    for (const auto& [from, to] : edits) {
-        const std::size_t at = text.find(from);
-        CAPTURE(from);
-        REQUIRE(at != std::string::npos);
-        text.replace(at, from.size(), to);
-    }
-    return text;
-}
 
 /// The first difference, by names. @param rows  of `sample`
 void require_same(const std::vector<SampleRow>& rows, const std::vector<SampleRow>& expected) {
@@ -53,11 +35,12 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
     const bool curvature = GENERATE(true, false);
     const std::string text =
         curvature
-            ? short_text("curvature_2afc", {{"trials = 60", "trials = 4"},
-                                            {"practice_trials = 4", "practice_trials = 1"}})
-            : short_text("friction_threshold", {{"trials = 40", "trials = 4"},
-                                                {"trials = 40", "trials = 4"},
-                                                {"practice_trials = 4", "practice_trials = 1"}});
+            ? tests::short_text("curvature_2afc", {{"trials = 60", "trials = 4"},
+                                                   {"practice_trials = 4", "practice_trials = 1"}})
+            : tests::short_text("friction_threshold",
+                                {{"trials = 40", "trials = 4"},
+                                 {"trials = 40", "trials = 4"},
+                                 {"practice_trials = 4", "practice_trials = 1"}});
     const TemporaryFolder folder;
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("a.sqlite");
