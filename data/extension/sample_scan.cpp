@@ -16,7 +16,7 @@ namespace {
 
 /// One letter for each value given to filter(), in order.
 char letter(int column, unsigned char op) {
-    const bool equal = op == SQLITE_INDEX_CONSTRAINT_EQ;
+    const bool equal = op == SQLITE_INDEX_CONSTRAINT_EQ || op == SQLITE_INDEX_CONSTRAINT_IS;
     const bool above = op == SQLITE_INDEX_CONSTRAINT_GT || op == SQLITE_INDEX_CONSTRAINT_GE;
     const bool below = op == SQLITE_INDEX_CONSTRAINT_LT || op == SQLITE_INDEX_CONSTRAINT_LE;
     const bool beyond = op == SQLITE_INDEX_CONSTRAINT_GT || op == SQLITE_INDEX_CONSTRAINT_LT;

@@ -26,7 +26,8 @@ namespace palpate::data {
 /// What cannot be noticed here, because nothing else in the file says it:
 /// - whatever was made again consistently, heads too: compare the last head with the one in the lab book;
 /// - the last trials, or a whole last session, removed together with what follows from them;
-/// - what was noted of a participant; events after the last head, a mark removed together with its event;
+/// - what was noted of a participant; events after the last head: a mark with its event set, changed or removed,
+///   a session made unfinished together with its head;
 /// - of sessions from before schema 5, which have no chain: times, kind, device, operator, an answer of a
 ///   person changed as a whole; in a chunk packed again with a right crc32 counts, codes, lateness, commands
 ///   and flags of the safety chain, and HIP with all that follows from it; a bit of a chunk of codec 1 that

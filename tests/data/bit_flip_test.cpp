@@ -138,7 +138,7 @@ TEST_CASE(
         before.push_back(say(file, i));
     }
     int refused = 0;
-    for (std::uint64_t seed = 0; seed < 3000; ++seed) {
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
         tests::Random random(seed);
         std::string damaged = bytes;
         const int at = random.below(static_cast<int>(bytes.size()));
@@ -156,5 +156,5 @@ TEST_CASE(
             }
         }
     }
-    CHECK(refused > 500);
+    CHECK(refused > 50);
 }

@@ -144,7 +144,8 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
          {"trial_id < 6", "trial_id <= 5", "trial_id < 5.5", "trial_id BETWEEN 2 AND 5.999",
           "trial_id > 6", "trial_id >= 6.001", "trial_id >= 7 AND trial_id < 1e300",
           "trial_id > 6 AND trial_id <= 9223372036854775807", "trial_id < 3 AND trial_id > -1e300",
-          "trial_id > NULL", "trial_id < 6 AND trial_id = 4", "trial_id < 'a' AND trial_id > 6",
+          "trial_id > NULL", "trial_id IS 4", "+trial_id IS 4 AND trial_id < 6",
+          "trial_id < 6 AND trial_id = 4", "trial_id < 'a' AND trial_id > 6",
           "trial_id > 3 AND trial_id < 3"}) {
         CAPTURE(where);
         CHECK((says(damaged, where) == says(database, where)));
