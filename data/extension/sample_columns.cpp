@@ -7,11 +7,11 @@ std::string_view sample_declaration() noexcept {
     -- Every servo tick of every trial, ordered by trial_id, interval and tick. Frame: the object's. What
     -- follows from the hand's path is computed again by the trial's own scene, and refused if it is not
     -- what was recorded. Ask for the trials and the columns needed only (trial_id = 7, BETWEEN, IN, a join).
-    -- The ticks after done, while the force goes out, are here too: trial_summary, trial and presentation
-    -- count those with tick < presentation.ticks of the interval.
+    -- The ticks after done, while the force goes out, are here too: trial_summary, trial and presentation count
+    -- those with tick < presentation.ticks.
     trial_id     INTEGER,  -- trial.id
     interval     INTEGER,  -- 1; 2: the second of a trial with two
-    tick         INTEGER,  -- number of the tick in its interval, from 0
+    tick         INTEGER,  -- number of the tick in its interval, from 0; from presentation.ticks on: after done
     t_s          REAL,     -- since the interval's first deadline, on the servo's clock
     x_m          REAL,     -- haptic interaction point (HIP): where the handle is
     y_m          REAL,     -- its y
