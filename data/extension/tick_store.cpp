@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/stored_blocks.hpp"
@@ -41,6 +43,7 @@ struct TickStore::State {
     std::shared_ptr<const std::vector<TickRecord>> replayed(const TrialPart& part);
     Replayed replay_of(const TrialPart& part, std::span<const ChunkView> views);
     void make_room();
+    void require_one_study();
 
     sqlite3* db;
     bool old = false;  ///< the file is from before schema 5
@@ -149,7 +152,21 @@ void TickStore::State::make_room() {
 TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}
 TickStore::~TickStore() = default;
 
+/// SQLite does not tell a table of this kind which database was named: b.sample would be main's ticks.
+void TickStore::State::require_one_study() {
+    Query others(db,
+                 "SELECT d.name FROM pragma_database_list AS d WHERE d.name NOT IN ('main', 'temp')"
+                 " AND EXISTS (SELECT 1 FROM pragma_table_info('trace_chunk', d.name))");
+    if (others.step()) {
+        throw SampleError(fmt::format(
+            "sample is of the file that was opened first, and another palpate database is "
+            "attached: DETACH {}, and ask each by itself",
+            others.text(0)));
+    }
+}
+
 std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
+    state_->require_one_study();
     Query has(
         state_->db,
         "SELECT count(*) FROM pragma_table_info('trace_chunk', 'main') WHERE name = 'interval'");

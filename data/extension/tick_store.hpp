@@ -43,7 +43,8 @@ struct TickRange {
     friend bool operator==(const TickRange&, const TickRange&) = default;
 };
 
-/// The ticks in a database that somebody else opened: main of `db`. Reads only.
+/// The ticks in a database that somebody else opened: main of `db`. Reads only. Refuses while another
+/// database with ticks is attached.
 class TickStore {
 public:
     explicit TickStore(sqlite3* db);

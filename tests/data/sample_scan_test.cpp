@@ -217,3 +217,21 @@ TEST_CASE(
         "INSERT INTO event (session, kind, text, at_utc) VALUES (1, 'ticks lost', '4096', '')");
     CHECK(tests::error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
 }
+
+TEST_CASE("sample is never of another database than the one that was named", "[sample][law]") {
+    const TemporaryFolder folder;
+    std::filesystem::copy_file(demo_file(), folder.file("other.sqlite"));
+    std::filesystem::copy_file(demo_file(), folder.file("d.sqlite"));
+    Opened database(folder.file("d.sqlite"), data::Access::write);
+    const auto count = [&] {
+        return tests::error_of(database, "SELECT count(*) FROM sample WHERE trial_id = 1");
+    };
+    database.execute("ATTACH ':memory:' AS mine; CREATE TABLE mine.means (x)");
+    CHECK(count().empty());
+    database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS b").c_str());
+    CHECK_THAT(count(), ContainsSubstring("DETACH b"));
+    CHECK_THAT(tests::error_of(database, "SELECT count(*) FROM b.sample"),
+               ContainsSubstring("DETACH b"));
+    database.execute("DETACH b");
+    CHECK(count().empty());
+}
