@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "data/store/schema.hpp"
+#include "data/store/schema_manual.hpp"
 #include "data/store/views.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/codec.hpp"
@@ -110,6 +111,26 @@ void check_views(Database& database, Findings& findings) {
     }
 }
 
+/// A trigger changes what a program writes, and a table called sample hides the ticks from every query.
+/// palpate makes neither.
+void check_strangers(Database& database, Findings& findings) {
+    const std::vector<TableManual> ours = schema_manual(schema_sql());
+    for (const StoredRow& row :
+         rows_of(database,
+                 "SELECT type, lower(name) AS name, lower(tbl_name) AS of FROM sqlite_schema")) {
+        const bool trigger =
+            row.text("type") == "trigger" &&
+            std::ranges::find(ours, row.text("of"), &TableManual::name) != ours.end();
+        if (trigger || row.text("name") == "sample") {
+            findings.differs(
+                row.text("type") + ' ' + row.text("name"), "it is there",
+                trigger ? fmt::format("no trigger on {}: what was written since may be its doing",
+                                      row.text("of"))
+                        : "another name: it stands before the ticks");
+        }
+    }
+}
+
 /// What a damaged file does not let happen is a finding too.
 template <class Check>
 void try_to(Findings& findings, const char* what, const Check& check) {
@@ -135,6 +156,7 @@ Verification verify(Database& database) {
     if (database.schema() == kSchemaVersion) {
         try_to(findings, "view", [&] { check_views(database, findings); });
     }
+    try_to(findings, "sqlite_schema", [&] { check_strangers(database, findings); });
     try_to(findings, "session", [&] {
         for (const StoredRow& session : rows_of(database, kSessions)) {
             found.sessions.push_back(check_session(database, session));

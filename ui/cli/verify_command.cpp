@@ -81,7 +81,10 @@ void print_text(const std::string& file, const data::Verification& found) {
         print_findings(session.findings);
     }
     const std::size_t all = found.count(FindingKind::differs);
-    fmt::print("{}\n", all == 0 ? "Nothing differs." : counted(all) + ".");
+    fmt::print("{}\n", all == 0 ? "Nothing differs."
+                                : counted(all) +
+                                      ". Take what differs from a copy made before, or leave "
+                                      "it out; verify changes nothing.");
 }
 
 std::string json_of(const std::vector<Finding>& findings) {
@@ -103,10 +106,11 @@ void print_json(const std::string& file, const data::Verification& found) {
     for (const SessionReport& session : found.sessions) {
         sessions += fmt::format(
             "{}{{\"id\": {}, \"study\": {}, \"participant\": {}, \"number\": {}, \"kind\": {}, "
-            "\"finished\": {}, \"trials\": {}, \"ticks_replayed\": {}, \"findings\": {}}}",
+            "\"finished\": {}, \"chain\": {}, \"trials\": {}, \"ticks_replayed\": {}, "
+            "\"findings\": {}}}",
             sessions.empty() ? "" : ", ", session.id, in_quotes(session.study),
-            in_quotes(session.participant), session.number, in_quotes(session.kind),
-            session.finished, session.trials, session.replayed, json_of(session.findings));
+            in_quotes(session.participant), session.number, in_quotes(session.kind), session.finished,
+            in_quotes(session.head), session.trials, session.replayed, json_of(session.findings));
     }
     fmt::print(
         "{{\"file\": {}, \"differences\": {}, \"missing\": {}, \"findings\": {}, "
