@@ -86,22 +86,30 @@ struct Observers {
     [[nodiscard]] protocols::Observer& port() const { return screen ? *screen : *simulated; }
 };
 
-Observers make_observers(const RigSpec& spec,
-                         const protocols::Plan& plan,
-                         protocols::Apparatus& apparatus,
-                         protocols::OperatorDesk& desk) {
-    Observers observers;
-    const bool window = wants_window(spec.screen);
-    if (!window || spec.watch_only) {
-        observers.simulated = make_simulated_observer(spec, plan, apparatus);
+/// The screen of a person needs no plan: a window that cannot be had is said before a session is made.
+Observers observers_before_the_plan(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk) {
+    if (!wants_window(spec.screen) || spec.watch_only) {
+        return {};
     }
-    if (window && spec.watch_only) {
+    return {.simulated = nullptr,
+            .screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk))};
+}
+
+void add_simulated_observer(Observers& observers,
+                            const RigSpec& spec,
+                            const protocols::Plan& plan,
+                            protocols::Apparatus& apparatus,
+                            protocols::OperatorDesk& desk) {
+    if (observers.screen) {
+        return;
+    }
+    observers.simulated = make_simulated_observer(spec, plan, apparatus);
+    if (wants_window(spec.screen)) {
         observers.screen = std::make_unique<SpectatorScreen>(*observers.simulated,
                                                              screen_options(spec, apparatus, desk));
-    } else if (window) {
-        observers.screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk));
     }
-    return observers;
 }
 
 /// What was felt and answered: of simulated sessions only.
@@ -216,27 +224,27 @@ bool wants_window(const ScreenOptions& screen) {
 
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    const protocols::Plan plan = plan_session(database, spec.study, spec.key, spec.seed);
     const OpenedApparatus felt = open_apparatus(spec);
     heed(felt);
     const auto& apparatus = felt.port;
     protocols::OperatorDesk desk;
-    const Observers observers = make_observers(spec, plan, *apparatus, desk);
+    Observers observers = observers_before_the_plan(spec, *apparatus, desk);
     const OpenedMasking masking = open_masking(spec);
-    auto shaped_by = provenance(protocol);
-    shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());
-
-    const data::OpenedSession opened =
-        data::open_session(database, {.protocol = protocol,
-                                      .protocol_hash = spec.study.hash,
-                                      .plan = plan,
-                                      .key = spec.key,
-                                      .seed = spec.seed,
-                                      .kind = spec.kind,
-                                      .device = apparatus->device_name(),
-                                      .resume = spec.resume,
-                                      .operator_name = spec.operator_name,
-                                      .provenance = std::move(shaped_by)});
+    data::SessionSpec session{.protocol = protocol,
+                              .protocol_hash = spec.study.hash,
+                              .plan = {},
+                              .key = spec.key,
+                              .seed = spec.seed,
+                              .kind = spec.kind,
+                              .device = apparatus->device_name(),
+                              .resume = spec.resume,
+                              .operator_name = spec.operator_name,
+                              .provenance = provenance(protocol)};
+    session.provenance.insert(session.provenance.end(), felt.provenance.begin(),
+                              felt.provenance.end());
+    const data::OpenedSession opened = data::plan_and_open_session(database, session);
+    const protocols::Plan& plan = session.plan;
+    add_simulated_observer(observers, spec, plan, *apparatus, desk);
     print_start(spec, plan, opened, *apparatus);
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};

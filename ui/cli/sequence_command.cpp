@@ -51,7 +51,8 @@ Sequence make_sequence(const SequenceOptions& options) {
     made.history = picture_history(made.study.protocol, seen.others, seen.own);
     const auto blocks = data::friction_orders(database, made.study.protocol.id, made.key);
     made.frictions = friction_history(made.study.protocol, blocks.others, blocks.own);
-    made.plan = plan_session(database, made.study, made.key, made.seed);
+    made.plan = make_plan(made.study.protocol, made.study.hash, made.key, made.seed, made.history,
+                          made.frictions);
     return made;
 }
 
