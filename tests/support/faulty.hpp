@@ -86,7 +86,9 @@ public:
         return false;
     }
     [[nodiscard]] std::string trouble() const override {
-        return away_ > 0 ? "the cable is out: put it in" : "";
+        return away_ == 0           ? ""
+             : away_ == world_.away ? "the cable is out: put it in"
+                                    : "the cable is still out: put it in";
     }
 
     bool force_on = false;
