@@ -295,6 +295,25 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
     return opened;
 }
 
+/// Who has which row of a counterbalance.
+struct Rows {
+    protocols::RowHistory pictures, frictions;
+
+    friend bool operator==(const Rows&, const Rows&) = default;
+};
+
+Rows rows_taken(Database& database, const SessionSpec& spec) {
+    const LevelOrders pictures = picture_orders(database, spec.protocol.id, spec.key);
+    const LevelOrders frictions = friction_orders(database, spec.protocol.id, spec.key);
+    return {picture_history(spec.protocol, pictures.others, pictures.own),
+            friction_history(spec.protocol, frictions.others, frictions.own)};
+}
+
+protocols::Plan planned(const SessionSpec& spec, const Rows& rows) {
+    return make_plan(spec.protocol, spec.protocol_hash, spec.key, spec.seed, rows.pictures,
+                     rows.frictions);
+}
+
 std::optional<SessionState> state_of(Statement& row) {
     if (!row.step()) {
         return std::nullopt;
@@ -356,17 +375,13 @@ OpenedSession open_session(Database& database, const SessionSpec& spec) {
     return opened;
 }
 
-protocols::Plan plan_session(Database& database, const SessionSpec& spec) {
-    const LevelOrders pictures = picture_orders(database, spec.protocol.id, spec.key);
-    const LevelOrders frictions = friction_orders(database, spec.protocol.id, spec.key);
-    return make_plan(spec.protocol, spec.protocol_hash, spec.key, spec.seed,
-                     picture_history(spec.protocol, pictures.others, pictures.own),
-                     friction_history(spec.protocol, frictions.others, frictions.own));
-}
-
 OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {
+    const Rows before = rows_taken(database, spec);
+    spec.plan = planned(spec, before);
     Transaction all(database);
-    spec.plan = plan_session(database, spec);
+    if (const Rows now = rows_taken(database, spec); now != before) {
+        spec.plan = planned(spec, now);
+    }
     OpenedSession opened = opened_session(database, spec);
     all.commit();
     return opened;

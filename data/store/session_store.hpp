@@ -74,13 +74,10 @@ struct SessionState {
 ///         the protocol's rule: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
 
-/// The plan that a session of spec.key has on this database: its counterbalanced rows are those that the
-/// session, or the participant, already has, else those that fewest others have. spec.plan is not read.
-/// @throws what protocols::make_plan() throws
-[[nodiscard]] protocols::Plan plan_session(Database& database, const SessionSpec& spec);
-
-/// open_session() with spec.plan = plan_session(), in one transaction: of two rigs that begin at the same
-/// moment, the second sees the row that the first took.
+/// open_session() with the plan that a session of spec.key has on this database, left in spec.plan: its
+/// counterbalanced rows are those that the session, or the participant, already has, else those that fewest
+/// others have. Of two rigs that begin at the same moment, the second sees the row that the first took.
+/// @throws what protocols::make_plan() throws, too: nothing changes
 [[nodiscard]] OpenedSession plan_and_open_session(Database& database, SessionSpec& spec);
 
 }  // namespace palpate::data

@@ -1,6 +1,5 @@
 #include "ui/cli/rig.hpp"
 
-#include <cstdio>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/counted.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/observer/simulated_observer.hpp"
@@ -22,6 +22,7 @@
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/open_masking.hpp"
 #include "ui/cli/provenance.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/spectator_screen.hpp"
@@ -156,8 +157,7 @@ void print_trial(const RigSpec& spec,
     if (!result.invalid.empty()) {
         line += fmt::format("  does not count: {}", result.invalid);
     }
-    fmt::print("{}\n", line);
-    std::fflush(stdout);
+    say("{}\n", line);
 }
 
 void print_start(const RigSpec& spec,
@@ -165,20 +165,18 @@ void print_start(const RigSpec& spec,
                  const data::OpenedSession& opened,
                  const protocols::Apparatus& apparatus) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    fmt::print("{}: participant {}, session {}, {} trials, {}, code {}\n", protocol.id,
-               spec.key.participant, spec.key.session, plan.trials.size(), apparatus.device_name(),
-               session_code(plan));
+    say("{}: participant {}, session {}, {}, {}, code {}\n", protocol.id, spec.key.participant,
+        spec.key.session, protocols::counted(plan.trials.size(), "trial"), apparatus.device_name(),
+        session_code(plan));
     if (spec.kind == data::RunKind::simulated) {
-        fmt::print(
-            "Simulated: these data are recorded as simulated and never count as a person's.\n");
+        say("Simulated: these data are recorded as simulated and never count as a person's.\n");
     }
     if (opened.resumed && !opened.finished) {
-        fmt::print("Resuming at trial {}{}.\n", opened.next + 1,
-                   opened.interrupted > 0
-                       ? "; the trial that was cut off is kept as interrupted and run again"
-                       : "");
+        say("Resuming at trial {}{}.\n", opened.next + 1,
+            opened.interrupted > 0
+                ? "; the trial that was cut off is kept as interrupted and run again"
+                : "");
     }
-    std::fflush(stdout);
 }
 
 /// Before anything is made: what stands against this device and this protocol.
@@ -188,10 +186,10 @@ void heed(const OpenedApparatus& felt) {
         if (finding.verdict == protocols::Verdict::refuse) {
             throw std::invalid_argument(finding.text);
         }
-        fmt::print(stderr, "palpate: {}\n", finding.text);
+        warn("{}", finding.text);
     }
     for (const std::string& line : felt.refused) {
-        fmt::print(stderr, "palpate: {}\n", line);
+        warn("{}", line);
     }
 }
 

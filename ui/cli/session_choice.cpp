@@ -1,9 +1,10 @@
 #include "ui/cli/session_choice.hpp"
 
-#include <cstdio>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
@@ -18,10 +19,8 @@ void check_participant(const std::string& id, std::string_view word) {
 
 void say_backup(const data::Database& database) {
     if (!database.backup().empty()) {
-        fmt::print(stderr,
-                   "palpate: {}: made by an older palpate and brought up to date; as it was, it is "
-                   "kept as {}\n",
-                   database.file(), database.backup());
+        warn("{}: made by an older palpate and brought up to date; as it was, it is kept as {}",
+             database.file(), database.backup());
     }
 }
 
