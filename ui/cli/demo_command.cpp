@@ -35,6 +35,7 @@ Study ten_trials_of(Study study) {
 }  // namespace
 
 int demo_command(const DemoOptions& options) {
+    catch_signals();
     RigSpec spec;
     spec.device = parse_device(options.device);
     const bool emulated = spec.device.kind == DeviceChoice::Kind::haply_emulator;
@@ -54,7 +55,6 @@ int demo_command(const DemoOptions& options) {
     spec.seed =
         options.seed.value_or(last && !last->finished ? last->seed : spec.study.protocol.seed);
 
-    catch_signals();
     say("Ten trials of the study. The participant and the device are simulated.\n");
     if (emulated) {
         say("In real time, over a serial port to an emulated board: about two minutes.\n");

@@ -121,6 +121,7 @@ void heed_number(const RunOptions& options, const std::string& study) {
 }  // namespace
 
 int run_command(const RunOptions& options) {
+    catch_signals();
     check_participant(options.participant);
     RigSpec spec;
     spec.study = load_study(options.protocol);
@@ -155,7 +156,6 @@ int run_command(const RunOptions& options) {
     }
     heed_consent(database, options, spec);
     heed_handedness(database, options, spec);
-    catch_signals();
     const RigEnd end = run_rig(database, spec);
     if (!end.head.empty()) {
         say("Chain {}: note it in the lab book, verify prints it.\n", end.head);
