@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/export/bids_files.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
@@ -143,7 +144,7 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
         "# Felt shape: choices{}\n\n"
         "People felt an object they could not see through a two-degree-of-freedom pantograph, "
         "then\n"
-        "chose what it was. Written by palpate as BIDS {}: {} sessions, kind {}.\n\n"
+        "chose what it was. Written by palpate as BIDS {}: {}, kind {}.\n\n"
         "What BIDS covers: participants, sessions, beh (one row an attempt at a trial, the "
         "columns\n"
         "described in the .json beside it){}.\n"
@@ -152,8 +153,8 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
         "Authors, licence and ethics approval are not known to palpate: add them to\n"
         "dataset_description.json before you share this.\n"
         "Units are SI. {}\n{}",
-        options.traces ? ", motion and forces" : "", kBidsVersion, selection.sessions().size(),
-        options.kind,
+        options.traces ? ", motion and forces" : "", kBidsVersion,
+        protocols::counted(selection.sessions().size(), "session"), options.kind,
         options.traces
             ? ", motion (the handle as POS; contact, rendered force, encoder\n"
               "counts and flags as MISC) and stim (the commanded force). run is the "
@@ -165,8 +166,9 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
                         : "De-identified: codes, operators, wall clock and notes are left out.",
         selection.without_consent() == 0
             ? ""
-            : fmt::format("{} participants who do not consent are left out.\n",
-                          selection.without_consent()));
+            : protocols::counted(selection.without_consent(),
+                                 "participant who does not consent is left out.\n",
+                                 "participants who do not consent are left out.\n"));
 }
 
 }  // namespace

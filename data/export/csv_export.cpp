@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/export/table_sql.hpp"
 #include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
@@ -69,21 +70,22 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
 
 std::string words(const Selection& selection, const ExportOptions& options) {
     return fmt::format(
-        "Exported by palpate: {} sessions, kind {}.\n"
+        "Exported by palpate: {}, kind {}.\n"
         "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
         "are\n"
         "subject, study, session, trial. Text is UTF-8; an empty field: not known or not so. "
         "Numbers read\n"
         "back to the same bits in C, Python and R.\n{}{}",
-        selection.sessions().size(), options.kind,
+        protocols::counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
                           "not know them.\n"
                         : "De-identified: codes, operators, wall clock, notes and details of "
                           "participants left out.\n",
         selection.without_consent() == 0
             ? ""
-            : fmt::format("{} participants who do not consent are left out.\n",
-                          selection.without_consent()));
+            : protocols::counted(selection.without_consent(),
+                                 "participant who does not consent is left out.\n",
+                                 "participants who do not consent are left out.\n"));
 }
 
 void write_rows(Statement row,

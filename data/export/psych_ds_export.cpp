@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
 #include "data/export/table_sql.hpp"
@@ -72,10 +73,11 @@ void export_psych_ds(Database& database,
     const fs::path data = folder / "data";
     fs::create_directory(data);
     const auto description = fmt::format(
-        "Felt shape: choices of {} sessions (kind {}), written by palpate, one row an attempt at a "
+        "Felt shape: choices of {} (kind {}), written by palpate, one row an attempt at a "
         "trial. "
         "SI units.{}",
-        selection.sessions().size(), options.kind, options.details ? "" : " De-identified.");
+        protocols::counted(selection.sessions().size(), "session"), options.kind,
+        options.details ? "" : " De-identified.");
     write_text_file(folder / "dataset_description.json",
                     json_object({{"@context", json_string("http://schema.org/")},
                                  {"@type", json_string("Dataset")},

@@ -232,8 +232,7 @@ std::optional<engine::PantographSpec> machine_of(std::string_view calibration) {
 }
 
 SessionTraces::SessionTraces(std::string_view protocol_toml, std::string_view calibration)
-    : SessionTraces(protocols::parse_protocol(protocol_toml, "study.protocol_toml"),
-                    machine_of(calibration)) {}
+    : SessionTraces(protocols::stored_protocol(protocol_toml), machine_of(calibration)) {}
 
 SessionTraces::SessionTraces(protocols::Protocol protocol,
                              std::optional<engine::PantographSpec> machine)

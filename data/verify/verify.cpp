@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/store/schema.hpp"
 #include "data/store/schema_manual.hpp"
 #include "data/store/views.hpp"
@@ -68,8 +69,8 @@ void check_columns(Database& database, Findings& findings) {
             !rows_of(database, "SELECT 1 AS n FROM trace_chunk WHERE codec = ?1 LIMIT 1", codec)
                  .empty();
         if (rows.size() != columns.size() && (used || !rows.empty())) {
-            findings.differs("trace_column", fmt::format("{} rows", rows.size()),
-                             fmt::format("{} rows", columns.size()));
+            findings.differs("trace_column", protocols::counted(rows.size(), "row"),
+                             protocols::counted(columns.size(), "row"));
         }
         for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
             findings.expect("trace_column", "position", rows[i], static_cast<std::int64_t>(i));
@@ -86,7 +87,7 @@ void check_columns(Database& database, Findings& findings) {
     const auto all =
         rows_of(database, "SELECT count(*) AS n FROM trace_column").front().integer("n");
     if (all == 0 || all != static_cast<std::int64_t>(known)) {
-        findings.differs("trace_column", fmt::format("{} rows", all),
+        findings.differs("trace_column", protocols::counted(all, "row"),
                          all == 0 ? "the columns of a codec" : "rows of known codecs alone");
     }
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
+
 namespace palpate::protocols {
 
 Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
@@ -12,9 +14,10 @@ Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
         if (!view.solved && slice % kSlicesPerTry == 0) {
             view.solved = ports.apparatus.reconnect();
             if (view.solved) {
+                view.sentence = fault.text;  // no longer why it could not be reached
                 ports.recorder.event(
                     "reconnect",
-                    fmt::format("the device works, after {} tries in vain", view.tries));
+                    "the device works, after " + counted(view.tries, "try", "tries") + " in vain");
             } else {
                 ++view.tries;
                 const std::string trouble = ports.apparatus.trouble();

@@ -192,14 +192,22 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(palpate_command({"participant", file, "P1", "--handedness", "101"}).code == 2);
     CHECK(::access(file.c_str(), F_OK) != 0);  // nothing was made of all that
 
-    const Finished noted = palpate_command({"participant", file, "P1", "--handedness", "-40",
-                                            "--consent", "yes", "--set", "age=31", "--set", "x="});
+    const Finished noted =
+        palpate_command({"participant", file, "P1", "--new", "--handedness", "-40", "--consent",
+                         "yes", "--set", "age=31", "--set", "x="});
     CHECK(noted.code == 0);
     CHECK_THAT(noted.out, ContainsSubstring("handedness   -40") &&
                               ContainsSubstring("consent      yes, noted 2") &&
                               ContainsSubstring("age          31"));
     CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
     CHECK(palpate_command({"participant", file, "P2"}).code == 2);
+    const Finished slip = palpate_command({"participant", file, "P2", "--set", "age=32"});
+    CHECK(slip.code == 2);
+    CHECK_THAT(slip.error, ContainsSubstring("nobody is called P2: --new registers them"));
+    const Finished taken = palpate_command({"participant", file, "P1", "--new", "--consent", "no"});
+    CHECK(taken.code == 2);
+    CHECK_THAT(taken.error, ContainsSubstring("P1 is there already"));
+    CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
     CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
                ContainsSubstring("P1 has no such session"));
     {

@@ -29,6 +29,7 @@ void add_participant(CLI::App& app, Options& chosen) {
         ->check(CLI::Range(-100, 100));
     command->add_option("--consent", who.consent, "yes or no: consent to take part")
         ->check(CLI::IsMember({"yes", "no"}));
+    command->add_flag("--new", who.registers, "Registers somebody who is not in the file yet");
     command->add_option("--set", who.details, "KEY=VALUE, e.g. age=31; once for each")
         ->allow_extra_args(false)
         ->check(kept_text);

@@ -2,13 +2,14 @@
 #include <cstring>
 #include <exception>
 #include <stdexcept>
+#include <string>
 
-#include <fmt/format.h>
-
+#include "protocols/design/constrained_order.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/store/statement.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace {
 
@@ -64,19 +65,22 @@ int main(int argc, char** argv) {
         hide_addresses(argc, argv);
         return dispatch(options);
     } catch (const palpate::protocols::ProtocolError& e) {
-        fmt::print(stderr, "{}\n", e.what());
+        say_to(stderr, std::string(e.what()) + "\n");
+        return kExitUsage;
+    } catch (const palpate::protocols::OrderError& e) {  // the file asks for what cannot be had
+        warn("{}", e.what());
         return kExitUsage;
     } catch (const palpate::data::CsvError& e) {
-        fmt::print(stderr, "{}\n", e.what());
+        say_to(stderr, std::string(e.what()) + "\n");
         return kExitUsage;
     } catch (const palpate::data::WrongFile& e) {
-        fmt::print(stderr, "palpate: {}\n", e.what());
+        warn("{}", e.what());
         return kExitUsage;
     } catch (const std::invalid_argument& e) {
-        fmt::print(stderr, "palpate: {}\n", e.what());
+        warn("{}", e.what());
         return kExitUsage;
     } catch (const std::exception& e) {
-        fmt::print(stderr, "palpate: {}\n", e.what());
+        warn("{}", e.what());
         return kExitFailure;
     }
 }

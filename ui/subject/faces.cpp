@@ -77,8 +77,12 @@ void draw(Window& window, const WelcomeFace& face) {
     if (face.moves_pointer) {
         line(window, words.pointer_is_handle, instruction.empty() ? 0.48 : 0.60, 1.15, kText);
     }
-    line(window, with(face.resumed ? words.trials_resumed : words.trials, face.trials), 0.66, 1.0,
-         kQuiet);
+    line(window,
+         with(face.trials == 1 ? words.one_trial
+              : face.resumed   ? words.trials_resumed
+                               : words.trials,
+              face.trials),
+         0.66, 1.0, kQuiet);
     line(window, words.begin, 0.84, 1.3, kAccent);
 }
 
