@@ -93,6 +93,6 @@ TEST_CASE("one named trial can be replayed for all", "[replay]") {
     CHECK(palpate_command(run(folder.file("b.sqlite"), "replay:" + first + ":3")).code == 0);
     const tests::Finished absent =
         palpate_command(run(folder.file("c.sqlite"), "replay:" + first + ":333"));
-    CHECK(absent.code == 1);
+    CHECK(absent.code == 2);
     CHECK_THAT(absent.error, Catch::Matchers::ContainsSubstring("no trial 333"));
 }
