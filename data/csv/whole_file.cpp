@@ -11,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "data/store/synced.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -60,12 +62,39 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
     if (error == 0 && !special && std::rename(name.c_str(), target.c_str()) != 0) {
         error = errno;
     }
+    if (error == 0 && !special) {
+        static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
+    }
     if (error != 0) {
         if (!special) {
             ::unlink(name.c_str());
         }
         fail(target, error);
     }
+}
+
+void write_new(const std::filesystem::path& file, std::string_view text) {
+    constexpr mode_t kMode = 0666;
+    const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+    if (fd < 0 && errno == EEXIST) {
+        throw std::invalid_argument(fmt::format(
+            "{} is there already, and stays as it is: give another name", file.string()));
+    }
+    if (fd < 0) {
+        throw std::invalid_argument(fmt::format("{} cannot be written: {}; check the path",
+                                                file.string(),
+                                                std::generic_category().message(errno)));
+    }
+    int error = write_all(fd, text);
+    if (error == 0 && ::fsync(fd) != 0) {
+        error = errno;
+    }
+    ::close(fd);
+    if (error != 0) {
+        ::unlink(file.c_str());
+        fail(file.string(), error);
+    }
+    static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
 }
 
 }  // namespace palpate::data

@@ -9,4 +9,9 @@ namespace palpate::data {
 /// renamed. An empty path means standard output. @throws std::runtime_error with file, why and remedy
 void write_whole(const std::filesystem::path& file, std::string_view text);
 
+/// Writes a file that is not there yet, and syncs it: nobody's file is ever written over, whoever comes first.
+/// @throws std::invalid_argument if it is there or cannot be made, std::runtime_error if it did not become
+///         whole: it is gone then
+void write_new(const std::filesystem::path& file, std::string_view text);
+
 }  // namespace palpate::data

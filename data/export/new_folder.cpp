@@ -1,12 +1,16 @@
 #include "data/export/new_folder.hpp"
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
 #include <sys/stat.h>
+
+#include "data/store/synced.hpp"
 
 namespace palpate::data {
 namespace {
@@ -16,6 +20,13 @@ mode_t usual_rights() {
     const mode_t mask = umask(0);
     umask(mask);
     return static_cast<mode_t>((S_IRWXU | S_IRWXG | S_IRWXO) & ~mask);
+}
+
+void require_synced(const std::filesystem::path& what) {
+    if (!sync_to_disk(what)) {
+        throw std::runtime_error(fmt::format("{} could not be written to the disk: {}; is it full?",
+                                             what.string(), std::strerror(errno)));
+    }
 }
 
 }  // namespace
@@ -47,8 +58,14 @@ NewFolder::~NewFolder() {
     }
 }
 
-void NewFolder::keep() {
-    chmod(building_.c_str(), usual_rights());
+void NewFolder::keep(bool own) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(building_)) {
+        require_synced(entry.path());
+    }
+    require_synced(building_);
+    if (!own) {
+        chmod(building_.c_str(), usual_rights());
+    }
     std::error_code failed;
     std::filesystem::rename(building_, place_, failed);
     if (failed) {
@@ -56,6 +73,7 @@ void NewFolder::keep() {
                                              place_.string(), failed.message()));
     }
     building_.clear();
+    static_cast<void>(sync_to_disk(folder_of(place_)));  // some network disks cannot
 }
 
 }  // namespace palpate::data

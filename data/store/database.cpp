@@ -98,8 +98,15 @@ FirstPage first_page(sqlite3* handle) {
         return FirstPage::blank;
     }
     constexpr std::string_view kMagic{"SQLite format 3\0", 16};
-    if (file->pMethods->xRead(file, head.data(), head.size(), 0) != SQLITE_OK ||
-        std::memcmp(head.data(), kMagic.data(), kMagic.size()) != 0) {
+    if (file->pMethods->xRead(file, head.data(), head.size(), 0) != SQLITE_OK) {
+        return FirstPage::theirs;
+    }
+    // The power went while the tables were made: SQLite's journal will take it back to nothing.
+    if (head == decltype(head){} &&
+        ::access(sqlite3_filename_journal(sqlite3_db_filename(handle, "main")), F_OK) == 0) {
+        return FirstPage::blank;
+    }
+    if (std::memcmp(head.data(), kMagic.data(), kMagic.size()) != 0) {
         return FirstPage::theirs;
     }
     const auto number = [&head](std::size_t at) {
@@ -138,6 +145,9 @@ void Database::fail(std::string_view doing) const {
     if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
         throw LockedFile(text);
     }
+    if ((code & 0xFF) == SQLITE_FULL || (code & 0xFF) == SQLITE_IOERR) {
+        throw DiskRefused(text);
+    }
     throw StoreError(text);
 }
 
@@ -159,6 +169,10 @@ void Database::connect(const std::string& name, int flags) {
 void Database::open(Access access) {
     if (file_.empty()) {
         throw WrongFile("the name of the database is empty; give a file name");
+    }
+    std::error_code unknown;
+    if (std::filesystem::is_directory(plain_name(file_), unknown)) {
+        throw WrongFile(fmt::format("{}: this is a folder: give the name of a file", file_));
     }
     if (access == Access::write) {
         make_private_file(plain_name(file_));
@@ -284,6 +298,18 @@ void Database::checkpoint() {
     sqlite3_busy_timeout(handle_, wait_ms_);
     if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY && (code & 0xFF) != SQLITE_LOCKED) {
         fail("moving the log into the file");
+    }
+    require_in_place();
+}
+
+void Database::require_in_place() const {
+    int moved = 0;
+    sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    if (moved != 0) {
+        throw StoreError(
+            fmt::format("{}: it was moved or deleted while it was in use; what was recorded is in "
+                        "the file wherever it is now: put it back and run again",
+                        file_));
     }
 }
 

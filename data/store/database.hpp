@@ -39,8 +39,10 @@ public:
     /// How long the locks of others are waited for, ms.
     void wait_for_locks(int ms);
     /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits for
-    /// nobody: a reader that is still looking delays it to the next time.
+    /// nobody: a reader that is still looking delays it to the next time. Then as require_in_place().
     void checkpoint();
+    /// @throws StoreError if the file was moved or deleted since it was opened: what is written goes with it
+    void require_in_place() const;
 
     [[noreturn]] void fail(std::string_view doing) const;
     [[nodiscard]] sqlite3* handle() const { return handle_; }

@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <sys/statvfs.h>
 
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/counted.hpp"
 #include "data/store/statement.hpp"
 
 namespace palpate::data {
@@ -18,8 +20,8 @@ constexpr double kBytesBesides = 16e6;
 }  // namespace
 
 std::int64_t bytes_needed(const protocols::Protocol& protocol, std::size_t trials) {
-    const double ticks =
-        static_cast<double>(trials) * protocol.timing.explore_timeout * protocol.apparatus.rate_hz;
+    const double ticks = static_cast<double>(trials * protocols::intervals_of(protocol)) *
+                         protocol.timing.explore_timeout * protocol.apparatus.rate_hz;
     return static_cast<std::int64_t>(std::ceil(ticks * kBytesPerTick + kBytesBesides));
 }
 
@@ -39,11 +41,11 @@ void require_space(const std::string& file,
     const std::int64_t needed = bytes_needed(protocol, trials);
     if (there < needed) {
         throw StoreError(
-            fmt::format("{}: its disk has room for {:.0f} MB, and {} trial{} may take {:.0f} MB; "
+            fmt::format("{}: its disk has room for {:.0f} MB, and {} may take {:.0f} MB; "
                         "free some space, or "
                         "choose a file on another disk. What was recorded is kept",
-                        file, static_cast<double>(there) * 1e-6, trials, trials == 1 ? "" : "s",
-                        static_cast<double>(needed) * 1e-6));
+                        file, static_cast<double>(there) * 1e-6,
+                        protocols::counted(trials, "trial"), static_cast<double>(needed) * 1e-6));
     }
 }
 

@@ -13,6 +13,7 @@
 
 #include "data/store/database.hpp"
 #include "data/store/schema.hpp"
+#include "data/store/synced.hpp"
 #include "data/store/uuid.hpp"
 
 namespace palpate::data {
@@ -31,15 +32,6 @@ std::string free_name(const std::string& file, std::int64_t version) {
         name = fmt::format("{}.schema{}.backup.{}", file, version, i);
     }
     return name;
-}
-
-bool sync(const std::string& name, int flags) {
-    const int fd = open(name.c_str(), flags | O_CLOEXEC);
-    const bool done = fd >= 0 && fsync(fd) == 0;
-    if (fd >= 0) {
-        close(fd);
-    }
-    return done;
 }
 
 /// Into an empty file of ours: SQLite would make one that others can read.
@@ -76,7 +68,7 @@ std::string back_up(const std::string& file, std::int64_t version) {
     const std::string name = free_name(file, version);
     const std::string part = name + ".part";
     std::string error = copy_into(file, part);
-    if (error.empty() && (!sync(part, O_RDONLY) || rename(part.c_str(), name.c_str()) != 0)) {
+    if (error.empty() && (!sync_to_disk(part) || rename(part.c_str(), name.c_str()) != 0)) {
         error = std::strerror(errno);
     }
     if (!error.empty()) {
@@ -87,8 +79,7 @@ std::string back_up(const std::string& file, std::int64_t version) {
                         "be written to {}: {}; free some space there, or choose another folder",
                         file, name, error));
     }
-    const std::string folder = std::filesystem::path(name).parent_path().string();
-    sync(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+    static_cast<void>(sync_to_disk(folder_of(name)));  // some network disks cannot
     return name;
 }
 

@@ -77,15 +77,40 @@ SqliteRecorder::SqliteRecorder(Database& database,
       session_(session),
       trace_(database,
              machine_of(first_calibration(database, session)),
-             period_of(protocol.apparatus.rate_hz)) {
+             period_of(protocol.apparatus.rate_hz)),
+      reserve_(database.file()) {
     database.wait_for_locks(kPatienceMs);
+}
+
+template <class Work>
+auto SqliteRecorder::with_room(const Work& work) {
+    for (;;) {
+        try {
+            return work();
+        } catch (const DiskRefused&) {
+            if (!reserve_.give_back()) {
+                throw;
+            }
+        }
+    }
 }
 
 TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
                                     const protocols::SceneConstants& scene) {
     running_ = 0;
     interval_ = 0;
-    require_space(database_.file(), protocol_, 1);
+    database_.require_in_place();
+    reserve_.hold(bytes_needed(protocol_, 1));
+    const TrialId id = with_room([&] { return insert_trial(planned, scene); });
+    if (!planned.adaptive) {
+        begin_trace(id, presentations_of(protocol_, planned).front(), scene);
+    }
+    running_ = id;
+    return id;
+}
+
+TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned,
+                                     const protocols::SceneConstants& scene) {
     Transaction all(database_);
     database_
         .prepare(
@@ -103,14 +128,9 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
         .run();
     const TrialId id = database_.last_row();
     if (!planned.adaptive) {
-        const auto felt = presentations_of(protocol_, planned);
-        write_presentation(database_, id, felt.front(), scene);
-        all.commit();
-        begin_trace(id, felt.front(), scene);
-    } else {
-        all.commit();
+        write_presentation(database_, id, presentations_of(protocol_, planned).front(), scene);
     }
-    running_ = id;
+    all.commit();
     return id;
 }
 
@@ -122,12 +142,14 @@ void SqliteRecorder::begin_interval(TrialId trial,
     if (interval_ == interval) {
         return;  // begin_trial() knew it
     }
-    Transaction all(database_);
-    if (interval_ > 0) {
-        trace_.write();
-    }
-    write_presentation(database_, trial, felt, scene);
-    all.commit();
+    with_room([&] {
+        Transaction all(database_);
+        if (interval_ > 0) {
+            trace_.write();
+        }
+        write_presentation(database_, trial, felt, scene);
+        all.commit();
+    });
     begin_trace(trial, felt, scene);
 }
 
@@ -164,9 +186,11 @@ bool SqliteRecorder::save() {
     }
     database_.wait_for_locks(0);
     try {
-        Transaction all(database_);
-        trace_.write();
-        all.commit();
+        with_room([this] {
+            Transaction all(database_);
+            trace_.write();
+            all.commit();
+        });
         trace_.saved();
     } catch (const LockedFile&) {  // an analyst holds a lock: the ticks wait here
         database_.wait_for_locks(kPatienceMs);
@@ -193,6 +217,13 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
         throw std::logic_error(
             fmt::format("trial {} is {} with a fault", trial, to_string(result.outcome)));
     }
+    with_room([&] { write_end(trial, result); });  // a try that fails leaves the ticks for another
+    trace_.saved();
+    running_ = 0;
+    with_room([this] { database_.checkpoint(); });
+}
+
+void SqliteRecorder::write_end(TrialId trial, const TrialResult& result) {
     Transaction all(database_);
     trace_.write();
     write_result(trial, result);
@@ -207,10 +238,7 @@ void SqliteRecorder::end_trial(TrialId trial, const TrialResult& result) {
         write_fault(trial, *result.fault);
     }
     chain_trial(database_, trial);
-    all.commit();  // what fails before leaves the ticks for another try
-    trace_.saved();
-    running_ = 0;
-    database_.checkpoint();
+    all.commit();
 }
 
 void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
@@ -289,22 +317,26 @@ void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
 }
 
 void SqliteRecorder::event(std::string_view kind, std::string_view text) {
-    database_
-        .prepare(
-            "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5)")
-        .bind(1, session_)
+    Statement row = database_.prepare(
+        "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5)");
+    row.bind(1, session_)
         .bind(2, kind)
         .bind(3, text)
         .bind(4, utc_now())
-        .bind(5, engine::monotonic_ns())
-        .run();
+        .bind(5, engine::monotonic_ns());
+    with_room([&row] { row.run(); });
 }
 
 void SqliteRecorder::mark(protocols::TrialId trial, std::string_view reason) {
-    mark_invalid(database_, trial, reason);
+    with_room([&] { mark_invalid(database_, trial, reason); });
 }
 
 void SqliteRecorder::finish_session() {
+    with_room([this] { write_finished(); });
+    with_room([this] { database_.checkpoint(); });
+}
+
+void SqliteRecorder::write_finished() {
     Transaction all(database_);
     database_.prepare("UPDATE session SET finished = 1, finished_utc = ?2 WHERE id = ?1")
         .bind(1, session_)
@@ -312,7 +344,6 @@ void SqliteRecorder::finish_session() {
         .run();
     chain_session(database_, session_);
     all.commit();
-    database_.checkpoint();
 }
 
 }  // namespace palpate::data

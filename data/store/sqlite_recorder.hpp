@@ -5,6 +5,7 @@
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/recorder.hpp"
 #include "data/store/database.hpp"
+#include "data/store/reserve.hpp"
 #include "data/store/trace_writer.hpp"
 
 namespace palpate::data {
@@ -18,7 +19,8 @@ namespace palpate::data {
 ///
 /// After an error what was appended stays in memory for another try: a stored trace may end early but never
 /// has a hole. Results need a trial that runs: an answer that went nowhere would go unnoticed.
-/// begin_trial() refuses where the disk has no room for a whole trial: a session ends between trials.
+/// begin_trial() sets room for a whole trial aside, and refuses where the disk has none: where the disk is
+/// full, a trial that has begun is recorded to its end, and the session ends after it.
 /// @throws StoreError, and std::logic_error for a call that breaks the order begin, append, end
 class SqliteRecorder : public protocols::Recorder {
 public:
@@ -39,6 +41,13 @@ public:
     void finish_session() override;
 
 private:
+    /// What `work` returns, tried again with more room as long as there is any set aside.
+    template <class Work>
+    auto with_room(const Work& work);
+    protocols::TrialId insert_trial(const protocols::PlannedTrial& planned,
+                                    const protocols::SceneConstants& scene);
+    void write_end(protocols::TrialId trial, const protocols::TrialResult& result);
+    void write_finished();
     void require_running(protocols::TrialId trial) const;
     void begin_trace(protocols::TrialId trial,
                      const protocols::Presentation& felt,
@@ -53,6 +62,7 @@ private:
     protocols::TrialId running_ = 0;  ///< 0: none
     std::int64_t interval_ = 0;       ///< of the running trial, 0: none yet
     TraceWriter trace_;
+    Reserve reserve_;
 };
 
 }  // namespace palpate::data

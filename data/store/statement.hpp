@@ -30,6 +30,12 @@ public:
     using StoreError::StoreError;
 };
 
+/// The disk did not take the data: it is full, or it fails. With more room it may work.
+class DiskRefused : public StoreError {
+public:
+    using StoreError::StoreError;
+};
+
 class Database;
 
 /// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws StoreError if

@@ -15,6 +15,7 @@
 #include "data/store/uuid.hpp"
 #include "data/trace/codec.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/old_database.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
@@ -23,6 +24,7 @@ using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using tests::TemporaryFolder;
+using tests::write_old;
 
 namespace {
 
@@ -147,34 +149,6 @@ std::string shape(const std::string& file) {
 
 /// Version 8 from python3's hashlib: sha256(b"aaa...a P1 1 2026-01-31T12:34:56.789Z").
 constexpr const char* kOldUuid = "e955f9b1-8cd4-858b-aa14-f4aa493c425c";
-
-/// A file as palpate wrote it with schema `version`, with a session and a faulted trial in it.
-void write_old(const std::string& file, int version) {
-    std::ifstream in(
-        fmt::format(PALPATE_SOURCE_DIR "/tests/golden/schema_{}.sql", std::max(version, 2)));
-    std::string sql = "\n";  // or its first comment would look like an option
-    sql.append(std::istreambuf_iterator<char>(in), {});
-    if (version == 1) {
-        sql +=
-            "ALTER TABLE trial DROP COLUMN skipped_ticks;"
-            "ALTER TABLE trial DROP COLUMN worst_episode_j;"
-            "ALTER TABLE trial DROP COLUMN contact_episodes; PRAGMA user_version = 1;";
-    }
-    const std::string hash = "'" + std::string(64, 'a') + "'";
-    sql +=
-        "INSERT INTO study VALUES (1, 's', 't', " + hash +
-        ", ''); INSERT INTO participant (id, code) VALUES (1, 'P1');"
-        "INSERT INTO session (id, study, participant, number, kind, seed, plan_sha256, shuffles, "
-        "device,"
-        " rate_hz, stiffness_n_per_m, started_utc, finished) VALUES (1, 1, 1, 1, 'real', '7', " +
-        hash +
-        ", 1, 'd', 1000, 1000, '2026-01-31T12:34:56.789Z', 0);"
-        "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s, mu_d,"
-        " break_before) VALUES (1, 0, 'main', 'o', -2.5, 'f', 0.7, 0.5, 0);"
-        "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, ticks,"
-        " started_utc) VALUES (1, 0, 1, 'faulted', 0, 0, 5, '');";
-    REQUIRE(tests::Process({"sqlite3", file, sql}).wait().code == 0);
-}
 
 }  // namespace
 

@@ -148,6 +148,32 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     CHECK(data::read_trace(again, second).size() == stored);
 }
 
+TEST_CASE(
+    "a file that is moved or deleted under the rig is missed at the end of the trial, and a moved "
+    "one has all",
+    "[store][law]") {
+    const bool moved = GENERATE(false, true);
+    const TemporaryFolder folder;
+    Rig rig(folder);
+    const auto ticks = tests::random_ticks(3, 5000);
+    const auto id = rig.recorder.begin_trial(rig.spec.plan.trials[0], {});
+    rig.recorder.append(id, std::span(ticks).first(4500));
+    if (moved) {
+        std::filesystem::rename(folder.file("a.sqlite"), folder.file("b.sqlite"));
+    } else {
+        std::filesystem::remove(folder.file("a.sqlite"));
+    }
+    rig.recorder.append(id, std::span(ticks).subspan(4500));
+    CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)),
+                      ContainsSubstring("a.sqlite: it was moved or deleted"));
+    CHECK_THROWS_WITH(rig.recorder.begin_trial(rig.spec.plan.trials[1], {}),
+                      ContainsSubstring("put it back"));
+    if (moved) {
+        Database there(folder.file("b.sqlite"), Access::read);
+        check_same(data::read_trace(there, id), ticks);
+    }
+}
+
 TEST_CASE("what fails on the writing thread is heard of, and nothing is stored after it",
           "[store][law]") {
     FullDisk disk;

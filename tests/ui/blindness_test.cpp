@@ -204,10 +204,10 @@ TEST_CASE(
 TEST_CASE("nothing of the condition is among what the trouble screen is drawn from",
           "[blind][fault][law]") {
     // As above: what a new member says must be the same for every stimulus.
-    const auto [sentence, solved] = ui::TroubleFace{};
-    CHECK((sentence.empty() && !solved));
-    const auto [text, is_solved, tries, in_a_row] = TroubleView{};
-    CHECK((text.empty() && !is_solved && tries == 0 && in_a_row == 1));
+    const auto [sentence, solved, by_chord] = ui::TroubleFace{};
+    CHECK((sentence.empty() && !solved && !by_chord));
+    const auto [text, is_solved, tries, in_a_row, by_hand] = TroubleView{};
+    CHECK((text.empty() && !is_solved && tries == 0 && in_a_row == 1 && !by_hand));
 }
 
 TEST_CASE(

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/verify/verify.hpp"
 #include "ui/cli/commands.hpp"
 
@@ -9,6 +10,7 @@ namespace {
 using data::Finding;
 using data::FindingKind;
 using data::SessionReport;
+using protocols::counted;
 
 /// A file can come from anywhere: nothing of its texts reaches the terminal but printable ASCII.
 std::string printable(std::string_view text) {
@@ -60,28 +62,26 @@ std::size_t differences(const std::vector<Finding>& findings) {
     return found;
 }
 
-std::string counted(std::size_t differences) {
-    return fmt::format("{} difference{}", differences, differences == 1 ? "" : "s");
-}
-
 void print_text(const std::string& file, const data::Verification& found) {
-    fmt::print("{}: {} session{}\n", printable(file), found.sessions.size(),
-               found.sessions.size() == 1 ? "" : "s");
+    fmt::print("{}: {}\n", printable(file), counted(found.sessions.size(), "session"));
     print_findings(found.file);
     for (const SessionReport& session : found.sessions) {
         const std::size_t different = differences(session.findings);
-        fmt::print("{}, participant {}, session {} ({}{}): {} trials, {} ticks replayed, {}\n",
+        fmt::print("{}, participant {}, session {} ({}{}): {}, {} replayed, {}\n",
                    printable(session.study), printable(session.participant), session.number,
                    printable(session.kind), session.finished ? "" : ", not finished",
-                   session.trials, session.replayed,
-                   different == 0 ? "nothing differs" : counted(different));
+                   counted(session.trials, "trial"), counted(session.replayed, "tick"),
+                   different == 0 ? "nothing differs" : counted(different, "difference"));
         if (!session.head.empty()) {
             fmt::print("  chain    {}\n", printable(session.head));
         }
         print_findings(session.findings);
     }
     const std::size_t all = found.count(FindingKind::differs);
-    fmt::print("{}\n", all == 0 ? "Nothing differs." : counted(all) + ".");
+    fmt::print("{}\n", all == 0 ? "Nothing differs."
+                                : counted(all, "difference") +
+                                      ". Take what differs from a copy made before, or leave "
+                                      "it out; verify changes nothing.");
 }
 
 std::string json_of(const std::vector<Finding>& findings) {
@@ -103,10 +103,12 @@ void print_json(const std::string& file, const data::Verification& found) {
     for (const SessionReport& session : found.sessions) {
         sessions += fmt::format(
             "{}{{\"id\": {}, \"study\": {}, \"participant\": {}, \"number\": {}, \"kind\": {}, "
-            "\"finished\": {}, \"trials\": {}, \"ticks_replayed\": {}, \"findings\": {}}}",
+            "\"finished\": {}, \"chain\": {}, \"trials\": {}, \"ticks_replayed\": {}, "
+            "\"findings\": {}}}",
             sessions.empty() ? "" : ", ", session.id, in_quotes(session.study),
             in_quotes(session.participant), session.number, in_quotes(session.kind),
-            session.finished, session.trials, session.replayed, json_of(session.findings));
+            session.finished, in_quotes(session.head), session.trials, session.replayed,
+            json_of(session.findings));
     }
     fmt::print(
         "{{\"file\": {}, \"differences\": {}, \"missing\": {}, \"findings\": {}, "

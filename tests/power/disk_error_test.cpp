@@ -1,0 +1,160 @@
+#include <cerrno>
+#include <optional>
+#include <string>
+
+#include "tests/power/watched_session.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using protocols::TrialId;
+using tests::content;
+using tests::lines;
+using tests::Noting;
+using tests::number;
+using tests::Promise;
+using tests::TemporaryFolder;
+using tests::WatchedDisk;
+using tests::wrong;
+
+namespace {
+
+/// Another program takes all that is free as soon as a trial has `ticks`, and before each trial from then on.
+class Filling : public Noting {
+public:
+    Filling(protocols::Recorder& recorder,
+            WatchedDisk& disk,
+            std::vector<Promise>& promises,
+            std::optional<std::chrono::milliseconds> save_every,
+            TrialId trial,
+            std::int64_t ticks)
+        : Noting(recorder, disk, promises, save_every), disk_(disk), trial_(trial), left_(ticks) {}
+    TrialId begin_trial(const protocols::PlannedTrial& planned,
+                        const protocols::SceneConstants& scene) override {
+        if (left_ < 0) {
+            disk_.room(0);
+        }
+        return Noting::begin_trial(planned, scene);
+    }
+    void append(TrialId trial, std::span<const engine::TickRecord> ticks) override {
+        const bool filled = left_ < 0;
+        left_ -= trial == trial_ ? static_cast<std::int64_t>(ticks.size()) : 0;
+        if (left_ < 0 && !filled) {
+            disk_.room(0);
+        }
+        Noting::append(trial, ticks);
+    }
+
+private:
+    WatchedDisk& disk_;
+    TrialId trial_;
+    std::int64_t left_;
+};
+
+/// Runs the session to its end or to an error. @return what the error said; empty: the end
+template <class Wrap>
+std::string run(Database& database, const data::SessionSpec& spec, const Wrap& wrap) {
+    try {
+        const auto end = tests::run_simulated(database, spec, wrap);
+        CHECK(end.why == protocols::SessionEnd::Why::finished);
+    } catch (const data::StoreError& e) {
+        return e.what();
+    }
+    return "";
+}
+
+std::string content_of_unbroken(const data::SessionSpec& spec) {
+    const TemporaryFolder folder;
+    const WatchedDisk unsynced(folder.path());
+    Database database(folder.file("a.sqlite"), Access::write);
+    static_cast<void>(tests::run_simulated(database, spec));
+    return content(database);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a disk that others fill during a trial costs no tick and no answer of it, and the session "
+    "ends after it",
+    "[power][law]") {
+    const bool adaptive = GENERATE(false, true);
+    const bool on_a_thread = GENERATE(false, true);
+    const int when = GENERATE(range(0, 4));
+    CAPTURE(adaptive, on_a_thread, when);
+    const auto spec = tests::short_session(adaptive);
+    const TrialId trial = 2;
+    const TemporaryFolder folder;
+    WatchedDisk disk(folder.path());
+    {
+        Database database(folder.file("a.sqlite"), Access::write);
+        std::vector<Promise> promises{{}};
+        const std::string said = run(database, spec, [&](protocols::Recorder& recorder) {
+            return Filling(
+                recorder, disk, promises,
+                on_a_thread ? std::optional(data::AsyncRecorder::kSaveEvery) : std::nullopt, trial,
+                100 * when);
+        });
+        CHECK_THAT(said,
+                   ContainsSubstring("a.sqlite: its disk does not have the 16 MB that a trial") &&
+                       ContainsSubstring("free some space"));
+        CHECK(lines(database, "SELECT outcome FROM trial WHERE id >= 2") == "timed_out \n");
+        CHECK(number(database, "SELECT sum(ticks) FROM presentation WHERE trial = 2") <=
+              number(database, "SELECT sum(ticks) FROM trace_chunk WHERE trial = 2"));
+        CHECK(wrong(database).empty());
+    }
+    constexpr std::int64_t kPlenty = 1'000'000'000;
+    disk.room(kPlenty);
+    Database database(folder.file("a.sqlite"), Access::write);
+    CHECK(run(database, spec, [](protocols::Recorder& recorder) -> protocols::Recorder& {
+              return recorder;
+          }).empty());
+    CHECK(content(database) == content_of_unbroken(spec));
+    CHECK(number(database, "SELECT count(*) FROM trial WHERE outcome = 'interrupted'") == 0);
+}
+
+TEST_CASE("a call that the disk refuses at any moment loses nothing that was said to be saved",
+          "[power][law]") {
+    const int error = GENERATE(EIO, ENOSPC);
+    const bool for_good = GENERATE(false, true);
+    CAPTURE(error, for_good);
+    const auto spec = tests::short_session(false);
+    const std::string whole = content_of_unbroken(spec);
+    std::size_t calls = 1;
+    for (std::size_t call = 0; call < calls; call += 1 + call % 13) {
+        CAPTURE(call);
+        const TemporaryFolder folder;
+        WatchedDisk disk(folder.path());
+        disk.fail(call, error, for_good);
+        std::vector<Promise> promises{{}};
+        std::string said;
+        try {
+            Database database(folder.file("a.sqlite"), Access::write);
+            said = run(database, spec, [&](protocols::Recorder& recorder) {
+                return Noting(recorder, disk, promises, {});
+            });
+        } catch (const data::StoreError& e) {
+            said = e.what();
+        }
+        calls = said.empty() ? disk.tried() : calls + 100;
+        CHECK((said.empty() || said.find("a.sqlite") != std::string::npos));
+        disk.fail(SIZE_MAX, 0, false);
+        const Promise& promised = promises.back();
+        CHECK((!said.empty() || promised.finished));
+        Database database(folder.file("a.sqlite"), Access::write);
+        REQUIRE(lines(database, "PRAGMA integrity_check") == "ok \n");
+        CHECK(number(database, "SELECT count(*) FROM response") >=
+              static_cast<std::int64_t>(promised.answered));
+        CHECK(number(database, fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial = {}",
+                                           promised.trial)) >= promised.ticks);
+        if (!promised.finished) {
+            CHECK(run(database, spec, [](protocols::Recorder& recorder) -> protocols::Recorder& {
+                      return recorder;
+                  }).empty());
+        }
+        CHECK(content(database) == whole);
+        CHECK(wrong(database).empty());
+    }
+}

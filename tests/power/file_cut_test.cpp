@@ -1,0 +1,209 @@
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <set>
+#include <string>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "data/csv/whole_file.hpp"
+#include "data/export/export.hpp"
+#include "data/store/content_hash.hpp"
+#include "data/store/schema.hpp"
+#include "data/sync/merge.hpp"
+#include "tests/power/watched_session.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/old_database.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using data::Access;
+using data::Database;
+using tests::DiskModel;
+using tests::Leaves;
+using tests::lines;
+using tests::TemporaryFolder;
+using tests::WatchedDisk;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Does `work` in a folder, and checks what a power cut at any of its calls leaves there, in so many ways.
+/// @param check  of the folder left, and whether the work had come back before
+void cut_everywhere(const TemporaryFolder& folder,
+                    const std::function<void()>& work,
+                    const std::function<void(const TemporaryFolder&, bool)>& check,
+                    std::size_t ways = std::size(tests::kLeaves)) {
+    WatchedDisk disk(folder.path());
+    work();
+    const std::size_t done = disk.calls();
+    disk.stop();
+    REQUIRE(done > 3);
+    DiskModel model = disk.before();
+    for (std::size_t cut = 0; cut <= done; ++cut) {
+        for (std::size_t i = 0; i < ways; ++i) {
+            const Leaves leaves = tests::kLeaves[(cut + i) % std::size(tests::kLeaves)];
+            CAPTURE(cut, done, static_cast<int>(leaves));
+            tests::Random random(cut);
+            const TemporaryFolder left;
+            model.lay_out(leaves, random, left.path());
+            const WatchedDisk unsynced(left.path());
+            check(left, cut == done);
+        }
+        if (cut < done) {
+            model.apply(disk.log()[cut]);
+        }
+    }
+}
+
+/// Every file below a folder: its name and its bytes.
+std::string everything(const fs::path& folder) {
+    std::set<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        if (entry.is_regular_file()) {
+            std::ifstream in(entry.path(), std::ios::binary);
+            files.insert(fs::relative(entry.path(), folder).string() + '\n' +
+                         std::string(std::istreambuf_iterator<char>(in), {}));
+        }
+    }
+    return fmt::format("{}", fmt::join(files, "\n"));
+}
+
+std::string a_session(const std::string& file, const std::string& participant) {
+    data::SessionSpec spec = tests::short_session(false);
+    spec.plan =
+        protocols::make_plan(spec.protocol, spec.protocol_hash, {participant, 1}, spec.seed);
+    spec.key = {participant, 1};
+    Database database(file, Access::write);
+    CHECK(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
+    return file;
+}
+
+std::string hash_of(const std::string& file) {
+    Database database(file, Access::read);
+    return data::content_hash(database);
+}
+
+std::string dump(const std::string& file) {
+    return tests::Process({"sqlite3", "-readonly", file, ".dump"}).wait().out;
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a power cut while a file is brought up to date leaves the old one, or the new one and the "
+    "copy of the old",
+    "[power][law]") {
+    const TemporaryFolder folder;
+    tests::write_old(folder.file("old.sqlite"), 4);
+    const std::string old = dump(folder.file("old.sqlite"));
+    const auto work = [&] {
+        const Database database(folder.file("old.sqlite"), Access::write);
+    };
+    const auto check = [&](const TemporaryFolder& left, bool done) {
+        const std::string file = left.file("old.sqlite");
+        std::string kept;
+        {
+            Database database(file, Access::write);
+            CHECK(lines(database, "PRAGMA integrity_check") == "ok \n");
+            CHECK(database.schema() == data::kSchemaVersion);
+            CHECK(lines(database, "SELECT trial, ticks_kept FROM fault") == "1 0 \n");
+            CHECK(lines(database, "SELECT object, curvature_per_m FROM plan") == "o -2.5 \n");
+            CHECK((!done || database.backup().empty()));
+            kept = database.backup();
+        }
+        CHECK(dump(kept.empty() ? file + ".schema4.backup" : kept) == old);
+    };
+    cut_everywhere(folder, work, check, 1);
+}
+
+TEST_CASE(
+    "a power cut while files are merged leaves a whole file, and merging again gives the same",
+    "[power][law]") {
+    const bool there = GENERATE(false, true);
+    CAPTURE(there);
+    const TemporaryFolder inputs;
+    const TemporaryFolder folder;
+    std::vector<std::string> files;
+    {
+        const WatchedDisk unsynced(inputs.path());
+        for (const char* who : {"P1", "P2"}) {
+            files.push_back(a_session(inputs.file(std::string(who) + ".sqlite"), who));
+        }
+        if (there) {
+            a_session(folder.file("all.sqlite"), "P3");
+        }
+    }
+    std::string whole;
+    const auto work = [&] {
+        static_cast<void>(data::merge_files(folder.file("all.sqlite"), files));
+    };
+    const std::string before = there ? hash_of(folder.file("all.sqlite")) : "";
+    {
+        const TemporaryFolder other;
+        if (there) {
+            fs::copy(folder.file("all.sqlite"), other.file("all.sqlite"));
+        }
+        static_cast<void>(data::merge_files(other.file("all.sqlite"), files));
+        whole = hash_of(other.file("all.sqlite"));
+    }
+    cut_everywhere(
+        folder, work,
+        [&](const TemporaryFolder& left, bool done) {
+            const std::string file = left.file("all.sqlite");
+            if (there) {
+                const std::string now = hash_of(file);
+                CHECK((now == whole || (!done && now == before)));
+            }
+            const auto report = data::merge_files(file, files);
+            CHECK(report.conflicts.empty());
+            CHECK((!done || report.same == (there ? 3U : 2U)));
+            CHECK(hash_of(file) == whole);
+            Database database(file, Access::read);
+            CHECK(lines(database, "PRAGMA integrity_check") == "ok \n");
+        },
+        1);
+}
+
+TEST_CASE("a power cut during an export leaves the whole folder under its name, or none",
+          "[power][law]") {
+    const TemporaryFolder input;
+    const std::string file = a_session(input.file("a.sqlite"), "P1");
+    const auto format = GENERATE(data::ExportFormat::csv, data::ExportFormat::bids);
+    data::ExportOptions options;
+    options.kind = "all";
+    options.traces = true;
+    const TemporaryFolder folder;
+    const auto work = [&] {
+        data::export_file(file, format, options, folder.path() / "out");
+    };
+    cut_everywhere(folder, work, [&](const TemporaryFolder& left, bool done) {
+        const bool is_there = fs::exists(left.path() / "out");
+        CHECK((is_there || !done));
+        CHECK((!is_there || everything(left.path() / "out") == everything(folder.path() / "out")));
+    });
+}
+
+TEST_CASE(
+    "a file that was said to be written is whole after a power cut, and one written over is never "
+    "half",
+    "[power][law]") {
+    const TemporaryFolder folder;
+    const std::string first(20'000, 'a');
+    const std::string second(30'000, 'b');
+    data::write_whole(folder.file("out.csv"), first);
+    const auto work = [&] {
+        data::write_whole(folder.file("out.csv"), second);
+        data::write_new(folder.file("new.toml"), second);
+    };
+    cut_everywhere(folder, work, [&](const TemporaryFolder& left, bool done) {
+        std::ifstream out(left.file("out.csv"), std::ios::binary);
+        const std::string text(std::istreambuf_iterator<char>(out), {});
+        CHECK((text == second || (!done && text == first)));
+        std::ifstream made(left.file("new.toml"), std::ios::binary);
+        CHECK((!done || std::string(std::istreambuf_iterator<char>(made), {}) == second));
+    });
+}

@@ -1,0 +1,169 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "data/store/async_recorder.hpp"
+#include "data/verify/verify.hpp"
+#include "tests/support/adaptive.hpp"
+#include "tests/support/watched_disk.hpp"
+
+/// Sessions on a watched disk: what they promised, and what is in their files.
+namespace palpate::tests {
+
+/// What the recorder has said to be on the disk.
+struct Promise {
+    std::size_t calls = 0;         ///< of the disk so far, when it said so
+    protocols::TrialId trial = 0;  ///< of the running trial; 0: none has begun
+    std::int64_t interval = 1;
+    std::int64_t ticks = 0;    ///< of the interval
+    std::size_t answered = 0;  ///< trials
+    bool finished = false;
+};
+
+/// Saves often, and notes what was promised at which moment of the disk.
+class Noting : public protocols::Recorder {
+public:
+    /// @param promises    where to: begins with what was promised before
+    /// @param save_every  of a writing thread between this and the recorder; nothing: there is none
+    Noting(protocols::Recorder& recorder,
+           const WatchedDisk& disk,
+           std::vector<Promise>& promises,
+           std::optional<std::chrono::milliseconds> save_every)
+        : thread_(save_every ? std::make_unique<data::AsyncRecorder>(recorder, *save_every)
+                             : nullptr),
+          recorder_(thread_ ? *thread_ : recorder),
+          disk_(disk),
+          promises_(promises),
+          now_(promises.back()) {}
+
+    protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
+                                   const protocols::SceneConstants& scene) override {
+        now_.trial = recorder_.begin_trial(planned, scene);
+        now_.interval = 1;
+        now_.ticks = 0;
+        handed_ = 0;
+        note();
+        return now_.trial;
+    }
+    void begin_interval(protocols::TrialId trial,
+                        const protocols::Presentation& felt,
+                        const protocols::SceneConstants& scene) override {
+        recorder_.begin_interval(trial, felt, scene);
+        now_.interval = static_cast<std::int64_t>(felt.interval);
+        now_.ticks = 0;
+        handed_ = 0;
+        note();
+    }
+    void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override {
+        recorder_.append(trial, ticks);
+        handed_ += static_cast<std::int64_t>(ticks.size());
+        constexpr std::int64_t kSaveEvery = 150;
+        if (handed_ - now_.ticks >= kSaveEvery && recorder_.save()) {
+            now_.ticks = handed_;
+            note();
+        }
+    }
+    void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override {
+        recorder_.end_trial(trial, result);
+        now_.answered += result.response ? 1U : 0U;
+        now_.ticks = handed_;
+        note();
+    }
+    void event(std::string_view kind, std::string_view text) override {
+        recorder_.event(kind, text);
+    }
+    void finish_session() override {
+        recorder_.finish_session();
+        now_.finished = true;
+        note();
+    }
+
+private:
+    void note() {
+        now_.calls = disk_.calls();
+        promises_.push_back(now_);
+    }
+
+    std::unique_ptr<data::AsyncRecorder> thread_;
+    protocols::Recorder& recorder_;
+    const WatchedDisk& disk_;
+    std::vector<Promise>& promises_;
+    Promise now_;
+    std::int64_t handed_ = 0;
+};
+
+inline std::string lines(data::Database& database, const char* sql) {
+    auto row = database.prepare(sql);
+    std::string text;
+    while (row.step()) {
+        for (int i = 0; i < row.columns(); ++i) {
+            text += row.type(i) == 2 ? fmt::format("{} ", row.real(i)) : row.text(i) + ' ';
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+/// All that was felt and answered, to the bit; not when, and not in how many attempts.
+inline std::string content(data::Database& database) {
+    return lines(database,
+                 "SELECT position, response.object, place, correct, reaction_s, done_s, "
+                 "path_length_m,"
+                 " energy_j FROM trial JOIN response ON trial.id = response.trial ORDER BY "
+                 "position") +
+           lines(
+               database,
+               "SELECT position, interval, first_tick, trace_chunk.ticks, crc32, derived FROM trial"
+               " JOIN response ON trial.id = response.trial JOIN trace_chunk ON trial.id ="
+               " trace_chunk.trial ORDER BY position, interval, first_tick") +
+           lines(database,
+                 "SELECT position, stimulus, outcome, estimates, state_sha256 FROM adaptive_trial"
+                 " ORDER BY position") +
+           lines(database, "SELECT finished FROM session");
+}
+
+inline std::int64_t number(data::Database& database, const std::string& sql) {
+    auto row = database.prepare(sql);
+    return row.step() ? row.integer(0) : 0;
+}
+
+inline std::string wrong(data::Database& database) {
+    const data::Verification report = data::verify(database);
+    std::string text;
+    const auto add = [&text](const data::Finding& finding) {
+        if (finding.kind == data::FindingKind::differs) {
+            text += fmt::format("{} {}: {} | {}\n", finding.trial.value_or(0), finding.what,
+                                finding.stored, finding.recomputed);
+        }
+    };
+    std::ranges::for_each(report.file, add);
+    for (const auto& session : report.sessions) {
+        std::ranges::for_each(session.findings, add);
+    }
+    return text;
+}
+
+inline data::SessionSpec short_session(bool adaptive) {
+    protocols::Protocol protocol = adaptive ? adaptive_protocol() : small_protocol();
+    protocol.timing.explore_min = 0.1;
+    protocol.timing.explore_prompt = 0.3;
+    protocol.timing.explore_timeout = 0.4;
+    protocol.invalid = {.late_share = 1.0, .contact_min = 0.0, .path_min = 0.0};
+    if (adaptive) {
+        protocol.procedure->practice_trials = 1;
+        protocol.runs.resize(1);
+    } else {
+        protocol.frictions.resize(1);
+    }
+    return session_spec(protocol);
+}
+
+}  // namespace palpate::tests
