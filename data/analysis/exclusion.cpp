@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/protocol_file.hpp"
@@ -115,8 +116,8 @@ void apply(const ExclusionSpec& rules, Judged& one) {
     at_most(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max);
     at_most(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max);
     if (rules.sessions_finished && one.unfinished > 0) {
-        one.broken.push_back(fmt::format("sessions_finished: {} {} not", one.unfinished,
-                                         one.unfinished == 1 ? "is" : "are"));
+        one.broken.push_back("sessions_finished: " +
+                             protocols::counted(one.unfinished, "is not", "are not"));
     }
 }
 
@@ -132,7 +133,7 @@ Exclusions judge(Database& database, std::string_view study, std::string_view ki
     while (row.step()) {
         Protocol protocol;
         try {
-            protocol = protocols::parse_protocol(row.text(1), "protocol");
+            protocol = protocols::stored_protocol(row.text(1));
         } catch (const protocols::ProtocolError&) {
             continue;  // palpate verify says it
         }

@@ -1,14 +1,18 @@
 #include "data/analysis/summary.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <map>
 #include <set>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
+#include "protocols/format/protocol_file.hpp"
 #include "data/analysis/exclusion.hpp"
 #include "data/analysis/wilson.hpp"
+#include "data/store/adaptive_store.hpp"
 
 namespace palpate::data {
 namespace {
@@ -112,6 +116,32 @@ bool has_runs(Database& database, const Group& group) {
                .step();
 }
 
+/// What a run of a rule comes to by the answers that count: what is stored beside an answer took in those
+/// that were marked after it.
+std::string estimates_that_count(Database& database, std::int64_t session, std::int64_t run) {
+    Statement row = database.prepare(
+        "SELECT protocol_toml, protocol_sha256, code, number, seed FROM session"
+        " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
+        " WHERE session.id = ?1");
+    row.bind(1, session).step();
+    try {
+        SessionSpec spec;
+        spec.protocol = protocols::stored_protocol(row.text(0));
+        spec.protocol_hash = row.text(1);
+        spec.key = {row.text(2), static_cast<std::size_t>(row.integer(3))};
+        spec.seed = std::stoull(row.text(4));
+        const auto runs = rebuilt_runs(database, session, spec);
+        std::string text;
+        for (const auto& one : runs.of(static_cast<std::size_t>(run)).estimates()) {
+            text += fmt::format("{}{} {}", text.empty() ? "" : ", ", one.name,
+                                one.mean ? fmt::format("{:.4g}", *one.mean) : "unknown");
+        }
+        return text.empty() ? "nothing yet" : text;
+    } catch (const std::exception&) {  // what was stored is not what the rule gives
+        return "unknown; palpate verify says more";
+    }
+}
+
 /// What each run of a rule has come to, a line each; nothing where there is no rule.
 std::string estimates_text(Database& database, const Group& group) {
     if (!has_runs(database, group)) {
@@ -122,8 +152,8 @@ std::string estimates_text(Database& database, const Group& group) {
         " ifnull(printf('%.4g', json_extract(value, '$.mean')), 'unknown')), ', ')"
         " FROM json_each(estimates)), (SELECT count(*) FROM adaptive_trial WHERE NOT counts AND"
         " study = last.study AND kind = last.kind AND participant = last.participant"
-        " AND session = last.session AND run = last.run) FROM adaptive_trial AS last WHERE study = "
-        "?1 AND kind = ?2"
+        " AND session = last.session AND run = last.run), (SELECT session FROM trial WHERE id = "
+        "last.trial), run FROM adaptive_trial AS last WHERE study = ?1 AND kind = ?2"
         " AND n = (SELECT max(n) FROM adaptive_trial WHERE study = last.study AND kind = last.kind"
         " AND participant = last.participant AND session = last.session AND run = last.run)"
         " ORDER BY participant, session, run");
@@ -131,11 +161,15 @@ std::string estimates_text(Database& database, const Group& group) {
     std::string text = "\n  what the rule estimates, run by run:\n";
     while (row.step()) {
         const std::string marked =
-            row.integer(5) == 0 ? "" : fmt::format(", {} of them marked later", row.integer(5));
-        text +=
-            fmt::format("    {} session {}  {}, {} answer{}{}: {}\n", row.text(0), row.integer(1),
-                        row.text(2), row.integer(3), row.integer(3) == 1 ? "" : "s", marked,
-                        row.null(4) ? "nothing yet" : row.text(4));
+            row.integer(5) == 0
+                ? ""
+                : fmt::format(", {} of them marked later and left out", row.integer(5));
+        text += fmt::format("    {} session {}  {}, {}{}: {}\n", row.text(0), row.integer(1),
+                            row.text(2), protocols::counted(row.integer(3), "answer"), marked,
+                            row.integer(5) > 0
+                                ? estimates_that_count(database, row.integer(6), row.integer(7))
+                            : row.null(4) ? "nothing yet"
+                                          : row.text(4));
     }
     return text;
 }
@@ -196,9 +230,9 @@ std::string exclusions_text(Database& database, const Group& group) {
     }
     if (left_out.empty()) {
         return fmt::format(
-            "\n  The rules of [exclusion] leave out none of {} participants: with and without them "
-            "it is the same.\n",
-            everybody.size());
+            "\n  The rules of [exclusion] leave out none of {}: with and without them it is the "
+            "same.\n",
+            protocols::counted(everybody.size(), "participant"));
     }
     return fmt::format(
                "\n  The above is of all participants. The rules of [exclusion] leave out {} of "
@@ -217,10 +251,9 @@ std::string faults_text(Database& database, const Group& group) {
         " WHERE name = ?1 AND kind = ?2 AND outcome = 'faulted'");
     row.bind(1, group.study).bind(2, group.kind).step();
     const std::int64_t n = row.integer(0);
-    return n == 0
-             ? std::string()
-             : fmt::format("\n  {} trial{} ended by a fault and not counted: SELECT * FROM fault\n",
-                           n, n == 1 ? "" : "s");
+    return n == 0 ? std::string()
+                  : fmt::format("\n  {} ended by a fault and not counted: SELECT * FROM fault\n",
+                                protocols::counted(n, "trial"));
 }
 
 /// Answers that do not count; nothing as long as there are none.
@@ -230,10 +263,8 @@ std::string invalid_text(Database& database, const Group& group) {
     row.bind(1, group.study).bind(2, group.kind).step();
     const std::int64_t n = row.integer(0);
     return n == 0 ? std::string()
-                  : fmt::format(
-                        "\n  {} answered trial{} invalid and left out: SELECT * FROM "
-                        "invalid_trial\n",
-                        n, n == 1 ? " is" : "s are");
+                  : fmt::format("\n  {} invalid and left out: SELECT * FROM invalid_trial\n",
+                                protocols::counted(n, "answered trial is", "answered trials are"));
 }
 
 /// For a POSIX shell.

@@ -1,10 +1,14 @@
 #include "data/export/bids_export.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/export/bids_files.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
+#include "data/export/table_sql.hpp"
 #include "data/report/text_file.hpp"
 
 namespace palpate::data {
@@ -21,7 +25,24 @@ std::string described(const ExportColumn& column) {
     if (!column.unit.empty() && column.unit != "1") {
         words.emplace_back("Units", json_string(column.unit));
     }
+    JsonMembers levels;
+    for (const auto& [level, what] : levels_of(column)) {
+        levels.emplace_back(std::string(level), json_string(what));
+    }
+    if (!levels.empty()) {
+        words.emplace_back("Levels", json_object(levels));
+    }
     return json_object(words);
+}
+
+std::string described(const char* words) {
+    return json_object({{"Description", json_string(words)}});
+}
+
+const ExportColumn& trials_column(std::string_view name) {
+    const auto columns = export_table("trials").columns;
+    return *std::find_if(columns.begin(), columns.end(),
+                         [name](const ExportColumn& column) { return column.name == name; });
 }
 
 void write_participants(Database& database, const fs::path& folder) {
@@ -44,14 +65,13 @@ void write_participants(Database& database, const fs::path& folder) {
     file.close();
     write_json(
         folder / "participants.json",
-        {{"handedness",
+        {{"participant_id", described("in an order that says nothing")},
+         {"handedness",
           json_object({{"Description", json_string("the sign of the Edinburgh score")},
                        {"Levels", json_object({{"right", json_string("score above 0")},
                                                {"left", json_string("score below 0")},
                                                {"ambidextrous", json_string("score 0")}})}})},
-         {"edinburgh_score",
-          json_object({{"Description",
-                        json_string("Edinburgh handedness score, -100 left to 100 right")}})}});
+         {"edinburgh_score", described("Edinburgh handedness score, -100 left to 100 right")}});
 }
 
 void write_sessions(Database& database, const std::string& subject, const fs::path& folder) {
@@ -72,13 +92,11 @@ void write_sessions(Database& database, const std::string& subject, const fs::pa
         file.end_row();
     }
     file.close();
-    const auto words = [](const char* text) {
-        return json_object({{"Description", json_string(text)}});
-    };
     write_json(
         folder / (subject + "_sessions.json"),
-        {{"studies", words("the tasks of the session")},
-         {"kind", words("real, pilot or simulated")},
+        {{"session_id", described("the same number in every study of the session")},
+         {"studies", described("the tasks of the session")},
+         {"kind", described(trials_column("kind"))},
          {"day",
           json_object({{"Description", json_string("since the participant's first session here")},
                        {"Units", json_string("d")}})}});
@@ -101,7 +119,7 @@ void write_beh(Database& database,
     const auto columns = beh_columns(details);
     const std::string stem = bids_stem(session) + "_beh";
     DelimitedFile file(folder / (stem + ".tsv"), Delimited::tsv);
-    JsonMembers sidecar{{"TaskName", json_string(session.label)},
+    JsonMembers sidecar{{"TaskName", json_string(session.study)},
                         {"TaskDescription", json_string(session.title)}};
     for (const ExportColumn& column : columns) {
         file.text(column.name);
@@ -126,26 +144,31 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
         "# Felt shape: choices{}\n\n"
         "People felt an object they could not see through a two-degree-of-freedom pantograph, "
         "then\n"
-        "chose what it was. Written by palpate as BIDS {}: {} sessions, kind {}.\n\n"
+        "chose what it was. Written by palpate as BIDS {}: {}, kind {}.\n\n"
         "What BIDS covers: participants, sessions, beh (one row an attempt at a trial, the "
         "columns\n"
         "described in the .json beside it){}.\n"
         "What it does not: the plan that was not run and the row of pictures; export CSV for "
         "these.\n"
+        "Authors, licence and ethics approval are not known to palpate: add them to\n"
+        "dataset_description.json before you share this.\n"
         "Units are SI. {}\n{}",
-        options.traces ? ", motion and forces" : "", kBidsVersion, selection.sessions().size(),
-        options.kind,
-        options.traces ? ", motion (the handle as POS; contact, rendered force, encoder\n"
-                         "counts and flags as MISC) and stim (the commanded force). run is the "
-                         "column trial of beh.\n"
-                         "A lost tick is a row of n/a: row k is always tick k"
-                       : "",
+        options.traces ? ", motion and forces" : "", kBidsVersion,
+        protocols::counted(selection.sessions().size(), "session"), options.kind,
+        options.traces
+            ? ", motion (the handle as POS; contact, rendered force, encoder\n"
+              "counts and flags as MISC) and stim (the commanded force). run is the "
+              "column trial of beh.\n"
+              "motion.tsv has no head line, by the standard: channels.tsv names its columns.\n"
+              "A lost tick is a row of n/a: row k is always tick k"
+            : "",
         options.details ? "With details of people: hand it on to nobody who may not know them."
                         : "De-identified: codes, operators, wall clock and notes are left out.",
         selection.without_consent() == 0
             ? ""
-            : fmt::format("{} participants who do not consent are left out.\n",
-                          selection.without_consent()));
+            : protocols::counted(selection.without_consent(),
+                                 "participant who does not consent is left out.\n",
+                                 "participants who do not consent are left out.\n"));
 }
 
 }  // namespace
@@ -155,7 +178,7 @@ void export_bids(Database& database,
                  const ExportOptions& options,
                  const std::filesystem::path& folder) {
     write_json(folder / "dataset_description.json",
-               {{"Name", json_string(selection.sessions().front().title)},
+               {{"Name", json_string(selection.titles())},
                 {"BIDSVersion", json_string(kBidsVersion)},
                 {"DatasetType", json_string("raw")},
                 {"GeneratedBy", json_array({json_object({{"Name", json_string("palpate")}})})}});
@@ -170,7 +193,7 @@ void export_bids(Database& database,
         }
         if (options.traces) {
             each_traced_trial(database, session, [&](std::int64_t trial, std::int64_t number) {
-                write_bids_run(database, session, trial, number, place / "motion");
+                write_bids_run(database, session, trial, number, place);
             });
         }
     }

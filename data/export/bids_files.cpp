@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include <fmt/format.h>
@@ -24,7 +25,8 @@ struct Channel {
 };
 
 constexpr std::array kChannels{
-    Channel{"latency", "n/a", "LATENCY", "s", "from the first tick, by the servo's clock", nullptr},
+    Channel{"latency", "n/a", "LATENCY", "s",
+            "since the first tick's deadline, by the servo's clock", nullptr},
     Channel{"hip_x", "x", "POS", "m", "handle, to the right",
             [](const TickRecord& t) {
                 return t.hip.x;
@@ -112,10 +114,17 @@ double seconds(std::int64_t ns) {
     return static_cast<double>(ns) * 1e-9;
 }
 
-/// The ticks by number, each lost one as nothing.
+/// As LATENCY asks for it: seconds and their fraction, no exponent.
+std::string latency_text(std::int64_t ns) {
+    constexpr std::int64_t kSecond = 1'000'000'000;
+    return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", std::abs(ns / kSecond),
+                       std::abs(ns % kSecond));
+}
+
+/// The ticks by number from 0, each lost one as nothing.
 template <class Row>
 void each_tick(const std::vector<TickRecord>& ticks, const Row& row) {
-    std::int64_t next = ticks.front().tick;
+    std::int64_t next = 0;
     for (const TickRecord& tick : ticks) {
         for (; next < tick.tick; ++next) {
             row(static_cast<const TickRecord*>(nullptr));
@@ -127,14 +136,14 @@ void each_tick(const std::vector<TickRecord>& ticks, const Row& row) {
 
 void write_motion(const std::vector<TickRecord>& ticks, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::tsv);
-    const std::int64_t begin = ticks.front().time_ns;
-    each_tick(ticks, [&](const TickRecord* tick) {
+    each_tick(ticks, [&file](const TickRecord* tick) {
         for (const Channel& channel : kChannels) {
             if (tick == nullptr) {
                 file.none();
+            } else if (channel.value == nullptr) {
+                file.text(latency_text(tick->time_ns));
             } else {
-                file.real(channel.value == nullptr ? seconds(tick->time_ns - begin)
-                                                   : channel.value(*tick));
+                file.real(channel.value(*tick));
             }
         }
         file.end_row();
@@ -145,14 +154,15 @@ void write_motion(const std::vector<TickRecord>& ticks, const std::filesystem::p
 void write_channels(double rate_hz, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::tsv);
     for (const char* name : {"name", "component", "type", "tracked_point", "units",
-                             "sampling_frequency", "description"}) {
+                             "reference_frame", "sampling_frequency", "description"}) {
         file.text(name);
     }
     file.end_row();
     for (const Channel& channel : kChannels) {
         for (const std::string_view word :
              {channel.name, channel.component, channel.type,
-              std::string_view(channel.type == "POS" ? "handle" : "n/a"), channel.units}) {
+              std::string_view(channel.type == "POS" ? "handle" : "n/a"), channel.units,
+              std::string_view(channel.component == "n/a" ? "n/a" : "object")}) {
             file.text(word);
         }
         file.real(rate_hz);
@@ -160,6 +170,21 @@ void write_channels(double rate_hz, const std::filesystem::path& path) {
         file.end_row();
     }
     file.close();
+}
+
+std::string channels_json() {
+    return json_object(
+        {{"reference_frame",
+          json_object(
+              {{"Description", json_string("where x and y are measured")},
+               {"Levels",
+                json_object(
+                    {{"object",
+                      json_object({{"SpatialAxes", json_string("RA_")},
+                                   {"Description",
+                                    json_string("the plane of the handle, origin where the study's "
+                                                "objects have theirs: x to the right, y away from "
+                                                "the person")}})}})}})}});
 }
 
 std::int64_t channels_of(std::string_view type) {
@@ -174,7 +199,7 @@ std::string motion_json(const ChosenSession& session, const std::vector<TickReco
     const double duration = seconds(ticks.back().time_ns - ticks.front().time_ns);
     const auto steps = static_cast<double>(ticks.back().tick - ticks.front().tick);
     return json_object(
-        {{"TaskName", json_string(session.label)},
+        {{"TaskName", json_string(session.study)},
          {"TaskDescription", json_string(session.title)},
          {"TrackingSystemName", json_string("handle")},
          {"SamplingFrequency", json_number(session.rate_hz)},
@@ -227,22 +252,26 @@ void write_bids_run(Database& database,
                     const ChosenSession& session,
                     std::int64_t trial,
                     std::int64_t number,
-                    const std::filesystem::path& folder) {
+                    const std::filesystem::path& session_folder) {
     TraceReader traces(database);
     for (const std::int64_t interval : {1, 2}) {
         const std::vector<TickRecord> ticks = traces.stored(trial, interval);
         if (ticks.empty()) {
             continue;
         }
-        const std::string stem =
-            fmt::format("{}_tracksys-handle{}_run-{}", bids_stem(session),
-                        interval == 1 ? "" : "_acq-interval2", bids_run(number));
+        const std::string run =
+            fmt::format("{}_run-{}", interval == 1 ? "" : "_acq-interval2", bids_run(number));
+        const std::string motion = bids_stem(session) + "_tracksys-handle" + run;
+        const std::filesystem::path folder = session_folder / "motion";
         std::filesystem::create_directories(folder);
-        write_motion(ticks, folder / (stem + "_motion.tsv"));
-        write_text_file(folder / (stem + "_motion.json"), motion_json(session, ticks) + "\n");
-        write_channels(session.rate_hz, folder / (stem + "_channels.tsv"));
-        write_stim(ticks, folder / (stem + "_recording-force_stim.tsv.gz"));
-        write_text_file(folder / (stem + "_recording-force_stim.json"), stim_json(session) + "\n");
+        write_motion(ticks, folder / (motion + "_motion.tsv"));
+        write_text_file(folder / (motion + "_motion.json"), motion_json(session, ticks) + "\n");
+        write_channels(session.rate_hz, folder / (motion + "_channels.tsv"));
+        write_text_file(folder / (motion + "_channels.json"), channels_json() + "\n");
+        const std::filesystem::path stim =
+            session_folder / "beh" / (bids_stem(session) + run + "_recording-force_stim");
+        write_stim(ticks, stim.string() + ".tsv.gz");
+        write_text_file(stim.string() + ".json", stim_json(session) + "\n");
     }
 }
 

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
+#include "data/export/table_sql.hpp"
 #include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
@@ -43,22 +45,24 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
         }
         file.end_row();
     };
-    row({"table", "column", "type", "unit", "meaning"});
+    row({"table", "column", "type", "unit", "meaning", "levels"});
     for (const ExportTable& table : export_tables()) {
         if (table.detail && !options.details) {
             continue;
         }
-        row({table.name, "", "", "", table.meaning});
+        row({table.name, "", "", "", table.meaning, ""});
         for (const ExportColumn& column : visible_columns(table, options.details)) {
-            row({table.name, column.name, column.type, column.unit, column.meaning});
+            row({table.name, column.name, column.type, column.unit, column.meaning, column.levels});
         }
     }
     if (options.traces) {
-        row({"ticks", "", "", "", "one row a servo tick; tick numbers jump where ticks were lost"});
-        row({"ticks", "interval", "integer", "1", "of a trial with two things to feel: 1 or 2"});
+        row({"ticks", "", "", "", "one row a servo tick, in the object's frame", ""});
+        for (const ExportColumn& key : tick_keys()) {
+            row({"ticks", key.name, key.type, key.unit, key.meaning, key.levels});
+        }
         for (const TraceColumn& column : trace_columns()) {
             row({"ticks", column.name, column.type.starts_with('f') ? "real" : "integer",
-                 column.unit, "as the table trace_column of the file has it"});
+                 column.unit, column.meaning, ""});
         }
     }
     file.close();
@@ -66,21 +70,22 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
 
 std::string words(const Selection& selection, const ExportOptions& options) {
     return fmt::format(
-        "Exported by palpate: {} sessions, kind {}.\n"
+        "Exported by palpate: {}, kind {}.\n"
         "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
         "are\n"
         "subject, study, session, trial. Text is UTF-8; an empty field: not known or not so. "
         "Numbers read\n"
         "back to the same bits in C, Python and R.\n{}{}",
-        selection.sessions().size(), options.kind,
+        protocols::counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
                           "not know them.\n"
                         : "De-identified: codes, operators, wall clock, notes and details of "
                           "participants left out.\n",
         selection.without_consent() == 0
             ? ""
-            : fmt::format("{} participants who do not consent are left out.\n",
-                          selection.without_consent()));
+            : protocols::counted(selection.without_consent(),
+                                 "participant who does not consent is left out.\n",
+                                 "participants who do not consent are left out.\n"));
 }
 
 void write_rows(Statement row,
@@ -132,8 +137,8 @@ void write_ticks(Database& database,
                  const ChosenSession& session,
                  const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::csv);
-    for (const char* name : {"subject", "study", "session", "trial", "interval"}) {
-        file.text(name);
+    for (const ExportColumn& key : tick_keys()) {
+        file.text(key.name);
     }
     for (const TraceColumn& column : trace_columns()) {
         file.text(column.name);

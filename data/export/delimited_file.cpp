@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kPending = std::size_t{1} << 16U;
 
-std::string quoted(std::string_view value) {
+std::string in_quotes(std::string_view value) {
     std::string out = "\"";
     for (const char c : value) {
         out += c == '"' ? "\"\"" : std::string(1, c);
@@ -62,9 +62,10 @@ void DelimitedFile::raw(std::string_view value) {
 
 void DelimitedFile::text(std::string_view value) {
     if (style_ == Delimited::tsv) {
-        raw(value.empty() ? "n/a" : one_line(value));
+        const std::string line = value.empty() ? "n/a" : one_line(value);
+        raw(line.find('"') == std::string::npos ? line : in_quotes(line));
     } else if (value.find_first_of(",\"\r\n") != std::string_view::npos || value.empty()) {
-        raw(quoted(value));
+        raw(in_quotes(value));
     } else {
         raw(value);
     }

@@ -10,7 +10,8 @@
 namespace palpate::data {
 
 /// How a table is written. csv: RFC 4180 with "\n", nothing for what is not there. tsv: BIDS' (common
-/// principles, tabular files), n/a for what is not there, and tabs and line ends of texts become spaces.
+/// principles, tabular files), n/a for what is not there, tabs and line ends of texts become spaces, and
+/// a text with quotation marks is quoted as in csv.
 enum class Delimited : std::uint8_t { csv, tsv };
 
 /// A table of text, row by row. A name that ends in .gz is compressed, the same bytes for the same rows.

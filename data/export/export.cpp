@@ -58,7 +58,7 @@ Exported export_file(const std::string& file,
             export_procedures(copy.database(), selection, options, built.path());
             break;
     }
-    built.keep();
+    built.keep(options.details || options.keep_codes);
     return {selection.sessions().size(), selection.without_consent()};
 }
 

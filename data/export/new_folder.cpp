@@ -58,12 +58,14 @@ NewFolder::~NewFolder() {
     }
 }
 
-void NewFolder::keep() {
+void NewFolder::keep(bool own) {
     for (const auto& entry : std::filesystem::recursive_directory_iterator(building_)) {
         require_synced(entry.path());
     }
     require_synced(building_);
-    chmod(building_.c_str(), usual_rights());
+    if (!own) {
+        chmod(building_.c_str(), usual_rights());
+    }
     std::error_code failed;
     std::filesystem::rename(building_, place_, failed);
     if (failed) {

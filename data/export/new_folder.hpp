@@ -17,7 +17,8 @@ public:
 
     /// Where to write until keep().
     [[nodiscard]] const std::filesystem::path& path() const { return building_; }
-    void keep();
+    /// @param own  nobody but its owner may look inside
+    void keep(bool own = false);
 
 private:
     std::filesystem::path place_;

@@ -7,9 +7,8 @@
 namespace palpate::data {
 
 /// The tables of export_csv() as Parquet files (zstd), ticks of all trials in one ticks.parquet, through
-/// DuckDB's C library, which is looked for when this is called: $PALPATE_DUCKDB, or libduckdb.so where the
-/// system keeps libraries. columns.csv and README.txt stay beside them.
-/// @throws std::invalid_argument if there is no such library: says where to get it
+/// DuckDB (duckdb.hpp). columns.csv and README.txt stay beside them.
+/// @throws std::invalid_argument if its library is not there: says where to get it
 void export_parquet(Database& database,
                     const Selection& selection,
                     const ExportOptions& options,

@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
+#include "data/export/table_sql.hpp"
 #include "data/report/text_file.hpp"
 #include "data/trace/columns.hpp"
 
@@ -19,13 +21,21 @@ std::string stem_of(const ChosenSession& session) {
                        session.number);
 }
 
-std::string variable(std::string_view name, std::string_view meaning, std::string_view unit) {
-    JsonMembers words{{"@type", json_string("PropertyValue")}, {"name", json_string(name)}};
-    if (!meaning.empty()) {
-        words.emplace_back("description", json_string(meaning));
+/// A column in schema.org's words: unitText is its unit, valuePattern a regular expression of its levels.
+std::string variable(const ExportColumn& column) {
+    JsonMembers words{{"@type", json_string("PropertyValue")}, {"name", json_string(column.name)}};
+    std::string meaning(column.meaning);
+    std::string pattern;
+    for (const auto& [level, what] : levels_of(column)) {
+        meaning += fmt::format("{}{}: {}", pattern.empty() ? ". " : "; ", level, what);
+        pattern += fmt::format("{}{}", pattern.empty() ? "" : "|", level);
     }
-    if (!unit.empty() && unit != "1") {
-        words.emplace_back("unitText", json_string(unit));
+    words.emplace_back("description", json_string(meaning));
+    if (!column.unit.empty() && column.unit != "1") {
+        words.emplace_back("unitText", json_string(column.unit));
+    }
+    if (!pattern.empty()) {
+        words.emplace_back("valuePattern", json_string(pattern));
     }
     return json_object(words);
 }
@@ -33,16 +43,22 @@ std::string variable(std::string_view name, std::string_view meaning, std::strin
 std::string variables(const ExportOptions& options) {
     std::vector<std::string> all;
     std::set<std::string_view> named;
-    for (const ExportColumn& column : visible_columns(export_table("trials"), options.details)) {
-        all.push_back(variable(column.name, column.meaning, column.unit));
-        named.insert(column.name);
+    const auto add = [&](const ExportColumn& column) {
+        if (named.insert(column.name).second) {
+            all.push_back(variable(column));
+        }
+    };
+    for (const char* table : {"trials", "participants"}) {
+        for (const ExportColumn& column : visible_columns(export_table(table), options.details)) {
+            add(column);
+        }
     }
-    if (options.traces && named.insert("interval").second) {
-        all.push_back(variable("interval", "of a trial with two things to feel: 1 or 2", ""));
-    }
-    for (const TraceColumn& column : trace_columns()) {
-        if (options.traces && named.insert(column.name).second) {
-            all.push_back(variable(column.name, "of a servo tick", column.unit));
+    if (options.traces) {
+        for (const ExportColumn& key : tick_keys()) {
+            add(key);
+        }
+        for (const TraceColumn& column : trace_columns()) {
+            add({column.name, "", column.unit, column.meaning, ""});
         }
     }
     return json_array(all);
@@ -57,18 +73,28 @@ void export_psych_ds(Database& database,
     const fs::path data = folder / "data";
     fs::create_directory(data);
     const auto description = fmt::format(
-        "Felt shape: choices of {} sessions (kind {}), written by palpate, one row an attempt at a "
+        "Felt shape: choices of {} (kind {}), written by palpate, one row an attempt at a "
         "trial. "
         "SI units.{}",
-        selection.sessions().size(), options.kind, options.details ? "" : " De-identified.");
+        protocols::counted(selection.sessions().size(), "session"), options.kind,
+        options.details ? "" : " De-identified.");
     write_text_file(folder / "dataset_description.json",
                     json_object({{"@context", json_string("http://schema.org/")},
                                  {"@type", json_string("Dataset")},
-                                 {"name", json_string(selection.sessions().front().title)},
+                                 {"name", json_string(selection.titles())},
                                  {"description", json_string(description)},
                                  {"variableMeasured", variables(options)}}) +
                         "\n");
-    write_text_file(folder / "README.md", description + "\n");
+    write_text_file(
+        folder / "README.md",
+        fmt::format(
+            "{}\n\nIn data/, subject, study, session and trial name a row{}. An empty field: not "
+            "known or not so.\nAuthors, licence and citation are not known to palpate: add "
+            "them to dataset_description.json.\n",
+            description,
+            options.traces ? "; in files with description-ticks, interval and tick as well" : ""));
+    write_table(database, export_table("participants"), options,
+                data / "description-participants_data.csv");
     const ExportTable& trials = export_table("trials");
     for (const ChosenSession& session : selection.sessions()) {
         const std::string stem = stem_of(session);

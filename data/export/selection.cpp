@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/sha256.hpp"
 
 namespace palpate::data {
@@ -63,6 +64,14 @@ Selection::Selection(Database& database, const ExportOptions& options)
         " FROM trial WHERE session IN (SELECT session FROM chosen);");
 }
 
+std::string Selection::titles() const {
+    std::set<std::string_view> titles;
+    for (const ChosenSession& session : sessions_) {
+        titles.insert(session.title);
+    }
+    return fmt::format("{}", fmt::join(titles, "; "));
+}
+
 void Selection::choose(const std::string& kind) {
     constexpr std::string_view kOfKind = "SELECT count(*) FROM session WHERE ?1 IN ('all', kind)";
     constexpr std::string_view kRefused =
@@ -77,13 +86,14 @@ void Selection::choose(const std::string& kind) {
         .bind(1, std::string_view(kind))
         .run();
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
-        throw std::invalid_argument(
-            fmt::format("there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
-                        "simulated, and "
-                        "{} participants do not consent; --kind chooses",
-                        kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
-                        count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
-                        count(database_, kOfKind, "simulated"), without_consent_));
+        throw std::invalid_argument(fmt::format(
+            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
+            "simulated, and "
+            "{} not consent; --kind chooses",
+            kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
+            count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
+            count(database_, kOfKind, "simulated"),
+            protocols::counted(without_consent_, "participant does", "participants do")));
     }
 }
 

@@ -41,6 +41,8 @@ public:
     Selection(Database& database, const ExportOptions& options);
     [[nodiscard]] const std::vector<ChosenSession>& sessions() const { return sessions_; }
     [[nodiscard]] std::int64_t without_consent() const { return without_consent_; }
+    /// The studies' titles, each once: "One; Another".
+    [[nodiscard]] std::string titles() const;
 
 private:
     void choose(const std::string& kind);

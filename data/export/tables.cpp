@@ -8,16 +8,37 @@
 namespace palpate::data {
 namespace {
 
+// The servo's clock runs since the machine was switched on: its reading would tell in which order people
+// came. The session's first attempt is its zero instead.
+#define PALPATE_FIRST                                                         \
+    "(SELECT started_ns FROM trial AS first WHERE first.session = session.id" \
+    " AND started_ns IS NOT NULL ORDER BY first.id LIMIT 1)"
+
 constexpr ExportColumn kSubject{"subject", "text", "",
                                 "the participant: sub-001 and on, in an order that says nothing",
                                 "chosen.subject"};
 constexpr ExportColumn kStudy{"study", "text", "", "the study, as in sessions", "chosen.label"};
 constexpr ExportColumn kSession{"session", "integer", "1", "the participant's session of the study",
                                 "session.number"};
-constexpr ExportColumn kKind{"kind", "text", "", "real, pilot or simulated", "session.kind"};
+constexpr std::string_view kYesNo = "0 = no; 1 = yes";
+constexpr std::string_view kPhases =
+    "practice = before the main trials, not to be analysed; main = the study; catch = among the"
+    " main ones, an object that no picture shows";
+constexpr std::string_view kSure =
+    "1 = a guess; 2 = nearer to a guess; 3 = nearer to sure; 4 = sure";
+constexpr std::string_view kKinds =
+    "real = a session of the study; pilot = to try it; simulated = computed hand and answers";
+constexpr ExportColumn kKind{"kind",         "text", "",    "what the session is",
+                             "session.kind", false,  kKinds};
 constexpr ExportColumn kTrial{"trial", "integer", "1",
                               "attempts at trials of the session, counted from 1 in the order run",
                               "numbered.number"};
+
+constexpr ExportColumn kRunName{"run_name", "text", "", "of a rule that chooses: which run",
+                                "adaptive_plan.run_name"};
+constexpr ExportColumn kComparison{"comparison", "integer", "1",
+                                   "the interval with the rule's stimulus",
+                                   "adaptive_plan.comparison"};
 
 constexpr std::array kParticipants{
     kSubject,
@@ -25,7 +46,7 @@ constexpr std::array kParticipants{
                  "participant.handedness"},
     ExportColumn{"sessions", "integer", "1", "sessions in this export", "count(*)"},
     ExportColumn{"consent", "integer", "1", "1: consent to take part was noted",
-                 "participant.consent"},
+                 "participant.consent", false, kYesNo},
     ExportColumn{"consent_utc", "text", "", "when that was noted", "participant.consent_utc", true},
 };
 
@@ -42,7 +63,8 @@ constexpr std::array kSessions{
     kKind,
     ExportColumn{"day", "integer", "d", "days since the participant's first session here",
                  "chosen.day"},
-    ExportColumn{"finished", "integer", "1", "1: all planned trials were run", "session.finished"},
+    ExportColumn{"finished", "integer", "1", "1: all planned trials were run", "session.finished",
+                 false, kYesNo},
     ExportColumn{"study_name", "text", "", "the protocol's id", "study.name"},
     ExportColumn{"study_title", "text", "", "the protocol's title", "study.title"},
     ExportColumn{"protocol_sha256", "text", "", "SHA-256 of the protocol's canonical text",
@@ -77,7 +99,7 @@ constexpr std::array kPlan{
     kStudy,
     kSession,
     ExportColumn{"position", "integer", "1", "place in the plan, from 0", "plan.position"},
-    ExportColumn{"phase", "text", "", "practice, main or catch", "plan.phase"},
+    ExportColumn{"phase", "text", "", "part of the session", "plan.phase", false, kPhases},
     ExportColumn{"block", "integer", "1", "block of the main phase; 0 in practice", "plan.block"},
     ExportColumn{"object", "text", "", "what was presented", "plan.object"},
     ExportColumn{"curvature_per_m", "real", "1/m", "> 0 convex, 0 straight, < 0 concave",
@@ -85,7 +107,8 @@ constexpr std::array kPlan{
     ExportColumn{"friction", "text", "", "friction condition", "plan.friction"},
     ExportColumn{"mu_s", "real", "1", "static coefficient of friction", "plan.mu_s"},
     ExportColumn{"mu_d", "real", "1", "dynamic coefficient of friction", "plan.mu_d"},
-    ExportColumn{"break_before", "integer", "1", "1: a break came before it", "plan.break_before"},
+    ExportColumn{"break_before", "integer", "1", "1: a break came before it", "plan.break_before",
+                 false, kYesNo},
 };
 
 constexpr std::array kPictures{
@@ -104,7 +127,7 @@ constexpr std::array kTrials{
     kTrial,
     ExportColumn{"position", "integer", "1", "place in the plan, from 0", "trial.position"},
     ExportColumn{"attempt", "integer", "1", "attempts at this position, from 1", "trial.attempt"},
-    ExportColumn{"phase", "text", "", "practice, main or catch", "plan.phase"},
+    ExportColumn{"phase", "text", "", "part of the session", "plan.phase", false, kPhases},
     ExportColumn{"block", "integer", "1", "block of the main phase; 0 in practice", "plan.block"},
     ExportColumn{"object", "text", "", "what was presented", "plan.object"},
     ExportColumn{"curvature_per_m", "real", "1/m", "> 0 convex, 0 straight, < 0 concave",
@@ -112,11 +135,13 @@ constexpr std::array kTrials{
     ExportColumn{"friction", "text", "", "friction condition", "plan.friction"},
     ExportColumn{"mu_s", "real", "1", "static coefficient of friction", "plan.mu_s"},
     ExportColumn{"mu_d", "real", "1", "dynamic coefficient of friction", "plan.mu_d"},
-    ExportColumn{"outcome", "text", "",
-                 "complete, timed_out (both answered), aborted, interrupted, faulted, running",
-                 "trial.outcome"},
+    ExportColumn{
+        "outcome", "text", "", "how the attempt ended", "trial.outcome", false,
+        "complete = answered; timed_out = answered after the time to explore was over; "
+        "aborted = the experimenter ended it; interrupted = the program or machine stopped; "
+        "faulted = the force went off by itself; running = not ended when exported"},
     ExportColumn{"counts", "integer", "1", "1: answered, and the answer counts",
-                 "response.trial IS NOT NULL AND trial.invalid IS NULL"},
+                 "response.trial IS NOT NULL AND trial.invalid IS NULL", false, kYesNo},
     ExportColumn{"invalid", "text", "",
                  "why the answer does not count; \"marked\": somebody said so",
                  "iif(EXISTS (SELECT 1 FROM event WHERE event.trial = trial.id AND event.kind ="
@@ -126,11 +151,17 @@ constexpr std::array kTrials{
     ExportColumn{"fault", "text", "", "why the force went off", "trial.fault"},
     ExportColumn{"choice", "text", "", "the answer: the object of the picture chosen",
                  "response.object"},
-    ExportColumn{"correct", "integer", "1", "1: the choice is the object", "response.correct"},
+    ExportColumn{"correct", "integer", "1", "1: the choice is the object", "response.correct",
+                 false, kYesNo},
     ExportColumn{"answer", "integer", "1",
                  "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
                  "response.answer"},
-    ExportColumn{"confidence", "integer", "1", "1 a guess to 4 sure", "response.confidence"},
+    ExportColumn{"confidence", "integer", "1", "how sure", "response.confidence", false, kSure},
+    kRunName,
+    kComparison,
+    ExportColumn{"stimulus", "real", "", "what the rule chose for it, in the protocol's unit",
+                 "(SELECT stimulus FROM presentation WHERE presentation.trial = trial.id AND"
+                 " presentation.interval = adaptive_plan.comparison)"},
     ExportColumn{"first_contact_s", "real", "s", "first tick to first contact",
                  "trial.first_contact_s"},
     ExportColumn{"done_s", "real", "s", "first tick to done", "trial.done_s"},
@@ -173,7 +204,12 @@ constexpr std::array kTrials{
                  "trial.slip_decay"},
     ExportColumn{"heal_decay", "real", "1", "exp(-T/tau_heal) as computed on that machine",
                  "trial.heal_decay"},
-    ExportColumn{"started_ns", "integer", "ns", "begin, on the servo's clock", "trial.started_ns"},
+    ExportColumn{
+        "since_first_ns", "integer", "ns",
+        "begin, since the session's first attempt began; a restart of the rig sets the clock back",
+        "trial.started_ns - " PALPATE_FIRST},
+    ExportColumn{"started_ns", "integer", "ns", "begin, on the servo's clock", "trial.started_ns",
+                 true},
     ExportColumn{"started_utc", "text", "", "begin, wall clock", "trial.started_utc", true},
     ExportColumn{"ended_utc", "text", "", "end, wall clock", "trial.ended_utc", true},
 };
@@ -185,7 +221,8 @@ constexpr std::array kResponses{
     kTrial,
     ExportColumn{"place", "integer", "1", "place of the picture chosen, from 0", "response.place"},
     ExportColumn{"object", "text", "", "the object of that picture", "response.object"},
-    ExportColumn{"correct", "integer", "1", "1: it is the object presented", "response.correct"},
+    ExportColumn{"correct", "integer", "1", "1: it is the object presented", "response.correct",
+                 false, kYesNo},
     ExportColumn{"reaction_s", "real", "s", "pictures shown to answer", "response.reaction_s"},
     ExportColumn{"uncertainty_s", "real", "s", "how late the answer may have been seen",
                  "response.uncertainty_s"},
@@ -193,7 +230,7 @@ constexpr std::array kResponses{
     ExportColumn{"answer", "integer", "1",
                  "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
                  "response.answer"},
-    ExportColumn{"confidence", "integer", "1", "1 a guess to 4 sure", "response.confidence"},
+    ExportColumn{"confidence", "integer", "1", "how sure", "response.confidence", false, kSure},
     ExportColumn{"confidence_reaction_s", "real", "s", "scale shown to confidence",
                  "response.confidence_reaction_s"},
 };
@@ -239,9 +276,8 @@ constexpr std::array kSteps{
     kTrial,
     ExportColumn{"run", "integer", "1", "one rule with its own answers, from 0",
                  "adaptive_plan.run"},
-    ExportColumn{"run_name", "text", "", "its name", "adaptive_plan.run_name"},
-    ExportColumn{"comparison", "integer", "1", "the interval with the rule's stimulus",
-                 "adaptive_plan.comparison"},
+    kRunName,
+    kComparison,
     ExportColumn{"standard_friction", "text", "", "friction of the other interval",
                  "adaptive_plan.standard_friction"},
     ExportColumn{"outcome", "integer", "1", "as the rule took it: 1 the comparison was named",
@@ -267,9 +303,16 @@ constexpr std::array kEvents{
                  " 'interrupted'), event.text, NULL)"},
     ExportColumn{"words", "text", "", "the same, with notes, names and versions", "event.text",
                  true},
-    ExportColumn{"at_ns", "integer", "ns", "on the clock of the trials' started_ns", "event.at_ns"},
+    ExportColumn{"since_first_ns", "integer", "ns", "as in trials; < 0: before the first attempt",
+                 "event.at_ns - " PALPATE_FIRST},
+    ExportColumn{"at_ns", "integer", "ns", "on the clock of the trials' started_ns", "event.at_ns",
+                 true},
     ExportColumn{"at_utc", "text", "", "wall clock", "event.at_utc", true},
 };
+
+constexpr std::array kTickKeys{
+    kSubject, kStudy, kSession, kTrial,
+    ExportColumn{"interval", "integer", "1", "of a trial with two things to feel: 1 or 2", ""}};
 
 constexpr std::string_view kJoined =
     "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study"
@@ -304,7 +347,9 @@ constexpr std::array kTables{
                 PALPATE_SESSIONS
                 " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
                 " trial.id JOIN plan ON plan.session = session.id AND plan.position ="
-                " trial.position LEFT JOIN response ON response.trial = trial.id",
+                " trial.position LEFT JOIN response ON response.trial = trial.id LEFT JOIN"
+                " adaptive_plan ON adaptive_plan.session = session.id AND adaptive_plan.position ="
+                " trial.position",
                 "chosen.subject, chosen.label, session.number, trial.id", kTrials},
     ExportTable{"responses", "one row an answer",
                 PALPATE_SESSIONS
@@ -329,11 +374,16 @@ constexpr std::array kTables{
                 "chosen.subject, chosen.label, session.number, event.id", kEvents},
 };
 #undef PALPATE_SESSIONS
+#undef PALPATE_FIRST
 
 }  // namespace
 
 std::span<const ExportTable> export_tables() noexcept {
     return kTables;
+}
+
+std::span<const ExportColumn> tick_keys() noexcept {
+    return kTickKeys;
 }
 
 const ExportTable& export_table(std::string_view name) {
@@ -343,27 +393,6 @@ const ExportTable& export_table(std::string_view name) {
         }
     }
     throw std::logic_error(fmt::format("there is no table {}", name));
-}
-
-std::vector<ExportColumn> visible_columns(const ExportTable& table, bool details) {
-    std::vector<ExportColumn> columns;
-    for (const ExportColumn& column : table.columns) {
-        if (details || !column.detail) {
-            columns.push_back(column);
-        }
-    }
-    return columns;
-}
-
-std::string select_sql(const ExportTable& table,
-                       std::span<const ExportColumn> columns,
-                       std::string_view where) {
-    std::string names;
-    for (const ExportColumn& column : columns) {
-        names += fmt::format("{}{} AS {}", names.empty() ? "" : ", ", column.sql, column.name);
-    }
-    return fmt::format("SELECT {} FROM {}{}{} ORDER BY {}", names, table.from,
-                       where.empty() ? "" : " WHERE ", where, table.order);
 }
 
 }  // namespace palpate::data

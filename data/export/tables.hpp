@@ -1,9 +1,7 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <string_view>
-#include <vector>
 
 namespace palpate::data {
 
@@ -15,6 +13,8 @@ struct ExportColumn {
     std::string_view meaning;
     std::string_view sql;
     bool detail = false;  ///< only with details: it can tell who somebody is, when and where
+    std::string_view levels =
+        {};  ///< of a fixed set of words: "real = a session of the study; ..."
 };
 
 struct ExportTable {
@@ -30,12 +30,7 @@ struct ExportTable {
 [[nodiscard]] std::span<const ExportTable> export_tables() noexcept;
 [[nodiscard]] const ExportTable& export_table(std::string_view name);
 
-/// The columns of a table that a reader may see.
-[[nodiscard]] std::vector<ExportColumn> visible_columns(const ExportTable& table, bool details);
-
-/// SELECT of these columns. @param where  of one session, e.g. "chosen.session = ?1"; empty: all
-[[nodiscard]] std::string select_sql(const ExportTable& table,
-                                     std::span<const ExportColumn> columns,
-                                     std::string_view where = {});
+/// What a row of ticks begins with: whose they are. The sql is not used.
+[[nodiscard]] std::span<const ExportColumn> tick_keys() noexcept;
 
 }  // namespace palpate::data

@@ -1,6 +1,7 @@
 #include "data/extension/part_chunks.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -27,6 +28,20 @@ void fail(const TrialPart& part, const std::string& why) {
                     part.interval, why));
 }
 
+std::span<const engine::TickRecord> ticks_in(std::span<const engine::TickRecord> ticks,
+                                             const TickRange& range) noexcept {
+    const auto early = [&range](const engine::TickRecord& tick) {
+        return tick.tick < range.first || static_cast<double>(tick.time_ns) * 1e-9 < range.from_s;
+    };
+    const auto inside = [&range](const engine::TickRecord& tick) {
+        return tick.tick <= range.last && static_cast<double>(tick.time_ns) * 1e-9 <= range.to_s;
+    };
+    auto first = std::partition_point(ticks.begin(), ticks.end(), early);
+    const auto last = std::partition_point(first, ticks.end(), inside);
+    first -= first == ticks.begin() ? 0 : 1;
+    return {first, last};
+}
+
 PartChunks::PartChunks(sqlite3* db, bool old, const TrialPart& part)
     : part_(part),
       rows_(db,
@@ -34,11 +49,46 @@ PartChunks::PartChunks(sqlite3* db, bool old, const TrialPart& part)
                 (old ? "0, '', 0" : "period_ns, holds, derived") +
                 ", data FROM main.trace_chunk WHERE trial = ?1" + interval_of(old) +
                 " AND first_tick = ?3") {
-    Query heads(db, "SELECT first_tick FROM main.trace_chunk WHERE trial = ?1" + interval_of(old) +
-                        " ORDER BY first_tick");
+    Query heads(db, "SELECT first_tick, ticks FROM main.trace_chunk WHERE trial = ?1" +
+                        interval_of(old) + " ORDER BY first_tick");
     heads.bind(1, part.trial).bind(2, part.interval);
+    std::vector<std::int64_t> counts;
     while (heads.step()) {
         first_ticks_.push_back(heads.integer(0));
+        counts.push_back(heads.integer(1));
+    }
+    require_all(db, old, counts);
+}
+
+void PartChunks::require_all(sqlite3* db, bool old, const std::vector<std::int64_t>& counts) {
+    Query told(db, std::string("SELECT session.id, rate_hz, ") +
+                       (old ? "trial.ticks FROM main.trial"
+                            : "felt.ticks FROM main.trial JOIN main.presentation AS felt"
+                              " ON felt.trial = trial.id AND felt.interval = ?2") +
+                       " JOIN main.session ON session.id = trial.session WHERE trial.id = ?1" +
+                       (old ? " AND ?2 = 1" : ""));
+    if (!told.bind(1, part_.trial).bind(2, part_.interval).step()) {
+        fail(part_, "it has ticks, but no row in trial and presentation");
+    }
+    period_ns_ = static_cast<std::int64_t>(std::floor(1e9 / told.real(1) + 0.5));
+    std::int64_t next = 0;
+    std::string missing;
+    for (std::size_t i = 0; i < counts.size() && missing.empty(); ++i) {
+        if (first_ticks_[i] != next) {
+            missing = fmt::format("a chunk begins with tick {} where tick {} belongs",
+                                  first_ticks_[i], next);
+        }
+        next += counts[i];
+    }
+    if (missing.empty() && told.integer(2) > next) {  // NULL, of a trial that did not end, is 0
+        missing = fmt::format("ticks {} to {} are missing", next, told.integer(2) - 1);
+    }
+    if (missing.empty()) {
+        return;
+    }
+    Query lost(db, "SELECT 1 FROM main.event WHERE session = ?1 AND kind = 'ticks lost'");
+    if (!lost.bind(1, told.integer(0)).step()) {
+        fail(part_, missing);
     }
 }
 
@@ -63,6 +113,10 @@ PartChunk PartChunks::at(std::size_t i) {
     rows_.reset();
     if (chunk.view.ticks == 0) {
         throw TraceError(fmt::format("the chunk of tick {} has no ticks", first_ticks_[i]));
+    }
+    if (chunk.view.codec != kTraceCodec && chunk.view.period_ns != period_ns_) {
+        throw TraceError(fmt::format("the chunk of tick {} has a period of {} ns, not {}",
+                                     first_ticks_[i], chunk.view.period_ns, period_ns_));
     }
     return chunk;
 }

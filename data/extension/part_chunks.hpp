@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <new>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,9 +23,13 @@ struct PartChunk {
 };
 
 /// Rows of trace_chunk of one part, in the order of their ticks, read when they are asked for.
+///
+/// Checksums see nothing outside the columns' bytes: that a chunk is of this trial, in its place and of this
+/// servo is what the other chunks and the rows of trial, presentation and session say.
 class PartChunks {
 public:
     /// @param old  a file from before schema 5
+    /// @throws SampleError if ticks are missing, but not where the session says that some were lost
     PartChunks(sqlite3* db, bool old, const TrialPart& part);
 
     [[nodiscard]] std::size_t size() const noexcept { return first_ticks_.size(); }
@@ -33,8 +38,11 @@ public:
     [[nodiscard]] PartChunk at(std::size_t i);
 
 private:
+    void require_all(sqlite3* db, bool old, const std::vector<std::int64_t>& counts);
+
     TrialPart part_;
     Query rows_;
+    std::int64_t period_ns_ = 0;
     std::vector<std::int64_t> first_ticks_;
 };
 
@@ -60,13 +68,8 @@ auto of_part(const TrialPart& part, const Work& work) {
                                 : static_cast<double>(steps) / kCommandSteps;
 }
 
-/// The command to these steps, whatever else of the tick is exact: a query gives the same number for it
-/// with and without a replay.
-inline void command_in_steps(std::vector<engine::TickRecord>& ticks) noexcept {
-    for (engine::TickRecord& tick : ticks) {
-        tick.command = {steps_in_newton(in_steps(tick.command.x, kCommandSteps)),
-                        steps_in_newton(in_steps(tick.command.y, kCommandSteps))};
-    }
-}
+/// Those of the range and the one before, which velocities need. Numbers and times never go back.
+[[nodiscard]] std::span<const engine::TickRecord> ticks_in(
+    std::span<const engine::TickRecord> ticks, const TickRange& range) noexcept;
 
 }  // namespace palpate::data

@@ -14,7 +14,7 @@ void SampleCursor::start(const SampleScan& scan) {
     blocks_.reset();
     merged_.reset();
     next_part_ = 0;
-    parts_ = scan.nothing ? std::vector<TrialPart>() : store_->parts(scan.trial);
+    parts_ = scan.nothing ? std::vector<TrialPart>() : store_->parts(scan.trials);
     std::erase_if(parts_, [&scan](const TrialPart& part) {
         return scan.interval && part.interval != *scan.interval;
     });

@@ -14,8 +14,8 @@ namespace palpate::data {
 /// What one scan of `sample` is to give.
 struct SampleScan {
     SampleColumns columns = 0;
-    std::optional<std::int64_t> trial;     ///< only this one
-    std::optional<std::int64_t> interval;  ///< only this one
+    TrialRange trials{};
+    std::optional<std::int64_t> interval{};  ///< only this one
     TickRange range{};
     bool by_time = false;  ///< within a trial by t_s, also where it has two intervals
     bool by_tick = false;  ///< the same by tick

@@ -1,17 +1,15 @@
 #include "data/extension/sample_module.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
-#include <cmath>
 #include <memory>
 #include <string>
 
-#include <fmt/format.h>
 #include <sqlite3ext.h>
 
 #include "data/extension/functions.hpp"
-#include "data/extension/sample_cursor.hpp"
+#include "data/extension/part_chunks.hpp"
+#include "data/extension/query.hpp"
+#include "data/extension/sample_scan.hpp"
 
 SQLITE_EXTENSION_INIT3
 
@@ -67,84 +65,8 @@ int disconnect(sqlite3_vtab* table) {
     return SQLITE_OK;
 }
 
-/// One letter for each value given to filter(), in order.
-char letter(int column, unsigned char op) {
-    const bool equal = op == SQLITE_INDEX_CONSTRAINT_EQ;
-    const bool above = op == SQLITE_INDEX_CONSTRAINT_GT || op == SQLITE_INDEX_CONSTRAINT_GE;
-    const bool below = op == SQLITE_INDEX_CONSTRAINT_LT || op == SQLITE_INDEX_CONSTRAINT_LE;
-    switch (static_cast<SampleColumn>(column)) {
-        case SampleColumn::trial_id:
-            return equal ? 'T' : '\0';
-        case SampleColumn::interval:
-            return equal ? 'I' : '\0';
-        case SampleColumn::tick:
-            return equal ? 'k' : above ? 'a' : below ? 'b' : '\0';
-        case SampleColumn::t_s:
-            return equal ? 's' : above ? 'f' : below ? 't' : '\0';
-        default:
-            return '\0';
-    }
-}
-
-/// How the rows come by themselves: trial_id, interval, tick or t_s; or the trial's intervals merged.
-/// @return '\0' if they do not, else 'n', or 'm' (by time) or 'M' (by tick) for merged
-char order_of(const sqlite3_index_info& info, const std::string& letters) {
-    const bool one_trial = letters.find('T') != std::string::npos;
-    const bool one_interval = letters.find('I') != std::string::npos;
-    int next = one_trial ? 1 : 0;  // how many of trial_id, interval, tick are in order so far
-    bool merged = false;
-    char by = 'n';
-    for (int i = 0; i < info.nOrderBy; ++i) {
-        const auto column = static_cast<SampleColumn>(info.aOrderBy[i].iColumn);
-        if (info.aOrderBy[i].desc != 0 || next > 2) {
-            return '\0';
-        }
-        if (column == SampleColumn::trial_id && (next == 0 || one_trial)) {
-            next = std::max(next, 1);
-        } else if (column == SampleColumn::interval && !merged && (next == 1 || one_interval)) {
-            next = std::max(next, next == 0 ? 0 : 2);
-        } else if ((column == SampleColumn::t_s || column == SampleColumn::tick) && next >= 1) {
-            merged = next == 1 && !one_interval;
-            by = !merged ? 'n' : column == SampleColumn::t_s ? 'm' : 'M';
-            next = 3;
-        } else {
-            return '\0';
-        }
-    }
-    return by;
-}
-
-int best_index(sqlite3_vtab* /*table*/, sqlite3_index_info* info) {
-    std::string letters;
-    for (int i = 0; i < info->nConstraint; ++i) {
-        const auto& constraint = info->aConstraint[i];
-        const char one = letter(constraint.iColumn, constraint.op);
-        if (constraint.usable == 0 || one == '\0' ||
-            (std::isupper(static_cast<unsigned char>(one)) != 0 &&
-             letters.find(one) != std::string::npos)) {
-            continue;
-        }
-        letters += one;
-        info->aConstraintUsage[i].argvIndex = static_cast<int>(letters.size());
-        // filter() compares trial and interval as SQLite does; ranges only leave out chunks.
-        info->aConstraintUsage[i].omit = one == 'T' || one == 'I' ? 1 : 0;
-    }
-    const char order = order_of(*info, letters);
-    info->orderByConsumed = info->nOrderBy > 0 && order != '\0' ? 1 : 0;
-    const bool one_trial = letters.find('T') != std::string::npos;
-    const bool one_tick = letters.find('k') != std::string::npos;
-    const bool narrow = letters.find_first_of("abfts") != std::string::npos;
-    // 30 s at 1 kHz; a trial by its id is found in an index. All trials: dear enough that a join asks for
-    // one trial after the other.
-    constexpr double kTrial = 3e4;
-    constexpr double kAll = 1e12;
-    const double rows = one_tick ? 1.0 : narrow ? 0.25 * kTrial : kTrial;
-    info->estimatedRows = static_cast<sqlite3_int64>(one_trial ? rows : 1e4 * rows);
-    info->estimatedCost = one_trial ? 100.0 + rows : kAll;
-    info->idxStr = sqlite3_mprintf("%llx %c%s", static_cast<unsigned long long>(info->colUsed),
-                                   info->orderByConsumed != 0 ? order : 'n', letters.c_str());
-    info->needToFreeIdxStr = 1;
-    return info->idxStr == nullptr ? SQLITE_NOMEM : SQLITE_OK;
+int best_index(sqlite3_vtab* table, sqlite3_index_info* info) {
+    return guarded(table, [info] { choose_scan(*info); });
 }
 
 int open_cursor(sqlite3_vtab* table, sqlite3_vtab_cursor** cursor) {
@@ -158,70 +80,14 @@ int close_cursor(sqlite3_vtab_cursor* cursor) {
     return SQLITE_OK;
 }
 
-/// The whole number that an INTEGER column could equal; none for NULL, text, fractions.
-std::optional<std::int64_t> equal_to(sqlite3_value* value) {
-    const int type = sqlite3_value_numeric_type(value);
-    if (type == SQLITE_INTEGER) {
-        return sqlite3_value_int64(value);
-    }
-    const double real = sqlite3_value_double(value);
-    constexpr double kWhole = 9e15;
-    if (type == SQLITE_FLOAT && std::fabs(real) < kWhole && std::floor(real) == real) {
-        return static_cast<std::int64_t>(real);
-    }
-    return std::nullopt;
-}
-
-/// Narrows the scan by one constraint. Bounds are widened to inclusive ones: SQLite looks again.
-void narrow(SampleScan& scan, char one, sqlite3_value* value) {
-    const int type = sqlite3_value_numeric_type(value);
-    if (one == 'T' || one == 'I') {
-        auto& only = one == 'T' ? scan.trial : scan.interval;
-        only = equal_to(value);
-        scan.nothing = scan.nothing || !only;
-        return;
-    }
-    if (type == SQLITE_NULL) {
-        scan.nothing = true;
-        return;
-    }
-    if (type != SQLITE_INTEGER && type != SQLITE_FLOAT) {
-        return;  // texts are above all numbers: SQLite sees to it
-    }
-    const double bound = sqlite3_value_double(value);
-    TickRange& range = scan.range;
-    if (one == 's' || one == 'f') {
-        range.from_s = std::max(range.from_s, bound);
-    }
-    if (one == 's' || one == 't') {
-        range.to_s = std::min(range.to_s, bound);
-    }
-    const double inside = std::clamp(bound, -1.0, 9e15);
-    if (one == 'k' || one == 'a') {
-        range.first = std::max(range.first, static_cast<std::int64_t>(std::floor(inside)));
-    }
-    if (one == 'k' || one == 'b') {
-        range.last = std::min(range.last, static_cast<std::int64_t>(std::ceil(inside)));
-    }
-}
-
 int filter(sqlite3_vtab_cursor* cursor,
            int /*index*/,
            const char* plan,
            int count,
            sqlite3_value** values) {
     return guarded(cursor->pVtab, [&] {
-        SampleScan scan;
-        const std::string words(plan);
-        std::size_t end = 0;
-        scan.columns = std::stoull(words, &end, 16);
-        const char order = words.at(end + 1);
-        scan.by_time = order == 'm';
-        scan.by_tick = order == 'M';
-        for (int i = 0; i < count; ++i) {
-            narrow(scan, words.at(end + 2 + static_cast<std::size_t>(i)), values[i]);
-        }
-        static_cast<Cursor*>(cursor)->cursor.start(scan);
+        static_cast<Cursor*>(cursor)->cursor.start(
+            chosen_scan(plan, {values, static_cast<std::size_t>(count)}));
     });
 }
 
@@ -280,6 +146,12 @@ bool give_whole(sqlite3_context* context, const SampleCursor& at, SampleColumn c
     }
 }
 
+/// The command as chunks hold it, whatever else of the tick is exact: the same number with and without a
+/// replay.
+double in_whole_steps(double command) noexcept {
+    return steps_in_newton(in_steps(command, kCommandSteps));
+}
+
 double real(const SampleCursor& at, SampleColumn column) {
     const engine::TickRecord& tick = at.tick();
     switch (column) {
@@ -314,9 +186,9 @@ double real(const SampleCursor& at, SampleColumn column) {
         case SampleColumn::rendered_y_n:
             return tick.force.y;
         case SampleColumn::fx_n:
-            return tick.command.x;
+            return in_whole_steps(tick.command.x);
         case SampleColumn::fy_n:
-            return tick.command.y;
+            return in_whole_steps(tick.command.y);
         default:
             return static_cast<double>(tick.lateness_us);
     }
@@ -364,6 +236,17 @@ int add_extension(sqlite3* db) {
     const int code = add_sample_module(db);
     const int scalars = code != SQLITE_OK ? code : add_scalar_functions(db);
     return scalars != SQLITE_OK ? scalars : add_aggregate_functions(db);
+}
+
+bool sample_is_hidden(sqlite3* db) {
+    try {
+        return Query(db,
+                     "SELECT 1 FROM main.sqlite_schema WHERE name = 'sample' COLLATE NOCASE"
+                     " AND type IN ('table', 'view')")
+            .step();
+    } catch (const SampleError&) {
+        return false;  // whoever asks for ticks is told why the file cannot be read
+    }
 }
 
 }  // namespace palpate::data

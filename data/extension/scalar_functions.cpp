@@ -108,8 +108,18 @@ void d_prime_function(sqlite3_context* context, int count, sqlite3_value** value
     }
 }
 
+/// A text that is no number would count as 0. @return false: refused
+bool is_number(sqlite3_context* context, const char* name, sqlite3_value* value) {
+    const int type = sqlite3_value_numeric_type(value);
+    if (type == SQLITE_INTEGER || type == SQLITE_FLOAT) {
+        return true;
+    }
+    refuse(context, fmt::format("{}: give a number, not a text", name));
+    return false;
+}
+
 void probit_function(sqlite3_context* context, int count, sqlite3_value** values) {
-    if (any_null(count, values)) {
+    if (any_null(count, values) || !is_number(context, "probit", values[0])) {
         return;
     }
     const double p = sqlite3_value_double(values[0]);
@@ -121,7 +131,7 @@ void probit_function(sqlite3_context* context, int count, sqlite3_value** values
 }
 
 void normal_cdf_function(sqlite3_context* context, int count, sqlite3_value** values) {
-    if (!any_null(count, values)) {
+    if (!any_null(count, values) && is_number(context, "normal_cdf", values[0])) {
         sqlite3_result_double(context, protocols::normal_cdf(sqlite3_value_double(values[0])));
     }
 }

@@ -38,10 +38,7 @@ public:
             return {};
         }
         of_part(part_, [this] { load(chunks_.at(next_++)); });
-        if (seconds(ticks_.front().time_ns) > range_.to_s) {
-            return {};
-        }
-        return ticks_;
+        return ticks_in(ticks_, range_);
     }
 
 private:
@@ -78,7 +75,6 @@ private:
     void load(const PartChunk& chunk) {
         if (chunk.view.codec == kTraceCodec) {
             ticks_ = decode(chunk.view.data, chunk.view.ticks, chunk.view.crc32);
-            command_in_steps(ticks_);
             return;
         }
         ChunkReader reader(chunk.view);

@@ -4,6 +4,8 @@
 #include <map>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/stored_blocks.hpp"
@@ -20,20 +22,7 @@ namespace {
 class ReplayedBlocks : public TickStore::Blocks {
 public:
     ReplayedBlocks(std::shared_ptr<const std::vector<TickRecord>> ticks, const TickRange& range)
-        : ticks_(std::move(ticks)) {
-        const auto early = [&range](const TickRecord& tick) {
-            return tick.tick < range.first ||
-                   static_cast<double>(tick.time_ns) * 1e-9 < range.from_s;
-        };
-        const auto inside = [&range](const TickRecord& tick) {
-            return tick.tick <= range.last &&
-                   static_cast<double>(tick.time_ns) * 1e-9 <= range.to_s;
-        };
-        auto first = std::partition_point(ticks_->begin(), ticks_->end(), early);
-        const auto last = std::partition_point(first, ticks_->end(), inside);
-        first -= first == ticks_->begin() ? 0 : 1;  // for velocities
-        left_ = std::span(first, last);
-    }
+        : ticks_(std::move(ticks)), left_(ticks_in(*ticks_, range)) {}
     std::span<const TickRecord> next() override { return std::exchange(left_, {}); }
 
 private:
@@ -53,17 +42,20 @@ struct TickStore::State {
     Context context_of(const TrialPart& part);
     std::shared_ptr<const std::vector<TickRecord>> replayed(const TrialPart& part);
     Replayed replay_of(const TrialPart& part, std::span<const ChunkView> views);
+    void make_room();
+    void require_one_study();
 
     sqlite3* db;
     bool old = false;  ///< the file is from before schema 5
     /// By protocol and calibration, so that nothing here can be out of date.
     std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
-    struct Last {
+    struct Kept {
         TrialPart part;
         std::vector<std::vector<std::byte>> chunks;  ///< what it was made of
         std::shared_ptr<const std::vector<TickRecord>> ticks;
     };
-    Last last;  ///< a join asks for the same part again and again
+    /// Last used last. A join asks for the same parts again and again: two trials of two intervals.
+    std::vector<Kept> kept;
 };
 
 TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
@@ -123,36 +115,74 @@ std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const 
         views.push_back(chunk.view);
         bytes.push_back(std::move(chunk.bytes));  // the view looks at the same bytes
     }
-    if (last.ticks && last.part == part && last.chunks == bytes) {
-        return last.ticks;
+    const auto same = std::ranges::find_if(
+        kept, [&](const Kept& one) { return one.part == part && one.chunks == bytes; });
+    if (same != kept.end()) {
+        std::rotate(same, same + 1, kept.end());
+        return kept.back().ticks;
     }
+    make_room();
     Replayed all = replay_of(part, views);
     if (all.differs_from) {
         throw SampleError(replay_sentence(part.trial, *all.differs_from));
     }
-    command_in_steps(all.ticks);
-    last = {.part = part,
-            .chunks = std::move(bytes),
-            .ticks = std::make_shared<const std::vector<TickRecord>>(std::move(all.ticks))};
-    return last.ticks;
+    kept.push_back(
+        {.part = part,
+         .chunks = std::move(bytes),
+         .ticks = std::make_shared<const std::vector<TickRecord>>(std::move(all.ticks))});
+    return kept.back().ticks;
+}
+
+/// For one more: of a long trial none is kept beside it.
+void TickStore::State::make_room() {
+    constexpr std::size_t kMostParts = 4;
+    constexpr std::size_t kMostTicks = 400'000;  // 60 MB
+    const auto ticks = [this] {
+        std::size_t sum = 0;
+        for (const Kept& one : kept) {
+            sum += one.ticks->size();
+        }
+        return sum;
+    };
+    while (kept.size() >= kMostParts || ticks() > kMostTicks) {
+        kept.erase(kept.begin());
+    }
 }
 
 TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}
 TickStore::~TickStore() = default;
 
-std::vector<TrialPart> TickStore::parts(std::optional<std::int64_t> trial) {
+/// SQLite does not tell a table of this kind which database was named: b.sample would be main's ticks.
+void TickStore::State::require_one_study() {
+    Query others(db,
+                 "SELECT d.name FROM pragma_database_list AS d WHERE d.name NOT IN ('main', 'temp')"
+                 " AND EXISTS (SELECT 1 FROM pragma_table_info('trace_chunk', d.name))");
+    if (others.step()) {
+        throw SampleError(fmt::format(
+            "sample is of the file that was opened first, and another palpate database is "
+            "attached: DETACH {}, and ask each by itself",
+            others.text(0)));
+    }
+}
+
+std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
+    state_->require_one_study();
     Query has(
         state_->db,
         "SELECT count(*) FROM pragma_table_info('trace_chunk', 'main') WHERE name = 'interval'");
     has.step();
     state_->old = has.integer(0) == 0;
-    const std::string interval = state_->old ? "1" : "interval";
+    // A part whose chunks are gone is one too: it is refused.
     std::vector<TrialPart> parts;
-    Query query(state_->db, "SELECT DISTINCT trial, " + interval + " FROM main.trace_chunk" +
-                                (trial ? " WHERE trial = ?1" : "") + " ORDER BY 1, 2");
-    if (trial) {
-        query.bind(1, *trial);
-    }
+    Query query(state_->db,
+                state_->old
+                    ? "SELECT trial, 1 FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2 UNION"
+                      " SELECT id, 1 FROM main.trial WHERE id BETWEEN ?1 AND ?2 AND ticks > 0"
+                      " ORDER BY 1, 2"
+                    : "SELECT trial, interval FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2"
+                      " UNION SELECT trial, interval FROM main.presentation"
+                      " WHERE trial BETWEEN ?1 AND ?2 AND ticks > 0 ORDER BY 1, 2");
+    query.bind(1, trials.first).bind(2, trials.last);
     while (query.step()) {
         parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});
     }

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <vector>
@@ -28,6 +27,12 @@ struct TrialPart {
     friend auto operator<=>(const TrialPart&, const TrialPart&) = default;
 };
 
+/// Trials wanted, both ends among them.
+struct TrialRange {
+    std::int64_t first = INT64_MIN;
+    std::int64_t last = INT64_MAX;
+};
+
 /// Ticks wanted; others may come too.
 struct TickRange {
     std::int64_t first = 0;  ///< tick >= first
@@ -38,7 +43,8 @@ struct TickRange {
     friend bool operator==(const TickRange&, const TickRange&) = default;
 };
 
-/// The ticks in a database that somebody else opened: main of `db`. Reads only.
+/// The ticks in a database that somebody else opened: main of `db`. Reads only. Refuses while another
+/// database with ticks is attached.
 class TickStore {
 public:
     explicit TickStore(sqlite3* db);
@@ -46,8 +52,8 @@ public:
     TickStore& operator=(const TickStore&) = delete;
     ~TickStore();
 
-    /// Parts with ticks, in order. @param trial  only of this one
-    [[nodiscard]] std::vector<TrialPart> parts(std::optional<std::int64_t> trial);
+    /// Parts with ticks, or of which ticks are counted, in order.
+    [[nodiscard]] std::vector<TrialPart> parts(const TrialRange& trials);
 
     class Blocks;
     /// The ticks of a part, block by block in order. `columns` says which fields of the ticks are read;

@@ -4,31 +4,16 @@
 
 #include <fmt/format.h>
 
+#include "data/report/utf8.hpp"
+
 namespace palpate::data {
 namespace {
 
-/// Bytes of the UTF-8 character at `at`, 0 if there is none.
+/// Bytes of the character at `at`, 0 if there is none: U+FFFE and U+FFFF are none of XML.
 std::size_t character_length(std::string_view text, std::size_t at) {
-    const auto byte = [&](std::size_t i) {
-        return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
-    };
-    const unsigned lead = byte(at);
-    const std::size_t length = lead < 0x80                  ? 1
-                             : lead >= 0xC2 && lead <= 0xDF ? 2
-                             : lead >= 0xE0 && lead <= 0xEF ? 3
-                             : lead >= 0xF0 && lead <= 0xF4 ? 4
-                                                            : 0;
-    for (std::size_t i = 1; i < length; ++i) {
-        if ((byte(at + i) & 0xC0U) != 0x80U) {
-            return 0;
-        }
-    }
-    // Overlong forms, surrogates, U+FFFE/F and what lies beyond U+10FFFF are no characters of XML.
-    const unsigned second = byte(at + 1);
-    const bool wrong = (lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
-                       (lead == 0xEF && second == 0xBF && byte(at + 2) >= 0xBE) ||
-                       (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F);
-    return wrong ? 0 : length;
+    const std::string_view rest = text.substr(at);
+    return rest.starts_with("\xEF\xBF\xBE") || rest.starts_with("\xEF\xBF\xBF") ? 0
+                                                                                : utf8_length(rest);
 }
 
 /// Advance of one ASCII letter, as a share of the font size.

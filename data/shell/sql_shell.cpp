@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\n;";
 constexpr std::string_view kHelp =
-    ".tables          tables and views\n"
+    ".tables          tables and views with their meaning\n"
     ".columns [NAME]  columns with unit and meaning, of one or of all\n"
     ".schema [NAME]   the SQL that made them\n"
     ".help            this\n"
@@ -95,6 +95,9 @@ std::vector<TableManual> manual_of(Database& database) {
 
 SqlShell::SqlShell(Database& database, RowFormat format, std::FILE* out, std::FILE* error)
     : database_(database), format_(format), out_(out), error_(error) {
+    if (sample_is_hidden(database.handle())) {
+        throw StoreError(fmt::format("{}: {}", database.file(), kSampleIsHidden));
+    }
     if (add_extension(database.handle()) != SQLITE_OK) {
         database.fail("adding the table sample");
     }
@@ -204,9 +207,8 @@ bool SqlShell::word(std::string_view line) {
         return true;
     }
     if (name == ".tables") {
-        return run(
-            "SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') UNION ALL"
-            " SELECT 'sample', 'virtual table' ORDER BY type, name");
+        tables();
+        return true;
     }
     if (name == ".columns") {
         return columns(rest);
@@ -216,6 +218,20 @@ bool SqlShell::word(std::string_view line) {
     }
     fmt::print(error_, "palpate: there is no word {}; .help lists them\n", harmless(name));
     return false;
+}
+
+void SqlShell::tables() {
+    const std::vector<TableManual> manual = manual_of(database_);
+    RowPrinter printer(out_, format_, {"name", "type", "meaning"});
+    Statement row = database_.prepare(
+        "SELECT name, type FROM sqlite_schema WHERE type IN ('table', 'view') UNION ALL"
+        " SELECT 'sample', 'virtual table' ORDER BY type, name");
+    while (row.step()) {
+        const auto said = std::ranges::find(manual, row.text(0), &TableManual::name);
+        printer.row(
+            {row.text(0), row.text(1), said == manual.end() ? std::string() : said->meaning});
+    }
+    printer.end();
 }
 
 bool SqlShell::columns(std::string_view table) {

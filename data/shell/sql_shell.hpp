@@ -29,6 +29,7 @@ public:
 private:
     bool statement(std::string_view& text, std::string_view all, std::size_t first_line);
     bool word(std::string_view line);
+    void tables();
     bool columns(std::string_view table);
     bool schema(std::string_view table);
     void complain(std::string_view all, std::size_t offset, std::size_t first_line);

@@ -13,8 +13,7 @@ ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t 
         " WHERE session.id = ?1");
     const bool there = row.bind(1, session).step();
     const protocols::Protocol protocol =
-        there ? protocols::parse_protocol(row.text(0), "study.protocol_toml")
-              : protocols::Protocol{};
+        there ? protocols::stored_protocol(row.text(0)) : protocols::Protocol{};
     if (!protocol.procedure || run < 0 || run >= static_cast<std::int64_t>(protocol.runs.size())) {
         throw StoreError(fmt::format("{}: there is no run {} of a rule in session {}",
                                      database.file(), run, session));

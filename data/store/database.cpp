@@ -170,6 +170,10 @@ void Database::open(Access access) {
     if (file_.empty()) {
         throw WrongFile("the name of the database is empty; give a file name");
     }
+    std::error_code unknown;
+    if (std::filesystem::is_directory(plain_name(file_), unknown)) {
+        throw WrongFile(fmt::format("{}: this is a folder: give the name of a file", file_));
+    }
     if (access == Access::write) {
         make_private_file(plain_name(file_));
     } else if (::access(plain_name(file_).c_str(), R_OK) != 0) {

@@ -8,6 +8,7 @@
 #include <sys/statvfs.h>
 
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/counted.hpp"
 #include "data/store/statement.hpp"
 
 namespace palpate::data {
@@ -40,11 +41,11 @@ void require_space(const std::string& file,
     const std::int64_t needed = bytes_needed(protocol, trials);
     if (there < needed) {
         throw StoreError(
-            fmt::format("{}: its disk has room for {:.0f} MB, and {} trial{} may take {:.0f} MB; "
+            fmt::format("{}: its disk has room for {:.0f} MB, and {} may take {:.0f} MB; "
                         "free some space, or "
                         "choose a file on another disk. What was recorded is kept",
-                        file, static_cast<double>(there) * 1e-6, trials, trials == 1 ? "" : "s",
-                        static_cast<double>(needed) * 1e-6));
+                        file, static_cast<double>(there) * 1e-6,
+                        protocols::counted(trials, "trial"), static_cast<double>(needed) * 1e-6));
     }
 }
 

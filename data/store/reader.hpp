@@ -13,7 +13,7 @@ namespace palpate::data {
 /// Ids of the answered trials, in the order in which they were run.
 [[nodiscard]] std::vector<std::int64_t> answered_trials(Database& database);
 
-/// The intervals that a trial has, in order. @throws StoreError if there is no such trial
+/// The intervals that a trial has, in order. @throws std::invalid_argument if there is no such trial
 [[nodiscard]] std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial);
 
 /// Reads many traces of one database: what they share is read once.
@@ -26,7 +26,7 @@ public:
     /// it; empty for one without ticks. Where a full ring lost ticks the tick numbers jump, which only
     /// evidence may do: for replay take read().
     /// @throws TraceError if a chunk is damaged, ReplayError if what was not stored does not come back
-    /// @throws StoreError if there is no such trial
+    /// @throws std::invalid_argument if there is no such trial
     [[nodiscard]] std::vector<engine::TickRecord> stored(std::int64_t trial,
                                                          std::int64_t interval = 1);
 

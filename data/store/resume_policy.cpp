@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/clock.hpp"
+#include "protocols/design/counted.hpp"
 #include "data/store/people.hpp"
 
 namespace palpate::data {
@@ -78,9 +79,9 @@ bool begin_again(Database& database,
     event.bind(1, session)
         .bind_null(2)
         .bind(3, "redo")
-        .bind(4, fmt::format("part {}: {} is run again from its first trial, {} answer{} not count",
-                             part, part_name(part), trials.size(),
-                             trials.size() == 1 ? " does" : "s do"))
+        .bind(4, fmt::format("part {}: {} is run again from its first trial, {} not count", part,
+                             part_name(part),
+                             protocols::counted(trials.size(), "answer does", "answers do")))
         .bind(5, utc_now())
         .bind(6, engine::monotonic_ns())
         .run();

@@ -1,5 +1,6 @@
 #include "data/store/schema.hpp"
 
+#include <initializer_list>
 #include <string>
 
 #include "data/store/adaptive_store.hpp"
@@ -328,22 +329,29 @@ DROP TABLE trace_column_4;
 PRAGMA user_version = 5;
 )sql";
 
+std::string joined(std::initializer_list<std::string_view> parts) {
+    std::string all;
+    for (const std::string_view part : parts) {
+        all += part;
+    }
+    return all;
+}
+
 }  // namespace
 
 std::string_view schema_sql() noexcept {
-    static const std::string all = std::string(kTables) + kSession5 + kTables2 + kResponse5 +
-                                   kTraces5 + kPresentation5 + kAdaptive5 + kPeople + kFaults +
-                                   std::string(views_sql());
+    static const std::string all =
+        joined({kTables, kSession5, kTables2, kResponse5, kTraces5, kPresentation5, kAdaptive5,
+                kPeople, kFaults, views_sql()});
     return all;
 }
 
 std::string_view migration_sql(std::int64_t from) noexcept {
-    static const std::string from_2 = std::string(kFrom2) + kFaults;
-    static const std::string from_3 = std::string(kFrom3) + kPeople;
-    static const std::string from_4 = std::string(kNoViews) + kFreeForms5 + kFrom4 + kSession5 +
-                                      kTraces5 + kResponse5 + kResponse5From4 + kPresentation5 +
-                                      kPresentation5From4 + kAdaptive5 + kFrom4Rows + kMovement5 +
-                                      std::string(views_sql());
+    static const std::string from_2 = joined({kFrom2, kFaults});
+    static const std::string from_3 = joined({kFrom3, kPeople});
+    static const std::string from_4 = joined(
+        {kNoViews, kFreeForms5, kFrom4, kSession5, kTraces5, kResponse5, kResponse5From4,
+         kPresentation5, kPresentation5From4, kAdaptive5, kFrom4Rows, kMovement5, views_sql()});
     return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 

@@ -1,19 +1,15 @@
 #include "data/store/session_store.hpp"
 
-#include <cerrno>
-#include <cstring>
-
 #include <fmt/format.h>
-#include <sys/socket.h>
-#include <sys/stat.h>
-#include <sys/un.h>
-#include <unistd.h>
 
 #include "engine/realtime/clock.hpp"
+#include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
+#include "protocols/design/session_plan.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
+#include "data/store/counterbalance_query.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/stored_columns.hpp"
@@ -279,6 +275,45 @@ protocols::PendingTrials pending_trials(Database& database,
     return pending;
 }
 
+OpenedSession opened_session(Database& database, const SessionSpec& spec) {
+    const auto there = existing_session(database, spec);
+    const std::int64_t id = there ? there->id : create(database, spec);
+    // Before anything changes: a trial that runs now is not interrupted.
+    OpenedSession opened{.lock = SessionLock(database, id), .id = id, .resumed = there.has_value()};
+    if (there) {
+        require_same(database, *there, spec);
+        note_changes(database, *there, spec);
+        opened.finished = there->finished;
+        opened.interrupted = mark_interrupted(database, id);
+    }
+    opened.pending = pending_trials(database, id, spec);
+    if (there && !there->finished) {
+        begin_again(database, id, spec.resume, opened.pending);
+    }
+    opened.next = opened.pending.next();
+    opened.runs = rebuilt_runs(database, id, spec);
+    return opened;
+}
+
+/// Who has which row of a counterbalance.
+struct Rows {
+    protocols::RowHistory pictures, frictions;
+
+    friend bool operator==(const Rows&, const Rows&) = default;
+};
+
+Rows rows_taken(Database& database, const SessionSpec& spec) {
+    const LevelOrders pictures = picture_orders(database, spec.protocol.id, spec.key);
+    const LevelOrders frictions = friction_orders(database, spec.protocol.id, spec.key);
+    return {picture_history(spec.protocol, pictures.others, pictures.own),
+            friction_history(spec.protocol, frictions.others, frictions.own)};
+}
+
+protocols::Plan planned(const SessionSpec& spec, const Rows& rows) {
+    return make_plan(spec.protocol, spec.protocol_hash, spec.key, spec.seed, rows.pictures,
+                     rows.frictions);
+}
+
 std::optional<SessionState> state_of(Statement& row) {
     if (!row.step()) {
         return std::nullopt;
@@ -335,60 +370,21 @@ std::optional<SessionState> find_session(Database& database,
 
 OpenedSession open_session(Database& database, const SessionSpec& spec) {
     Transaction all(database);
-    const auto there = existing_session(database, spec);
-    const std::int64_t id = there ? there->id : create(database, spec);
-    // Before anything changes: a trial that runs now is not interrupted.
-    OpenedSession opened{.lock = SessionLock(database, id), .id = id, .resumed = there.has_value()};
-    if (there) {
-        require_same(database, *there, spec);
-        note_changes(database, *there, spec);
-        opened.finished = there->finished;
-        opened.interrupted = mark_interrupted(database, id);
-    }
-    opened.pending = pending_trials(database, id, spec);
-    if (there && !there->finished) {
-        begin_again(database, id, spec.resume, opened.pending);
-    }
-    opened.next = opened.pending.next();
-    opened.runs = rebuilt_runs(database, id, spec);
+    OpenedSession opened = opened_session(database, spec);
     all.commit();
     return opened;
 }
 
-SessionLock::SessionLock(const Database& database, std::int64_t session) {
-    struct stat file {};
-    if (stat(database.file().c_str(), &file) != 0) {
-        throw StoreError(database.file() + ": it is no longer there");
+OpenedSession plan_and_open_session(Database& database, SessionSpec& spec) {
+    const Rows before = rows_taken(database, spec);
+    spec.plan = planned(spec, before);
+    Transaction all(database);
+    if (const Rows now = rows_taken(database, spec); now != before) {
+        spec.plan = planned(spec, now);
     }
-    // A name in Linux' abstract socket space: no file is left behind, and the kernel takes the name
-    // back when the process ends, however it ends.
-    const std::string name = fmt::format("palpate-{}-{}-{}", file.st_dev, file.st_ino, session);
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path + 1, name.data(), name.size());
-    socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-    if (socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
-        return;
-    }
-    const int error = errno;
-    if (socket_ >= 0) {
-        close(socket_);
-    }
-    throw StoreError(error == EADDRINUSE
-                         ? fmt::format("{}: another palpate is running this session; end it first",
-                                       database.file())
-                         : fmt::format("{}: the session could not be locked: {}", database.file(),
-                                       std::strerror(error)));
-}
-
-SessionLock::SessionLock(SessionLock&& other) noexcept
-    : socket_(std::exchange(other.socket_, -1)) {}
-
-SessionLock::~SessionLock() {
-    if (socket_ >= 0) {
-        close(socket_);
-    }
+    OpenedSession opened = opened_session(database, spec);
+    all.commit();
+    return opened;
 }
 
 }  // namespace palpate::data

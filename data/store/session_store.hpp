@@ -13,6 +13,7 @@
 #include "protocols/running/pending_trials.hpp"
 #include "data/store/database.hpp"
 #include "data/store/resume_policy.hpp"
+#include "data/store/session_lock.hpp"
 
 namespace palpate::data {
 
@@ -38,21 +39,6 @@ struct SessionSpec {
 
 /// The key of the session's random streams; purpose and block are to be set.
 [[nodiscard]] protocols::StreamKey session_stream(const SessionSpec& spec);
-
-/// Keeps a second program off a session. Released when this object, or the whole process, ends.
-class SessionLock {
-public:
-    /// @throws StoreError if another program runs the session
-    SessionLock(const Database& database, std::int64_t session);
-    SessionLock(SessionLock&& other) noexcept;
-    SessionLock& operator=(SessionLock&&) = delete;
-    SessionLock(const SessionLock&) = delete;
-    SessionLock& operator=(const SessionLock&) = delete;
-    ~SessionLock();
-
-private:
-    int socket_ = -1;
-};
 
 struct OpenedSession {
     SessionLock lock;  ///< held from before anyone else could have opened it
@@ -87,5 +73,11 @@ struct SessionState {
 ///         holds its SessionLock, this one too, or if the answers so far do not give the stored states of
 ///         the protocol's rule: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
+
+/// open_session() with the plan that a session of spec.key has on this database, left in spec.plan: its
+/// counterbalanced rows are those that the session, or the participant, already has, else those that fewest
+/// others have. Of two rigs that begin at the same moment, the second sees the row that the first took.
+/// @throws what protocols::make_plan() throws, too: nothing changes
+[[nodiscard]] OpenedSession plan_and_open_session(Database& database, SessionSpec& spec);
 
 }  // namespace palpate::data

@@ -1,6 +1,7 @@
 #include "data/store/stored_chunks.hpp"
 
 #include <limits>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -62,8 +63,8 @@ StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t 
 TrialContext trial_context(Database& database, std::int64_t trial, std::int64_t interval) {
     Statement row = database.prepare(database.schema() < 5 ? kContextBefore5 : kContext);
     if (!row.bind(1, trial).bind(2, interval).step()) {
-        throw StoreError(fmt::format("{}: there is no trial {}; SELECT id FROM trial lists them",
-                                     database.file(), trial));
+        throw std::invalid_argument(fmt::format(
+            "{}: there is no trial {}; SELECT id FROM trial lists them", database.file(), trial));
     }
     const auto number = [&row](int column) {
         return row.null(column) ? std::nullopt : std::optional(row.real(column));

@@ -27,7 +27,7 @@ struct TrialContext {
     TraceTrial trial;
 };
 
-/// @throws StoreError if there is no such trial
+/// @throws std::invalid_argument if there is no such trial
 [[nodiscard]] TrialContext trial_context(Database& database,
                                          std::int64_t trial,
                                          std::int64_t interval = 1);

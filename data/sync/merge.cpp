@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "data/store/chain.hpp"
 #include "data/store/current_copy.hpp"
 #include "data/sync/people_merge.hpp"
 #include "data/sync/session_copy.hpp"
@@ -95,6 +96,19 @@ void copy_shared(Database& from, Database& out, const Layout& layout, const std:
     }
 }
 
+/// What a session says is what was recorded, by its chain of hashes; if not, that is a conflict.
+bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts) {
+    if (chain_breaks(*session.database, session.id).empty()) {
+        return true;
+    }
+    conflicts.push_back({.what = called(session) +
+                                 ": it is damaged or was changed since it was recorded; palpate "
+                                 "verify says where",
+                         .first = session.file,
+                         .second = {}});
+    return false;
+}
+
 std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& files) {
     std::vector<std::unique_ptr<Input>> inputs;
     for (const std::string& file : files) {
@@ -110,7 +124,7 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
     Database out(file, Access::write);
     MergeReport report;
     report.backup = out.backup();
-    Transaction whole(out);
+    Transaction all_or_nothing(out);
     out.execute("PRAGMA defer_foreign_keys = ON");
     const Layout layout = read_layout(out);
 
@@ -139,6 +153,8 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
         }
         if (own == last || (own != nullptr && became(*last, *own))) {
             ++report.same;
+        } else if (!whole(*last, report.conflicts)) {
+            continue;
         } else if (own != nullptr) {
             extend_session(*last, *own, out, layout);
             ++report.extended;
@@ -150,7 +166,7 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
     for (const auto& input : inputs) {
         copy_shared(input->copy.database(), out, layout, input->name);
     }
-    whole.commit();
+    all_or_nothing.commit();
     out.checkpoint();
     return report;
 }

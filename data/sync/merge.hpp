@@ -6,11 +6,11 @@
 
 namespace palpate::data {
 
-/// What two files say differently, so that nothing of it was merged.
+/// What two files say differently or one says wrongly, so that nothing of it was merged.
 struct MergeConflict {
     std::string what;    ///< the session or participant, and what differs
     std::string first;   ///< a file
-    std::string second;  ///< the other one
+    std::string second;  ///< the other one; empty: the first alone is at fault
 };
 
 struct MergeReport {
@@ -29,6 +29,7 @@ struct MergeReport {
 /// session that several files hold, the one that the others became is kept (see became()). Nothing is
 /// merged, and a conflict is listed, of
 /// - a session of one uuid that two files tell differently;
+/// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by hand;
 /// - two sessions that are the same study, participant and number under two uuids;
 /// - all that `inputs` have of a participant whose handedness, consent or details two files tell differently.
 /// What `file` itself holds stays in any case. The inputs are only read, also while a rig writes them.

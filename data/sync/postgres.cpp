@@ -1,5 +1,6 @@
 #include "data/sync/postgres.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
@@ -106,6 +107,10 @@ void Postgres::fail(std::string_view doing, const char* words) const {
     }
     while (!said.empty() && said.back() == '\n') {
         said.pop_back();
+    }
+    for (std::size_t at = 0; (at = said.find_first_of("\n\t", at)) != std::string::npos;) {
+        const std::size_t end = std::min(said.find_first_not_of("\n\t", at), said.size());
+        said.replace(at, end - at, "; ");
     }
     const char* host = PQhost(of(connection_));
     throw PostgresError(fmt::format("PostgreSQL at {}: {} failed: {}",

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "data/store/chain.hpp"
 #include "data/store/current_copy.hpp"
 #include "data/store/schema.hpp"
 #include "data/sync/postgres.hpp"
@@ -53,11 +54,19 @@ public:
         push_people();
         for (const SessionVersion& session : session_versions(database_, layout_, file)) {
             ++report_.sessions;
-            if (push_head(session) && push_events(session, false)) {
-                push_trials(session);
-                push_events(session, true);
-                push_end(session);
+            if (!same_head(session) || !same_events(session)) {
+                continue;
             }
+            if (!chain_breaks(database_, session.id).empty()) {
+                conflict(session,
+                         "it is damaged or was changed since it was recorded; palpate verify says "
+                         "where");
+                continue;
+            }
+            push_head(session);
+            push_trials(session);
+            push_events(session);
+            push_end(session);
         }
         return report_;
     }
@@ -152,8 +161,8 @@ private:
         flush();
     }
 
-    /// The session is there as it began. @return nothing in conflict
-    bool push_head(const SessionVersion& session) {
+    /// Compares how the session began, if it is there. @return nothing in conflict
+    bool same_head(const SessionVersion& session) {
         const auto there = server_.rows(
             "SELECT session, head, file_schema FROM palpate.session WHERE session = $1::uuid OR"
             " (study = $2 AND participant = $3 AND number = $4)",
@@ -171,9 +180,15 @@ private:
                 conflict(session, "it began otherwise on the server");
                 return false;
             }
+            begun_.insert(session.uuid);
         }
-        if (!there.empty()) {
-            return true;
+        return true;
+    }
+
+    /// The session as it began, if it is not there.
+    void push_head(const SessionVersion& session) {
+        if (begun_.contains(session.uuid)) {
+            return;
         }
         Statement line = database_.prepare(
             fmt::format("SELECT {} FROM session WHERE id = ?1", layout_.session.list()));
@@ -190,7 +205,6 @@ private:
             push_owned(table, "session", session.id, PostgresRow().text(session.uuid));
         }
         flush();
-        return true;
     }
 
     static bool same_schema(const std::string& there) {
@@ -253,8 +267,8 @@ private:
         flush();
     }
 
-    /// Compares the events that are there, and adds the others if told. @return nothing in conflict
-    bool push_events(const SessionVersion& session, bool add) {
+    /// Compares the events that are there. @return nothing in conflict
+    bool same_events(const SessionVersion& session) {
         const auto there =
             server_.rows("SELECT event, content FROM palpate.event WHERE session = $1::uuid",
                          PostgresRow().text(session.uuid));
@@ -265,9 +279,10 @@ private:
                 return false;
             }
         }
-        if (!add) {
-            return true;
-        }
+        return true;
+    }
+
+    void push_events(const SessionVersion& session) {
         Statement line = database_.prepare(
             "SELECT trial, kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id");
         line.bind(1, session.id);
@@ -283,7 +298,6 @@ private:
             send("event", row);
         }
         flush();
-        return true;
     }
 
     static std::int64_t place_of(const SessionVersion& session, std::int64_t id) {
@@ -313,6 +327,7 @@ private:
     Layout layout_;
     std::vector<PostgresTable> tables_;
     std::map<std::string, std::string> insert_;
+    std::set<std::string> begun_;  ///< uuids of sessions that the server has
     PushReport report_;
 };
 
@@ -334,7 +349,8 @@ std::string push_setup() {
     std::string sql;
     {
         Database none(folder + "/none.sqlite", Access::write);
-        sql = postgres_schema(postgres_tables(none, read_layout(none))) + postgres_roles();
+        sql = "SET client_min_messages = warning;\n" +
+              postgres_schema(postgres_tables(none, read_layout(none))) + postgres_roles();
     }
     std::filesystem::remove_all(folder);
     return sql;

@@ -21,7 +21,8 @@ struct PushReport {
 ///
 /// Makes the schema `palpate` if it is not there and the user may. In conflict are a session whose beginning, an
 /// attempt or an event that the server has otherwise, a study, participant and number that are there under
-/// another uuid, and a participant's handedness or consent.
+/// another uuid, a participant's handedness or consent, and a session whose chain of hashes does not hold
+/// (data/store/chain.hpp): damaged, or edited by hand.
 /// @throws std::invalid_argument for a wrong URL, or without libpq
 /// @throws PostgresError if the server fails: what was added stays
 [[nodiscard]] PushReport push_file(const std::string& file, const std::string& url);

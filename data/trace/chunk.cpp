@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -29,8 +30,9 @@ bool is_held(const StoredColumn& column, std::uint8_t parts) noexcept {
 constexpr std::uint64_t fold(std::uint64_t value) noexcept {
     return (value << 1U) ^ (0U - (value >> 63U));
 }
-constexpr std::uint64_t unfold(std::uint64_t folded) noexcept {
-    return (folded >> 1U) ^ (0U - (folded & 1U));
+template <class Word>
+constexpr Word unfold(Word folded) noexcept {
+    return (folded >> 1U) ^ (Word{0} - (folded & 1U));
 }
 
 /// The value of the column's two's complement that is the same but for multiples of 2^(8 size).
@@ -230,12 +232,11 @@ ChunkReader::ChunkReader(const ChunkView& chunk)
 }
 
 std::span<const std::byte> ChunkReader::unpack(std::size_t column) {
-    const auto bytes = std::span(bytes_).first(chunk_.ticks * stored_columns()[column].size);
     const auto stream = streams_[column];
     if (stream.empty()) {
-        std::fill(bytes.begin(), bytes.end(), std::byte{0});
-        return bytes;
+        return {};
     }
+    const auto bytes = std::span(bytes_).first(chunk_.ticks * stored_columns()[column].size);
     uLongf size = bytes.size();
     uLong used = stream.size();
     const int code = uncompress2(reinterpret_cast<Bytef*>(bytes.data()), &size,
@@ -247,35 +248,60 @@ std::span<const std::byte> ChunkReader::unpack(std::size_t column) {
     return bytes;
 }
 
+namespace {
+
+/// The numbers of which `bytes` has the lowest bytes first, then the next ones; nothing: all are 0.
+template <std::size_t Size>
+void unshuffle(std::span<const std::byte> bytes, std::span<std::int64_t> values) noexcept {
+    if (bytes.empty()) {
+        std::fill(values.begin(), values.end(), 0);
+        return;
+    }
+    const std::size_t n = values.size();
+    const std::byte* const in = bytes.data();
+    for (std::size_t i = 0; i < n; ++i) {
+        std::uint64_t number = 0;
+        for (std::size_t byte = 0; byte < Size; ++byte) {
+            number |= std::to_integer<std::uint64_t>(in[byte * n + i]) << (8U * byte);
+        }
+        values[i] = static_cast<std::int64_t>(number);
+    }
+}
+
+/// The values of folded differences, in two's complement of a Word.
+template <class Word>
+void undo_delta(const Start& start, std::span<std::int64_t> values) noexcept {
+    auto before = static_cast<Word>(start.before);
+    const auto step = static_cast<Word>(start.step);
+    for (std::int64_t& value : values) {
+        before += unfold(static_cast<Word>(value)) + step;
+        value = static_cast<std::make_signed_t<Word>>(before);
+    }
+}
+
+}  // namespace
+
 void ChunkReader::read(Stored which, std::span<std::int64_t> values) {
     const auto index = static_cast<std::size_t>(which);
     const StoredColumn& column = stored_columns()[index];
-    const std::size_t n = chunk_.ticks;
+    switch (column.size) {
+        case 1:
+            unshuffle<1>(unpack(index), values);
+            return;
+        case 4:
+            unshuffle<4>(unpack(index), values);
+            undo_delta<std::uint32_t>(start_of(column.rule, chunk_.first_tick), values);
+            return;
+        default:
+            break;
+    }
     std::vector<std::int64_t> ticks;
     if (column.rule == Rule::clock) {
-        ticks.resize(n);
+        ticks.resize(chunk_.ticks);
         read(Stored::tick, ticks);
     }
-    const std::byte* in = unpack(index).data();
-    for (std::size_t i = 0; i < n; ++i) {
-        values[i] = std::to_integer<std::uint8_t>(in[i]);
-    }
-    for (std::size_t byte = 1; byte < column.size; ++byte) {
-        in += n;
-        for (std::size_t i = 0; i < n; ++i) {
-            values[i] |=
-                static_cast<std::int64_t>(std::to_integer<std::uint64_t>(in[i]) << (8U * byte));
-        }
-    }
-    if (column.rule == Rule::plain) {
-        return;
-    }
-    auto [before, step] = start_of(column.rule, chunk_.first_tick);
-    for (std::size_t i = 0; i < n; ++i) {
-        before =
-            in_width(column.size, before + unfold(static_cast<std::uint64_t>(values[i])) + step);
-        values[i] = static_cast<std::int64_t>(before);
-    }
+    unshuffle<8>(unpack(index), values);
+    undo_delta<std::uint64_t>(start_of(column.rule, chunk_.first_tick), values);
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const std::uint64_t due =
             static_cast<std::uint64_t>(ticks[i]) * static_cast<std::uint64_t>(chunk_.period_ns);
@@ -289,10 +315,12 @@ void ChunkReader::read_exact(std::span<TickRecord> ticks) {
         if (!is_held(columns[i], chunk_.parts)) {
             continue;
         }
-        const std::byte* in = unpack(i).data();
+        const auto bytes = unpack(i);
+        const std::byte* in = bytes.data();
         for (std::size_t byte = 0; byte < columns[i].size; ++byte) {
             for (TickRecord& tick : ticks) {
-                reinterpret_cast<std::byte*>(&tick)[columns[i].offset + byte] = *in++;
+                reinterpret_cast<std::byte*>(&tick)[columns[i].offset + byte] =
+                    bytes.empty() ? std::byte{0} : *in++;
             }
         }
     }

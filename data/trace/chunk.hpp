@@ -32,7 +32,7 @@ struct ChunkView {
     std::uint8_t parts = 0;  ///< Part bits
     std::uint32_t crc32 = 0;
     std::uint64_t derived = 0;
-    std::span<const std::byte> data;
+    std::span<const std::byte> data{};
 };
 
 struct EncodedChunk2 {

@@ -14,6 +14,7 @@ struct TraceColumn {
     std::string_view unit;
     std::size_t size;    ///< bytes of a value
     std::size_t offset;  ///< of the value in TickRecord
+    std::string_view meaning;
 };
 
 [[nodiscard]] std::span<const TraceColumn> trace_columns() noexcept;

@@ -92,30 +92,50 @@ public:
         const std::size_t first = all.size();
         all.resize(first + chunk.ticks);
         const auto ticks = std::span(all).subspan(first);
-        if (chunk.parts != 0) {
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            set_stored(ticks[i], stored_, i);
+        }
+        retrace_hips(ticks);
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            ticks[i].hip = hips_[i];
+        }
+        if (chunk.parts == 0) {
+            for (TickRecord& tick : ticks) {
+                retrace_.contact(tick);
+                tick.command = tick.force;
+            }
+        } else {
             exact_.assign(chunk.ticks, TickRecord{});
             reader.read_exact(exact_);
             require_modes(exact_);
-        }
-        for (std::size_t i = 0; i < ticks.size(); ++i) {
-            set_stored(ticks[i], stored_, i);
-            follow(ticks[i], chunk.parts, chunk.parts != 0 ? exact_[i] : ticks[i]);
+            for (std::size_t i = 0; i < ticks.size(); ++i) {
+                follow(ticks[i], chunk.parts, exact_[i]);
+            }
         }
         return derived_hash(ticks) == chunk.derived;
     }
 
     /// A chunk of codec 1 holds everything; only the contact goes on.
-    void pass(std::span<const TickRecord> ticks) {
-        for (TickRecord tick : ticks) {
-            static_cast<void>(retrace_.hip(tick.counts));
+    void pass(std::vector<TickRecord> ticks) {
+        retrace_hips(ticks);
+        for (TickRecord& tick : ticks) {
             retrace_.contact(tick);
         }
     }
 
 private:
+    void retrace_hips(std::span<const TickRecord> ticks) {
+        counts_.resize(ticks.size());
+        hips_.resize(ticks.size());
+        std::transform(ticks.begin(), ticks.end(), counts_.begin(),
+                       [](const TickRecord& tick) { return tick.counts; });
+        retrace_.hips(counts_, hips_);
+    }
+
     void follow(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) noexcept {
-        const engine::Vec2 hip = retrace_.hip(tick.counts);
-        tick.hip = (parts & part_hip) != 0 ? exact.hip : hip;
+        if ((parts & part_hip) != 0) {
+            tick.hip = exact.hip;
+        }
         const std::uint8_t flags = tick.flags;
         retrace_.contact(tick);
         if ((parts & part_contact) != 0) {
@@ -143,6 +163,8 @@ private:
 
     Retrace retrace_;
     StoredNumbers stored_;
+    std::vector<engine::Pantograph::Counts> counts_;
+    std::vector<engine::Vec2> hips_;
     std::vector<TickRecord> exact_;
 };
 
@@ -210,8 +232,7 @@ std::optional<engine::PantographSpec> machine_of(std::string_view calibration) {
 }
 
 SessionTraces::SessionTraces(std::string_view protocol_toml, std::string_view calibration)
-    : SessionTraces(protocols::parse_protocol(protocol_toml, "study.protocol_toml"),
-                    machine_of(calibration)) {}
+    : SessionTraces(protocols::stored_protocol(protocol_toml), machine_of(calibration)) {}
 
 SessionTraces::SessionTraces(protocols::Protocol protocol,
                              std::optional<engine::PantographSpec> machine)

@@ -1,5 +1,7 @@
 #include "data/trace/retrace.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "data/trace/derived_hash.hpp"
@@ -25,18 +27,21 @@ bool same_contact(const TickRecord& a, const TickRecord& b) noexcept {
 
 }  // namespace
 
-HipFromCounts::HipFromCounts(const engine::PantographSpec& machine)
-    : machine_(machine), frame_(machine.origin, machine.turn) {}
+HipFromCounts::HipFromCounts(const engine::PantographSpec& machine) : machine_(machine) {}
 
 engine::Vec2 HipFromCounts::at(const engine::Pantograph::Counts& counts) noexcept {
-    if (!known_ || last_[0] != counts[0] || last_[1] != counts[1]) {
-        last_ = counts;
-        known_ = true;
-        if (const auto pose = machine_.spec().linkage.forward(machine_.angles(counts))) {
-            hip_ = frame_.point_to_object(pose->handle);
-        }
+    engine::Vec2 hip{};
+    at(std::span(&counts, 1), std::span(&hip, 1));
+    return hip;
+}
+
+void HipFromCounts::at(std::span<const engine::Pantograph::Counts> counts,
+                       std::span<engine::Vec2> hips) noexcept {
+    machine_.of(counts, hips);
+    for (engine::Vec2& hip : hips) {
+        last_ = std::isnan(hip.x) ? last_ : hip;
+        hip = last_;
     }
-    return hip_;
 }
 
 void set_contact(TickRecord& tick, const engine::Contact& contact) noexcept {
@@ -65,8 +70,13 @@ Retrace::Retrace(const std::optional<engine::PantographSpec>& machine, const eng
     }
 }
 
-engine::Vec2 Retrace::hip(const engine::Pantograph::Counts& counts) noexcept {
-    return machine_ ? machine_->at(counts) : engine::Vec2{};
+void Retrace::hips(std::span<const engine::Pantograph::Counts> counts,
+                   std::span<engine::Vec2> hips) noexcept {
+    if (machine_) {
+        machine_->at(counts, hips);
+    } else {
+        std::fill(hips.begin(), hips.end(), engine::Vec2{});
+    }
 }
 
 void Retrace::contact(TickRecord& tick) noexcept {
@@ -77,7 +87,7 @@ void Retrace::contact(TickRecord& tick) noexcept {
 
 std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
     unsigned parts = 0;
-    if (!same(hip(tick.counts), tick.hip)) {
+    if (!same(machine_ ? machine_->at(tick.counts) : engine::Vec2{}, tick.hip)) {
         parts |= part_hip;
     }
     TickRecord again = tick;

@@ -2,26 +2,26 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 
-#include "engine/device/pantograph.hpp"
+#include "engine/device/many_hips.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "engine/rendering/scene.hpp"
 
 namespace palpate::data {
 
-/// HIP from encoder counts, as the device computed it: where the counts did not change HIP did not either,
-/// where the linkage has no pose HIP is the last one.
+/// HIP from encoder counts, as the device computed it: where the linkage has no pose HIP is the last one.
 class HipFromCounts {
 public:
     explicit HipFromCounts(const engine::PantographSpec& machine);
     [[nodiscard]] engine::Vec2 at(const engine::Pantograph::Counts& counts) noexcept;
+    /// The next ticks at once. @param hips  as many as `counts`
+    void at(std::span<const engine::Pantograph::Counts> counts,
+            std::span<engine::Vec2> hips) noexcept;
 
 private:
-    engine::Pantograph machine_;
-    engine::ObjectFrame frame_;
-    engine::Pantograph::Counts last_{};
-    bool known_ = false;
-    engine::Vec2 hip_{};
+    engine::ManyHips machine_;
+    engine::Vec2 last_{};
 };
 
 /// The columns of a tick that follow from the scene and HIP: cp to mode, and the scene's flags. HIP and what
@@ -39,8 +39,9 @@ public:
     /// The parts of a recorded tick that nothing else in it tells.
     [[nodiscard]] std::uint8_t parts(const engine::TickRecord& tick) noexcept;
 
-    /// HIP of a tick of which the counts are known.
-    [[nodiscard]] engine::Vec2 hip(const engine::Pantograph::Counts& counts) noexcept;
+    /// HIP of ticks of which the counts are known. @param hips  as many as `counts`
+    void hips(std::span<const engine::Pantograph::Counts> counts,
+              std::span<engine::Vec2> hips) noexcept;
     /// The contact of the next tick, after HIP is known. Every tick, in order.
     void contact(engine::TickRecord& tick) noexcept;
 

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
@@ -86,8 +87,8 @@ void check_adaptive_rows(Database& database,
         ++next;
     }
     if (rows.size() != next) {
-        findings.differs("adaptive_plan", fmt::format("{} rows", rows.size()),
-                         fmt::format("{} rows", next));
+        findings.differs("adaptive_plan", protocols::counted(rows.size(), "row"),
+                         protocols::counted(next, "row"));
     }
 }
 
@@ -125,8 +126,8 @@ void check_pictures(const std::vector<StoredRow>& rows,
                     Findings& findings) {
     const std::vector<std::size_t>& order = frame.plan.picture_order;
     if (rows.size() != order.size()) {
-        findings.differs("picture", fmt::format("{} rows", rows.size()),
-                         fmt::format("{} rows", order.size()));
+        findings.differs("picture", protocols::counted(rows.size(), "row"),
+                         protocols::counted(order.size(), "row"));
     }
     for (std::size_t place = 0; place < std::min(rows.size(), order.size()); ++place) {
         const std::string table = fmt::format("picture at place {}", place);
@@ -154,7 +155,7 @@ bool check_plan(Database& database,
                                picture_history(frame.protocol, {}, frame.pictures),
                                friction_history(frame.protocol, {}, frictions_of(rows)));
     } catch (const std::exception& e) {
-        findings.differs("plan", fmt::format("{} rows", rows.size()), e.what());
+        findings.differs("plan", protocols::counted(rows.size(), "row"), e.what());
         return false;
     }
     if (frame.old && frame.plan.hash != session.text("plan_sha256")) {
@@ -172,8 +173,8 @@ bool check_plan(Database& database,
                         static_cast<std::int64_t>(frame.plan.attempts));
     }
     if (rows.size() != frame.plan.trials.size()) {
-        findings.differs("plan", fmt::format("{} rows", rows.size()),
-                         fmt::format("{} rows", frame.plan.trials.size()));
+        findings.differs("plan", protocols::counted(rows.size(), "row"),
+                         protocols::counted(frame.plan.trials.size(), "row"));
     }
     for (std::size_t i = 0; i < std::min(rows.size(), frame.plan.trials.size()); ++i) {
         check_row(rows[i], frame.plan.trials[i], frame.protocol, findings);

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/sha256.hpp"
 #include "protocols/format/calibration_file.hpp"
 #include "protocols/format/protocol_file.hpp"
@@ -27,7 +28,7 @@ bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& fin
     const std::string text = session.text("protocol_toml");
     findings.expect("study", "protocol_sha256", session, protocols::sha256_hex(text));
     try {
-        frame.protocol = protocols::parse_protocol(text, "study.protocol_toml");
+        frame.protocol = protocols::stored_protocol(text);
     } catch (const protocols::ProtocolError& e) {
         findings.differs("study.protocol_toml", e.what(), "a protocol");
         return false;
@@ -143,7 +144,8 @@ void check_end(const StoredRow& session, const TrialCheck& trials, Findings& fin
     if (finished && !trials.pending().empty()) {
         findings.differs(
             "session.finished", "1",
-            fmt::format("0: {} trials are not answered", trials.pending().order().size()));
+            "0: " + protocols::counted(trials.pending().order().size(), "trial is not answered",
+                                       "trials are not answered"));
     }
 }
 

@@ -1,6 +1,7 @@
 #include "data/verify/stored_trace.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -15,6 +16,37 @@ std::size_t full(const ChunkView& chunk) noexcept {
     return chunk.codec == kTraceCodec ? kChunkTicks : kChunk2Ticks;
 }
 
+/// The stored columns of a chunk of either codec; its checksum is looked at once.
+class Columns {
+public:
+    explicit Columns(const ChunkView& chunk) : chunk_(chunk) {
+        if (chunk.codec != kTraceCodec) {
+            reader_.emplace(chunk);
+        }
+        values_.resize(chunk.ticks);
+    }
+    /// Good until the next call.
+    const std::vector<std::int64_t>& read(Stored column) {
+        if (reader_) {
+            reader_->read(column, values_);
+        } else {
+            read_stored(chunk_, column, values_);
+        }
+        return values_;
+    }
+    void unpack_exact() {
+        if (reader_) {
+            std::vector<engine::TickRecord> exact(chunk_.ticks);
+            reader_->read_exact(exact);
+        }
+    }
+
+private:
+    ChunkView chunk_;
+    std::optional<ChunkReader> reader_;
+    std::vector<std::int64_t> values_;
+};
+
 /// Throws what is wrong with a chunk that should follow `next` ticks.
 void check_chunk(const ChunkView& chunk, std::int64_t next, std::int64_t period_ns) {
     const std::int64_t first = chunk.first_tick;
@@ -26,21 +58,17 @@ void check_chunk(const ChunkView& chunk, std::int64_t next, std::int64_t period_
     if (chunk.period_ns != period) {
         throw TraceError(fmt::format("its period is {} ns, not {}", chunk.period_ns, period));
     }
-    std::vector<std::int64_t> values(chunk.ticks);
-    for (std::size_t column = 0; column < (period == 0 ? 1 : kStoredColumns); ++column) {
-        read_stored(chunk, static_cast<Stored>(column), values);
+    Columns columns(chunk);
+    for (std::size_t column = 1; column < (period == 0 ? 1 : kStoredColumns); ++column) {
+        static_cast<void>(columns.read(static_cast<Stored>(column)));
     }
-    read_stored(chunk, Stored::tick, values);
-    for (const std::int64_t tick : values) {
+    for (const std::int64_t tick : columns.read(Stored::tick)) {
         if (tick != next) {
             throw TraceError(fmt::format("tick {} stands where tick {} belongs", tick, next));
         }
         ++next;
     }
-    std::vector<engine::TickRecord> exact(chunk.ticks);
-    if (chunk.codec != kTraceCodec) {
-        ChunkReader(chunk).read_exact(exact);
-    }
+    columns.unpack_exact();
 }
 
 /// A changed bit of a zlib stream of codec 1 can unpack to the same ticks: padding, or another way to say the
@@ -109,12 +137,11 @@ std::size_t good_chunks(std::span<const ChunkView> chunks,
 void check_readable(std::span<const ChunkView> chunks,
                     std::span<const engine::TickRecord> ticks,
                     Findings& findings) {
-    std::vector<std::int64_t> values;
     for (const ChunkView& chunk : chunks) {
-        values.resize(chunk.ticks);
+        Columns columns(chunk);
         for (std::size_t i = 0; i < kStoredColumns; ++i) {
             const auto column = static_cast<Stored>(i);
-            read_stored(chunk, column, values);
+            const std::vector<std::int64_t>& values = columns.read(column);
             const auto wrong = std::ranges::mismatch(
                 values, ticks.first(chunk.ticks), {}, {},
                 [column](const engine::TickRecord& tick) { return stored_value(column, tick); });

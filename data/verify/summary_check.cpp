@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "engine/safety/safety_limits.hpp"
+#include "protocols/design/counted.hpp"
 #include "protocols/running/trial_meter.hpp"
 #include "data/store/people.hpp"
 #include "data/trace/columns.hpp"
@@ -278,8 +279,8 @@ void check_fault_ticks(Database& database,
         return;
     }
     if (rows.size() != expected) {
-        findings.differs("fault_tick", fmt::format("{} rows", rows.size()),
-                         fmt::format("{} rows", expected));
+        findings.differs("fault_tick", protocols::counted(rows.size(), "row"),
+                         protocols::counted(expected, "row"));
         return;
     }
     for (std::size_t i = 0; i < expected; ++i) {

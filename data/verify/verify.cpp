@@ -7,7 +7,9 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/store/schema.hpp"
+#include "data/store/schema_manual.hpp"
 #include "data/store/views.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/codec.hpp"
@@ -67,8 +69,8 @@ void check_columns(Database& database, Findings& findings) {
             !rows_of(database, "SELECT 1 AS n FROM trace_chunk WHERE codec = ?1 LIMIT 1", codec)
                  .empty();
         if (rows.size() != columns.size() && (used || !rows.empty())) {
-            findings.differs("trace_column", fmt::format("{} rows", rows.size()),
-                             fmt::format("{} rows", columns.size()));
+            findings.differs("trace_column", protocols::counted(rows.size(), "row"),
+                             protocols::counted(columns.size(), "row"));
         }
         for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
             findings.expect("trace_column", "position", rows[i], static_cast<std::int64_t>(i));
@@ -85,7 +87,7 @@ void check_columns(Database& database, Findings& findings) {
     const auto all =
         rows_of(database, "SELECT count(*) AS n FROM trace_column").front().integer("n");
     if (all == 0 || all != static_cast<std::int64_t>(known)) {
-        findings.differs("trace_column", fmt::format("{} rows", all),
+        findings.differs("trace_column", protocols::counted(all, "row"),
                          all == 0 ? "the columns of a codec" : "rows of known codecs alone");
     }
 }
@@ -106,6 +108,26 @@ void check_views(Database& database, Findings& findings) {
         if (stored.empty() || !text.substr(at).starts_with(stored + ';')) {
             findings.differs("view " + name, stored.empty() ? "it is not there" : stored,
                              "as this palpate makes it");
+        }
+    }
+}
+
+/// A trigger changes what a program writes, and a table called sample hides the ticks from every query.
+/// palpate makes neither.
+void check_strangers(Database& database, Findings& findings) {
+    const std::vector<TableManual> ours = schema_manual(schema_sql());
+    for (const StoredRow& row :
+         rows_of(database,
+                 "SELECT type, lower(name) AS name, lower(tbl_name) AS of FROM sqlite_schema")) {
+        const bool trigger =
+            row.text("type") == "trigger" &&
+            std::ranges::find(ours, row.text("of"), &TableManual::name) != ours.end();
+        if (trigger || row.text("name") == "sample") {
+            findings.differs(
+                row.text("type") + ' ' + row.text("name"), "it is there",
+                trigger ? fmt::format("no trigger on {}: what was written since may be its doing",
+                                      row.text("of"))
+                        : "another name: it stands before the ticks");
         }
     }
 }
@@ -135,6 +157,7 @@ Verification verify(Database& database) {
     if (database.schema() == kSchemaVersion) {
         try_to(findings, "view", [&] { check_views(database, findings); });
     }
+    try_to(findings, "sqlite_schema", [&] { check_strangers(database, findings); });
     try_to(findings, "session", [&] {
         for (const StoredRow& session : rows_of(database, kSessions)) {
             found.sessions.push_back(check_session(database, session));

@@ -8,7 +8,8 @@ namespace palpate::data {
 /// Recomputes all that a database says and that follows from something else in it, and says what differs.
 /// Changes nothing: give a database opened to read. Sees one moment of it, also while a session runs.
 ///
-/// - SQLite's integrity_check and foreign_key_check, the table trace_column.
+/// - SQLite's integrity_check and foreign_key_check, the table trace_column, the views; that no trigger stands
+///   on a table of palpate and nothing called sample hides the ticks.
 /// - The protocol's hash from its text, the plan from protocol, participant, session, seed and row of
 ///   pictures, the hashes of the objects' geometry, the calibration's hash from its text.
 /// - Every trial: its turn, attempt and outcome, every bit of its chunks, its ticks without a gap; every
@@ -25,7 +26,8 @@ namespace palpate::data {
 /// What cannot be noticed here, because nothing else in the file says it:
 /// - whatever was made again consistently, heads too: compare the last head with the one in the lab book;
 /// - the last trials, or a whole last session, removed together with what follows from them;
-/// - what was noted of a participant; events after the last head, a mark removed together with its event;
+/// - what was noted of a participant; events after the last head: a mark with its event set, changed or removed,
+///   a session made unfinished together with its head;
 /// - of sessions from before schema 5, which have no chain: times, kind, device, operator, an answer of a
 ///   person changed as a whole; in a chunk packed again with a right crc32 counts, codes, lateness, commands
 ///   and flags of the safety chain, and HIP with all that follows from it; a bit of a chunk of codec 1 that

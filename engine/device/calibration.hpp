@@ -16,6 +16,9 @@ struct Axis {
     double torque_limit = 0.7;          ///< N m, the most that the motor gives
     double torque_forever = 0.3;        ///< N m that it can give for ever, <= torque_limit
     double codes_full_scale = 32767.0;  ///< DAC code of the torque limit
+
+    /// What a count turns, rad.
+    [[nodiscard]] double count_angle() const noexcept { return 2.0 * kPi / counts_per_turn; }
 };
 
 /// A pantograph as a machine: how counts become HIP and forces become torques.
@@ -55,11 +58,11 @@ struct ComediWiring {
 /// Everything a device has to know of itself; the calibration file as a value.
 struct Calibration {
     PantographSpec pantograph{};
-    std::optional<HaplyWiring> haply;
-    std::optional<ComediWiring> comedi;
+    std::optional<HaplyWiring> haply{};
+    std::optional<ComediWiring> comedi{};
 
     /// The handle's rest pose when the device is switched on, in the object frame, m; none: by hand.
-    std::optional<Vec2> home;
+    std::optional<Vec2> home{};
 };
 
 /// @throws std::invalid_argument with a sentence: which number, its range and the remedy

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "engine/math/elementary.hpp"
-
 namespace palpate::engine {
 namespace {
 
@@ -49,22 +47,13 @@ double Clearance::least() const noexcept {
 std::optional<FiveBar::Pose> FiveBar::forward(const JointAngles& angles) const noexcept {
     const SinCos t1 = sin_cos(angles[0]);
     const SinCos t2 = sin_cos(angles[1]);
-    Pose pose;
-    pose.elbow_1 = Vec2{driven_1 * t1.cos, driven_1 * t1.sin};
-    pose.elbow_2 = Vec2{base + driven_2 * t2.cos, driven_2 * t2.sin};
-    const Vec2 between = pose.elbow_2 - pose.elbow_1;
-    const double d2 = glm::dot(between, between);
-    if (!(d2 > 0.0)) {
+    const Vec2 elbow_1 = elbow_1_at(t1);
+    const Vec2 elbow_2 = elbow_2_at(t2);
+    const Vec2 handle = handle_over(elbow_1, elbow_2);
+    if (std::isnan(handle.x)) {
         return std::nullopt;
     }
-    const double along = (free_1 * free_1 - free_2 * free_2 + d2) / (2.0 * d2);  // share of D
-    const double h2 = free_1 * free_1 - along * along * d2;
-    if (!(h2 > 0.0)) {
-        return std::nullopt;
-    }
-    const double up = std::sqrt(h2 / d2);
-    pose.handle = pose.elbow_1 + along * between + (mode.handle_left ? up : -up) * perp(between);
-    return pose;
+    return Pose{.elbow_1 = elbow_1, .elbow_2 = elbow_2, .handle = handle};
 }
 
 std::optional<JointAngles> FiveBar::inverse(const Vec2& handle) const noexcept {
@@ -79,8 +68,8 @@ std::optional<JointAngles> FiveBar::inverse(const Vec2& handle) const noexcept {
         arc_tan2(from_2.y, from_2.x) + (mode.elbow_2_left ? *bend_2 : -*bend_2)};
     const SinCos t1 = sin_cos(angles[0]);
     const SinCos t2 = sin_cos(angles[1]);
-    const Vec2 elbow_1{driven_1 * t1.cos, driven_1 * t1.sin};
-    const Vec2 elbow_2{base + driven_2 * t2.cos, driven_2 * t2.sin};
+    const Vec2 elbow_1 = elbow_1_at(t1);
+    const Vec2 elbow_2 = elbow_2_at(t2);
     const double side = cross(elbow_2 - elbow_1, handle - elbow_1);
     if (!(mode.handle_left ? side > 0.0 : side < 0.0)) {
         return std::nullopt;

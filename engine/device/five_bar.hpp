@@ -1,9 +1,12 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include "engine/geometry/vec.hpp"
+#include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
 
@@ -75,10 +78,27 @@ struct FiveBar {
         Vec2 handle{};
     };
 
-    /// Handle = foot + h n, foot at (a2^2 - a3^2 + D^2) / 2D along the line of the elbows, D their
-    /// distance, on the mode's side of it. The elbows may be on either side of their lines: ask
-    /// mode_of or clearance. None where the free links cannot meet or are in line (h = 0).
+    /// The pose of two joint angles. The elbows may be on either side of their lines: ask mode_of or
+    /// clearance. None where the free links cannot meet or are in line.
     [[nodiscard]] std::optional<Pose> forward(const JointAngles& angles) const noexcept;
+
+    [[nodiscard, gnu::always_inline]] Vec2 elbow_1_at(const SinCos& angle) const noexcept {
+        return Vec2{driven_1 * angle.cos, driven_1 * angle.sin};
+    }
+    [[nodiscard, gnu::always_inline]] Vec2 elbow_2_at(const SinCos& angle) const noexcept {
+        return Vec2{base + driven_2 * angle.cos, driven_2 * angle.sin};
+    }
+    /// Handle = foot + h n, foot at (a2^2 - a3^2 + D^2) / 2D along the line of the elbows, D their
+    /// distance, on the mode's side of it. NaN where the free links cannot meet or are in line (h = 0).
+    [[nodiscard, gnu::always_inline]] Vec2 handle_over(const Vec2& elbow_1,
+                                                       const Vec2& elbow_2) const noexcept {
+        const Vec2 between = elbow_2 - elbow_1;
+        const double d2 = glm::dot(between, between);
+        const double along = (free_1 * free_1 - free_2 * free_2 + d2) / (2.0 * d2);  // share of D
+        const double h2 = free_1 * free_1 - along * along * d2;
+        const double up = h2 > 0.0 ? std::sqrt(h2 / d2) : std::numeric_limits<double>::quiet_NaN();
+        return elbow_1 + along * between + (mode.handle_left ? up : -up) * perp(between);
+    }
 
     /// Angles, in (-2 pi, 2 pi), that bring the handle to `handle` in the working mode; none outside
     /// the reach, or where these elbows leave the handle on the other side of their line.

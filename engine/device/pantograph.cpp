@@ -29,7 +29,7 @@ JointAngles Pantograph::angles(const Counts& counts) const noexcept {
     JointAngles angles{};
     for (std::size_t i = 0; i < 2; ++i) {
         const Axis& axis = spec_.axes[i];
-        angles[i] = axis.zero + counts[i] * (kTurn / axis.counts_per_turn);
+        angles[i] = axis.zero + counts[i] * axis.count_angle();
     }
     return angles;
 }

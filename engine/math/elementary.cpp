@@ -5,45 +5,22 @@
 #include <cstddef>
 #include <limits>
 
+#include "engine/math/near_sin_cos.hpp"
+
 namespace palpate::engine {
 namespace {
-
-// pi/2 in three parts of 33, 33 and 53 bits: n * part is exact for |n| < 2^20.
-constexpr double kHalfPi1 = 0x1.921fb54400000p+0;
-constexpr double kHalfPi2 = 0x1.0b4611a600000p-34;
-constexpr double kHalfPi3 = 0x1.3198a2e037073p-69;
 
 // ln 2 in two parts: exponent * part 1 is exact.
 constexpr double kLn2Hi = 0x1.62e42fee00000p-1;
 constexpr double kLn2Lo = 0x1.a39ef35793c76p-33;
 
-/// sin r for |r| <= pi/4; the first term left out is below 1e-18 of the result.
-double sin_kernel(double r) noexcept {
-    const double z = r * r;
-    double p = 1.0 / 355687428096000.0;  // 1/17!
-    p = p * z - 1.0 / 1307674368000.0;
-    p = p * z + 1.0 / 6227020800.0;
-    p = p * z - 1.0 / 39916800.0;
-    p = p * z + 1.0 / 362880.0;
-    p = p * z - 1.0 / 5040.0;
-    p = p * z + 1.0 / 120.0;
-    p = p * z - 1.0 / 6.0;
-    return r + r * (z * p);
-}
-
-/// cos r for |r| <= pi/4. 1 - z/2 is formed last, with its rounding error put back.
-double cos_kernel(double r) noexcept {
-    const double z = r * r;
-    double p = 1.0 / 20922789888000.0;  // 1/16!
-    p = p * z - 1.0 / 87178291200.0;
-    p = p * z + 1.0 / 479001600.0;
-    p = p * z - 1.0 / 3628800.0;
-    p = p * z + 1.0 / 40320.0;
-    p = p * z - 1.0 / 720.0;
-    p = p * z + 1.0 / 24.0;
-    const double half = 0.5 * z;
-    const double head = 1.0 - half;
-    return head + (((1.0 - head) - half) + z * z * p);
+/// Beyond kMostQuarters: the remainder is exact, 2 pi is not.
+SinCos far_sin_cos(double x) noexcept {
+    if (!std::isfinite(x)) {
+        const double nan = std::numeric_limits<double>::quiet_NaN();
+        return {nan, nan};
+    }
+    return sin_cos(std::fmod(x, 2.0 * kPi));
 }
 
 // atan(k/8), k = 0..8, rounded from 50 digits.
@@ -75,25 +52,7 @@ double atan_unit(double z) noexcept {
 }  // namespace
 
 SinCos sin_cos(double x) noexcept {
-    if (!std::isfinite(x)) {
-        const double nan = std::numeric_limits<double>::quiet_NaN();
-        return {nan, nan};
-    }
-    const double n = std::floor(x * (2.0 / kPi) + 0.5);
-    const double r = ((x - n * kHalfPi1) - n * kHalfPi2) - n * kHalfPi3;
-    const double quadrant = n - 4.0 * std::floor(n * 0.25);
-    const double s = sin_kernel(r);
-    const double c = cos_kernel(r);
-    if (quadrant == 0.0) {
-        return {s, c};
-    }
-    if (quadrant == 1.0) {
-        return {c, -s};
-    }
-    if (quadrant == 2.0) {
-        return {-s, -c};
-    }
-    return {-c, s};
+    return std::fabs(quarters_of(x)) < kMostQuarters ? near_sin_cos(x) : far_sin_cos(x);
 }
 
 double arc_tan2(double y, double x) noexcept {

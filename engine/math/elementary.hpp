@@ -17,7 +17,7 @@ struct SinCos {
 
 /// Sine and cosine of `x`, rad. |x| <= 1e5; beyond it the reduction loses digits.
 /// Taylor polynomials on [-pi/4, pi/4] after subtracting a multiple of pi/2 in three parts
-/// (Cody & Waite 1980). NaN for a value that is not finite.
+/// (Cody & Waite 1980). NaN for a value that is not finite, and finite for all others.
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 
 /// Angle of (x, y) in (-pi, pi], rad; 0 for the origin, NaN for what is not finite.

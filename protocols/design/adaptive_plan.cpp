@@ -50,6 +50,34 @@ std::vector<Condition> run_intervals(const Protocol& protocol, Pcg32& random) {
     return trials;
 }
 
+/// The interval of each practice trial's comparison, from 0.
+std::vector<std::size_t> practice_intervals(const Protocol& protocol, Pcg32& random) {
+    const AdaptiveSpec& spec = *protocol.procedure;
+    std::vector<std::size_t> intervals(spec.practice_trials, 0);
+    if (intervals_of(protocol) == 1) {
+        return intervals;
+    }
+    if (!spec.practice_balanced) {
+        for (std::size_t& interval : intervals) {
+            interval = random.bounded(2);
+        }
+        return intervals;
+    }
+    const std::size_t runs = protocol.runs.size();
+    for (std::size_t run = 0; run < runs; ++run) {
+        std::vector<std::size_t> own;  // of an odd number, which has one more is drawn
+        const std::size_t extra = random.bounded(2);
+        for (std::size_t i = run; i < intervals.size(); i += runs) {
+            own.push_back((own.size() + extra) % 2);
+        }
+        shuffle(std::span(own), random);
+        for (std::size_t i = 0; i < own.size(); ++i) {
+            intervals[run + i * runs] = own[i];
+        }
+    }
+    return intervals;
+}
+
 }  // namespace
 
 std::size_t answers_of(const Protocol& protocol) {
@@ -91,9 +119,9 @@ std::vector<PlannedTrial> adaptive_trials(const Protocol& protocol,
                               .standard_friction = index_of(protocol.frictions, standard)}});
     };
     Pcg32 practice = stream_of(key, purpose::practice_order);
+    const std::vector<std::size_t> practised = practice_intervals(protocol, practice);
     for (std::size_t i = 0; i < spec.practice_trials; ++i) {
-        add(Phase::practice, i % protocol.runs.size(),
-            intervals_of(protocol) == 1 ? 0 : practice.bounded(2), false);
+        add(Phase::practice, i % protocol.runs.size(), practised[i], false);
     }
     Pcg32 extra = stream_of(key, purpose::main_order, 1);
     OrderSampler sampler(run_intervals(protocol, extra),

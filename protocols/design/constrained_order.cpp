@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/order_sampler.hpp"
 #include "protocols/design/run.hpp"
 
@@ -34,11 +35,13 @@ std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trial
         const std::size_t needed = (count + others) / (others + 1);  // ceil(count / (others + 1))
         if (needed > limit) {
             const char* name = which == Infeasible::Factor::object ? "object" : "friction";
-            return Infeasible{which,
-                              fmt::format("{} {} occurs {} times among {} other trials, so that it "
-                                          "comes at least {} times in a row somewhere; allow runs "
-                                          "of {} or more, or 0 for no limit",
-                                          name, level + 1, count, others, needed, needed)};
+            return Infeasible{
+                which,
+                fmt::format("{} {} occurs {} among {}, so that it comes at least {} in a "
+                            "row somewhere; allow runs of {} or more, or 0 for no "
+                            "limit",
+                            name, level + 1, counted(count, "time"), counted(others, "other trial"),
+                            counted(needed, "time"), needed)};
         }
     }
     return std::nullopt;

@@ -181,6 +181,7 @@ struct AdaptiveSpec {
     std::string object;  ///< felt in every interval; its curvature is that of the standard
     std::size_t practice_trials = 0;   ///< before the others, in turn of all runs
     double practice_stimulus = 0.0;    ///< of all of them, as the rule counts
+    bool practice_balanced = false;    ///< one half of every run's in each interval; else drawn
     std::size_t max_run = 0;           ///< trials of the same run in a row, 0: no limit
     std::size_t max_run_interval = 0;  ///< comparisons in the same interval in a row, 0: no limit
     std::string rule;  ///< the procedure file that says how to choose, canonical text
@@ -190,6 +191,8 @@ struct AdaptiveSpec {
     double lowest = 0.0;     ///< it never chooses less
     double highest = 0.0;
     std::size_t outcomes = 2;
+    std::string lowest_key, highest_key;  ///< which key of the rule says so, for messages
+    bool one_sided = false;               ///< see RuleFacts
 
     friend bool operator==(const AdaptiveSpec&, const AdaptiveSpec&) = default;
 };

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/counted.hpp"
 #include "protocols/design/eulerian_order.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/order_sampler.hpp"
@@ -85,19 +86,18 @@ void refuse(const Protocol& protocol) {
         throw std::invalid_argument("catch trials need an object that is not pictured");
     }
     if (design.blocks == 0 || design.repetitions % design.blocks != 0) {
-        throw std::invalid_argument(
-            fmt::format("{} repetitions cannot be divided evenly into {} blocks: give a divisor",
-                        design.repetitions, design.blocks));
+        throw std::invalid_argument(fmt::format(
+            "{} cannot be divided evenly into {}: give a divisor",
+            counted(design.repetitions, "repetition"), counted(design.blocks, "block")));
     }
     if (const std::string why = why_not_in_blocks(protocol); !why.empty()) {
         throw std::invalid_argument(why);
     }
     if (design.order == OrderRule::first_order &&
         (design.repetitions != conditions || design.blocks != 1 || design.catch_trials != 0)) {
-        throw std::invalid_argument(
-            fmt::format("a first-order balanced sequence of {} conditions needs {} repetitions, 1 "
-                        "block and no catch trials",
-                        conditions, conditions));
+        throw std::invalid_argument(fmt::format(
+            "a first-order balanced sequence of {} needs {}, 1 block and no catch trials",
+            counted(conditions, "condition"), counted(conditions, "repetition")));
     }
 }
 

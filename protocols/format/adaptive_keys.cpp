@@ -19,6 +19,8 @@ constexpr std::array kAdaptive{
                       .meaning = "before the others, in turn of all runs"},
     Key<AdaptiveSpec>{.name = "practice_stimulus", .member = &AdaptiveSpec::practice_stimulus, .lowest = -kMostStimulus, .highest = kMostStimulus, .late = true,
                       .meaning = "of the comparison in all practice trials"},
+    Key<AdaptiveSpec>{.name = "practice_balanced", .member = &AdaptiveSpec::practice_balanced, .late = true,
+                      .meaning = "true: of every run's practice one half has the comparison in each interval; false: drawn"},
     Key<AdaptiveSpec>{.name = "max_run", .member = &AdaptiveSpec::max_run, .highest = 1000, .late = true,
                       .meaning = "trials of the same run in a row; 0: no limit"},
     Key<AdaptiveSpec>{.name = "max_run_interval", .member = &AdaptiveSpec::max_run_interval, .highest = 1000, .late = true,

@@ -42,13 +42,34 @@ const Spec* named(const std::vector<Spec>& specs, std::string_view name) {
     return found == specs.end() ? nullptr : &*found;
 }
 
+/// What to say instead of a name that nobody has.
 template <class Spec>
-std::vector<std::string_view> names_of(const std::vector<Spec>& specs) {
+std::string one_of(std::string_view unknown, const std::vector<Spec>& specs) {
     std::vector<std::string_view> names;
     for (const Spec& spec : specs) {
         names.push_back(spec.name);
     }
-    return names;
+    return suggestion(unknown, names, fmt::format(": give {}", fmt::join(names, " or ")));
+}
+
+/// Where everything in a table stands, down to the last key.
+void note_places(const Table& table, const std::string& path, Places& places);
+
+void note_places(const Value& value, const std::string& path, Places& places) {
+    places.note(path, value.at);
+    if (const auto* table = std::get_if<Table>(&value.data)) {
+        note_places(*table, path, places);
+    } else if (const auto* array = std::get_if<Array>(&value.data)) {
+        for (std::size_t i = 0; i < array->size(); ++i) {
+            note_places((*array)[i], fmt::format("{}.{}", path, i + 1), places);
+        }
+    }
+}
+
+void note_places(const Table& table, const std::string& path, Places& places) {
+    for (const Entry& entry : table) {
+        note_places(entry.value, path + '.' + entry.key, places);
+    }
 }
 
 class AdaptiveRules {
@@ -60,7 +81,7 @@ public:
         if (named(protocol_.objects, spec_.object) == nullptr) {
             add("procedure.object",
                 fmt::format("object is \"{}\", which no [[object]] is called{}", spec_.object,
-                            suggestion(spec_.object, names_of(protocol_.objects))));
+                            one_of(spec_.object, protocol_.objects)));
         }
         runs();
         answers();
@@ -108,7 +129,7 @@ private:
     void friction(const std::string& path, std::string_view key, const std::string& name) {
         if (named(protocol_.frictions, name) == nullptr) {
             add(path, fmt::format("{} is \"{}\", which no [[friction]] is called{}", key, name,
-                                  suggestion(name, names_of(protocol_.frictions))));
+                                  one_of(name, protocol_.frictions)));
         }
     }
 
@@ -174,7 +195,7 @@ private:
                 }
             }
             if (!why.empty()) {
-                add("procedure.kind",
+                add(object.curvature == felt_value(spec_, spec_.lowest) ? lowest() : highest(),
                     fmt::format("the rule may choose a curvature of {} 1/m, and there is no such "
                                 "object: {}; narrow the stimuli, or lowest and highest",
                                 object.curvature, why));
@@ -187,7 +208,7 @@ private:
         const double lowest = felt_value(spec_, spec_.lowest);
         const double highest = felt_value(spec_, spec_.highest);
         if (!(lowest > 0.0 && highest <= kMostMu)) {
-            add("procedure.kind",
+            add(lowest > 0.0 ? this->highest() : this->lowest(),
                 fmt::format("the rule may choose mu_s from {} to {}: keep it above 0 and at most "
                             "{}, by the stimuli, or lowest and highest",
                             lowest, highest, kMostMu));
@@ -212,6 +233,9 @@ private:
         }
     }
 
+    [[nodiscard]] std::string lowest() const { return "procedure." + spec_.lowest_key; }
+    [[nodiscard]] std::string highest() const { return "procedure." + spec_.highest_key; }
+
     const Protocol& protocol_;
     const AdaptiveSpec& spec_;
     const Places& places_;
@@ -220,7 +244,8 @@ private:
 
 }  // namespace
 
-void read_adaptive(const Entry& entry, Reader& reader, Problems& problems, Protocol& protocol) {
+void read_adaptive(
+    const Entry& entry, Reader& reader, Problems& problems, Places& places, Protocol& protocol) {
     const auto* given = std::get_if<Table>(&entry.value.data);
     if (given == nullptr) {
         problems.add(entry.at, fmt::format("procedure is {}: write it as a table, [procedure]",
@@ -235,6 +260,7 @@ void read_adaptive(const Entry& entry, Reader& reader, Problems& problems, Proto
         (table ? file : of_the_rule(one.key) ? of_rule : own).push_back(one);
     }
     AdaptiveSpec& spec = protocol.procedure.emplace();
+    note_places(*given, "procedure", places);
     reader.read(own, "procedure", entry.at, spec);
     file.push_back({.key = "procedure",
                     .at = entry.at,
@@ -252,8 +278,11 @@ void read_adaptive(const Entry& entry, Reader& reader, Problems& problems, Proto
         spec.lowest = facts.lowest;
         spec.highest = facts.highest;
         spec.outcomes = facts.outcomes;
+        spec.lowest_key = facts.lowest_key;
+        spec.highest_key = facts.highest_key;
+        spec.one_sided = facts.one_sided;
     } catch (const std::invalid_argument& error) {
-        problems.add(entry.at, error.what());
+        problems.add(spoken_of(*given, error.what(), entry.at), error.what());
     }
 }
 
@@ -273,6 +302,34 @@ std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
 
 void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems) {
     AdaptiveRules(protocol, places, problems).check();
+}
+
+void check_standards(const Protocol& protocol, const Places& places, Problems& problems) {
+    const AdaptiveSpec& spec = *protocol.procedure;
+    if (intervals_of(protocol) != 2 || !spec.one_sided) {
+        return;
+    }
+    const bool of_mu = spec.varies == Varies::mu;
+    const double least = felt_value(spec, spec.lowest);
+    for (const RunSpec& run : protocol.runs) {
+        const bool same = run.standard_friction.empty() || run.standard_friction == run.friction;
+        const FrictionSpec* friction =
+            named(protocol.frictions, same ? run.friction : run.standard_friction);
+        const ObjectSpec* object = named(protocol.objects, spec.object);
+        if (friction == nullptr || object == nullptr || !(of_mu || same)) {
+            continue;  // said already; or another friction may move what is felt as equal
+        }
+        const double standard = of_mu ? friction->mu_s : object->curvature;
+        if (!(least > standard)) {
+            problems.add(
+                places.of("procedure." + spec.lowest_key),
+                fmt::format("the rule may choose a {} of {}, and that of the standard is {}: "
+                            "it would take a right answer for a wrong one; keep it above the "
+                            "standard, by lowest",
+                            of_mu ? "mu_s" : "curvature", least, standard));
+            return;
+        }
+    }
 }
 
 }  // namespace palpate::protocols

@@ -72,7 +72,13 @@ private:
         try {
             make();
         } catch (const std::invalid_argument& e) {
-            problems_.add(main_, e.what());
+            Position at = main_;
+            for (const Entry& entry : file_) {
+                if (const auto* table = std::get_if<Table>(&entry.value.data)) {
+                    at = spoken_of(*table, e.what(), at);
+                }
+            }
+            problems_.add(at, e.what());
         }
     }
 

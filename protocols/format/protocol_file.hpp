@@ -29,6 +29,10 @@ public:
 /// @throws ProtocolError
 [[nodiscard]] Protocol parse_protocol(std::string_view text, std::string_view file_name);
 
+/// parse_protocol() of a text that a database keeps: what was let in when its session began stays readable, so
+/// that rules of taste which came later (a rule that may choose the standard itself) do not apply.
+[[nodiscard]] Protocol stored_protocol(std::string_view text);
+
 /// parse_protocol of a file's text. @throws ProtocolError also if the file cannot be read
 [[nodiscard]] Protocol load_protocol(const std::filesystem::path& file);
 

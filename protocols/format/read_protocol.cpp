@@ -57,7 +57,7 @@ public:
         const Entry* procedure = find("procedure");
         table("design", protocol.design, procedure == nullptr);
         if (procedure != nullptr) {
-            read_adaptive(*procedure, reader_, problems_, protocol);
+            read_adaptive(*procedure, reader_, problems_, places_, protocol);
             tables("run", [&](const Table& found, const Position& at) {
                 const std::string path = fmt::format("run.{}", protocol.runs.size() + 1);
                 reader_.read(found, path, at, protocol.runs.emplace_back());
@@ -200,7 +200,7 @@ private:
             constexpr std::array<std::string_view, 2> kLaws{"frictionless", "gos"};
             problems_.add(places_.of(path + ".law"),
                           fmt::format("law is {}, give frictionless or gos{}", shown(friction.law),
-                                      suggestion(friction.law, kLaws)));
+                                      suggestion(friction.law, kLaws, "")));
             return;
         }
         for (const Key<FrictionSpec>& key : keys_of<FrictionSpec>()) {
@@ -226,17 +226,28 @@ private:
     Reader reader_;
 };
 
-}  // namespace
-
-Protocol parse_protocol(std::string_view text, std::string_view file_name) {
+Protocol parse(std::string_view text, std::string_view file_name, bool stored) {
     const Table file = parse_document(text, file_name);
     Problems problems;
     Places places;
     Protocol protocol = Stage(file, problems, places).read();
     problems.throw_if_any(file_name);
     check_rules(protocol, places, problems);
+    if (!stored && protocol.procedure) {
+        check_standards(protocol, places, problems);
+    }
     problems.throw_if_any(file_name);
     return protocol;
+}
+
+}  // namespace
+
+Protocol parse_protocol(std::string_view text, std::string_view file_name) {
+    return parse(text, file_name, false);
+}
+
+Protocol stored_protocol(std::string_view text) {
+    return parse(text, "study.protocol_toml", true);
 }
 
 Protocol load_protocol(const std::filesystem::path& file) {

@@ -137,7 +137,7 @@ public:
         const auto found = std::find(words.begin(), words.end(), *text);
         if (found == words.end()) {
             return fmt::format("{} is {}, give {}{}", key_.name, shown(*text), range_of(key_),
-                               suggestion(*text, words));
+                               suggestion(*text, words, ""));
         }
         out = static_cast<Enumeration>(found - words.begin());
         return {};
@@ -227,10 +227,12 @@ Position Places::of(std::string path) const {
     }
 }
 
-std::string suggestion(std::string_view unknown, std::span<const std::string_view> known) {
+std::string suggestion(std::string_view unknown,
+                       std::span<const std::string_view> known,
+                       std::string_view otherwise) {
     constexpr std::size_t kLongest = 64;  // beyond any key: no need to measure
     if (unknown.size() > kLongest) {
-        return ": delete it";
+        return std::string(otherwise);
     }
     std::string_view nearest;
     std::size_t least = std::max<std::size_t>(2, unknown.size() / 3) + 1;
@@ -243,7 +245,14 @@ std::string suggestion(std::string_view unknown, std::span<const std::string_vie
             nearest = key;
         }
     }
-    return nearest.empty() ? ": delete it" : fmt::format(": did you mean {}?", nearest);
+    return nearest.empty() ? std::string(otherwise) : fmt::format(": did you mean {}?", nearest);
+}
+
+Position spoken_of(const Table& table, std::string_view sentence, const Position& otherwise) {
+    const std::string_view word = sentence.substr(0, sentence.find(' '));
+    const auto entry = std::find_if(table.begin(), table.end(),
+                                    [word](const Entry& one) { return one.key == word; });
+    return entry == table.end() ? otherwise : entry->value.at;
 }
 
 template <class Record>

@@ -37,9 +37,16 @@ private:
     std::map<std::string, Position> places_;
 };
 
-/// ": did you mean ...?" for the nearest of `known`, or ": delete it" if none is near.
+/// ": did you mean ...?" for the nearest of `known`, or `otherwise` if none is near: a key may be deleted,
+/// of a value what may stand there is said.
 [[nodiscard]] std::string suggestion(std::string_view unknown,
-                                     std::span<const std::string_view> known);
+                                     std::span<const std::string_view> known,
+                                     std::string_view otherwise = ": delete it");
+
+/// The place of the value that a sentence such as "lowest is 3: ..." begins with, else `otherwise`.
+[[nodiscard]] Position spoken_of(const Table& table,
+                                 std::string_view sentence,
+                                 const Position& otherwise);
 
 /// How a table is to be read that says more than the rows of its keys.
 struct Beyond {

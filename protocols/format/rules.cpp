@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
@@ -135,9 +136,9 @@ private:
         }
         if (design.repetitions % design.blocks != 0) {
             add("design.blocks",
-                fmt::format("blocks is {}, but {} repetitions cannot be divided evenly into them: "
-                            "give a divisor",
-                            design.blocks, design.repetitions));
+                fmt::format(
+                    "blocks is {}, but {} cannot be divided evenly into them: give a divisor",
+                    design.blocks, counted(design.repetitions, "repetition")));
             return;
         }
         if (const auto why = why_infeasible(block_trials(protocol_, 0), block_limits(design))) {
@@ -186,7 +187,7 @@ private:
             }
         };
         needs("repetitions", design.repetitions, conditions,
-              fmt::format("lets each of {} conditions follow each once", conditions));
+              fmt::format("lets each of {} follow each once", counted(conditions, "condition")));
         needs("blocks", design.blocks, 1, "is one block");
         needs("catch_trials", design.catch_trials, 0, "has no room for catch trials");
     }

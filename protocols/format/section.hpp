@@ -50,7 +50,7 @@ public:
     void refuse_unknown(std::span<const std::string_view> known);
     /// Every key without a row is a problem.
     void refuse_unknown();
-    /// Runs `make`; a std::invalid_argument becomes a problem of this table.
+    /// As TableView::attempt().
     template <class Make>
     void attempt(Make&& make) {
         if (!broken()) {

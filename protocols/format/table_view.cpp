@@ -122,7 +122,7 @@ std::size_t TableView::choice(std::string_view key,
     if (word == words.end()) {
         const std::string_view given = text == nullptr ? std::string_view{} : *text;
         add(entry->value.at, fmt::format("{} is {}, give one of {}{}", key, shown(entry->value),
-                                         all, text == nullptr ? "" : suggestion(given, words)));
+                                         all, text == nullptr ? "" : suggestion(given, words, "")));
         return otherwise.value_or(0);
     }
     return static_cast<std::size_t>(word - words.begin());

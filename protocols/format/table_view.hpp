@@ -63,7 +63,8 @@ public:
     [[nodiscard]] std::vector<TableView> tables(std::string_view key);
 
     void refuse(std::string_view key, std::string what);
-    /// Runs `make`; a std::invalid_argument becomes a problem of this table. Only if all keys were good.
+    /// Runs `make`; a std::invalid_argument becomes a problem of the key that it begins with, else of this
+    /// table. Only if all keys were good.
     template <class Make>
     void attempt(Make&& make) {
         if (broken_) {
@@ -72,7 +73,7 @@ public:
         try {
             make();
         } catch (const std::invalid_argument& e) {
-            add(at_, name_ + ": " + e.what());
+            add(spoken_of(*table_, e.what(), at_), name_ + ": " + e.what());
         }
     }
     [[nodiscard]] bool broken() const noexcept { return broken_; }  ///< a problem was found so far

@@ -14,7 +14,7 @@ ConstantStimuli::ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random)
     for (const double value : spec.values) {
         if (!std::isfinite(value)) {
             throw std::invalid_argument(
-                fmt::format("a stimulus is {}: give finite numbers", value));
+                fmt::format("stimuli holds {}: give finite numbers", value));
         }
     }
     if (spec.values.empty() || spec.repetitions == 0 || spec.outcomes < 2) {
@@ -24,10 +24,9 @@ ConstantStimuli::ConstantStimuli(const ConstantStimuliSpec& spec, Pcg32 random)
                         spec.values.size(), spec.repetitions, spec.outcomes));
     }
     if (spec.repetitions > kMostConstantTrials / spec.values.size()) {
-        throw std::invalid_argument(
-            fmt::format("{} stimuli {} times are more than {} trials: give "
-                        "fewer repetitions",
-                        spec.values.size(), spec.repetitions, kMostConstantTrials));
+        throw std::invalid_argument(fmt::format(
+            "repetitions is {}, of {} stimuli, which is more than {} trials: give fewer",
+            spec.repetitions, spec.values.size(), kMostConstantTrials));
     }
     for (std::size_t i = 0; i < spec.repetitions; ++i) {
         order_.insert(order_.end(), spec.values.begin(), spec.values.end());

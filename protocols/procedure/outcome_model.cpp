@@ -24,7 +24,9 @@ double slope_of(SlopeAs as, double value) {
 }
 
 std::vector<std::string> parameter_names(LapseForm form, SlopeAs slope_as, bool tilted) {
-    std::vector<std::string> names{"threshold"};
+    std::vector<std::string> names;
+    names.reserve(5);
+    names.emplace_back("threshold");
     if (tilted) {
         names.emplace_back("tilt");
     }

@@ -13,12 +13,16 @@ RuleFacts facts(const ConstantStimuliSpec& spec) {
     return {.trials = spec.values.size() * spec.repetitions,
             .lowest = *least,
             .highest = *most,
-            .outcomes = spec.outcomes};
+            .outcomes = spec.outcomes,
+            .lowest_key = "constant.stimuli",
+            .highest_key = "constant.stimuli"};
 }
 
 RuleFacts facts(const std::vector<StaircaseSpec>& specs) {
-    RuleFacts all{.trials = 0, .lowest = specs.front().lowest, .highest = specs.front().highest};
-    for (const StaircaseSpec& spec : specs) {
+    constexpr double kChance = 0.5 + 1e-6;  // of a guess between two
+    RuleFacts all;
+    for (std::size_t i = 0; i < specs.size(); ++i) {
+        const StaircaseSpec& spec = specs[i];
         if (spec.trials == 0 || spec.reversals != 0) {
             throw std::invalid_argument(
                 fmt::format("the staircase {} ends {}: a session's plan is complete before its "
@@ -27,14 +31,27 @@ RuleFacts facts(const std::vector<StaircaseSpec>& specs) {
                             spec.name, spec.reversals != 0 ? "by reversals" : "never"));
         }
         all.trials += spec.trials;
-        all.lowest = std::min(all.lowest, spec.lowest);
-        all.highest = std::max(all.highest, spec.highest);
+        if (i == 0 || spec.lowest < all.lowest) {
+            all.lowest = spec.lowest;
+            all.lowest_key = fmt::format("staircase.{}.lowest", i + 1);
+        }
+        if (i == 0 || spec.highest > all.highest) {
+            all.highest = spec.highest;
+            all.highest_key = fmt::format("staircase.{}.highest", i + 1);
+        }
+        all.one_sided = all.one_sided || spec.down > spec.up || target(spec) > kChance;
     }
     return all;
 }
 
 RuleFacts facts(const QuestSpec& spec) {
-    return {.trials = spec.trials, .lowest = spec.lowest, .highest = spec.highest, .outcomes = 2};
+    return {.trials = spec.trials,
+            .lowest = spec.lowest,
+            .highest = spec.highest,
+            .outcomes = 2,
+            .lowest_key = "quest.lowest",
+            .highest_key = "quest.highest",
+            .one_sided = spec.gamma > 0.0};
 }
 
 RuleFacts facts(const QuestPlusSpec& spec) {
@@ -54,7 +71,9 @@ RuleFacts facts(const QuestPlusSpec& spec) {
     return {.trials = spec.trials,
             .lowest = values.front(),
             .highest = values.back(),
-            .outcomes = spec.model.outcomes};
+            .outcomes = spec.model.outcomes,
+            .lowest_key = "stimuli.stimulus",
+            .highest_key = "stimuli.stimulus"};
 }
 
 RuleFacts facts(const PsiSpec& spec) {

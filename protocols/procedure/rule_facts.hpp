@@ -13,6 +13,10 @@ struct RuleFacts {
     double lowest = 0.0;     ///< it never chooses less
     double highest = 0.0;    ///< nor more
     std::size_t outcomes = 2;
+    std::string lowest_key{};   ///< which key says `lowest`, as in "staircase.2.lowest"
+    std::string highest_key{};  ///< and `highest`
+    /// An outcome of 1 is more likely than not wherever it stays: what is chosen is the greater one.
+    bool one_sided = false;
 
     friend bool operator==(const RuleFacts&, const RuleFacts&) = default;
 };

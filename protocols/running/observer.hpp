@@ -45,6 +45,8 @@ struct TroubleView {
     bool solved = false;       ///< the device works: the next trial may be asked for
     std::size_t tries = 0;     ///< how often the device was asked to come back, in vain
     std::size_t in_a_row = 1;  ///< faulted trials since the last good one
+    bool by_hand =
+        false;  ///< the experimenter stopped the trial: who goes on is not the participant
 
     friend bool operator==(const TroubleView&, const TroubleView&) = default;
 };

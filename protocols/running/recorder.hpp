@@ -85,11 +85,11 @@ struct TrialResult {
     double done_uncertainty_s = 0.0;
     TrialSummary summary{};                   ///< of all intervals together
     std::vector<IntervalResult> intervals{};  ///< as far as the trial came
-    std::optional<Response> response;         ///< none unless complete or timed_out
-    std::optional<Fault> fault;               ///< none unless faulted
-    std::optional<AdaptiveStep> step;         ///< none unless a rule took in the answer
+    std::optional<Response> response{};       ///< none unless complete or timed_out
+    std::optional<Fault> fault{};             ///< none unless faulted
+    std::optional<AdaptiveStep> step{};       ///< none unless a rule took in the answer
     std::string
-        invalid;  ///< why an answer does not count, a phrase; empty: it does, or there is none
+        invalid{};  ///< why an answer does not count, a phrase; empty: it does, or there is none
     bool begun =
         true;  ///< false: the desk wanted something before the first tick, nothing is recorded
 };

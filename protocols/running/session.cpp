@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/servo.hpp"
+#include "protocols/design/counted.hpp"
 #include "protocols/running/trial_runner.hpp"
 #include "protocols/running/trouble.hpp"
 
@@ -158,9 +159,9 @@ private:
 
     SessionEnd gave_up(const Fault& fault, std::size_t tries) {
         const std::string trouble = ports_.apparatus.trouble();
-        ports_.recorder.event("gave up",
-                              fmt::format("{}, after {} tries in vain and {} faults in a row",
-                                          before_next(), tries, faults_));
+        ports_.recorder.event(
+            "gave up", fmt::format("{}, after {} in vain and {} in a row", before_next(),
+                                   counted(tries, "try", "tries"), counted(faults_, "fault")));
         return {.why = SessionEnd::Why::faulted,
                 .next = pending_.next(),
                 .fault = trouble.empty() ? fault.text : trouble,

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/running/pending_trials.hpp"
 #include "protocols/running/trial_scene.hpp"
 
@@ -245,9 +246,8 @@ void TrialRunner::drain(TrialId id, bool exploring) {
 void TrialRunner::note_lost_ticks(const PlannedTrial& planned) {
     if (const std::int64_t lost = ports_.apparatus.dropped() - dropped_; lost > 0) {
         dropped_ += lost;
-        ports_.recorder.event(
-            "ticks lost",
-            fmt::format("{} ticks found the ring full at position {}", lost, planned.position));
+        ports_.recorder.event("ticks lost", fmt::format("{} found the ring full at position {}",
+                                                        counted(lost, "tick"), planned.position));
     }
 }
 

@@ -2,17 +2,22 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
+
 namespace palpate::protocols {
 
 Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
-    TroubleView view{.sentence = fault.text, .in_a_row = in_a_row};
+    TroubleView view{.sentence = fault.text,
+                     .in_a_row = in_a_row,
+                     .by_hand = fault.cause == engine::Trip::stopped};
     for (std::size_t slice = 0;; ++slice) {
         if (!view.solved && slice % kSlicesPerTry == 0) {
             view.solved = ports.apparatus.reconnect();
             if (view.solved) {
+                view.sentence = fault.text;  // no longer why it could not be reached
                 ports.recorder.event(
                     "reconnect",
-                    fmt::format("the device works, after {} tries in vain", view.tries));
+                    "the device works, after " + counted(view.tries, "try", "tries") + " in vain");
             } else {
                 ++view.tries;
                 const std::string trouble = ports.apparatus.trouble();

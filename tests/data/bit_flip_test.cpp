@@ -5,6 +5,7 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/sample_rows.hpp"
 
 using namespace palpate;
 using data::Access;
@@ -107,4 +108,53 @@ TEST_CASE(
     CHECK(noticed + harmless == 1000);
     CHECK(noticed > 200);
     CHECK(harmless > 0);
+}
+
+TEST_CASE(
+    "of a file with a flipped bit sample gives what it gave before, or an error, never another "
+    "number",
+    "[store][sample][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    record_small_session(file);
+    std::ifstream in(file, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const std::string queries[] = {
+        "SELECT trial_id, interval, count(*), sum(tick), sum(t_s), sum(count_1 - 3 * code_1), "
+        "sum(count_2 - 3 * code_2), sum(fx_n), sum(fy_n), sum(flags), sum(lateness_us) FROM sample "
+        "GROUP BY 1, 2",
+        "SELECT trial_id, interval, sum(x_m), sum(y_m), sum(vx_m_per_s) FROM sample GROUP BY 1, 2",
+        "SELECT trial_id, interval, sum(fn_n), sum(mu), sum(u), sum(go_x_m), sum(mode = 'slip') "
+        "FROM "
+        "sample GROUP BY 1, 2",
+        "SELECT sum(t_s), sum(count_1), sum(tick) FROM sample WHERE trial_id = 3 AND tick >= 100",
+        "SELECT sum(x_m), sum(fn_n) FROM sample WHERE trial_id = 4 AND t_s > 0.1"};
+    const auto say = [&](const std::string& of, std::size_t i) {
+        tests::Opened database(of);
+        return tests::rows_of(database, queries[i]);
+    };
+    std::vector<std::vector<tests::SampleRow>> before;
+    for (std::size_t i = 0; i < std::size(queries); ++i) {
+        before.push_back(say(file, i));
+    }
+    int refused = 0;
+    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+        tests::Random random(seed);
+        std::string damaged = bytes;
+        const int at = random.below(static_cast<int>(bytes.size()));
+        auto& byte = damaged[static_cast<std::size_t>(at)];
+        byte = static_cast<char>(byte ^ (1 << random.below(8)));
+        const std::string copy = folder.file("copy.sqlite");
+        std::ofstream(copy, std::ios::binary) << damaged;
+        for (std::size_t i = 0; i < std::size(queries); ++i) {
+            try {
+                const auto now = say(copy, i);
+                CAPTURE(seed, at, queries[i], now, before[i]);
+                CHECK((now == before[i]));
+            } catch (const std::exception&) {
+                ++refused;
+            }
+        }
+    }
+    CHECK(refused > 50);
 }

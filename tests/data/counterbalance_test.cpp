@@ -19,10 +19,7 @@ std::vector<std::size_t> open(data::Database& database,
                               std::size_t number = 1) {
     data::SessionSpec spec = tests::session_spec(protocol, participant, number);
     spec.kind = kind;
-    const auto seen = data::picture_orders(database, protocol.id, spec.key);
-    spec.plan = protocols::make_plan(protocol, spec.protocol_hash, spec.key, spec.seed,
-                                     picture_history(protocol, seen.others, seen.own));
-    [[maybe_unused]] const auto opened = data::open_session(database, spec);
+    [[maybe_unused]] const auto opened = data::plan_and_open_session(database, spec);
     return spec.plan.picture_order;
 }
 
@@ -78,10 +75,7 @@ std::size_t open_blocks(data::Database& database,
     spec.protocol = protocol;
     spec.protocol_hash = protocols::protocol_hash(protocol);
     spec.kind = kind;
-    const auto seen = data::friction_orders(database, protocol.id, spec.key);
-    spec.plan = protocols::make_plan(protocol, spec.protocol_hash, spec.key, spec.seed, {},
-                                     friction_history(protocol, seen.others, seen.own));
-    [[maybe_unused]] const auto opened = data::open_session(database, spec);
+    [[maybe_unused]] const auto opened = data::plan_and_open_session(database, spec);
     return first_round(protocol, spec.plan).front();
 }
 

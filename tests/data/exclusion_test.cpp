@@ -20,6 +20,8 @@ protocols::Protocol study() {
     protocol.objects.push_back({.name = "low", .curvature = -20.0, .pictured = false});
     protocol.objects.push_back({.name = "high", .curvature = 20.0, .pictured = false});
     protocol.design.catch_trials = 4;
+    protocol.design.max_run_object = 0;  // any order: counting those within limits takes longest
+    protocol.design.max_run_friction = 0;
     protocol.exclusion = {.catch_correct_min = 0.75,
                           .share_correct_min = 0.5,
                           .timed_out_share_max = 0.25,

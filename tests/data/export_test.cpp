@@ -44,6 +44,8 @@ std::string everything(const fs::path& folder) {
     return fmt::format("{}", fmt::join(files, "\n"));
 }
 
+constexpr std::int64_t kClock = 432'198'765'000'000;  ///< ns
+
 /// Three participants of a study, with words that must not leave the lab.
 std::string a_database(const TemporaryFolder& folder) {
     const std::string file = folder.file("study.sqlite");
@@ -66,6 +68,15 @@ std::string a_database(const TemporaryFolder& folder) {
             .bind(2, std::string_view(data::utc_now()))
             .run();
         const std::int64_t trial = database.last_row();
+        // The servo's clock tells who came first.
+        database.prepare("UPDATE trial SET started_ns = ?2 WHERE id = ?1")
+            .bind(1, trial)
+            .bind(2, kClock + 1000 * trial)
+            .run();
+        database.prepare("UPDATE event SET at_ns = ?2 WHERE session = ?1")
+            .bind(1, session)
+            .bind(2, kClock + 1000 * trial + 70)
+            .run();
         database
             .prepare(
                 "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s, "
@@ -104,14 +115,17 @@ TEST_CASE("nothing that tells who somebody is leaves the file unless it is asked
     const std::string text = everything(plain);
     CHECK_THAT(text, !ContainsSubstring("SECRET"));
     CHECK_THAT(text, !ContainsSubstring(data::utc_now().substr(0, 10)));
+    CHECK_THAT(text, !ContainsSubstring("432198765"));
     CHECK_THAT(text, ContainsSubstring("sub-003"));
 
     const fs::path open = folder.path() / "open";
     (void)data::export_file(file, format, {.details = true, .keep_codes = true}, open);
     CHECK_THAT(everything(open), ContainsSubstring("SECRETP2"));
+    CHECK((fs::status(open).permissions() & (fs::perms::group_all | fs::perms::others_all)) ==
+          fs::perms::none);
     if (format == ExportFormat::csv) {
         for (const char* word : {"SECRET operator", "SECRET note", "SECRET age", "SECRET host",
-                                 "SECRET reason", "/SECRET/tty"}) {
+                                 "SECRET reason", "/SECRET/tty", "432198765"}) {
             CHECK_THAT(everything(open), ContainsSubstring(word));
         }
     }

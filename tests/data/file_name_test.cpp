@@ -130,3 +130,9 @@ TEST_CASE("a database without a name is refused with a sentence, and leaves noth
     CHECK_THROWS_WITH(Database("", access), ContainsSubstring("give a file name"));
     CHECK(folder.names().empty());
 }
+
+TEST_CASE("a folder in place of a database is called a folder", "[store]") {
+    const Access access = GENERATE(Access::write, Access::read);
+    const TemporaryFolder folder;
+    CHECK_THROWS_WITH(Database(folder.path().string(), access), ContainsSubstring("is a folder"));
+}

@@ -110,6 +110,30 @@ TEST_CASE("programs that make one database at the same time all get it", "[store
     }
 }
 
+TEST_CASE(
+    "rigs that begin at the same moment take rows of the pictures as one after the other would",
+    "[store][law]") {
+    constexpr int kRounds = 12;
+    const protocols::Protocol protocol = tests::small_protocol();
+    const auto rigs = static_cast<int>(picture_rows(protocol).size());
+    for (int round = 0; round < kRounds; ++round) {
+        CAPTURE(round);
+        const TemporaryFolder folder;
+        const std::string file = folder.file("a.sqlite");
+        Database database(file, Access::write);
+        REQUIRE(at_once(rigs, [&](int i) {
+                    Database rig(file, Access::write);
+                    auto spec =
+                        tests::session_spec(protocol, std::string("P").append(std::to_string(i)));
+                    spec.kind = data::RunKind::real;
+                    static_cast<void>(data::plan_and_open_session(rig, spec));
+                }) == rigs);
+        CHECK(number(database,
+                     "SELECT count(DISTINCT o) FROM (SELECT group_concat(object) AS o FROM"
+                     " (SELECT * FROM picture ORDER BY session, place) GROUP BY session)") == rigs);
+    }
+}
+
 TEST_CASE("programs that want one session take turns: each trial is run and answered once",
           "[store][law]") {
     const TemporaryFolder folder;

@@ -9,6 +9,8 @@
 #include "data/store/sqlite_recorder.hpp"
 #include "data/sync/merge.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/database_edits.hpp"
+#include "tests/support/merge_world.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
@@ -17,8 +19,11 @@ using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using data::MergeReport;
+using tests::copy_of;
 using tests::Random;
+using tests::Rig;
 using tests::TemporaryFolder;
+using tests::World;
 
 namespace {
 
@@ -62,144 +67,11 @@ std::string content(const std::string& file) {
     return all;
 }
 
-/// A rig that runs sessions step by step.
-class Rig {
-public:
-    Rig(std::string file, std::string participant, std::size_t number, bool other_study = false)
-        : file_(std::move(file)) {
-        protocols::Protocol protocol = tests::small_protocol();
-        protocol.title = other_study ? "The same name, another text" : protocol.title;
-        spec_ = tests::session_spec(protocol, std::move(participant), number);
-        spec_.kind = data::RunKind::real;
-        Database database(file_, Access::write);
-        session_ = data::open_session(database, spec_).id;
-    }
-
-    /// Something that happens in a session.
-    void step(Random& random) {
-        Database database(file_, Access::write);
-        auto row =
-            database.prepare("SELECT id, outcome FROM trial WHERE session = ?1 ORDER BY id DESC");
-        row.bind(1, session_);
-        const bool any = row.step();
-        const std::int64_t last = any ? row.integer(0) : 0;
-        const bool runs = any && row.text(1) == "running";
-        row.reset();
-        if (runs) {
-            random.coin() ? chunk(database, last, random) : end(database, last, random);
-        } else if (any && random.below(4) == 0) {
-            mark(database, last);
-        } else if (random.below(5) == 0) {
-            data::add_note(database, session_, fmt::format("note {}", random.below(1000)));
-        } else {
-            begin(database, random);
-        }
-        database.checkpoint();
-    }
-
-    void finish() {
-        Database database(file_, Access::write);
-        data::SqliteRecorder(database, spec_.protocol, session_).finish_session();
-    }
-
-    [[nodiscard]] const std::string& file() const { return file_; }
-
-private:
-    void begin(Database& database, Random& random) {
-        database
-            .prepare(
-                "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
-                " started_utc) SELECT ?1, ?2, 1 + count(*), 'running', 0.5, 0.25, ?3 FROM trial"
-                " WHERE session = ?1 AND position = ?2")
-            .bind(1, session_)
-            .bind(2, std::int64_t{random.below(6)})
-            .bind(3, data::utc_now())
-            .run();
-    }
-    void chunk(Database& database, std::int64_t trial, Random& random) {
-        const std::vector<std::byte> bytes(static_cast<std::size_t>(1 + random.below(40)),
-                                           static_cast<std::byte>(random.below(256)));
-        database
-            .prepare(
-                "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns,"
-                " holds, crc32, derived, data) SELECT ?1, 1, coalesce(max(first_tick), -256) + 256,"
-                " 256, 2, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial = ?1")
-            .bind(1, trial)
-            .bind(2, std::span<const std::byte>(bytes))
-            .run();
-    }
-    void end(Database& database, std::int64_t trial, Random& random) {
-        const bool answered = random.below(4) != 0;
-        database.prepare("UPDATE trial SET outcome = ?2, done_s = ?3, ended_utc = ?4 WHERE id = ?1")
-            .bind(1, trial)
-            .bind(2, std::string_view(answered ? "complete" : "aborted"))
-            .bind(3, random.in(0.0, 9.0))
-            .bind(4, data::utc_now())
-            .run();
-        if (answered) {
-            database
-                .prepare(
-                    "INSERT INTO response (trial, place, object, correct, reaction_s, "
-                    "uncertainty_s, input, answer) VALUES (?1, 0, 'straight', 1, ?2, 0.0, 'key', "
-                    "0)")
-                .bind(1, trial)
-                .bind(2, random.in(0.1, 3.0))
-                .run();
-        }
-    }
-    void mark(Database& database, std::int64_t trial) {
-        try {
-            data::mark_invalid(database, trial, "talked meanwhile");
-        } catch (const std::invalid_argument&) {  // it has no answer, or is marked already
-        }
-    }
-
-    std::string file_;
-    data::SessionSpec spec_;
-    std::int64_t session_ = 0;
-};
-
 void shuffle(std::vector<std::string>& files, Random& random) {
     for (std::size_t i = files.size(); i > 1; --i) {
         std::swap(files[i - 1], files[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
     }
 }
-
-std::string copy_of(const std::string& file, const TemporaryFolder& folder, int number) {
-    const std::string to = folder.file(fmt::format("copy{}.sqlite", number));
-    std::filesystem::copy_file(file, to);
-    return to;
-}
-
-/// Rigs that went through random steps, and copies of their files from in between.
-struct World {
-    explicit World(std::uint64_t seed) : random(seed) {
-        rigs.emplace_back(folder.file("a.sqlite"), "P01", 1);
-        rigs.emplace_back(folder.file("a.sqlite"), "P02", 1);
-        rigs.emplace_back(folder.file("b.sqlite"), "P03", 1);
-        rigs.emplace_back(folder.file("b.sqlite"), "P01", 2);
-        rigs.emplace_back(folder.file("c.sqlite"), "P01", 1, true);
-        for (int i = 0; i < 60; ++i) {
-            Rig& rig = rigs[static_cast<std::size_t>(random.below(5))];
-            rig.step(random);
-            if (random.below(8) == 0) {
-                files.push_back(copy_of(rig.file(), folder, i));
-            }
-        }
-        if (random.coin()) {
-            rigs.front().finish();
-        }
-        for (const char* name : {"a.sqlite", "b.sqlite", "c.sqlite"}) {
-            last.push_back(folder.file(name));
-            files.push_back(last.back());
-        }
-    }
-    TemporaryFolder folder;
-    Random random;
-    std::vector<Rig> rigs;
-    std::vector<std::string> files;  ///< all moments
-    std::vector<std::string> last;   ///< what became of them
-};
 
 }  // namespace
 
@@ -234,6 +106,36 @@ TEST_CASE(
     CHECK(again.extended == 0);
     CHECK(again.same == 5);
     CHECK(content(stepwise) == expected);
+}
+
+TEST_CASE("a session that was damaged or edited is named, and nothing of it is merged",
+          "[merge][law]") {
+    for (const auto& [table, column] :
+         {std::pair{"response", "reaction_s"}, std::pair{"trial", "done_s"},
+          std::pair{"trace_chunk", "data"}, std::pair{"plan", "mu_s"}, std::pair{"event", "text"},
+          std::pair{"session", "device"}, std::pair{"participant", "code"}}) {
+        CAPTURE(table, column);
+        World world(7);
+        const std::string damaged = world.rigs.front().file();
+        const auto sessions = [](const std::string& file) {
+            Database database(file, Access::read);
+            auto row = database.prepare("SELECT count(*) FROM session");
+            row.step();
+            return row.integer(0);
+        };
+        const std::int64_t all = sessions(damaged);
+        {
+            Database database(damaged, Access::write);
+            tests::edit(database, table, column, tests::a_row(database, table, world.random),
+                        world.random);
+        }
+        const std::string out = world.folder.file("out.sqlite");
+        const MergeReport report = data::merge_files(out, {damaged});
+        REQUIRE(report.conflicts.size() == 1);
+        CHECK_THAT(report.conflicts.front().what, ContainsSubstring("palpate verify"));
+        CHECK(report.conflicts.front().first == damaged);
+        CHECK(sessions(out) == all - 1);
+    }
 }
 
 TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {

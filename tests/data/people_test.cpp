@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include "data/analysis/summary.hpp"
+#include "data/report/utf8.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
@@ -191,14 +192,22 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(palpate_command({"participant", file, "P1", "--handedness", "101"}).code == 2);
     CHECK(::access(file.c_str(), F_OK) != 0);  // nothing was made of all that
 
-    const Finished noted = palpate_command({"participant", file, "P1", "--handedness", "-40",
-                                            "--consent", "yes", "--set", "age=31", "--set", "x="});
+    const Finished noted =
+        palpate_command({"participant", file, "P1", "--new", "--handedness", "-40", "--consent",
+                         "yes", "--set", "age=31", "--set", "x="});
     CHECK(noted.code == 0);
     CHECK_THAT(noted.out, ContainsSubstring("handedness   -40") &&
                               ContainsSubstring("consent      yes, noted 2") &&
                               ContainsSubstring("age          31"));
     CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
     CHECK(palpate_command({"participant", file, "P2"}).code == 2);
+    const Finished slip = palpate_command({"participant", file, "P2", "--set", "age=32"});
+    CHECK(slip.code == 2);
+    CHECK_THAT(slip.error, ContainsSubstring("nobody is called P2: --new registers them"));
+    const Finished taken = palpate_command({"participant", file, "P1", "--new", "--consent", "no"});
+    CHECK(taken.code == 2);
+    CHECK_THAT(taken.error, ContainsSubstring("P1 is there already"));
+    CHECK(palpate_command({"participant", file, "P1"}).out == noted.out);
     CHECK_THAT(palpate_command({"note", file, "text", "--participant", "P1"}).error,
                ContainsSubstring("P1 has no such session"));
     {
@@ -233,4 +242,63 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
                 " ORDER BY event.id") ==
           "2 note tired \n1 note early \n1 mark after 1 attempts: bell rang \n");
     CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
+}
+
+TEST_CASE("UTF-8 is told from what is none, byte by byte as RFC 3629 has it", "[people]") {
+    // Every sequence of one, two and three bytes against the ranges of the RFC's table 3-7 in Unicode.
+    const auto by_table = [](unsigned a, unsigned b, unsigned c) -> std::size_t {
+        const auto tail = [](unsigned x) {
+            return x >= 0x80 && x <= 0xBF;
+        };
+        if (a <= 0x7F) {
+            return 1;
+        }
+        if (a >= 0xC2 && a <= 0xDF && tail(b)) {
+            return 2;
+        }
+        const bool second = a == 0xE0 ? b >= 0xA0 && b <= 0xBF
+                          : a == 0xED ? b >= 0x80 && b <= 0x9F
+                                      : tail(b);
+        return a >= 0xE0 && a <= 0xEF && second && tail(c) ? 3 : 0;
+    };
+    std::size_t wrong = 0;
+    for (unsigned a = 0; a < 0xF0; ++a) {
+        for (unsigned b = 0; b < 256; ++b) {
+            for (const unsigned c : {0x00U, 0x41U, 0x7FU, 0x80U, 0xBFU, 0xC0U, 0xFFU}) {
+                const char bytes[] = {static_cast<char>(a), static_cast<char>(b),
+                                      static_cast<char>(c)};
+                wrong += data::utf8_length({bytes, 3}) == by_table(a, b, c) ? 0U : 1U;
+            }
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(data::utf8_length("\xF0\x9F\x98\x80") == 4);
+    for (const char* bad : {"\xF0\x8F\xBF\xBF", "\xF4\x90\x80\x80", "\xF5\x80\x80\x80",
+                            "\xF0\x9F\x98", "\xE2\x82", "\xC3", "a\x80"}) {
+        CHECK_FALSE(data::is_utf8(bad));
+    }
+    CHECK(data::is_utf8("çukur, 凹, \xF0\x9F\x98\x80"));
+}
+
+TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    Database database(file, Access::read);
+    const auto noted = [&] {
+        return lines(database, "SELECT count(*) FROM event") +
+               lines(database, "SELECT count(*) FROM participant_detail");
+    };
+    const std::string before = noted();
+    const std::string code = lines(database, "SELECT code FROM participant");
+    const std::string who = code.substr(0, code.find(' '));
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"note", file, "caf\xE9", "--participant", who},
+          {"mark", file, "1", "--invalid", "\xFF"},
+          {"participant", file, who, "--set", "name=Ren\xE9"}}) {
+        const Finished refused = palpate_command(words);
+        CHECK(refused.code == 2);
+        CHECK_THAT(refused.error, ContainsSubstring("UTF-8"));
+    }
+    CHECK(noted() == before);
 }

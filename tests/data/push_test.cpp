@@ -5,13 +5,14 @@
 
 #include <fmt/format.h>
 
+#include "data/store/chain.hpp"
 #include "data/store/database.hpp"
 #include "data/store/people.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/push.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/postgres_server.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/push_world.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate;
@@ -20,7 +21,11 @@ using data::Access;
 using data::Database;
 using data::Postgres;
 using data::PushReport;
+using tests::a_database;
+using tests::a_server;
+using tests::content;
 using tests::Finished;
+using tests::new_database;
 using tests::palpate_command;
 using tests::PostgresServer;
 using tests::Process;
@@ -28,47 +33,16 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// A server, or nothing and a word why not.
-std::unique_ptr<PostgresServer> a_server() {
-    auto server = PostgresServer::start();
-    if (!server) {
-        WARN("skipped: no PostgreSQL server is installed");
-        return nullptr;
+/// Makes the chains of a file hold again, as somebody who edits with care would.
+void chain_again(Database& database) {
+    database.execute(
+        "UPDATE trial SET chain = NULL, chain_events = NULL;"
+        "UPDATE session SET chain = NULL, chain_events = NULL");
+    auto trial = database.prepare("SELECT id FROM trial ORDER BY id");
+    while (trial.step()) {
+        data::chain_trial(database, trial.integer(0));
     }
-    try {
-        const Postgres there(server->url());
-    } catch (const std::invalid_argument& e) {
-        WARN("skipped: " << e.what());
-        return nullptr;
-    }
-    return server;
-}
-
-std::string a_database(const TemporaryFolder& folder) {
-    const std::string file = folder.file("demo.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
-    return file;
-}
-
-/// Number and hash of the rows of each table.
-std::string content(const std::string& url) {
-    Postgres server(url);
-    std::string all;
-    for (const auto& table : server.rows(
-             "SELECT relname FROM pg_class JOIN pg_namespace ON pg_namespace.oid = relnamespace"
-             " WHERE nspname = 'palpate' AND relkind = 'r' ORDER BY relname")) {
-        const auto hash = server.rows(fmt::format(
-            "SELECT count(*) || ' ' || coalesce(md5(string_agg(t::text, '' ORDER BY t::text)), '-')"
-            " FROM palpate.\"{}\" AS t",
-            *table[0]));
-        all += *table[0] + ' ' + *hash[0][0] + '\n';
-    }
-    return all;
-}
-
-std::string new_database(const PostgresServer& server, const std::string& name) {
-    Postgres(server.url()).run("CREATE DATABASE " + name);
-    return server.url(name);
+    data::chain_session(database, 1);
 }
 
 }  // namespace
@@ -212,7 +186,11 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
         CAPTURE(change);
         const std::string other = folder.file("other.sqlite");
         std::filesystem::copy_file(file, other, std::filesystem::copy_options::overwrite_existing);
-        Database(other, Access::write).execute(change);
+        {
+            Database database(other, Access::write);
+            database.execute(change);
+            chain_again(database);
+        }
         const Finished push = palpate_command({"push", other, "--to", server->url()});
         CHECK(push.code == 1);
         CHECK_THAT(push.error, ContainsSubstring("conflict: "));
@@ -232,6 +210,7 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
     const std::string file = a_database(folder);
     Postgres admin(server->url());
     admin.run(data::push_setup());
+    admin.run("CREATE SCHEMA secret; CREATE TABLE secret.diary (line text)");
     for (const char* role : {"writer", "reader"}) {
         admin.run(fmt::format("CREATE ROLE {0} LOGIN PASSWORD '{1}'; GRANT palpate_{0} TO {0}",
                               role, PostgresServer::kPassword));
@@ -240,8 +219,12 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
     const std::string reader = server->url("postgres", "reader");
     CHECK(data::push_file(file, writer).rows > 0);
     CHECK(Postgres(reader).rows("SELECT * FROM palpate.trial").size() == 10);
-    for (const char* sql : {"UPDATE palpate.trial SET done_s = 0", "DELETE FROM palpate.trial",
-                            "TRUNCATE palpate.trial", "DROP TABLE palpate.trial"}) {
+    for (const char* sql :
+         {"UPDATE palpate.trial SET done_s = 0", "DELETE FROM palpate.trial",
+          "TRUNCATE palpate.trial", "DROP TABLE palpate.trial", "CREATE TABLE palpate.mine ()",
+          "ALTER TABLE palpate.trial ADD x int",
+          "CREATE TRIGGER t BEFORE INSERT ON palpate.trial EXECUTE FUNCTION f()",
+          "CREATE ROLE another", "SELECT * FROM pg_authid", "SELECT * FROM secret.diary"}) {
         CHECK_THROWS_AS(Postgres(writer).run(sql), data::PostgresError);
     }
     CHECK_THROWS_AS(Postgres(reader).run("INSERT INTO palpate.session_end SELECT session FROM"

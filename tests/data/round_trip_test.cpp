@@ -157,7 +157,9 @@ for path in out.rglob("*_motion.tsv"):
     assert re.fullmatch(entity + run + "_motion.tsv", path.name)
     stem = str(path)[:-len("motion.tsv")]
     head, *channels = tsv(stem + "channels.tsv")
-    assert head[:5] == ["name", "component", "type", "tracked_point", "units"]
+    assert head[:6] == ["name", "component", "type", "tracked_point", "units", "reference_frame"]
+    frames = json.loads(open(stem + "channels.json").read())["reference_frame"]["Levels"]
+    assert all((c[1] == "n/a") == (c[5] == "n/a") and c[5] in {"n/a", *frames} for c in channels)
     kinds = [c[2] for c in channels]
     assert set(kinds) <= {"POS", "LATENCY", "MISC"} and set(c[1] for c in channels) <= {"x", "y", "n/a"}
     words = json.loads(open(stem + "motion.json").read())
@@ -167,11 +169,14 @@ for path in out.rglob("*_motion.tsv"):
         assert words[kind + "ChannelCount"] == kinds.count(kind)
     rows = tsv(path)
     assert all(len(row) == len(channels) == words["MotionChannelCount"] for row in rows)
-    stim = json.loads(open(stem + "recording-force_stim.json").read())
+    force = path.parent.parent / "beh" / path.name.replace("_tracksys-handle", "")
+    force = str(force)[:-len("motion.tsv")] + "recording-force_stim"
+    stim = json.loads(open(force + ".json").read())
     assert stim["StartTime"] == 0 and stim["SamplingFrequency"] == words["SamplingFrequency"]
-    lines = gzip.open(stem + "recording-force_stim.tsv.gz", "rt").read().splitlines()
+    lines = gzip.open(force + ".tsv.gz", "rt").read().splitlines()
     assert len(lines) == len(rows) and all(len(l.split("\t")) == len(stim["Columns"]) for l in lines)
     at = [c[0] for c in channels].index("latency")
+    assert all(re.fullmatch(r"\d+\.\d{9}", row[at]) for row in rows)
     assert float(rows[0][at]) == 0 and abs(float(rows[-1][at]) - (len(rows) - 1) / 1000) < 1e-6
 assert runs == 10
 )py",
@@ -191,7 +196,7 @@ assert described["@context"].rstrip("/").endswith("schema.org") and described["@
 assert described["name"] and described["description"]
 named = {v["name"] for v in described["variableMeasured"]}
 files = list((out / "data").iterdir())
-assert len(files) == 11
+assert len(files) == 12
 for path in files:
     assert re.fullmatch(r"([a-z]+-[A-Za-z0-9]+_)+data\.csv", path.name), path.name
     with open(path, newline="") as text:

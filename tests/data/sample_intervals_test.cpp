@@ -1,13 +1,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "protocols/library/shipped.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/store/current_copy.hpp"
 #include "data/trace/codec.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
+#include "tests/support/short_text.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
@@ -17,22 +17,15 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// A shipped protocol made short.
-std::string short_text(std::string_view name,
-                       const std::vector<std::pair<std::string, std::string>>& edits) {
-    std::string text;
-    for (const auto& shipped : protocols::shipped_protocols()) {
-        if (shipped.name == name) {
-            text = shipped.text;
-        }
-    }
-    for (const auto& [from, to] : edits) {
-        const std::size_t at = text.find(from);
-        CAPTURE(from);
-        REQUIRE(at != std::string::npos);
-        text.replace(at, from.size(), to);
-    }
-    return text;
+/// With every interval short, too.
+std::string brief_text(std::string_view name,
+                       std::vector<std::pair<std::string, std::string>> edits) {
+    edits.emplace_back("[timing]\nexplore_min_s = 2\n",
+                       "[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n\n"
+                       "[timing]\nexplore_min_s = 0.5\n");
+    edits.emplace_back("explore_prompt_s = 10", "explore_prompt_s = 0.8");
+    edits.emplace_back("explore_timeout_s = 15", "explore_timeout_s = 1");
+    return tests::short_text(name, edits);
 }
 
 /// The first difference, by names. @param rows  of `sample`
@@ -46,38 +39,6 @@ void require_same(const std::vector<SampleRow>& rows, const std::vector<SampleRo
     }
 }
 
-/// A file of schema 4 whose trial 1 has these ticks.
-void write_old(const std::string& file, const std::vector<engine::TickRecord>& ticks) {
-    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_4.sql");
-    std::string sql = "\n";
-    sql.append(std::istreambuf_iterator<char>(in), {});
-    const std::string hash = "'" + std::string(64, 'a') + "'";
-    sql += "INSERT INTO study VALUES (1, 's', 't', " + hash +
-           ", ''); INSERT INTO participant (id, code) VALUES (1, 'P1');"
-           "INSERT INTO session (id, study, participant, number, kind, seed, plan_sha256, shuffles,"
-           " device, rate_hz, stiffness_n_per_m, started_utc) VALUES (1, 1, 1, 1, 'real', '7', " +
-           hash +
-           ", 1, 'd', 1000, 1000, '2026-01-31T12:34:56.789Z');"
-           "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s,"
-           " mu_d, break_before) VALUES (1, 0, 'main', 'o', -2.5, 'f', 0.7, 0.5, 0);"
-           "INSERT INTO trial (id, session, position, attempt, outcome, slip_decay, heal_decay,"
-           " started_utc) VALUES (1, 1, 0, 1, 'complete', 0, 0, '');";
-    for (std::size_t first = 0; first < ticks.size(); first += 256) {
-        const auto part =
-            std::span(ticks).subspan(first, std::min<std::size_t>(256, ticks.size() - first));
-        const data::EncodedChunk chunk = data::encode(part);
-        std::string hex;
-        for (const std::byte byte : chunk.data) {
-            hex += fmt::format("{:02x}", static_cast<unsigned>(byte));
-        }
-        sql += fmt::format("INSERT INTO trace_chunk VALUES (1, {}, {}, 1, {}, x'{}');\n", first,
-                           part.size(), chunk.crc32, hex);
-    }
-    const std::string script = file + ".sql";
-    std::ofstream(script) << sql;
-    REQUIRE(tests::Process({"sqlite3", file, ".read " + script}).wait().code == 0);
-}
-
 }  // namespace
 
 TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit",
@@ -85,9 +46,9 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
     const bool curvature = GENERATE(true, false);
     const std::string text =
         curvature
-            ? short_text("curvature_2afc", {{"trials = 60", "trials = 4"},
+            ? brief_text("curvature_2afc", {{"trials = 60", "trials = 4"},
                                             {"practice_trials = 4", "practice_trials = 1"}})
-            : short_text("friction_threshold", {{"trials = 40", "trials = 4"},
+            : brief_text("friction_threshold", {{"trials = 40", "trials = 4"},
                                                 {"trials = 40", "trials = 4"},
                                                 {"practice_trials = 4", "practice_trials = 1"}});
     const TemporaryFolder folder;
@@ -135,7 +96,7 @@ TEST_CASE("an old file has the ticks of the reader, before and after it is broug
     const TemporaryFolder folder;
     const std::string file = folder.file("old.sqlite");
     const auto ticks = tests::random_ticks(seed, 700);
-    write_old(file, ticks);
+    tests::write_old(file, ticks);
     data::CurrentCopy copy(file);
     REQUIRE(data::add_extension(copy.database().handle()) == 0);
     const auto expected = tests::expected_rows(copy.database(), 1);

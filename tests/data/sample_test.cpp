@@ -1,11 +1,7 @@
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 
-#include "data/extension/sample_module.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "data/trace/codec.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
@@ -13,30 +9,15 @@
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
+using tests::demo_file;
+using tests::error_of;
+using tests::Opened;
+using tests::plan_of;
 using tests::rows_of;
 using tests::SampleRow;
 using tests::TemporaryFolder;
 
 namespace {
-/// Ten trials of the demo, recorded by the program.
-const std::string& demo_file() {
-    static const TemporaryFolder folder;
-    static const std::string file = [] {
-        REQUIRE(
-            tests::palpate_command({"demo", "--headless", "--db", folder.file("a.sqlite")}).code ==
-            0);
-        return folder.file("a.sqlite");
-    }();
-    return file;
-}
-
-struct Opened : data::Database {
-    explicit Opened(const std::string& file, data::Access access = data::Access::read)
-        : data::Database(file, access) {
-        REQUIRE(data::add_extension(handle()) == 0);
-    }
-};
-
 /// A study with trials of arbitrary bits, `sizes` ticks each.
 struct Wild {
     explicit Wild(const std::vector<std::size_t>& sizes)
@@ -56,57 +37,6 @@ struct Wild {
     Opened database;
     std::vector<std::int64_t> ids;
 };
-
-std::string plan_of(data::Database& database, const std::string& sql) {
-    std::string text;
-    for (const SampleRow& row : rows_of(database, "EXPLAIN QUERY PLAN " + sql)) {
-        text += row.back() + '\n';
-    }
-    return text;
-}
-
-std::string error_of(data::Database& database, const std::string& sql) {
-    try {
-        rows_of(database, sql);
-    } catch (const data::StoreError& e) {
-        return e.what();
-    }
-    return {};
-}
-
-std::string random_condition(tests::Random& random, const std::string& trial) {
-    const auto number = [&](double scale) {
-        return fmt::format("{}", random.in(-0.1, 1.2) * scale);
-    };
-    const char* const compare[] = {"<", "<=", ">", ">=", "="};
-    const auto op = [&] {
-        return std::string(compare[random.below(5)]);
-    };
-    std::string where("1");
-    if (random.coin()) {
-        where += random.below(4) == 0
-                   ? fmt::format(" AND {} IN (1, 3, {})", trial, random.below(12))
-                   : fmt::format(" AND {} = {}", trial,
-                                 random.below(8) == 0 ? "2.5" : std::to_string(random.below(12)));
-    }
-    for (int i = random.below(3); i > 0; --i) {
-        switch (random.below(4)) {
-            case 0:
-                where += fmt::format(" AND tick {} {}", op(), random.below(10000));
-                break;
-            case 1:
-                where +=
-                    fmt::format(" AND t_s {} {}", op(), random.coin() ? number(10.0) : "2.048");
-                break;
-            case 2:
-                where += fmt::format(" AND tick {} {}", op(), number(9000.0));
-                break;
-            default:
-                where += fmt::format(" AND interval {} {}", op(), random.below(3));
-        }
-    }
-    return where;
-}
 
 }  // namespace
 
@@ -164,34 +94,6 @@ TEST_CASE("a column says the same whichever others are asked for with it", "[sam
     }
 }
 
-TEST_CASE("a query gives the same rows with and without the index", "[sample][law]") {
-    Opened database(demo_file());
-    const auto seed = GENERATE(range(0U, 60U));
-    tests::Random with(seed);
-    tests::Random without(seed);
-    const std::string columns[] = {"tick, t_s, x_m",       "t_s, vx_m_per_s, vy_m_per_s",
-                                   "fx_n, flags",          "tick, fn_n, mode, vx_m_per_s",
-                                   "count_1, lateness_us", "trial_id, interval"};
-    const std::string indexed = random_condition(with, "trial_id");
-    // A + keeps SQLite from giving a condition to the table.
-    std::string plain = random_condition(without, "+trial_id");
-    for (const std::string name : {" tick ", " t_s ", " interval "}) {
-        for (std::size_t at = plain.find(name); at != std::string::npos;
-             at = plain.find(name, at + 2)) {
-            plain.insert(at + 1, 1, '+');
-        }
-    }
-    CAPTURE(seed, indexed, plain);
-    const auto sql = [&](const std::string& where) {
-        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s",
-                           columns[seed % 6], where);
-    };
-    const auto a = rows_of(database, sql(indexed));
-    const auto b = rows_of(database, sql(plain));
-    REQUIRE(a.size() == b.size());
-    CHECK((a == b));
-}
-
 TEST_CASE("no row is lost where a range begins or ends beside a chunk's border", "[sample][law]") {
     Opened database(demo_file());
     const auto all =
@@ -220,38 +122,6 @@ TEST_CASE("no row is lost where a range begins or ends beside a chunk's border",
                                       border))
                       .size()) == std::min(count, border));
     }
-}
-
-TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[sample]") {
-    Opened database(demo_file());
-    for (const char* sql : {"SELECT * FROM sample ORDER BY trial_id, t_s",
-                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY t_s",
-                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY trial_id, t_s",
-                            "SELECT * FROM sample ORDER BY trial_id, interval, tick",
-                            "SELECT trial_id, avg(fx_n) FROM sample GROUP BY trial_id",
-                            "SELECT trial.id, avg(fn_n) FROM trial JOIN sample ON trial_id = "
-                            "trial.id GROUP BY trial.id"}) {
-        CAPTURE(sql, plan_of(database, sql));
-        CHECK_THAT(plan_of(database, sql), !ContainsSubstring("TEMP B-TREE"));
-    }
-    for (const char* sql :
-         {"SELECT * FROM sample ORDER BY trial_id DESC", "SELECT * FROM sample ORDER BY t_s",
-          "SELECT * FROM sample ORDER BY trial_id, x_m"}) {
-        CAPTURE(sql);
-        CHECK_THAT(plan_of(database, sql), ContainsSubstring("TEMP B-TREE"));
-    }
-    // A join asks for one trial after the other, whichever is named first.
-    for (const char* sql :
-         {"SELECT count(*) FROM sample JOIN trial ON trial_id = trial.id WHERE outcome = "
-          "'complete'",
-          "SELECT count(*) FROM trial JOIN sample ON trial_id = trial.id WHERE ticks > 8000",
-          "SELECT count(*) FROM trial_result JOIN sample ON trial_id = trial WHERE friction = "
-          "'on'"}) {
-        CAPTURE(sql, plan_of(database, sql));
-        const std::string plan = plan_of(database, sql);
-        CHECK(plan.find("trial") < plan.find("sample VIRTUAL TABLE"));
-    }
-    CHECK(rows_of(database, "SELECT DISTINCT trial_id FROM sample ORDER BY 1").size() == 10);
 }
 
 TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", "[sample][law]") {
@@ -332,10 +202,7 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
                                       "trial_id, interval, t_s, vy_m_per_s, fx_n");
     const auto once =
         rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
-    database.execute(
-        "INSERT INTO trace_chunk SELECT trial, 2, first_tick, ticks, codec, period_ns, holds, "
-        "crc32, derived, data"
-        " FROM trace_chunk WHERE trial = 3");
+    tests::add_interval(database);
     const auto both =
         rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
     REQUIRE(both.size() == 2 * once.size());
@@ -365,24 +232,8 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
 TEST_CASE("files of older schemas have the same table", "[sample][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("old.sqlite");
-    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_4.sql");
-    std::string sql = "\n";
-    sql.append(std::istreambuf_iterator<char>(in), {});
-    REQUIRE(tests::Process({"sqlite3", file, sql + "PRAGMA foreign_keys = OFF;"}).wait().code == 0);
     const auto ticks = tests::random_ticks(3, 600);
-    for (std::size_t first = 0; first < ticks.size(); first += 256) {
-        const auto part =
-            std::span(ticks).subspan(first, std::min<std::size_t>(256, ticks.size() - first));
-        const data::EncodedChunk chunk = data::encode(part);
-        std::string hex;
-        for (const std::byte byte : chunk.data) {
-            hex += fmt::format("{:02x}", static_cast<unsigned>(byte));
-        }
-        const std::string row =
-            fmt::format("INSERT INTO trace_chunk VALUES (1, {}, {}, 1, {}, x'{}');", first,
-                        part.size(), chunk.crc32, hex);
-        REQUIRE(tests::Process({"sqlite3", file, row}).wait().code == 0);
-    }
+    tests::write_old(file, ticks);
     Opened database(file);
     const auto rows =
         rows_of(database, "SELECT tick, x_m, fn_n, mode, interval FROM sample WHERE trial_id = 1");

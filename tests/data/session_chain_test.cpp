@@ -135,8 +135,17 @@ void check_last_ticks(Run& run) {
 TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and answered at the end",
           "[session][fault][law]") {
     Run run(held_protocol());
-    Acting observer([&] { run.apparatus.stop(); });
+    class Watching : public Acting {
+    public:
+        using Acting::Acting;
+        std::optional<Signal> trouble(const TroubleView& view) override {
+            by_hand = view.by_hand;
+            return Acting::trouble(view);
+        }
+        bool by_hand = false;  ///< a screen then waits for the experimenter
+    } observer([&] { run.apparatus.stop(); });
     CHECK(run.with(observer).why == SessionEnd::Why::finished);
+    CHECK(observer.by_hand);
     CHECK(run.lines(kAttempts) == one_fault(run.spec, "stopped"));
     check_last_ticks(run);
     // In the slice after the key, and the force was on before.

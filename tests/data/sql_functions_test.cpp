@@ -148,6 +148,8 @@ TEST_CASE("the functions of SQL say what they cannot do, and NULL for NULL", "[s
     CHECK_THAT(asked.error("SELECT wilson_high(1, 3, 95)"), ContainsSubstring("0.95"));
     CHECK_THAT(asked.error("SELECT d_prime(1, 3, 1)"), ContainsSubstring("2 to 1000"));
     CHECK_THAT(asked.error("SELECT probit(1.5)"), ContainsSubstring("1.5"));
+    CHECK_THAT(asked.error("SELECT probit('often')"), ContainsSubstring("give a number"));
+    CHECK_THAT(asked.error("SELECT normal_cdf(x'31')"), ContainsSubstring("give a number"));
     CHECK_THAT(asked.error("SELECT geometric_mean(0)"), ContainsSubstring("above 0"));
     CHECK_THAT(asked.error("SELECT median('abc')"), ContainsSubstring("abc"));
     CHECK_THAT(asked.error("SELECT quantile(column1, column2) FROM (VALUES (1, 0.2), (2, 0.3))"),

@@ -79,6 +79,15 @@ TEST_CASE("sine and cosine of what is not finite are NaN", "[math]") {
     CHECK(std::isnan(sin_cos(std::numeric_limits<double>::quiet_NaN()).cos));
 }
 
+TEST_CASE("sine and cosine of everything finite lie within the unit circle", "[math][law]") {
+    Random random(15);
+    for (int i = 0; i < 200'000; ++i) {
+        const double x = (random.coin() ? 1.0 : -1.0) * random.decade(-300.0, 308.0);
+        const SinCos both = sin_cos(x);
+        REQUIRE(std::fabs(both.sin * both.sin + both.cos * both.cos - 1.0) <= 1e-6);
+    }
+}
+
 TEST_CASE("the angle of what is not finite is NaN", "[math]") {
     const double inf = std::numeric_limits<double>::infinity();
     const double nan = std::numeric_limits<double>::quiet_NaN();

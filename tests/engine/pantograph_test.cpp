@@ -1,6 +1,10 @@
+#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
+#include <vector>
 
+#include "engine/device/many_hips.hpp"
 #include "engine/device/pantograph.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
@@ -180,4 +184,40 @@ TEST_CASE("a machine that cannot be is refused with number and remedy", "[device
     CHECK_THROWS_WITH(check(calibration), ContainsSubstring("every unused slot"));
     calibration.haply.emplace().port = {1, 1};
     CHECK_THROWS_WITH(check(calibration), ContainsSubstring("for both axes"));
+}
+
+TEST_CASE("many readings at once give each the bits that it has alone", "[device][law]") {
+    const auto same = [](double a, double b) {
+        return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+    };
+    int posed = 0;
+    int without_pose = 0;
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        PantographSpec spec = any_spec(random);
+        // With three counts a turn a 32 bit count is too far round for the fast arithmetic.
+        spec.axes[0].counts_per_turn = seed % 10 == 0 ? 3.0 : spec.axes[0].counts_per_turn;
+        spec.linkage.mode.handle_left = random.coin();
+        const Pantograph machine(spec);
+        const double most = seed % 3 == 0 ? 0x1p31 - 1.0 : spec.axes[1].counts_per_turn;
+        std::vector<Pantograph::Counts> counts(static_cast<std::size_t>(random.below(700)));
+        std::generate(counts.begin(), counts.end(), [&random, most] {
+            const auto one = static_cast<std::int32_t>(random.in(-most, most));
+            return Pantograph::Counts{one, static_cast<std::int32_t>(random.in(-most, most))};
+        });
+        std::vector<Vec2> hips(counts.size());
+        ManyHips(spec).of(counts, hips);
+
+        const ObjectFrame frame(spec.origin, spec.turn);
+        for (std::size_t i = 0; i < counts.size(); ++i) {
+            const auto pose = spec.linkage.forward(machine.angles(counts[i]));
+            ++(pose ? posed : without_pose);
+            const Vec2 alone = pose ? frame.point_to_object(pose->handle) : Vec2{};
+            REQUIRE((pose ? same(hips[i].x, alone.x) && same(hips[i].y, alone.y)
+                          : std::isnan(hips[i].x) && std::isnan(hips[i].y)));
+        }
+    }
+    CHECK(posed > 10'000);
+    CHECK(without_pose > 100);
 }

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 
 #include "protocols/library/shipped.hpp"
@@ -112,6 +113,77 @@ TEST_CASE("a finished session is not run again by mistake", "[cli]") {
     std::vector<std::string> second = words;
     second.insert(second.end(), {"--session", "2"});
     CHECK(palpate_command(second).code == 0);
+}
+
+TEST_CASE("a session number that leaves a gap is refused, unless the others are in another file",
+          "[cli][law]") {
+    const TemporaryFolder folder;
+    const auto run = [&](std::vector<std::string> more) {
+        std::vector<std::string> words{"run",  "shape_friction_demo",   "--participant", "P1",
+                                       "--db", folder.file("d.sqlite"), "--headless"};
+        words.insert(words.end(), more.begin(), more.end());
+        return palpate_command(words);
+    };
+    const Finished first = run({"--session", "2"});
+    CHECK(first.code == 2);
+    CHECK_THAT(first.error, ContainsSubstring("no session of shape_friction_demo so far") &&
+                                ContainsSubstring("give --session 1"));
+    CHECK(folder.names().empty());
+    CHECK(run({"--session", "1"}).code == 0);
+    const Finished far = run({"--session", "5"});
+    CHECK(far.code == 2);
+    CHECK_THAT(far.error, ContainsSubstring("sessions up to 1") &&
+                              ContainsSubstring("give --session 2, or --elsewhere"));
+    CHECK(run({"--session", "2"}).code == 0);
+    CHECK(run({"--session", "5", "--elsewhere"}).code == 0);
+}
+
+TEST_CASE("a trial or an interval that is not there is a wrong word: exit code 2", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command(
+                {"run", "shape_friction_demo", "--participant", "P1", "--db", file, "--headless"})
+                .code == 0);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"trace", file, "999"},
+          {"trace", file, "1", "--interval", "2"},
+          {"mark", file, "999", "--invalid", "x"},
+          {"note", file, "x", "--participant", "P1", "--session", "7"},
+          {"participant", file, "P7"},
+          {"run", "shape_friction_demo", "--participant", "P2", "--db", folder.file("e.sqlite"),
+           "--headless", "--device", "replay:" + file + ":999"}}) {
+        CAPTURE(words);
+        const Finished wrong = palpate_command(words);
+        CAPTURE(wrong.error);
+        CHECK(wrong.code == 2);
+        CHECK(wrong.out.empty());
+        CHECK_THAT(wrong.error, ContainsSubstring("7") || ContainsSubstring("999") ||
+                                    ContainsSubstring("no interval 2: give 1") ||
+                                    ContainsSubstring("no such session"));
+    }
+    CHECK_FALSE(std::filesystem::exists(folder.file("e.sqlite")));
+}
+
+TEST_CASE("a session goes on to its end when nobody reads what it prints", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    // A pipe whose reader is gone from the start, for both kinds of output.
+    const Finished alone =
+        tests::Process(
+            {"sh", "-c", R"(mkfifo "$1"; exec 4<>"$1" 5>"$1" 4<&-; shift; exec "$@" >&5 2>&5)",
+             "sh", folder.file("pipe"), tests::palpate_program(), "run", "shape_friction_demo",
+             "--participant", "P1", "--db", file, "--headless", "--kind", "real"},
+            {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"})
+            .wait();
+    CHECK(alone.code == 0);
+    const Finished answers =
+        tests::Process(
+            {"sqlite3", file,
+             "SELECT count(*), min(outcome), max(outcome), (SELECT finished FROM session)"
+             " FROM trial"})
+            .wait();
+    CHECK(answers.out == "10|complete|complete|1\n");
+    CHECK(palpate_command({"verify", file}).code == 0);
 }
 
 TEST_CASE(

@@ -32,24 +32,25 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
     auto trial = database.prepare("SELECT trial, friction FROM trial_result");
     int outside = 0;
     int inside = 0;
+    int unlawful = 0;
     double excess = -1.0;
     double highest_mu = 0.0;
     while (trial.step()) {
+        const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
         for (const engine::TickRecord& tick : data::read_trace(database, trial.integer(0))) {
             if (tick.mode == engine::Mode::free) {
                 ++outside;
-                REQUIRE(tick.force == engine::Vec2{});
-                REQUIRE(tick.command == engine::Vec2{});
+                unlawful += tick.force == engine::Vec2{} && tick.command == engine::Vec2{} ? 0 : 1;
                 continue;
             }
             ++inside;
-            const double mu_s = trial.text(1) == "on" ? 0.7 : 0.0;
             excess = std::max(excess, std::fabs(tick.tangential_force) - mu_s * tick.normal_force);
             highest_mu = std::max(highest_mu, tick.mu);
-            REQUIRE(tick.normal_force >= 0.0);
-            REQUIRE(glm::length(tick.command) <= 10.0 * (1.0 + 1e-12));
+            const bool within = glm::length(tick.command) <= 10.0 * (1.0 + 1e-12);
+            unlawful += tick.normal_force >= 0.0 && within ? 0 : 1;
         }
     }
+    CHECK(unlawful == 0);
     CHECK(outside > 10'000);
     CHECK(inside > 10'000);
     CHECK(excess <= 1e-9);

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -59,8 +60,12 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
           "[friction_blocks][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
+    const std::string study = folder.file("p.toml");
+    std::filesystem::copy_file(kForms, study);
+    std::ofstream(study, std::ios::app)  // short trials: their order is what counts
+        << "[timing]\nexplore_min_s = 0.1\nexplore_prompt_s = 0.2\nexplore_timeout_s = 0.3\n";
     for (const char* code : {"P1", "P2", "P3", "P4", "P5", "P6"}) {
-        REQUIRE(palpate_command({"run", kForms, "--participant", code, "--db", file, "--headless"})
+        REQUIRE(palpate_command({"run", study, "--participant", code, "--db", file, "--headless"})
                     .code == 0);
         // As if people had felt it: only they count for the next one's order.
         data::Database database(file, data::Access::write);
@@ -120,7 +125,7 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
           "[handedness]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command({"participant", file, "L1", "--handedness=-60"}).code == 0);
+    REQUIRE(palpate_command({"participant", file, "L1", "--new", "--handedness=-60"}).code == 0);
     // Refused before a window is opened: the display need not be there.
     const Finished run = Process({tests::palpate_program(), "run", "shape_friction",
                                   "--participant", "L1", "--db", file, "--device", "mouse"},

@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 
 #include "protocols/design/adaptive_plan.hpp"
@@ -112,16 +114,36 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
         CHECK_THAT(what, Catch::Matchers::StartsWith("p.toml:"));
         return what;
     };
+    const auto place = [&](const std::string& piece) {
+        const std::size_t at = good.find(piece);
+        const std::size_t line = good.rfind('\n', at) + 1;
+        return "p.toml:" +
+               std::to_string(
+                   std::count(good.begin(), good.begin() + static_cast<std::ptrdiff_t>(at), '\n') +
+                   1) +
+               ':' + std::to_string(at - line + 1) + ": ";
+    };
     CHECK_THAT(says("object = \"reference\"", "object = \"referenz\""),
                ContainsSubstring("did you mean reference?"));
+    CHECK(says("object = \"reference\"", "object = \"bowl\"") ==
+          place("\"reference\"\npractice") +
+              "object is \"bowl\", which no [[object]] is called: give reference");
+    CHECK(says("friction = \"on\"\nstandard", "friction = \"rough\"\nstandard") ==
+          place("\"on\"\nstandard") +
+              "friction is \"rough\", which no [[friction]] is called: give off or on");
+    CHECK(says("varies = \"curvature_per_m\"", "varies = \"size\"") ==
+          place("\"curvature_per_m\"") + "varies is \"size\", give \"curvature_per_m\" or \"mu\"");
     CHECK_THAT(says("varies = \"curvature_per_m\"", "varies = \"size\""),
                ContainsSubstring("curvature_per_m"));
     CHECK_THAT(says("friction = \"on\"\nstandard", "friction = \"onn\"\nstandard"),
                ContainsSubstring("no [[friction]] is called"));
     CHECK_THAT(says("from = -3, to = 13", "from = -3, to = 93"),
-               ContainsSubstring("there is no such object"));
-    CHECK_THAT(says("trials = 7", "trials = 7\nentropy_bits = 1"),
-               ContainsSubstring("complete before its first trial"));
+               Catch::Matchers::StartsWith(place("{ from = -3")) &&
+                   ContainsSubstring("there is no such object"));
+    CHECK_THAT(says("trials = 7", "entropy_bits = 1\ntrials = 7"),
+               Catch::Matchers::StartsWith(place("trials = 7").substr(0, 10)) &&
+                   ContainsSubstring(":16: entropy_bits is 1: a session's plan is complete before "
+                                     "its first trial"));
     CHECK_THAT(says("trials = 7", "trails = 7"), ContainsSubstring("trails"));
     CHECK_THAT(says("kind = \"two_interval\"", "kind = \"rating\""),
                ContainsSubstring("the rule knows 2 outcomes"));
@@ -135,4 +157,77 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
                ContainsSubstring("a name of its own"));
     const std::string plain = with(good, "[procedure]", "[observer]\n[procedures]");
     CHECK_THAT(refusal(plain), ContainsSubstring("did you mean procedure?"));
+}
+
+TEST_CASE(
+    "balanced practice has one half of every run's comparisons in each interval, in any order",
+    "[adaptive][law]") {
+    const auto runs = GENERATE(std::size_t{1}, std::size_t{2});
+    const auto trials = GENERATE(std::size_t{1}, std::size_t{4}, std::size_t{7});
+    Protocol protocol = adaptive_protocol();
+    protocol.runs.resize(runs);
+    protocol.procedure->practice_trials = trials;
+    protocol.procedure->practice_balanced = true;
+    std::set<std::vector<std::size_t>> orders;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        const Plan plan = plan_of(protocol, seed);
+        std::vector<std::array<int, 2>> counts(runs);
+        std::vector<std::size_t> order;
+        for (std::size_t i = 0; i < trials; ++i) {
+            const AdaptiveTrial& trial = plan.trials.at(i).adaptive.value();
+            CHECK(trial.run == i % runs);
+            ++counts.at(trial.run).at(trial.comparison - 1);
+            order.push_back(trial.comparison);
+        }
+        for (const auto& [first, second] : counts) {
+            CHECK(std::abs(first - second) <= 1);
+        }
+        orders.insert(order);
+    }
+    // Of one run of 4: six orders; of two runs of 2: two each; the odd one can be either.
+    const std::size_t all = trials == 1 ? 2
+                          : trials == 4 ? (runs == 1 ? 6 : 4)
+                                        : (runs == 1 ? 2 * 35 : 6 * (2 * 3));
+    CHECK(orders.size() > all / 2);
+    CHECK(orders.size() <= all);
+}
+
+TEST_CASE(
+    "a rule that takes the comparison for the greater one may not choose the standard or less",
+    "[adaptive][law]") {
+    const auto lowest = GENERATE(values<std::pair<const char*, bool>>(
+        {{"4", false}, {"5", false}, {"5.001", true}, {"8", true}}));
+    const std::string staircase = with(adaptive_text(palpate::tests::kStaircaseRule),
+                                       "lowest = 5.5", std::string("lowest = ") + lowest.first);
+    CAPTURE(lowest.first);
+    const std::string what = refusal(staircase);
+    if (lowest.second) {
+        CHECK(what == "accepted");
+    } else {
+        CHECK(what ==
+              "p.toml:" +
+                  std::to_string(std::count(staircase.begin(),
+                                            staircase.begin() + static_cast<std::ptrdiff_t>(
+                                                                    staircase.find("lowest =")),
+                                            '\n') +
+                                 1) +
+                  ":10: the rule may choose a curvature of " + lowest.first +
+                  ", and that of the standard is 5: it would take a right answer for a "
+                  "wrong one; keep it above the standard, by lowest");
+        CHECK_NOTHROW(stored_protocol(staircase));  // what was run stays readable
+    }
+    // One that seeks the point of equality may go to both sides of it.
+    const std::string both = with(staircase, "down = 2", "down = 1");
+    CHECK(refusal(both) == "accepted");
+    for (const ShippedProtocol& shipped : shipped_protocols()) {
+        if (shipped.name != "friction_threshold") {
+            continue;
+        }
+        const std::string text(shipped.text);
+        CHECK(refusal(text) == "accepted");
+        CHECK_THAT(
+            refusal(with(text, "lowest = 0.305           #", "lowest = 0.29 #")),
+            Catch::Matchers::Matches("p\\.toml:[0-9]+:10: the rule may choose a mu_s of 0\\.29, "
+                                     "and that of the standard is 0\\.3: .*"));
+    }
 }

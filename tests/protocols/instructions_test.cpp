@@ -94,7 +94,7 @@ TEST_CASE("what cannot be shown or played is refused with its place", "[protocol
     CHECK(refusal("[instructions.en]\nwelcom = \"Hello\"\n") ==
           "2:1: unknown key \"welcom\" in [instructions.en]: did you mean welcome?");
     CHECK(refusal("[masking]\nnoise = \"white\"\n") ==
-          "2:9: noise is \"white\", give \"none\" or \"pink\": delete it");
+          "2:9: noise is \"white\", give \"none\" or \"pink\"");
     CHECK(refusal("[masking]\nlevel_db = 1\n") == "2:12: level_db is 1: give -60 to 0");
     CHECK(refusal("[masking]\nlevel_db = -60.5\n") == "2:12: level_db is -60.5: give -60 to 0");
     CHECK(refusal("[masking]\nlevel_db = \"loud\"\n").find("2:12: level_db is \"loud\"") == 0);

@@ -249,6 +249,8 @@ TEST_CASE("what is wrong with a procedure file is said with place and remedy", "
     said(kQuestPlus, "format = 1\n", "", "p.toml:1:1: format is missing: give format = 1");
     said(kQuestPlus, "\"quest_plus\"", "\"questplus\"",
          "p.toml:3:8: kind is \"questplus\", give one of");
+    CHECK_THAT(problems(with(kQuestPlus, "\"quest_plus\"", "\"adaptive\"")),
+               Catch::Matchers::EndsWith("quest, psi, quest_plus"));  // it is needed: not to delete
     said(kQuestPlus, "trials = 128", "trials = 0", "p.toml:4:10: trials is 0: give 1 to 100000");
     said(kQuestPlus, "[\"lapse\"]", "[\"laps\"]",
          "nuisance laps is no parameter of the model: delete");
@@ -256,7 +258,12 @@ TEST_CASE("what is wrong with a procedure file is said with place and remedy", "
     said(kQuestPlus, "step = 1", "step = 0.7", "p.toml:13:12: stimulus goes from -40 to 0 by 0.7");
     said(kQuestPlus, "count = 41", "count = 1", "p.toml:15:13: threshold goes from");
     said(kQuestPlus, "[2, 3, 4, 5]", "[2, 0]", "p.toml:16:9: slope holds 0: give numbers above 0");
-    said(kQuestPlus, "[2, 3, 4, 5]", "[2, 2]", "slope has the value 2 at place 2");
+    said(kQuestPlus, "[2, 3, 4, 5]", "[2, 2]",
+         "p.toml:16:9: [parameters]: slope has the value 2 at place 2");
+    said(kStaircases, "lowest = 0.0", "lowest = 30.0",
+         "p.toml:18:10: [[staircase]] 1: lowest is 30 and highest 20");
+    said(kStaircases, "start = 4.0", "start = 21",
+         "p.toml:11:9: [[staircase]] 1: start is 21: give a level from lowest");
     said(kQuestPlus, "[2, 3, 4, 5]", "\"steep\"", "give a number, a list");
     said(kQuestPlus, "guess = 0.5", "guess = 1.5", "guess is 1.5: give 0 to 1");
     said(kQuestPlus, "guess = 0.5", "guess = 0.97", "give smaller rates");
@@ -275,12 +282,13 @@ TEST_CASE("what is wrong with a procedure file is said with place and remedy", "
     said(kStaircases, "seed = 11", "seed = -1", "p.toml:5:8: seed is -1");
     said(kStaircases, "name = \"low\"", "name = \"staircase_2\"", "two staircases are called");
     said(kQuest, "p_threshold = 0.82", "p_threshold = 0.3",
-         "p_threshold is 0.3: give a chance above");
+         "15: p_threshold is 0.3: give a chance above");
     said(kPsi, "family = \"normal\"", "family = \"normal\"\nslope_as = \"slope\"",
          "psi has a psychometric");
     said(kIdentification, "[-10, -5, 0, 5, 10]", "[-10]", "at least two");
     said(kConstant, "outcomes = 3", "outcomes = 1", "outcomes is 1: give 2 to 100");
-    said(kConstant, "repetitions = 5", "repetitions = 50000", "give fewer repetitions");
+    said(kConstant, "repetitions = 5", "repetitions = 50000",
+         "p.toml:6:15: repetitions is 50000, of 4 stimuli, which");
     CHECK_THAT(problems("format = 1\n[procedure]\nkind = \"staircase\"\n"),
                ContainsSubstring("write each as a table [[staircase]]"));
     CHECK_THAT(problems("format = 1\nprocedure = 3\n"), ContainsSubstring("write it as a table"));

@@ -126,7 +126,7 @@ const Change kChanges[] = {
     {"curvature_per_m = -20", "curvature_per_m = -26", "-26", "hollow"},
     {"vertex_mm = [0, 40]", "vertex_mm = [41, 40]", "[41, 40]", "from left to right"},
     {"vertex_mm = [0, 40]", "vertex_mm = [0, -40]", "[0, -40]", "above the base line"},
-    {"repetitions = 10 ", "repetitions = 1000 ", "1000 ", "ask for 2000 or fewer"},
+    {"repetitions = 10 ", "repetitions = 1000 ", "1000 ", "ask for 10000 or fewer"},
     {"blocks = 1 ", "blocks = 3 ", "3               # more",
      "blocks is 3, but 10 repetitions cannot be divided evenly into them: give a divisor"},
     {"order = \"random\"", "order = \"first_order\"", "4         # both",

@@ -241,8 +241,10 @@ TEST_CASE("the device is asked at once, then at every tenth question, until it i
     CHECK(static_cast<std::size_t>(pauses) == 3 * kSlicesPerTry * faults);
     CHECK(kTroubleSlice * static_cast<double>(kSlicesPerTry) >= 0.5);
     CHECK(observer.troubles.front() ==
-          TroubleView{.sentence = "the cable is out: put it in", .tries = 1});
-    CHECK(observer.troubles[30].solved);
+          TroubleView{.sentence = "the cable is still out: put it in", .tries = 1});
+    // Solved: what happened, no longer why the device could not be reached.
+    CHECK(observer.troubles[30] ==
+          TroubleView{.sentence = "the cable is out: put it in", .solved = true, .tries = 3});
 }
 
 TEST_CASE("with nobody there a session gives up after ten tries, or three faults in a row",

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/geometry/cusps.hpp"
+
 namespace palpate::stress {
 namespace {
 
@@ -118,7 +120,7 @@ void TickLaws::check_free(const Tick& now) {
                   : c.mu >= scene_->spec().friction.mu_d * (1.0 - 1e-15) &&
                         c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
     if (free(c) && !c.skipped && (!started_ || (free(last_.contact) && !last_far_))) {
-        check("a hand inside is touched", !c.cp.inside || c.cp.distance <= same_);
+        check("a hand inside is touched", !c.cp.inside || c.cp.distance <= kFootSlack * same_);
     }
 }
 
@@ -255,6 +257,9 @@ void TickLaws::check_recovery(const Tick& now) {
     if (glm::length(again.cp.point - c.cp.point) > same_ || c.cp.distance <= 1e3 * same_) {
         return;  // two closest points, or on the surface: either will do
     }
+    if (on_end_normal(c.cp.place, now.h) || on_end_normal(again.cp.place, now.h)) {
+        return;  // where an open chain stops being seen rounding decides
+    }
     check("after a refused tick the contact is a new one", free(again) == free(c));
     check(
         "after a refused tick the force is that of a new contact",
@@ -278,6 +283,17 @@ bool TickLaws::at_open_end(const Place& place) const noexcept {
         return false;
     }
     return !scene_->outline().joint_beyond(place.index, place.parameter > 0.5);
+}
+
+/// On the line through an open end that is square to the curve.
+bool TickLaws::on_end_normal(const Place& place, const Vec2& h) const noexcept {
+    if (!at_open_end(place)) {
+        return false;
+    }
+    const auto& span = scene_->outline().spans()[place.index];
+    const bool last = place.parameter > 0.5;
+    const Vec2 gap = h - span.at(last ? 1.0 : 0.0).point;
+    return std::fabs(glm::dot(gap, engine::end_tangent(span, last))) <= kFootSlack * same_;
 }
 
 bool TickLaws::in_corner(const Contact& contact) const noexcept {

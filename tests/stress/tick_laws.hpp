@@ -46,6 +46,8 @@ private:
     void check_recovery(const Tick& now);
     [[nodiscard]] double resolution(const engine::Place& place) const noexcept;
     [[nodiscard]] bool at_open_end(const engine::Place& place) const noexcept;
+    [[nodiscard]] bool on_end_normal(const engine::Place& place,
+                                     const engine::Vec2& h) const noexcept;
     [[nodiscard]] bool in_corner(const engine::Contact& contact) const noexcept;
 
     const engine::Scene* scene_;

@@ -40,7 +40,7 @@ highest = 15
 trials = 3
 )";
 
-/// Two runs of seven trials and two practice trials, each interval felt for 1.6 s.
+/// Two runs of seven trials and two practice trials, each interval felt for 0.3 s.
 inline std::string adaptive_text(const std::string& rule,
                                  const std::string& kind = "two_interval") {
     const bool two = kind == "two_interval";
@@ -87,9 +87,9 @@ path_min_mm = 0
 [design]
 break_every = 5
 [timing]
-explore_min_s = 0.5
-explore_prompt_s = 1
-explore_timeout_s = 1.6
+explore_min_s = 0.1
+explore_prompt_s = 0.2
+explore_timeout_s = 0.3
 gap_s = 0
 )";
 }

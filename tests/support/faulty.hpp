@@ -55,6 +55,7 @@ public:
             trip(engine::Trip::over_speed);
             ++world_.faults[position_];
             away_ = world_.away;
+            lost_ = away_ > 0;
             return engine::ServoStatus::faulted;
         }
         if (hidden_trip_ms > 0 && time_ms_ >= hidden_trip_ms) {  // the next advance() would tell
@@ -80,13 +81,16 @@ public:
     [[nodiscard]] bool reconnect() override {
         ++world_.asked;
         if (away_ == 0) {
+            lost_ = false;
             return true;
         }
         --away_;
         return false;
     }
     [[nodiscard]] std::string trouble() const override {
-        return away_ > 0 ? "the cable is out: put it in" : "";
+        return !lost_               ? ""
+             : away_ == world_.away ? "the cable is out: put it in"
+                                    : "the cable is still out: put it in";
     }
 
     bool force_on = false;
@@ -119,6 +123,7 @@ private:
     engine::Trip trip_ = engine::Trip::none;
     std::size_t position_ = 0;
     std::size_t away_ = 0;
+    bool lost_ = false;
     int time_ms_ = 0;
     bool faults_ = false;
 };

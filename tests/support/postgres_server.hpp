@@ -13,8 +13,14 @@ namespace palpate::tests {
 class PostgresServer {
 public:
     /// Nothing where PostgreSQL is not installed.
-    static std::unique_ptr<PostgresServer> start();
+    /// @param certificate, key  PEM files of a server that talks TLS alone; copied
+    static std::unique_ptr<PostgresServer> start(const std::string& certificate = {},
+                                                 const std::string& key = {});
 
+    /// Stops at once, as by a power cut of the machine it runs on, and starts again.
+    void crash_and_restart();
+
+    [[nodiscard]] int port() const { return port_; }
     /// postgresql://postgres:PASSWORD@127.0.0.1:PORT/DATABASE
     [[nodiscard]] std::string url(const std::string& database = "postgres",
                                   const std::string& user = "postgres") const;
@@ -22,9 +28,12 @@ public:
 
 private:
     PostgresServer() = default;
-    void make(const std::string& programs);
+    void make(const std::string& certificate, const std::string& key);
+    void run();
 
     TemporaryFolder folder_;
+    std::string programs_;
+    bool tls_ = false;
     int port_ = 0;
     std::unique_ptr<Process> process_;
 };

@@ -35,6 +35,12 @@ Protocol shipped() {
     throw std::runtime_error("no demo protocol");
 }
 
+/// SHA-256 of what the screen shows.
+std::string shown_on(ui::SubjectScreen& screen) {
+    const std::vector<std::uint8_t> pixels = screen.stage().window().pixels();
+    return sha256_hex({reinterpret_cast<const char*>(pixels.data()), pixels.size()});
+}
+
 /// Runs the real subject's screen in a session: begins and answers by itself, and keeps what the
 /// screen showed while each object was felt.
 class WatchedScreen : public Observer {
@@ -85,10 +91,7 @@ public:
     int frames_ = 0;
 
 private:
-    std::string frame() {
-        const std::vector<std::uint8_t> pixels = screen_.stage().window().pixels();
-        return sha256_hex(std::string(pixels.begin(), pixels.end()));
-    }
+    std::string frame() { return shown_on(screen_); }
 
     ui::SubjectScreen screen_;
 };
@@ -174,10 +177,7 @@ TEST_CASE(
         std::set<std::string> explored, waiting, solved;
 
     private:
-        std::string frame() {
-            const std::vector<std::uint8_t> pixels = screen_.stage().window().pixels();
-            return sha256_hex(std::string(pixels.begin(), pixels.end()));
-        }
+        std::string frame() { return shown_on(screen_); }
         ui::SubjectScreen screen_;
     };
     const bool dead_man = GENERATE(false, true);
@@ -203,10 +203,10 @@ TEST_CASE(
 TEST_CASE("nothing of the condition is among what the trouble screen is drawn from",
           "[blind][fault][law]") {
     // As above: what a new member says must be the same for every stimulus.
-    const auto [sentence, solved] = ui::TroubleFace{};
-    CHECK((sentence.empty() && !solved));
-    const auto [text, is_solved, tries, in_a_row] = TroubleView{};
-    CHECK((text.empty() && !is_solved && tries == 0 && in_a_row == 1));
+    const auto [sentence, solved, by_chord] = ui::TroubleFace{};
+    CHECK((sentence.empty() && !solved && !by_chord));
+    const auto [text, is_solved, tries, in_a_row, by_hand] = TroubleView{};
+    CHECK((text.empty() && !is_solved && tries == 0 && in_a_row == 1 && !by_hand));
 }
 
 TEST_CASE(
@@ -284,9 +284,7 @@ TEST_CASE(
             subject.join();
         }
         void see(const std::string& screen, std::size_t interval) {
-            const std::vector<std::uint8_t> pixels = screen_.stage().window().pixels();
-            seen[screen + std::to_string(interval)].insert(
-                sha256_hex(std::string(pixels.begin(), pixels.end())));
+            seen[screen + std::to_string(interval)].insert(shown_on(screen_));
         }
         ui::SubjectScreen screen_;
     };

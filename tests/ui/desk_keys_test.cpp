@@ -99,6 +99,30 @@ TEST_CASE("a mark or a pause does not begin the second interval of a trial, Spac
     CHECK(rig.desk.take_pause());  // it comes after the trial
 }
 
+TEST_CASE("after the experimenter's stop only the experimenter's chord goes on",
+          "[screen][desk][fault][law]") {
+    Rig rig;
+    TroubleView view{.sentence = "the experimenter switched the force off", .by_hand = true};
+    const auto press_all = [] {
+        press(SDLK_SPACE);
+        press(SDLK_RETURN);
+        press(SDLK_p);
+    };
+    CHECK_FALSE(rig.screen.trouble(view).has_value());
+    press_all();
+    press(SDLK_p, kChord);  // the device is not ready yet: this asks for nothing
+    CHECK_FALSE(rig.screen.trouble(view).has_value());
+    view.solved = true;
+    CHECK_FALSE(rig.screen.trouble(view).has_value());
+    press_all();
+    for (int i = 0; i < 10; ++i) {
+        CHECK_FALSE(rig.screen.trouble(view).has_value());
+    }
+    press(SDLK_p, kChord);
+    CHECK(rig.screen.trouble(view) == Signal::go_on);
+    CHECK_FALSE(rig.desk.wants());  // and no pause follows
+}
+
 TEST_CASE("a pause lasts until the experimenter ends it, and Space does not",
           "[screen][desk][law]") {
     Rig rig;

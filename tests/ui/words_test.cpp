@@ -30,6 +30,7 @@ constexpr Row kRows[] = {
     {&Words::which_of_both, 0, 1.15},
     {&Words::pointer_is_handle, 0, 1.15},
     {&Words::take_time, 0, 1.15},
+    {&Words::one_trial, 0, 1.0},
     {&Words::trials, 1, 1.0},
     {&Words::trials_resumed, 1, 1.0},
     {&Words::begin, 0, 1.3},

@@ -11,6 +11,7 @@
 
 #include "engine/device/homing.hpp"
 #include "engine/device/pantograph.hpp"
+#include "protocols/design/counted.hpp"
 #include "protocols/format/calibration_file.hpp"
 #include "data/csv/whole_file.hpp"
 #include "ui/cli/calibration_device.hpp"
@@ -131,8 +132,8 @@ int calibrate_command(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
     const std::vector<Vec2> marks = marks_of(options, calibration);
     const auto device = open_for_calibration(options.device, calibration);
-    fmt::print("{}: {} with the numbers of {}, {} mark{}\n", options.output, device->name(),
-               calibration.pantograph.name, marks.size(), marks.size() == 1 ? "" : "s");
+    fmt::print("{}: {} with the numbers of {}, {}\n", options.output, device->name(),
+               calibration.pantograph.name, protocols::counted(marks.size(), "mark"));
 
     std::vector<engine::MarkReading> readings;
     for (const Vec2& mark : marks) {

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/duration.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
@@ -19,6 +20,7 @@
 namespace palpate::ui {
 namespace {
 
+using protocols::counted;
 using protocols::Phase;
 using protocols::Plan;
 using protocols::Protocol;
@@ -41,14 +43,13 @@ void print_design(const Study& study, const Plan& plan) {
     const Protocol& protocol = study.protocol;
     const protocols::PlanSummary summary = summarise(plan);
     fmt::print("{}: {}\nprotocol {}\n", protocol.id, protocol.title, study.hash);
-    fmt::print("{} participants, handedness {}, screen in {}\n", protocol.participants,
+    fmt::print("{}, handedness {}, screen in {}\n", counted(protocol.participants, "participant"),
                protocols::word_of(protocol.handedness), protocols::word_of(protocol.language));
-    fmt::print("{} objects of which {} pictured, {} frictions\n", protocol.objects.size(),
-               objects_of(protocol, true).size(), protocol.frictions.size());
-    fmt::print("{} trials: {} practice, {} main in {} block{}, {} catch\n", plan.trials.size(),
+    fmt::print("{} of which {} pictured, {}\n", counted(protocol.objects.size(), "object"),
+               objects_of(protocol, true).size(), counted(protocol.frictions.size(), "friction"));
+    fmt::print("{}: {} practice, {} main in {}, {} catch\n", counted(plan.trials.size(), "trial"),
                trials_of(plan, Phase::practice), trials_of(plan, Phase::main),
-               block_count(protocol), block_count(protocol) == 1 ? "" : "s",
-               trials_of(plan, Phase::catch_trial));
+               counted(block_count(protocol), "block"), trials_of(plan, Phase::catch_trial));
     if (protocol.procedure) {
         fmt::print("{}\n{}", breaks_text(summary), rule_text(protocol, plan));
         return;

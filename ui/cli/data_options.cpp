@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "data/report/utf8.hpp"
 #include "ui/cli/options_of.hpp"
 
 namespace palpate::ui {
@@ -28,8 +29,10 @@ void add_participant(CLI::App& app, Options& chosen) {
         ->check(CLI::Range(-100, 100));
     command->add_option("--consent", who.consent, "yes or no: consent to take part")
         ->check(CLI::IsMember({"yes", "no"}));
+    command->add_flag("--new", who.registers, "Registers somebody who is not in the file yet");
     command->add_option("--set", who.details, "KEY=VALUE, e.g. age=31; once for each")
-        ->allow_extra_args(false);
+        ->allow_extra_args(false)
+        ->check(kept_text);
 }
 
 void add_note(CLI::App& app, Options& chosen) {
@@ -37,7 +40,7 @@ void add_note(CLI::App& app, Options& chosen) {
         app.add_subcommand("note", "Add an operator's note to a session, also while it runs");
     auto& note = options_of<NoteOptions>(command, chosen);
     command->add_option("FILE", note.database, "A palpate database")->required();
-    command->add_option("TEXT", note.text, "The note")->required();
+    command->add_option("TEXT", note.text, "The note")->required()->check(kept_text);
     command->add_option("--participant", note.participant, "Whose session")->required();
     command->add_option("--session", note.session, "Session number; without it the last one")
         ->check(CLI::PositiveNumber);
@@ -50,7 +53,9 @@ void add_mark(CLI::App& app, Options& chosen) {
     auto& mark = options_of<MarkOptions>(command, chosen);
     command->add_option("FILE", mark.database, "A palpate database")->required();
     command->add_option("TRIAL", mark.trial, "Its id: column trial of trial_result")->required();
-    command->add_option("--invalid", mark.reason, "Why it does not count")->required();
+    command->add_option("--invalid", mark.reason, "Why it does not count")
+        ->required()
+        ->check(kept_text);
 }
 
 void add_verify(CLI::App& app, Options& chosen) {
@@ -131,6 +136,12 @@ void add_push(CLI::App& app, Options& chosen) {
 }
 
 }  // namespace
+
+std::string kept_text(const std::string& words) {
+    return data::is_utf8(words) ? ""
+                                : "these words are not UTF-8: set the terminal's encoding to UTF-8 "
+                                  "and give them again";
+}
 
 void add_data_commands(CLI::App& app, Options& chosen) {
     add_summary(app, chosen);

@@ -1,13 +1,12 @@
 #include <stdexcept>
 
-#include <fmt/format.h>
-
 #include "protocols/format/protocol_file.hpp"
 #include "data/analysis/summary.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/rig.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
@@ -36,6 +35,7 @@ Study ten_trials_of(Study study) {
 }  // namespace
 
 int demo_command(const DemoOptions& options) {
+    catch_signals();
     RigSpec spec;
     spec.device = parse_device(options.device);
     const bool emulated = spec.device.kind == DeviceChoice::Kind::haply_emulator;
@@ -55,21 +55,20 @@ int demo_command(const DemoOptions& options) {
     spec.seed =
         options.seed.value_or(last && !last->finished ? last->seed : spec.study.protocol.seed);
 
-    fmt::print("Ten trials of the study. The participant and the device are simulated.\n");
+    say("Ten trials of the study. The participant and the device are simulated.\n");
     if (emulated) {
-        fmt::print("In real time, over a serial port to an emulated board: about two minutes.\n");
+        say("In real time, over a serial port to an emulated board: about two minutes.\n");
     }
-    catch_signals();
     const RigEnd end = run_rig(database, spec);
     if (end.session.why == protocols::SessionEnd::Why::faulted) {
         throw std::runtime_error(given_up_text(end.session));
     }
     if (end.session.why != protocols::SessionEnd::Why::finished) {
-        fmt::print("Stopped before trial {}; the same command goes on there. Data: {}\n",
-                   end.session.next + 1, options.database);
+        say("Stopped before trial {}; the same command goes on there. Data: {}\n",
+            end.session.next + 1, options.database);
         return kExitStopped;
     }
-    fmt::print("\n{}\n{}", data::summary_text(database), data::example_queries(options.database));
+    say("\n{}\n{}", data::summary_text(database), data::example_queries(options.database));
     return 0;
 }
 

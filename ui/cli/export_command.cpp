@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/export/export.hpp"
 #include "ui/cli/commands.hpp"
 
@@ -13,14 +14,14 @@ int export_command(const ExportCommandOptions& options) {
                            .traces = options.traces,
                            .keep_codes = options.keep_codes},
                           options.directory);
-    fmt::print("{}: {} session{} as {}{}.\n", options.directory, done.sessions,
-               done.sessions == 1 ? "" : "s", options.format,
+    fmt::print("{}: {} as {}{}.\n", options.directory, protocols::counted(done.sessions, "session"),
+               options.format,
                options.details      ? ", with details"
                : options.keep_codes ? ", with the participants' codes"
                                     : ", de-identified");
     if (done.without_consent > 0) {
-        fmt::print("{} participant{} left out: no consent.\n", done.without_consent,
-                   done.without_consent == 1 ? "" : "s");
+        fmt::print("{} left out: no consent.\n",
+                   protocols::counted(done.without_consent, "participant"));
     }
     return 0;
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
+
 namespace palpate::ui {
 
 namespace {
@@ -22,9 +24,9 @@ std::string fault_text(const protocols::Fault& fault) {
 }
 
 std::string given_up_text(const protocols::SessionEnd& end) {
-    const std::string after = end.tries > 0
-                                ? fmt::format("{} tries to reach the device again", end.tries)
-                                : fmt::format("{} faults in a row", end.in_a_row);
+    const std::string after =
+        end.tries > 0 ? protocols::counted(end.tries, "try", "tries") + " to reach the device again"
+                      : protocols::counted(end.in_a_row, "fault") + " in a row";
     return fmt::format(
         "gave up after {}: {}. The force is off and what was recorded is kept; the "
         "same command goes on at trial {}",

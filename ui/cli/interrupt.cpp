@@ -18,6 +18,7 @@ void catch_signals() {
     std::signal(SIGINT, on_signal);
     std::signal(SIGTERM, on_signal);
     std::signal(SIGHUP, on_signal);
+    std::signal(SIGPIPE, SIG_IGN);
 }
 
 bool interrupted() noexcept {

@@ -1,13 +1,15 @@
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <stdexcept>
+#include <string>
 
-#include <fmt/format.h>
-
+#include "protocols/design/constrained_order.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/store/statement.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace {
 
@@ -46,25 +48,39 @@ int dispatch(const Options& options) {
     return std::visit(Visitor{}, options);
 }
 
+/// Everybody can list the words of a command (ps): the address of a server may hold a password.
+void hide_addresses(int argc, char** argv) {
+    for (int i = 1; i < argc; ++i) {
+        if (char* scheme = std::strstr(argv[i], "://")) {
+            std::memset(scheme + 3, 'x', std::strlen(scheme + 3));
+        }
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     try {
-        return dispatch(parse_command_line(argc, argv));
+        const Options options = parse_command_line(argc, argv);
+        hide_addresses(argc, argv);
+        return dispatch(options);
     } catch (const palpate::protocols::ProtocolError& e) {
-        fmt::print(stderr, "{}\n", e.what());
+        say_to(stderr, std::string(e.what()) + "\n");
+        return kExitUsage;
+    } catch (const palpate::protocols::OrderError& e) {  // the file asks for what cannot be had
+        warn("{}", e.what());
         return kExitUsage;
     } catch (const palpate::data::CsvError& e) {
-        fmt::print(stderr, "{}\n", e.what());
+        say_to(stderr, std::string(e.what()) + "\n");
         return kExitUsage;
     } catch (const palpate::data::WrongFile& e) {
-        fmt::print(stderr, "palpate: {}\n", e.what());
+        warn("{}", e.what());
         return kExitUsage;
     } catch (const std::invalid_argument& e) {
-        fmt::print(stderr, "palpate: {}\n", e.what());
+        warn("{}", e.what());
         return kExitUsage;
     } catch (const std::exception& e) {
-        fmt::print(stderr, "palpate: {}\n", e.what());
+        warn("{}", e.what());
         return kExitFailure;
     }
 }

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/sync/merge.hpp"
 #include "ui/cli/commands.hpp"
 
@@ -11,11 +12,14 @@ int merge_command(const MergeOptions& options) {
         fmt::print("{} was brought up to date; a copy of it before that is {}.\n", options.database,
                    done.backup);
     }
-    fmt::print("{}: {} session{} new, {} went on, {} as before.\n", options.database, done.added,
-               done.added == 1 ? "" : "s", done.extended, done.same);
+    fmt::print("{}: {} new, {} went on, {} as before.\n", options.database,
+               protocols::counted(done.added, "session"), done.extended, done.same);
     for (const data::MergeConflict& conflict : done.conflicts) {
-        fmt::print(stderr, "conflict: {}\n  in {}\n  in {}\n  not merged\n", conflict.what,
-                   conflict.first, conflict.second);
+        fmt::print(stderr, "conflict: {}\n  in {}\n", conflict.what, conflict.first);
+        if (!conflict.second.empty()) {
+            fmt::print(stderr, "  in {}\n", conflict.second);
+        }
+        fmt::print(stderr, "  not merged\n");
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
 }

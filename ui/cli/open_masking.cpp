@@ -1,15 +1,16 @@
 #include "ui/cli/open_masking.hpp"
 
-#include <cstdio>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 namespace {
 
 OpenedMasking silent(const std::string& why) {
-    fmt::print(stderr, "palpate: no masking noise: {}\n", why);
+    warn("no masking noise: {}", why);
     return {.player = nullptr, .note = "none: " + why};
 }
 
@@ -45,7 +46,7 @@ OpenedMasking open_masking(const RigSpec& spec) {
                             "or give --no-sound",
                             opened.note));
         }
-        fmt::print(stderr, "palpate: the masking noise ({}) reaches nobody\n", opened.note);
+        warn("the masking noise ({}) reaches nobody", opened.note);
     }
     return opened;
 }

@@ -48,8 +48,12 @@ void add_run(CLI::App& app, Options& chosen) {
         ->check(CLI::IsMember({"pilot", "real"}));
     command->add_option("--session", run.session, "Session number; without it the last one goes on")
         ->check(CLI::PositiveNumber);
+    command->add_flag("--elsewhere", run.elsewhere,
+                      "The sessions before that number are in another file; which order of "
+                      "pictures they had is not known here");
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
-    command->add_option("--operator", run.operator_name, "Who runs it, kept with the session");
+    command->add_option("--operator", run.operator_name, "Who runs it, kept with the session")
+        ->check(kept_text);
     command
         ->add_option("--resume", run.resume,
                      "A session that was broken off goes on with the next trial, with the first of "

@@ -28,6 +28,7 @@ struct RunOptions {
         calibration;   ///< a calibration file or a shipped machine's name; empty: the device's own
     std::string kind;  ///< pilot, real; empty: real
     std::optional<std::size_t> session;
+    bool elsewhere = false;  ///< the sessions before that one are in another file
     std::optional<std::uint64_t> seed;
     std::string resume = "continue";
     std::string operator_name;  ///< kept with the session; empty: not given
@@ -74,6 +75,7 @@ struct ParticipantOptions {
     std::string participant;
     std::optional<std::int64_t> handedness;  ///< -100 to 100
     std::string consent;                     ///< yes, no; empty: nothing new
+    bool registers = false;                  ///< somebody who is not in the file yet
     std::vector<std::string> details;        ///< KEY=VALUE
 };
 

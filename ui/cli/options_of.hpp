@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "ui/cli/options.hpp"
 
@@ -18,6 +19,9 @@ T& options_of(Command* command, Options& chosen) {
     command->callback([options, &chosen] { chosen = *options; });
     return *options;
 }
+
+/// A CLI check of words that are kept: they must be UTF-8, as everything that reads them takes for granted.
+[[nodiscard]] std::string kept_text(const std::string& words);
 
 /// The commands on files that are there: what they hold, what is noted in them, what goes out of them.
 void add_data_commands(CLI::App& app, Options& chosen);

@@ -48,22 +48,24 @@ int participant_command(const ParticipantOptions& options) {
     for (const std::string& word : options.details) {
         notes.details.push_back(detail_of(word));
     }
-    const bool change = notes.handedness || notes.consent || !notes.details.empty();
-    if (!change) {  // nothing is to be made for a wrong name
+    if (!options.registers) {  // nothing is to be made for a wrong name
         const data::Database there(options.database, data::Access::read);
     }
     data::Database database(options.database, data::Access::write);  // of an older schema, too
     say_backup(database);
-    if (change) {
+    const bool known = data::find_participant(database, options.participant).has_value();
+    if (known == options.registers) {
+        throw std::invalid_argument(fmt::format(
+            "{}: {}", options.database,
+            known ? fmt::format("{} is there already: give somebody new another pseudonym, or "
+                                "leave --new out",
+                                options.participant)
+                  : fmt::format("nobody is called {}: --new registers them", options.participant)));
+    }
+    if (options.registers || notes.handedness || notes.consent || !notes.details.empty()) {
         data::note_participant(database, options.participant, notes);
     }
-    const auto person = data::find_participant(database, options.participant);
-    if (!person) {
-        throw std::invalid_argument(
-            fmt::format("{}: nobody is called {}; --consent, --handedness or --set registers them",
-                        options.database, options.participant));
-    }
-    print(options.participant, *person);
+    print(options.participant, data::find_participant(database, options.participant).value());
     return 0;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/sync/push.hpp"
 #include "ui/cli/commands.hpp"
 
@@ -16,8 +17,8 @@ int push_command(const PushOptions& options) {
         throw std::invalid_argument("push needs FILE and --to postgresql://..., or --roles");
     }
     const data::PushReport done = data::push_file(options.database, options.url);
-    fmt::print("{}: {} session{}, {} rows new on the server.\n", options.database, done.sessions,
-               done.sessions == 1 ? "" : "s", done.rows);
+    fmt::print("{}: {}, {} new on the server.\n", options.database,
+               protocols::counted(done.sessions, "session"), protocols::counted(done.rows, "row"));
     for (const std::string& conflict : done.conflicts) {
         fmt::print(stderr, "conflict: {}; not pushed\n", conflict);
     }

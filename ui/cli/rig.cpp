@@ -1,6 +1,5 @@
 #include "ui/cli/rig.hpp"
 
-#include <cstdio>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -8,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/counted.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/keys.hpp"
 #include "protocols/observer/simulated_observer.hpp"
@@ -22,6 +22,7 @@
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/open_masking.hpp"
 #include "ui/cli/provenance.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/spectator_screen.hpp"
@@ -86,22 +87,30 @@ struct Observers {
     [[nodiscard]] protocols::Observer& port() const { return screen ? *screen : *simulated; }
 };
 
-Observers make_observers(const RigSpec& spec,
-                         const protocols::Plan& plan,
-                         protocols::Apparatus& apparatus,
-                         protocols::OperatorDesk& desk) {
-    Observers observers;
-    const bool window = wants_window(spec.screen);
-    if (!window || spec.watch_only) {
-        observers.simulated = make_simulated_observer(spec, plan, apparatus);
+/// The screen of a person needs no plan: a window that cannot be had is said before a session is made.
+Observers observers_before_the_plan(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk) {
+    if (!wants_window(spec.screen) || spec.watch_only) {
+        return {};
     }
-    if (window && spec.watch_only) {
+    return {.simulated = nullptr,
+            .screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk))};
+}
+
+void add_simulated_observer(Observers& observers,
+                            const RigSpec& spec,
+                            const protocols::Plan& plan,
+                            protocols::Apparatus& apparatus,
+                            protocols::OperatorDesk& desk) {
+    if (observers.screen) {
+        return;
+    }
+    observers.simulated = make_simulated_observer(spec, plan, apparatus);
+    if (wants_window(spec.screen)) {
         observers.screen = std::make_unique<SpectatorScreen>(*observers.simulated,
                                                              screen_options(spec, apparatus, desk));
-    } else if (window) {
-        observers.screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk));
     }
-    return observers;
 }
 
 /// What was felt and answered: of simulated sessions only.
@@ -148,8 +157,7 @@ void print_trial(const RigSpec& spec,
     if (!result.invalid.empty()) {
         line += fmt::format("  does not count: {}", result.invalid);
     }
-    fmt::print("{}\n", line);
-    std::fflush(stdout);
+    say("{}\n", line);
 }
 
 void print_start(const RigSpec& spec,
@@ -157,20 +165,18 @@ void print_start(const RigSpec& spec,
                  const data::OpenedSession& opened,
                  const protocols::Apparatus& apparatus) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    fmt::print("{}: participant {}, session {}, {} trials, {}, code {}\n", protocol.id,
-               spec.key.participant, spec.key.session, plan.trials.size(), apparatus.device_name(),
-               session_code(plan));
+    say("{}: participant {}, session {}, {}, {}, code {}\n", protocol.id, spec.key.participant,
+        spec.key.session, protocols::counted(plan.trials.size(), "trial"), apparatus.device_name(),
+        session_code(plan));
     if (spec.kind == data::RunKind::simulated) {
-        fmt::print(
-            "Simulated: these data are recorded as simulated and never count as a person's.\n");
+        say("Simulated: these data are recorded as simulated and never count as a person's.\n");
     }
     if (opened.resumed && !opened.finished) {
-        fmt::print("Resuming at trial {}{}.\n", opened.next + 1,
-                   opened.interrupted > 0
-                       ? "; the trial that was cut off is kept as interrupted and run again"
-                       : "");
+        say("Resuming at trial {}{}.\n", opened.next + 1,
+            opened.interrupted > 0
+                ? "; the trial that was cut off is kept as interrupted and run again"
+                : "");
     }
-    std::fflush(stdout);
 }
 
 /// Before anything is made: what stands against this device and this protocol.
@@ -180,10 +186,10 @@ void heed(const OpenedApparatus& felt) {
         if (finding.verdict == protocols::Verdict::refuse) {
             throw std::invalid_argument(finding.text);
         }
-        fmt::print(stderr, "palpate: {}\n", finding.text);
+        warn("{}", finding.text);
     }
     for (const std::string& line : felt.refused) {
-        fmt::print(stderr, "palpate: {}\n", line);
+        warn("{}", line);
     }
 }
 
@@ -216,27 +222,27 @@ bool wants_window(const ScreenOptions& screen) {
 
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    const protocols::Plan plan = plan_session(database, spec.study, spec.key, spec.seed);
     const OpenedApparatus felt = open_apparatus(spec);
     heed(felt);
     const auto& apparatus = felt.port;
     protocols::OperatorDesk desk;
-    const Observers observers = make_observers(spec, plan, *apparatus, desk);
+    Observers observers = observers_before_the_plan(spec, *apparatus, desk);
     const OpenedMasking masking = open_masking(spec);
-    auto shaped_by = provenance(protocol);
-    shaped_by.insert(shaped_by.end(), felt.provenance.begin(), felt.provenance.end());
-
-    const data::OpenedSession opened =
-        data::open_session(database, {.protocol = protocol,
-                                      .protocol_hash = spec.study.hash,
-                                      .plan = plan,
-                                      .key = spec.key,
-                                      .seed = spec.seed,
-                                      .kind = spec.kind,
-                                      .device = apparatus->device_name(),
-                                      .resume = spec.resume,
-                                      .operator_name = spec.operator_name,
-                                      .provenance = std::move(shaped_by)});
+    data::SessionSpec session{.protocol = protocol,
+                              .protocol_hash = spec.study.hash,
+                              .plan = {},
+                              .key = spec.key,
+                              .seed = spec.seed,
+                              .kind = spec.kind,
+                              .device = apparatus->device_name(),
+                              .resume = spec.resume,
+                              .operator_name = spec.operator_name,
+                              .provenance = provenance(protocol)};
+    session.provenance.insert(session.provenance.end(), felt.provenance.begin(),
+                              felt.provenance.end());
+    const data::OpenedSession opened = data::plan_and_open_session(database, session);
+    const protocols::Plan& plan = session.plan;
+    add_simulated_observer(observers, spec, plan, *apparatus, desk);
     print_start(spec, plan, opened, *apparatus);
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};

@@ -42,7 +42,8 @@ struct RigEnd {
 };
 
 /// The recorded hands that a replay asks for; nothing for other devices.
-/// @throws data::StoreError, data::TraceError if the file, the trial or its ticks are not there
+/// @throws data::StoreError, data::TraceError if the file or its ticks are not there
+/// @throws std::invalid_argument if there is no such trial
 [[nodiscard]] std::vector<protocols::ReplayApparatus::Recording> load_recordings(
     const DeviceChoice& device);
 

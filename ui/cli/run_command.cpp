@@ -1,6 +1,7 @@
 #include <algorithm>
-#include <cstdio>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/rig.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
@@ -25,9 +27,7 @@ data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
     }
     if (!held_by_a_person(device.kind)) {
         if (options.kind == "real") {
-            fmt::print(
-                stderr,
-                "palpate: the hand is simulated: the session is recorded as simulated, not real\n");
+            warn("the hand is simulated: the session is recorded as simulated, not real");
         }
         return data::RunKind::simulated;
     }
@@ -54,12 +54,12 @@ void heed_consent(data::Database& database, const RunOptions& options, const Rig
         return;
     }
     const std::string text = fmt::format(
-        "no consent of {0} is noted; palpate participant {1} {0} --consent yes notes it",
-        options.participant, options.database);
+        "no consent of {0} is noted; palpate participant {1} {0}{2} --consent yes notes it",
+        options.participant, options.database, person ? "" : " --new");
     if (spec.study.protocol.consent_required) {
         throw std::invalid_argument(text + ", and this protocol demands it");
     }
-    fmt::print(stderr, "palpate: {}\n", text);
+    warn("{}", text);
 }
 
 /// Of a real session with somebody of another handedness than the protocol asks for: refused where the
@@ -73,11 +73,10 @@ void heed_handedness(data::Database& database, const RunOptions& options, const 
     const std::string_view word = protocols::word_of(asked);
     const auto person = data::find_participant(database, options.participant);
     if (!person || !person->notes.handedness) {
-        fmt::print(stderr,
-                   "palpate: this protocol asks for handedness \"{2}\", and that of {0} is not "
-                   "noted; palpate participant {1} {0} --handedness SCORE notes it (-100 left to "
-                   "100 right)\n",
-                   options.participant, options.database, word);
+        warn(
+            "this protocol asks for handedness \"{2}\", and that of {0} is not noted; palpate "
+            "participant {1} {0}{3} --handedness SCORE notes it (-100 left to 100 right)",
+            options.participant, options.database, word, person ? "" : " --new");
         return;
     }
     const std::int64_t score = *person->notes.handedness;
@@ -90,16 +89,39 @@ void heed_handedness(data::Database& database, const RunOptions& options, const 
             word, options.participant, score));
     }
     if (towards < kClearly) {
-        fmt::print(stderr,
-                   "palpate: this protocol asks for handedness \"{}\", and {} has a score of {}, "
-                   "which is neither clearly right nor clearly left\n",
-                   word, options.participant, score);
+        warn(
+            "this protocol asks for handedness \"{}\", and {} has a score of {}, which is neither "
+            "clearly right nor clearly left",
+            word, options.participant, score);
+    }
+}
+
+/// A number that leaves a gap is a slip, unless the sessions before are in the file of another rig. Looked at
+/// before a file is made.
+void heed_number(const RunOptions& options, const std::string& study) {
+    if (options.elsewhere || options.session.value_or(1) == 1) {
+        return;
+    }
+    std::size_t last = 0;
+    if (std::error_code unknown; std::filesystem::exists(options.database, unknown)) {
+        data::Database there(options.database, data::Access::read);
+        const auto state = data::latest_session(there, study, options.participant);
+        last = state ? state->number : 0;
+    }
+    if (*options.session > last + 1) {
+        throw std::invalid_argument(fmt::format(
+            "{}: {} has {} of {} so far, and --session is {}: give --session {}, or --elsewhere "
+            "as well if the sessions before are in another file",
+            options.database, options.participant,
+            last == 0 ? "no session" : fmt::format("sessions up to {}", last), study,
+            *options.session, last + 1));
     }
 }
 
 }  // namespace
 
 int run_command(const RunOptions& options) {
+    catch_signals();
     check_participant(options.participant);
     RigSpec spec;
     spec.study = load_study(options.protocol);
@@ -114,6 +136,7 @@ int run_command(const RunOptions& options) {
     spec.spin_share = options.spin;
     spec.kind = kind_of(options, spec.device);
     heed_device(options, spec);
+    heed_number(options, spec.study.protocol.id);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;
     }
@@ -133,18 +156,17 @@ int run_command(const RunOptions& options) {
     }
     heed_consent(database, options, spec);
     heed_handedness(database, options, spec);
-    catch_signals();
     const RigEnd end = run_rig(database, spec);
     if (!end.head.empty()) {
-        fmt::print("Chain {}: note it in the lab book, verify prints it.\n", end.head);
+        say("Chain {}: note it in the lab book, verify prints it.\n", end.head);
     }
     switch (end.session.why) {
         case protocols::SessionEnd::Why::finished:
-            fmt::print("Finished. Data: {}\n", options.database);
+            say("Finished. Data: {}\n", options.database);
             return 0;
         case protocols::SessionEnd::Why::aborted:
-            fmt::print("Stopped before trial {}; the same command goes on there. Data: {}\n",
-                       end.session.next + 1, options.database);
+            say("Stopped before trial {}; the same command goes on there. Data: {}\n",
+                end.session.next + 1, options.database);
             return kExitStopped;
         case protocols::SessionEnd::Why::faulted:
             break;

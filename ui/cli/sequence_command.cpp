@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan_summary.hpp"
@@ -51,7 +52,8 @@ Sequence make_sequence(const SequenceOptions& options) {
     made.history = picture_history(made.study.protocol, seen.others, seen.own);
     const auto blocks = data::friction_orders(database, made.study.protocol.id, made.key);
     made.frictions = friction_history(made.study.protocol, blocks.others, blocks.own);
-    made.plan = plan_session(database, made.study, made.key, made.seed);
+    made.plan = make_plan(made.study.protocol, made.study.hash, made.key, made.seed, made.history,
+                          made.frictions);
     return made;
 }
 
@@ -94,7 +96,8 @@ void print_row(std::string_view what,
     if (history.own) {
         fmt::print(", as in this participant's earlier sessions");
     } else if (row < history.uses.size()) {
-        fmt::print(", used by {} other participants; used so far:", history.uses[row]);
+        fmt::print(", used by {}; used so far:",
+                   protocols::counted(history.uses[row], "other participant"));
         for (const std::size_t uses : history.uses) {
             fmt::print(" {}", uses);
         }
@@ -138,9 +141,10 @@ void print_trials(const Sequence& sequence) {
 void print_text(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     const PlanSummary summary = summarise(sequence.plan);
-    fmt::print("{}: participant {}, session {}, seed {}, {} trials, code {}\n", protocol.id,
+    fmt::print("{}: participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
                sequence.key.participant, sequence.key.session, sequence.seed,
-               sequence.plan.trials.size(), session_code(sequence.plan));
+               protocols::counted(sequence.plan.trials.size(), "trial"),
+               session_code(sequence.plan));
     fmt::print("plan {}\nprotocol {}\n", sequence.plan.hash, sequence.study.hash);
     if (!sequence.plan.picture_order.empty()) {
         print_pictures(sequence);

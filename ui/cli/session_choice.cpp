@@ -1,13 +1,10 @@
 #include "ui/cli/session_choice.hpp"
 
-#include <cstdio>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "protocols/design/friction_blocks.hpp"
-#include "protocols/design/session_plan.hpp"
-#include "data/store/counterbalance_query.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
@@ -22,10 +19,8 @@ void check_participant(const std::string& id, std::string_view word) {
 
 void say_backup(const data::Database& database) {
     if (!database.backup().empty()) {
-        fmt::print(stderr,
-                   "palpate: {}: made by an older palpate and brought up to date; as it was, it is "
-                   "kept as {}\n",
-                   database.file(), database.backup());
+        warn("{}: made by an older palpate and brought up to date; as it was, it is kept as {}",
+             database.file(), database.backup());
     }
 }
 
@@ -42,17 +37,6 @@ SessionChoice choose_session(data::Database& database,
     choice.finished = there && there->finished;
     choice.last = last ? last->number : 0;
     return choice;
-}
-
-protocols::Plan plan_session(data::Database& database,
-                             const Study& study,
-                             const protocols::SessionKey& key,
-                             std::uint64_t seed) {
-    const data::LevelOrders pictures = data::picture_orders(database, study.protocol.id, key);
-    const data::LevelOrders frictions = data::friction_orders(database, study.protocol.id, key);
-    return make_plan(study.protocol, study.hash, key, seed,
-                     picture_history(study.protocol, pictures.others, pictures.own),
-                     friction_history(study.protocol, frictions.others, frictions.own));
 }
 
 }  // namespace palpate::ui

@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "protocols/design/plan.hpp"
 #include "data/store/session_store.hpp"
 #include "ui/cli/load_study.hpp"
 
@@ -33,11 +32,5 @@ struct SessionChoice {
                                            const std::string& participant,
                                            std::optional<std::size_t> session,
                                            std::optional<std::uint64_t> seed);
-
-/// The plan that `run` would carry out on this database.
-[[nodiscard]] protocols::Plan plan_session(data::Database& database,
-                                           const Study& study,
-                                           const protocols::SessionKey& key,
-                                           std::uint64_t seed);
 
 }  // namespace palpate::ui

@@ -1,7 +1,9 @@
+#include <algorithm>
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "data/store/reader.hpp"
-#include "data/store/stored_chunks.hpp"
 #include "ui/cli/commands.hpp"
 
 namespace palpate::ui {
@@ -10,7 +12,13 @@ namespace palpate::ui {
 int trace_command(const TraceOptions& options) {
     data::Database database(options.database, data::Access::read);
     const data::Snapshot now(database);
-    static_cast<void>(data::trial_context(database, options.trial));  // it is there
+    const auto intervals = data::intervals_of(database, options.trial);
+    if (!intervals.empty() &&
+        std::find(intervals.begin(), intervals.end(), options.interval) == intervals.end()) {
+        throw std::invalid_argument(fmt::format("{}: trial {} has no interval {}: give {}",
+                                                options.database, options.trial, options.interval,
+                                                fmt::join(intervals, " or ")));
+    }
     data::TraceReader reader(database);
     std::vector<std::vector<std::int64_t>> columns;
     std::string line;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "protocols/design/counted.hpp"
 #include "data/verify/verify.hpp"
 #include "ui/cli/commands.hpp"
 
@@ -9,6 +10,7 @@ namespace {
 using data::Finding;
 using data::FindingKind;
 using data::SessionReport;
+using protocols::counted;
 
 /// A file can come from anywhere: nothing of its texts reaches the terminal but printable ASCII.
 std::string printable(std::string_view text) {
@@ -19,7 +21,7 @@ std::string printable(std::string_view text) {
     return out;
 }
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     std::string out = "\"";
     for (const char c : printable(text)) {
         out += c == '"' || c == '\\' ? fmt::format("\\{}", c) : std::string(1, c);
@@ -60,28 +62,26 @@ std::size_t differences(const std::vector<Finding>& findings) {
     return found;
 }
 
-std::string counted(std::size_t differences) {
-    return fmt::format("{} difference{}", differences, differences == 1 ? "" : "s");
-}
-
 void print_text(const std::string& file, const data::Verification& found) {
-    fmt::print("{}: {} session{}\n", printable(file), found.sessions.size(),
-               found.sessions.size() == 1 ? "" : "s");
+    fmt::print("{}: {}\n", printable(file), counted(found.sessions.size(), "session"));
     print_findings(found.file);
     for (const SessionReport& session : found.sessions) {
         const std::size_t different = differences(session.findings);
-        fmt::print("{}, participant {}, session {} ({}{}): {} trials, {} ticks replayed, {}\n",
+        fmt::print("{}, participant {}, session {} ({}{}): {}, {} replayed, {}\n",
                    printable(session.study), printable(session.participant), session.number,
                    printable(session.kind), session.finished ? "" : ", not finished",
-                   session.trials, session.replayed,
-                   different == 0 ? "nothing differs" : counted(different));
+                   counted(session.trials, "trial"), counted(session.replayed, "tick"),
+                   different == 0 ? "nothing differs" : counted(different, "difference"));
         if (!session.head.empty()) {
             fmt::print("  chain    {}\n", printable(session.head));
         }
         print_findings(session.findings);
     }
     const std::size_t all = found.count(FindingKind::differs);
-    fmt::print("{}\n", all == 0 ? "Nothing differs." : counted(all) + ".");
+    fmt::print("{}\n", all == 0 ? "Nothing differs."
+                                : counted(all, "difference") +
+                                      ". Take what differs from a copy made before, or leave "
+                                      "it out; verify changes nothing.");
 }
 
 std::string json_of(const std::vector<Finding>& findings) {
@@ -92,8 +92,8 @@ std::string json_of(const std::vector<Finding>& findings) {
             "\"recomputed\": {}, \"count\": {}}}",
             text.empty() ? "" : ", ", finding.kind == FindingKind::differs ? "differs" : "missing",
             finding.trial ? fmt::format("{}", *finding.trial) : "null",
-            finding.tick ? fmt::format("{}", *finding.tick) : "null", quoted(finding.what),
-            quoted(finding.stored), quoted(finding.recomputed), finding.count);
+            finding.tick ? fmt::format("{}", *finding.tick) : "null", in_quotes(finding.what),
+            in_quotes(finding.stored), in_quotes(finding.recomputed), finding.count);
     }
     return "[" + text + "]";
 }
@@ -103,15 +103,17 @@ void print_json(const std::string& file, const data::Verification& found) {
     for (const SessionReport& session : found.sessions) {
         sessions += fmt::format(
             "{}{{\"id\": {}, \"study\": {}, \"participant\": {}, \"number\": {}, \"kind\": {}, "
-            "\"finished\": {}, \"trials\": {}, \"ticks_replayed\": {}, \"findings\": {}}}",
-            sessions.empty() ? "" : ", ", session.id, quoted(session.study),
-            quoted(session.participant), session.number, quoted(session.kind), session.finished,
-            session.trials, session.replayed, json_of(session.findings));
+            "\"finished\": {}, \"chain\": {}, \"trials\": {}, \"ticks_replayed\": {}, "
+            "\"findings\": {}}}",
+            sessions.empty() ? "" : ", ", session.id, in_quotes(session.study),
+            in_quotes(session.participant), session.number, in_quotes(session.kind),
+            session.finished, in_quotes(session.head), session.trials, session.replayed,
+            json_of(session.findings));
     }
     fmt::print(
         "{{\"file\": {}, \"differences\": {}, \"missing\": {}, \"findings\": {}, "
         "\"sessions\": [{}]}}\n",
-        quoted(file), found.count(FindingKind::differs), found.count(FindingKind::missing),
+        in_quotes(file), found.count(FindingKind::differs), found.count(FindingKind::missing),
         json_of(found.file), sessions);
 }
 

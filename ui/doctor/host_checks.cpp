@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "engine/realtime/clock.hpp"
+#include "protocols/design/counted.hpp"
 #include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {
@@ -93,7 +94,7 @@ Check check_host(const std::optional<ProcessorTime>& before) {
         first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
     Check check{.name = "host",
                 .detail = fmt::format(
-                    "{} processor{}, {}", count, count == 1 ? "" : "s",
+                    "{}, {}", protocols::counted(count, "processor"),
                     governor.empty() ? "frequency not ours to choose" : "governor " + governor),
                 .remedy = "",
                 .numbers = {{"processors", count}},

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "data/report/utf8.hpp"
+
 namespace palpate::ui {
 namespace {
 
@@ -35,36 +37,10 @@ std::string wrapped(std::string_view text, std::size_t indent) {
     return out;
 }
 
-/// Bytes of the UTF-8 character at the start of `text`; 0 if there is none.
-std::size_t utf8_length(std::string_view text) {
-    const auto byte = [&](std::size_t i) {
-        return static_cast<unsigned>(static_cast<unsigned char>(text[i]));
-    };
-    const unsigned first = byte(0);
-    const std::size_t length = first < 0x80U                    ? 1
-                             : first >= 0xC2U && first < 0xE0U  ? 2
-                             : first >= 0xE0U && first < 0xF0U  ? 3
-                             : first >= 0xF0U && first <= 0xF4U ? 4
-                                                                : 0;
-    if (length == 0 || length > text.size()) {
-        return 0;
-    }
-    for (std::size_t i = 1; i < length; ++i) {
-        if ((byte(i) & 0xC0U) != 0x80U) {
-            return 0;
-        }
-    }
-    const bool overlong =
-        (first == 0xE0U && byte(1) < 0xA0U) || (first == 0xF0U && byte(1) < 0x90U);
-    const bool beyond =
-        (first == 0xEDU && byte(1) >= 0xA0U) || (first == 0xF4U && byte(1) >= 0x90U);
-    return overlong || beyond ? 0 : length;
-}
-
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
     std::string out = "\"";
     while (!text.empty()) {
-        const std::size_t length = utf8_length(text);
+        const std::size_t length = data::utf8_length(text);
         const char c = text.front();
         if (length == 0) {
             out += '?';
@@ -88,12 +64,12 @@ std::string object(const Check& check) {
     std::string numbers;
     for (const auto& [name, value] : check.numbers) {
         numbers +=
-            fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", quoted(name), number(value));
+            fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", in_quotes(name), number(value));
     }
     return fmt::format(
         "{{\"name\": {}, \"status\": {}, \"detail\": {}, \"remedy\": {}, \"numbers\": {{{}}}}}",
-        quoted(check.name), quoted(to_string(check.status)), quoted(check.detail),
-        quoted(check.remedy), numbers);
+        in_quotes(check.name), in_quotes(to_string(check.status)), in_quotes(check.detail),
+        in_quotes(check.remedy), numbers);
 }
 
 }  // namespace
@@ -154,7 +130,7 @@ std::string as_json(std::string_view version, const std::vector<Check>& checks) 
     for (const Check& check : checks) {
         list += (list.empty() ? "\n  " : ",\n  ") + object(check);
     }
-    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", quoted(version), list);
+    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", in_quotes(version), list);
 }
 
 }  // namespace palpate::ui

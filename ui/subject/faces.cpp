@@ -77,8 +77,12 @@ void draw(Window& window, const WelcomeFace& face) {
     if (face.moves_pointer) {
         line(window, words.pointer_is_handle, instruction.empty() ? 0.48 : 0.60, 1.15, kText);
     }
-    line(window, with(face.resumed ? words.trials_resumed : words.trials, face.trials), 0.66, 1.0,
-         kQuiet);
+    line(window,
+         with(face.trials == 1 ? words.one_trial
+              : face.resumed   ? words.trials_resumed
+                               : words.trials,
+              face.trials),
+         0.66, 1.0, kQuiet);
     line(window, words.begin, 0.84, 1.3, kAccent);
 }
 
@@ -173,9 +177,12 @@ void draw(Window& window, const TroubleFace& face) {
     constexpr double kSmall = 0.75;
     const Words& words = window.words();
     const double type = kSmall * type_size(window.size());
-    line(window, face.solved ? words.can_go_on : words.moment, 0.36, 2.2, kText);
-    line(window, face.solved ? words.thank_you_for_waiting : words.help_comes, 0.48, 1.15, kText);
-    if (face.solved) {
+    const bool participant = face.solved && !face.by_chord;
+    line(window, participant ? words.can_go_on : words.moment, 0.36, 2.2, kText);
+    line(window, participant ? words.thank_you_for_waiting : words.help_comes, 0.48, 1.15, kText);
+    if (face.solved && face.by_chord) {
+        line(window, words.end_of_pause, 0.88, 0.75, kQuiet);
+    } else if (participant) {
         line(window, words.go_on, 0.84, 1.3, kAccent);
     }
     double y = 0.62 * window.size().y;

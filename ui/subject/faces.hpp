@@ -75,8 +75,9 @@ void draw(Window& window, const BreakFace& face);
 
 /// After a fault. The sentence comes from device and safety chain, which know nothing of the condition.
 struct TroubleFace {
-    std::string sentence;  ///< for the experimenter: what happened and what to do
-    bool solved = false;   ///< the session can go on
+    std::string sentence;   ///< for the experimenter: what happened and what to do
+    bool solved = false;    ///< the session can go on
+    bool by_chord = false;  ///< with the experimenter's chord, not by the participant
 
     friend bool operator==(const TroubleFace&, const TroubleFace&) = default;
 };

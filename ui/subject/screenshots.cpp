@@ -55,10 +55,16 @@ std::vector<std::string> write_screenshots(const std::string& directory,
     take("break", BreakFace{.seconds_left = 18, .next = 31, .total = 114});
     take("pause", PauseFace{});
     take("trouble",
-         TroubleFace{.sentence = "the device stopped answering: check its cable and power"});
+         TroubleFace{.sentence = "the device stopped answering: check its cable and power",
+                     .solved = false,
+                     .by_chord = false});
     take("trouble_solved",
          TroubleFace{.sentence = "the handle was faster than the limit: move more slowly",
-                     .solved = true});
+                     .solved = true,
+                     .by_chord = false});
+    take("stopped", TroubleFace{.sentence = "the experimenter switched the force off",
+                                .solved = true,
+                                .by_chord = true});
     take("end", EndFace{});
     return files;
 }

@@ -111,7 +111,7 @@ Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
 }
 
 std::optional<Signal> SpectatorScreen::trouble(const protocols::TroubleView& view) {
-    TroubleFace face{.sentence = view.sentence, .solved = view.solved};
+    TroubleFace face{.sentence = view.sentence, .solved = view.solved, .by_chord = false};
     if (in_trouble_ != face) {
         stage_.show(drawing(face));
         in_trouble_ = std::move(face);

@@ -153,23 +153,33 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
 }
 
 std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view) {
-    TroubleFace face{.sentence = view.sentence, .solved = view.solved};
+    const bool by_chord = view.by_hand && options_.desk != nullptr;
+    TroubleFace face{.sentence = view.sentence, .solved = view.solved, .by_chord = by_chord};
     if (in_trouble_ != face) {
         exploring_.reset();
         stage_.window().show_pointer(true);
         stage_.show(drawing(face));
         stage_.forget_earlier();  // a press while nothing worked asked for nothing
+        if (by_chord) {
+            static_cast<void>(options_.desk->take_pause());
+            stage_.drop_bar();
+        }
         in_trouble_ = std::move(face);
     }
     for (;;) {
         const Input input = stage_.next(0);
+        if (by_chord && view.solved && options_.desk->take_pause()) {
+            stage_.drop_bar();
+            return Signal::go_on;
+        }
         if (input.kind == Input::Kind::none) {
             return std::nullopt;
         }
         if (input.kind == Input::Kind::abort) {
             return Signal::abort;
         }
-        if (view.solved && (input.kind == Input::Kind::go || input.kind == Input::Kind::enter)) {
+        if (view.solved && !by_chord &&
+            (input.kind == Input::Kind::go || input.kind == Input::Kind::enter)) {
             return Signal::go_on;
         }
     }

@@ -12,7 +12,7 @@ struct Words {
     std::string_view welcome, welcome_back;
     std::string_view you_feel, you_feel_two, you_choose, a_question, which_of_both,
         pointer_is_handle, take_time;
-    std::string_view trials, trials_resumed;  ///< {0} trials
+    std::string_view one_trial, trials, trials_resumed;  ///< {0} trials
     std::string_view begin;
     std::string_view trial, practice_trial;  ///< {0} of {1}
     std::string_view first_of_two, second_of_two;

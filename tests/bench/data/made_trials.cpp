@@ -59,8 +59,11 @@ std::vector<engine::TickRecord> made_trial(const MadeStudy& study,
     }
     servo.end();
     pop_all(servo.ring(), ticks);
-    protocols::Pcg32 random = protocols::stream(
-        {.participant = "bench", .block = position, .purpose = "lateness", .seed = 1});
+    protocols::Pcg32 random = protocols::stream({.protocol_hash = study.hash,
+                                                 .participant = "bench",
+                                                 .block = position,
+                                                 .purpose = "lateness",
+                                                 .seed = 1});
     for (engine::TickRecord& tick : ticks) {
         const double share = (static_cast<double>(random.next()) + 0.5) * 0x1p-32;
         tick.lateness_us = static_cast<float>(std::floor(-kMeanLateness * std::log(share)) * 1e-3);

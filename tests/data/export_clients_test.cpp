@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "data/export/duckdb.hpp"
+#include "data/export/tables.hpp"
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string slurp(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void replace(std::string& text, std::string_view from, std::string_view to) {
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, from.size(), to);
+}
+
+/// Two studies, one whose rule chooses, with three people: words that tables find hard, confidence, a mark, a
+/// session that was killed and resumed, one that is not finished.
+struct AwkwardLab {
+    AwkwardLab() {
+        std::string shapes =
+            slurp(PALPATE_SOURCE_DIR "/protocols/library/shape_friction_demo.toml");
+        replace(shapes, "\"shape_friction_demo\"", "\"sekil_1\"");
+        replace(shapes, "\"Felt shape", "\"Şekil: \\\"dış bükey\\\" mi, çukur mu");
+        replace(shapes, "[timing]", "[response]\nconfidence = true\n[timing]");
+        const std::string first = write("shapes.toml", shapes);
+        std::string chosen = slurp(PALPATE_SOURCE_DIR "/protocols/library/curvature_2afc.toml");
+        replace(chosen, "trials = 60", "trials = 3");
+        replace(chosen, "practice_trials = 4", "practice_trials = 1");
+        const std::string second = write("chosen.toml", chosen);
+        run(first, "P01");
+        run(second, "P01");
+        run(first, "Ayse_02");
+        Process cut({tests::palpate_program(), "run", first, "--participant", "P03", "--db", file,
+                     "--device", "sim", "--headless", "--speed", "1"});
+        for (int i = 0; i < 12'000 && running() == 0; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(400));  // some ticks of it
+        cut.signal(SIGKILL);
+        (void)cut.wait();
+        REQUIRE(running() == 1);
+        note({"participant", file, "P01", "--handedness", "80", "--set",
+              "hobi=sağ el, \"ağrı\"; 'x'"});
+        note({"note", file, "satır bir\nsatır iki,\t\"tırnak\"; çğıöşü", "--participant",
+              "Ayse_02"});
+        note({"mark", file, "3", "--invalid", "zil\n\"çaldı\", bell\trang"});
+    }
+
+    void run(const std::string& protocol, const std::string& who) {
+        const Finished done = palpate_command({"run", protocol, "--participant", who, "--db", file,
+                                               "--device", "sim", "--headless", "--speed", "0"});
+        CAPTURE(done.error);
+        REQUIRE(done.code == 0);
+    }
+
+    [[nodiscard]] std::int64_t running() const {
+        try {
+            Database database(file, Access::read);
+            auto row = database.prepare("SELECT count(*) FROM trial WHERE outcome = 'running'");
+            return row.step() ? row.integer(0) : 0;
+        } catch (const std::exception&) {  // it is being made
+            return 0;
+        }
+    }
+
+    /// @return the folder
+    fs::path exported(const std::string& format, const std::vector<std::string>& words) {
+        const fs::path out = folder.path() / format;
+        std::vector<std::string> command{"export", file,  "--format", format,
+                                         "--kind", "all", "-o",       out.string()};
+        command.insert(command.end(), words.begin(), words.end());
+        const Finished done = palpate_command(command);
+        CAPTURE(done.error);
+        REQUIRE(done.code == 0);
+        return out;
+    }
+
+    TemporaryFolder folder;
+    std::string file = folder.file("study.sqlite");
+
+private:
+    std::string write(const std::string& name, const std::string& text) {
+        std::ofstream(folder.file(name), std::ios::binary) << text;
+        return folder.file(name);
+    }
+    void note(const std::vector<std::string>& command) {
+        const Finished done = palpate_command(command);
+        CAPTURE(done.error);
+        REQUIRE(done.code == 0);
+    }
+};
+
+/// What recount.py prints, by SQL from the file itself.
+std::string recounted(const std::string& file) {
+    Database database(file, Access::read);
+    std::string all;
+    for (const char* format : {"csv", "bids", "psych-ds"}) {
+        auto row = database.prepare(
+            "SELECT plan.object, friction, count(*), total(correct), max(reaction_s) FROM trial "
+            "JOIN"
+            " plan USING (session, position) JOIN response ON response.trial = trial.id"
+            " WHERE invalid IS NULL GROUP BY 1, 2 ORDER BY 1, 2");
+        while (row.step()) {
+            all += fmt::format("{} {} {} {} {:.0f} {:.17g}\n", format, row.text(0), row.text(1),
+                               row.integer(2), row.real(3), row.real(4));
+        }
+    }
+    auto chosen = database.prepare(
+        "SELECT run_name, comparison, stimulus FROM trial JOIN adaptive_plan USING (session, "
+        "position)"
+        " JOIN presentation ON presentation.trial = trial.id AND interval = comparison ORDER BY"
+        " trial.id");
+    while (chosen.step()) {
+        all += fmt::format("{} {} {:.17g}\n", chosen.text(0), chosen.integer(1), chosen.real(2));
+    }
+    auto note = database.prepare("SELECT lower(hex(text)) FROM event WHERE kind = 'note'");
+    while (note.step()) {
+        all += "note " + note.text(0) + '\n';
+    }
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("Python and R count the same answers in CSV, BIDS and Psych-DS as the file has",
+          "[export][law]") {
+    AwkwardLab lab;
+    for (const char* format : {"csv", "bids", "psych-ds"}) {
+        lab.exported(format, {"--with-details"});
+    }
+    const std::string expected = recounted(lab.file);
+    const std::string folder = lab.folder.path().string();
+    const std::string scripts = PALPATE_SOURCE_DIR "/tests/data/clients/";
+    const Finished python = Process({"python3", scripts + "recount.py", folder}).wait();
+    if (python.code == 127) {
+        WARN("skipped: no python3 is installed");
+    } else {
+        CAPTURE(python.error);
+        CHECK(python.code == 0);
+        CHECK(python.out == expected);
+    }
+    const Finished r = Process({"Rscript", "--vanilla", scripts + "recount.R", folder}).wait();
+    if (r.code == 127) {
+        WARN("skipped: no R is installed");
+    } else {
+        CAPTURE(r.error);
+        CHECK(r.code == 0);
+        CHECK(r.out == expected);
+    }
+}
+
+TEST_CASE("bids-validator finds no error in an export", "[export]") {
+    const char* validator = std::getenv("PALPATE_BIDS_VALIDATOR");
+    if (validator == nullptr || *validator == '\0') {
+        WARN(
+            "skipped: PALPATE_BIDS_VALIDATOR is not set (npm install bids-validator; then its path "
+            "node_modules/.bin/bids-validator)");
+        return;
+    }
+    AwkwardLab lab;
+    const fs::path out = lab.exported("bids", {"--traces", "--keep-codes"});
+    const Finished done = Process({validator, out.string(), "--json"}).wait();
+    CAPTURE(done.out.substr(0, 2000), done.error);
+    CHECK(done.code == 0);
+    CHECK_THAT(done.out, ContainsSubstring("\"errors\":[]"));
+    const std::string warned = done.out.substr(0, done.out.find("\"ignored\":"));
+    // 38: not everybody did everything. 82: motion.tsv has no head line, as the standard has it. 113: no authors.
+    for (std::size_t at = 0; (at = warned.find("\"code\":", at)) != std::string::npos; ++at) {
+        const int code = std::atoi(warned.c_str() + at + 7);
+        CHECK((code == 38 || code == 82 || code == 113));
+    }
+}
+
+TEST_CASE("DuckDB reads from Parquet what stands in the CSV files, column by column",
+          "[export][law]") {
+    const char* library = std::getenv("PALPATE_DUCKDB");
+    if (library == nullptr || *library == '\0') {
+        WARN(
+            "skipped: PALPATE_DUCKDB is not set (npm install @duckdb/node-bindings-linux-x64; then "
+            "the path of its libduckdb.so)");
+        return;
+    }
+    AwkwardLab lab;
+    const fs::path csv = lab.exported("csv", {"--traces", "--with-details"});
+    const fs::path parquet = lab.exported("parquet", {"--traces", "--with-details"});
+    data::DuckDb duck;
+    const auto compare = [&duck](const std::string& name, const std::string& from,
+                                 const std::string& to) {
+        CAPTURE(name);
+        // Text, as it stands; a quoted empty field is a text, another one is nothing.
+        duck.run(
+            fmt::format("CREATE OR REPLACE TABLE text AS SELECT row_number() OVER () AS row_, *"
+                        " FROM read_csv('{}', header = true, all_varchar = true, delim = ',',"
+                        " quote = '\"', escape = '\"', allow_quoted_nulls = false)",
+                        from));
+        duck.run(
+            fmt::format("CREATE OR REPLACE TABLE typed AS SELECT row_number() OVER () AS row_, *"
+                        " FROM read_parquet('{}')",
+                        to));
+        duck.run(
+            "SELECT CASE WHEN (SELECT count(*) FROM text) <> (SELECT count(*) FROM typed) THEN"
+            " error('rows') END");
+        std::string head;
+        std::ifstream in(from);
+        std::getline(in, head);
+        if (from.ends_with(".gz") || from.ends_with("*.csv.gz")) {
+            head =
+                "trial,interval,tick,time_ns,count_1,lateness_us,hip_x_m,fx_n,command_x_n,fn_n,mu";
+        }
+        std::string differs;
+        for (std::size_t at = 0; at <= head.size();) {
+            const std::size_t end = std::min(head.find(',', at), head.size());
+            const std::string column = head.substr(at, end - at);
+            differs += fmt::format(
+                "{1}CASE typeof(typed.\"{0}\") WHEN 'DOUBLE' THEN TRY_CAST(text.\"{0}\" AS DOUBLE)"
+                " IS DISTINCT FROM TRY_CAST(typed.\"{0}\" AS DOUBLE) ELSE text.\"{0}\" IS DISTINCT"
+                " FROM CAST(typed.\"{0}\" AS VARCHAR) END",
+                column, differs.empty() ? "" : " OR ");
+            at = end + 1;
+        }
+        CHECK_NOTHROW(duck.run(fmt::format(
+            "SELECT CASE WHEN count(*) > 0 THEN error('row ' || min(row_)) END FROM text JOIN typed"
+            " USING (row_) WHERE {}",
+            differs)));
+    };
+    for (const data::ExportTable& table : data::export_tables()) {
+        compare(std::string(table.name), (csv / fmt::format("{}.csv", table.name)).string(),
+                (parquet / fmt::format("{}.parquet", table.name)).string());
+    }
+    compare("ticks", (csv / "ticks" / "*.csv.gz").string(), (parquet / "ticks.parquet").string());
+    CHECK_THROWS(duck.run("SELECT error('heard')"));
+}

@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "data/store/database.hpp"
+#include "data/sync/postgres.hpp"
+#include "data/sync/push.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/push_world.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::Access;
+using data::Database;
+using data::Postgres;
+using data::PushReport;
+using tests::a_database;
+using tests::a_server;
+using tests::content;
+using tests::Finished;
+using tests::new_database;
+using tests::palpate_command;
+using tests::PostgresServer;
+using tests::Process;
+using tests::TemporaryFolder;
+
+TEST_CASE("a damaged session does not reach the server", "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    Database(file, Access::write).execute("UPDATE response SET reaction_s = 9.0 WHERE trial = 3");
+    const PushReport report = data::push_file(file, server->url());
+    REQUIRE(report.conflicts.size() == 1);
+    CHECK_THAT(report.conflicts.front(), ContainsSubstring("palpate verify"));
+    CHECK(Postgres(server->url()).rows("SELECT * FROM palpate.session").empty());
+}
+
+TEST_CASE("a server that crashes during pushes has each session once in the end", "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = a_database(folder);
+    const std::string whole = new_database(*server, "whole");
+    REQUIRE(data::push_file(file, whole).conflicts.empty());
+    const std::string expected = content(whole);
+    tests::Random random(20260301);
+    for (int i = 0; i < 5; ++i) {
+        CAPTURE(i);
+        const std::string url = new_database(*server, fmt::format("crash{}", i));
+        Process push({tests::palpate_program(), "push", file, "--to", url});
+        std::this_thread::sleep_for(std::chrono::microseconds(random.below(120'000)));
+        server->crash_and_restart();
+        const Finished cut = push.wait();
+        CHECK((cut.code == 0 || cut.code == 1));
+        CHECK(std::count(cut.error.begin(), cut.error.end(), '\n') == (cut.code == 0 ? 0 : 1));
+        CHECK(data::push_file(file, url).conflicts.empty());
+        CHECK(content(url) == expected);
+    }
+}
+
+TEST_CASE(
+    "rigs that push at the same time, into a table in parts, leave what one after the other would",
+    "[push][law]") {
+    const auto server = a_server();
+    if (!server) {
+        return;
+    }
+    const TemporaryFolder folder;
+    std::vector<std::string> files;
+    for (const char* who : {"P01", "P02", "P03"}) {
+        files.push_back(folder.file(fmt::format("{}.sqlite", who)));
+        REQUIRE(palpate_command({"run", "shape_friction_demo", "--participant", who, "--db",
+                                 files.back(), "--device", "sim", "--headless", "--speed", "0"})
+                    .code == 0);
+    }
+    const std::string one = new_database(*server, "one");
+    for (const std::string& file : files) {
+        CHECK(data::push_file(file, one).rows > 0);
+    }
+    const std::string together = new_database(*server, "together");
+    Postgres admin(together);
+    admin.run(
+        "CREATE SCHEMA palpate; CREATE TABLE palpate.trace_chunk (session uuid, trial bigint,"
+        " interval bigint, first_tick bigint, PRIMARY KEY (session, trial, interval, first_tick))"
+        " PARTITION BY HASH (session);"
+        "CREATE TABLE palpate.part_0 PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2,"
+        " REMAINDER 0);"
+        "CREATE TABLE palpate.part_1 PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2,"
+        " REMAINDER 1)");
+    std::vector<std::unique_ptr<Process>> pushes;
+    for (int i = 0; i < 2; ++i) {
+        for (const std::string& file : files) {
+            pushes.push_back(std::make_unique<Process>(std::vector<std::string>{
+                tests::palpate_program(), "push", file, "--to", together}));
+        }
+    }
+    for (const auto& push : pushes) {
+        const Finished done = push->wait();
+        CAPTURE(done.error);
+        CHECK(done.code == 0);
+    }
+    for (const char* table : {"session", "trial", "trace_chunk", "response", "plan", "event"}) {
+        CAPTURE(table);
+        const std::string sql = fmt::format(
+            "SELECT md5(string_agg(to_jsonb(t)::text, '' ORDER BY to_jsonb(t)::text)) FROM"
+            " palpate.{} AS t",
+            table);
+        CHECK(*admin.rows(sql)[0][0] == *Postgres(one).rows(sql)[0][0]);
+    }
+}
+
+TEST_CASE(
+    "TLS is checked as the address says: the server's name, who signed for it, no plain words",
+    "[push][law]") {
+    const TemporaryFolder folder;
+    for (const char* name : {"rig", "other"}) {
+        const Finished made =
+            Process({"openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt",
+                     "ec_paramgen_curve:prime256v1", "-nodes", "-days", "2", "-subj",
+                     "/CN=palpate test", "-addext", "subjectAltName=DNS:rig.test", "-keyout",
+                     folder.file(fmt::format("{}.key", name)), "-out",
+                     folder.file(fmt::format("{}.crt", name))})
+                .wait();
+        if (made.code != 0) {
+            WARN("skipped: no openssl to make a certificate with: " << made.error);
+            return;
+        }
+    }
+    const auto server = a_server(folder.file("rig.crt"), folder.file("rig.key"));
+    if (!server) {
+        return;
+    }
+    const std::string file = a_database(folder);
+    // hostaddr is where, the host's name what the certificate must say.
+    const auto url = [&](const char* host, const std::string& words) {
+        return fmt::format("postgresql://postgres:{}@{}:{}/postgres?hostaddr=127.0.0.1&{}",
+                           PostgresServer::kPassword, host, server->port(), words);
+    };
+    const std::string full = "sslmode=verify-full&sslrootcert=" + folder.file("rig.crt");
+    const Finished good = palpate_command({"push", file, "--to", url("rig.test", full)});
+    CAPTURE(good.error);
+    CHECK(good.code == 0);
+    for (const std::string& wrong :
+         {url("other.test", full),
+          url("rig.test", "sslmode=verify-full&sslrootcert=" + folder.file("other.crt")),
+          url("rig.test", "sslmode=verify-full&sslrootcert=" + folder.file("none.crt")),
+          url("rig.test", "sslmode=disable")}) {
+        CAPTURE(wrong);
+        const Finished refused = palpate_command({"push", file, "--to", wrong});
+        CHECK(refused.code == 1);
+        CHECK_THAT(refused.error, ContainsSubstring("rig.test") || ContainsSubstring("other.test"));
+        CHECK_THAT(refused.error, !ContainsSubstring(PostgresServer::kPassword));
+        CHECK(std::count(refused.error.begin(), refused.error.end(), '\n') == 1);
+    }
+    // What libpq takes from elsewhere it takes here: service file, password file, variables.
+    const std::string service = folder.file("service.conf");
+    std::ofstream(service) << fmt::format(
+        "[lab]\nhost=rig.test\nhostaddr=127.0.0.1\nport={}\ndbname=postgres\nuser=postgres\n",
+        server->port());
+    const std::string word = folder.file("pgpass");
+    std::ofstream(word) << fmt::format("*:{}:*:postgres:{}\n", server->port(),
+                                       PostgresServer::kPassword);
+    std::filesystem::permissions(word, std::filesystem::perms::owner_read);
+    const auto by_service = [&](const std::string& certificate) {
+        return Process(
+                   {tests::palpate_program(), "push", file, "--to", "postgresql://?service=lab"},
+                   {"PGSERVICEFILE=" + service, "PGPASSFILE=" + word, "PGSSLMODE=verify-full",
+                    "PGSSLROOTCERT=" + folder.file(certificate)})
+            .wait()
+            .code;
+    };
+    CHECK(by_service("rig.crt") == 0);
+    CHECK(by_service("other.crt") == 1);
+}
+
+TEST_CASE("a password in the address is not left among the words that ps shows", "[push]") {
+    if (!tests::has_libpq()) {
+        return;
+    }
+    // Somebody who takes the call and says nothing.
+    const int silent = socket(AF_INET, SOCK_STREAM, 0);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    REQUIRE(bind(silent, reinterpret_cast<const sockaddr*>(&address), size) == 0);
+    REQUIRE(listen(silent, 1) == 0);
+    getsockname(silent, reinterpret_cast<sockaddr*>(&address), &size);
+    const TemporaryFolder folder;
+    Process push({tests::palpate_program(), "push", a_database(folder), "--to",
+                  fmt::format("postgresql://u:{}@127.0.0.1:{}/d", PostgresServer::kPassword,
+                              ntohs(address.sin_port))});
+    const auto words = [&push] {
+        std::ifstream line(fmt::format("/proc/{}/cmdline", push.id()), std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(line), {});
+    };
+    for (int i = 0; i < 3000 && words().find("://xxx") == std::string::npos; ++i) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    CHECK_THAT(words(), ContainsSubstring("://xxx"));
+    CHECK_THAT(words(), !ContainsSubstring(PostgresServer::kPassword));
+    push.signal(SIGKILL);
+    close(silent);
+}

@@ -1,0 +1,237 @@
+#include <filesystem>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sample_rows.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::demo_file;
+using tests::Opened;
+using tests::plan_of;
+using tests::rows_of;
+using tests::TemporaryFolder;
+
+namespace {
+
+std::string random_condition(tests::Random& random, const std::string& trial) {
+    const auto number = [&](double scale) {
+        return fmt::format("{}", random.in(-0.1, 1.2) * scale);
+    };
+    const char* const compare[] = {"<", "<=", ">", ">=", "="};
+    const auto op = [&] {
+        return std::string(compare[random.below(5)]);
+    };
+    std::string where("1");
+    switch (random.below(6)) {
+        case 0:
+            where += fmt::format(" AND {} IN (1, 3, {})", trial, random.below(12));
+            break;
+        case 1:
+            where +=
+                fmt::format(" AND {} BETWEEN {} AND {}", trial, random.below(12), number(10.0));
+            break;
+        case 2:
+            where += fmt::format(" AND {} {} {}", trial, op(), number(10.0));
+            break;
+        case 3:
+            where += fmt::format(" AND {} = {}", trial,
+                                 random.below(8) == 0 ? "2.5" : std::to_string(random.below(12)));
+            break;
+        default:
+            break;
+    }
+    for (int i = random.below(3); i > 0; --i) {
+        switch (random.below(4)) {
+            case 0:
+                where += fmt::format(" AND tick {} {}", op(), random.below(10000));
+                break;
+            case 1:
+                where +=
+                    fmt::format(" AND t_s {} {}", op(), random.coin() ? number(10.0) : "2.048");
+                break;
+            case 2:
+                where += fmt::format(" AND tick {} {}", op(), number(9000.0));
+                break;
+            default:
+                where += fmt::format(" AND interval {} {}", op(), random.below(3));
+        }
+    }
+    return where;
+}
+
+}  // namespace
+
+TEST_CASE("a query gives the same rows with and without the index", "[sample][law]") {
+    Opened database(demo_file());
+    const auto seed = GENERATE(range(0U, 100U));
+    tests::Random with(seed);
+    tests::Random without(seed);
+    const std::string columns[] = {"tick, t_s, x_m",       "t_s, vx_m_per_s, vy_m_per_s",
+                                   "fx_n, flags",          "tick, fn_n, mode, vx_m_per_s",
+                                   "count_1, lateness_us", "trial_id, interval"};
+    const std::string indexed = random_condition(with, "trial_id");
+    // A + keeps SQLite from giving a condition to the table.
+    std::string plain = random_condition(without, "+trial_id");
+    for (const std::string name : {" tick ", " t_s ", " interval "}) {
+        for (std::size_t at = plain.find(name); at != std::string::npos;
+             at = plain.find(name, at + 2)) {
+            plain.insert(at + 1, 1, '+');
+        }
+    }
+    CAPTURE(seed, indexed, plain);
+    const auto sql = [&](const std::string& where) {
+        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s",
+                           columns[seed % 6], where);
+    };
+    const auto a = rows_of(database, sql(indexed));
+    const auto b = rows_of(database, sql(plain));
+    REQUIRE(a.size() == b.size());
+    CHECK((a == b));
+}
+
+TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[sample]") {
+    Opened database(demo_file());
+    for (const char* sql : {"SELECT * FROM sample ORDER BY trial_id, t_s",
+                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY t_s",
+                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY trial_id, t_s",
+                            "SELECT * FROM sample ORDER BY trial_id, interval, tick",
+                            "SELECT trial_id, avg(fx_n) FROM sample GROUP BY trial_id",
+                            "SELECT trial.id, avg(fn_n) FROM trial JOIN sample ON trial_id = "
+                            "trial.id GROUP BY trial.id"}) {
+        CAPTURE(sql, plan_of(database, sql));
+        CHECK_THAT(plan_of(database, sql), !ContainsSubstring("TEMP B-TREE"));
+    }
+    for (const char* sql :
+         {"SELECT * FROM sample ORDER BY trial_id DESC", "SELECT * FROM sample ORDER BY t_s",
+          "SELECT * FROM sample ORDER BY trial_id, x_m"}) {
+        CAPTURE(sql);
+        CHECK_THAT(plan_of(database, sql), ContainsSubstring("TEMP B-TREE"));
+    }
+    // A join asks for one trial after the other, whichever is named first.
+    for (const char* sql :
+         {"SELECT count(*) FROM sample JOIN trial ON trial_id = trial.id WHERE outcome = "
+          "'complete'",
+          "SELECT count(*) FROM trial JOIN sample ON trial_id = trial.id WHERE ticks > 8000",
+          "SELECT count(*) FROM trial_result JOIN sample ON trial_id = trial WHERE friction = "
+          "'on'",
+          "SELECT object, avg(fn_n) FROM trial_result JOIN sample ON trial_id = trial WHERE mode "
+          "<> "
+          "'free' GROUP BY 1",
+          "SELECT object, avg(fn_n) FROM trial_summary, sample WHERE trial_id = trial GROUP BY 1",
+          "SELECT count(*) FROM sample JOIN event ON event.trial = trial_id WHERE t_s > 1"}) {
+        CAPTURE(sql, plan_of(database, sql));
+        const std::string plan = plan_of(database, sql);
+        CHECK(plan.find("sample VIRTUAL TABLE") > plan.find('\n'));
+        CHECK_THAT(plan, ContainsSubstring("sample VIRTUAL TABLE"));
+    }
+    CHECK(rows_of(database, "SELECT DISTINCT trial_id FROM sample ORDER BY 1").size() == 10);
+}
+
+TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[sample][law]") {
+    Opened database(demo_file());
+    // The damaged trial is an error as soon as it is read.
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::filesystem::copy_file(demo_file(), file);
+    Opened damaged(file, data::Access::write);
+    damaged.execute("UPDATE trace_chunk SET data = zeroblob(9) WHERE trial = 6");
+    const auto says = [](data::Database& of, const std::string& where) {
+        return rows_of(of, "SELECT count(*), sum(fn_n), sum(x_m) FROM sample WHERE " + where);
+    };
+    for (const std::string where :
+         {"trial_id < 6", "trial_id <= 5", "trial_id < 5.5", "trial_id BETWEEN 2 AND 5.999",
+          "trial_id > 6", "trial_id >= 6.001", "trial_id >= 7 AND trial_id < 1e300",
+          "trial_id > 6 AND trial_id <= 9223372036854775807", "trial_id < 3 AND trial_id > -1e300",
+          "trial_id > NULL", "trial_id IS 4", "+trial_id IS 4 AND trial_id < 6",
+          "trial_id < 6 AND trial_id = 4", "trial_id < 'a' AND trial_id > 6",
+          "trial_id > 3 AND trial_id < 3"}) {
+        CAPTURE(where);
+        CHECK((says(damaged, where) == says(database, where)));
+    }
+    for (const std::string where : {"trial_id < 6.5", "trial_id <= 6", "trial_id > 5",
+                                    "trial_id BETWEEN 6 AND 6", "trial_id < 'a'"}) {
+        CAPTURE(where);
+        CHECK_THAT(tests::error_of(damaged, "SELECT sum(fn_n) FROM sample WHERE " + where),
+                   ContainsSubstring("trial 6"));
+    }
+}
+
+TEST_CASE("a tick joined with the tick before gives what lag() gives, also of two intervals",
+          "[sample][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::filesystem::copy_file(demo_file(), file);
+    Opened database(file, data::Access::write);
+    tests::add_interval(database);
+    const std::string what = GENERATE("x_m", "fn_n", "count_1");
+    const std::string range = "BETWEEN 4000 AND 4200";  // across the border of two chunks
+    const auto joined =
+        rows_of(database,
+                fmt::format("SELECT a.interval, a.tick, a.{0}, b.{0} FROM sample AS a JOIN sample "
+                            "AS b ON b.trial_id = a.trial_id AND b.interval = a.interval AND "
+                            "b.tick = a.tick - 1 WHERE a.trial_id = 3 AND a.tick {1} ORDER BY 1, 2",
+                            what, range));
+    const auto lagged = rows_of(
+        database,
+        fmt::format(
+            "SELECT * FROM (SELECT interval, tick, {0}, lag({0}) OVER (PARTITION BY interval "
+            "ORDER BY tick) FROM sample WHERE trial_id = 3) WHERE tick {1} ORDER BY 1, 2",
+            what, range));
+    REQUIRE(joined.size() == 2 * 201);
+    CHECK((joined == lagged));
+}
+
+TEST_CASE(
+    "a chunk that is gone, or stands in another place, trial, interval or period, is an error",
+    "[sample][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::filesystem::copy_file(demo_file(), file);
+    Opened database(file, data::Access::write);
+    database.execute("PRAGMA foreign_keys = OFF");
+    const std::string what = GENERATE("count_1", "x_m", "t_s", "fn_n");
+    const std::string query = "SELECT sum(" + what + ") FROM sample WHERE trial_id ";
+    for (const std::string edit :
+         {"DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 0",
+          "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096",
+          "DELETE FROM trace_chunk WHERE trial = 4",
+          "UPDATE trace_chunk SET first_tick = 4097 WHERE trial = 4 AND first_tick = 4096",
+          "UPDATE trace_chunk SET first_tick = first_tick + 1 WHERE trial = 4",
+          "UPDATE trace_chunk SET trial = 44 WHERE trial = 4",
+          "UPDATE trace_chunk SET interval = 2 WHERE trial = 4",
+          "UPDATE trace_chunk SET period_ns = period_ns + 1 WHERE trial = 4",
+          "DELETE FROM trial WHERE id = 4", "DELETE FROM presentation WHERE trial = 4"}) {
+        CAPTURE(what, edit);
+        database.execute("BEGIN");
+        database.execute(edit.c_str());
+        CHECK_THAT(tests::error_of(database, query + "< 6"),
+                   ContainsSubstring("trial 4, interval 1: "));
+        CHECK(tests::error_of(database, query + "<> 4 AND trial_id IN (1, 5)").empty());
+        database.execute("ROLLBACK");
+    }
+    // Where the session says that ticks were lost, what is left can be had.
+    database.execute(
+        "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096;"
+        "INSERT INTO event (session, kind, text, at_utc) VALUES (1, 'ticks lost', '4096', '')");
+    CHECK(tests::error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
+}
+
+TEST_CASE("sample is never of another database than the one that was named", "[sample][law]") {
+    const TemporaryFolder folder;
+    std::filesystem::copy_file(demo_file(), folder.file("other.sqlite"));
+    std::filesystem::copy_file(demo_file(), folder.file("d.sqlite"));
+    Opened database(folder.file("d.sqlite"), data::Access::write);
+    const auto count = [&] {
+        return tests::error_of(database, "SELECT count(*) FROM sample WHERE trial_id = 1");
+    };
+    database.execute("ATTACH ':memory:' AS mine; CREATE TABLE mine.means (x)");
+    CHECK(count().empty());
+    database.execute(("ATTACH '" + folder.file("other.sqlite") + "' AS b").c_str());
+    CHECK_THAT(count(), ContainsSubstring("DETACH b"));
+    CHECK_THAT(tests::error_of(database, "SELECT count(*) FROM b.sample"),
+               ContainsSubstring("DETACH b"));
+    database.execute("DETACH b");
+    CHECK(count().empty());
+}

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "data/sync/postgres.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/postgres_server.hpp"
+#include "tests/support/process.hpp"
+
+/// What tests of push share: a server, a file, and what is on the server.
+namespace palpate::tests {
+
+/// Whether this palpate can talk to PostgreSQL at all; says so where not.
+inline bool has_libpq() {
+    try {
+        const data::Postgres nobody("postgresql://u@127.0.0.1:1/d");
+    } catch (const std::invalid_argument& e) {
+        WARN("skipped: " << e.what());
+        return false;
+    } catch (const data::PostgresError&) {  // nobody answers there
+    }
+    return true;
+}
+
+/// A server, or nothing and a word why not.
+inline std::unique_ptr<PostgresServer> a_server(const std::string& certificate = {},
+                                                const std::string& key = {}) {
+    if (!has_libpq()) {
+        return nullptr;
+    }
+    auto server = PostgresServer::start(certificate, key);
+    if (!server) {
+        WARN("skipped: no PostgreSQL server is installed (Debian: postgresql)");
+    }
+    return server;
+}
+
+inline std::string a_database(const TemporaryFolder& folder) {
+    const std::string file = folder.file("demo.sqlite");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    return file;
+}
+
+/// Number and hash of the rows of each table.
+inline std::string content(const std::string& url) {
+    data::Postgres server(url);
+    std::string all;
+    for (const auto& table : server.rows(
+             "SELECT relname FROM pg_class JOIN pg_namespace ON pg_namespace.oid = relnamespace"
+             " WHERE nspname = 'palpate' AND relkind = 'r' ORDER BY relname")) {
+        const auto hash = server.rows(fmt::format(
+            "SELECT count(*) || ' ' || coalesce(md5(string_agg(t::text, '' ORDER BY t::text)), '-')"
+            " FROM palpate.\"{}\" AS t",
+            *table[0]));
+        all += *table[0] + ' ' + *hash[0][0] + '\n';
+    }
+    return all;
+}
+
+inline std::string new_database(const PostgresServer& server, const std::string& name) {
+    data::Postgres(server.url()).run("CREATE DATABASE " + name);
+    return server.url(name);
+}
+
+}  // namespace palpate::tests
