@@ -123,7 +123,7 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
     const auto spec = tests::short_session(false);
     const std::string whole = content_of_unbroken(spec);
     std::size_t calls = 1;
-    for (std::size_t call = 0; call < calls; call += 1 + call % 13) {
+    for (std::size_t call = 0; call < calls; call += 1 + call % 29) {
         CAPTURE(call);
         const TemporaryFolder folder;
         WatchedDisk disk(folder.path());

@@ -96,7 +96,7 @@ void cut_everywhere(const TemporaryFolder& folder,
         if (cut % step == seed % step) {
             tests::Random random(seed * 1000003 + cut);
             const Leaves leaves = tests::kLeaves[random.below(5)];
-            CAPTURE(cut, static_cast<int>(leaves));
+            CAPTURE(seed, cut, static_cast<int>(leaves));
             const TemporaryFolder left;
             model.lay_out(leaves, random, left.path());
             const WatchedDisk unsynced(left.path());

@@ -113,13 +113,23 @@ std::string DiskModel::bytes_left(const Node& node, Leaves leaves, Random& rando
     const bool torn = leaves == Leaves::sectors_512 || leaves == Leaves::sectors_4k;
     const std::size_t calls = node.since.size();
     const std::size_t for_size = how_many(leaves, calls, random);
+    // Nothing of before a cut to a shorter size is there after it, nor the other way round.
+    std::size_t first = 0;
+    std::size_t last = calls;
+    for (std::size_t i = 0; i < calls; ++i) {
+        if (node.since[i].resize && i < for_size) {
+            first = i + 1;
+        } else if (node.since[i].resize && last == calls) {
+            last = i;
+        }
+    }
     std::string now = node.bytes;
     std::string left;
     std::size_t size = now.size();
     std::vector<std::size_t> when;  // of each sector
     for (std::size_t i = 0;; ++i) {
         for (std::size_t s = when.size(); s * sector < now.size(); ++s) {
-            when.push_back(torn ? how_many(leaves, calls, random) : for_size);
+            when.push_back(torn ? first + how_many(leaves, last - first, random) : for_size);
             left.resize(std::max(left.size(), now.size()), '\0');
         }
         for (std::size_t s = 0; s < when.size() && s * sector < now.size(); ++s) {

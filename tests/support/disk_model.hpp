@@ -41,7 +41,8 @@ inline constexpr Leaves kLeaves[] = {Leaves::nothing, Leaves::everything, Leaves
 
 /// Files and folders below one folder, with what of them is synced and what was done since: the harshest
 /// disk that POSIX allows. A file's bytes are safe after fsync(file), its name after fsync(folder), and
-/// the size is one thing, each sector another. A sector is never half written. What was added to a file and
+/// the size is one thing, each sector another, but a resize takes effect as a whole. A sector is never half
+/// written. What was added to a file and
 /// did not come through reads as zeros.
 class DiskModel {
 public:

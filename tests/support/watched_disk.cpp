@@ -51,9 +51,4 @@ void WatchedDisk::room(std::int64_t bytes) {
     state_->room = bytes;
 }
 
-std::int64_t WatchedDisk::room_left() const {
-    const std::scoped_lock lock(watch_guard);
-    return state_->room;
-}
-
 }  // namespace palpate::tests

@@ -37,8 +37,6 @@ public:
     void fail(std::size_t call, int error, bool for_good);
     /// From now on the folder's files, with those that are open without a name, can grow by `bytes` in all.
     void room(std::int64_t bytes);
-    /// What is left of it.
-    [[nodiscard]] std::int64_t room_left() const;
 
     struct State;
 
