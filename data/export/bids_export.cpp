@@ -5,11 +5,11 @@
 #include <fmt/format.h>
 
 #include "protocols/design/counted.hpp"
+#include "data/csv/whole_file.hpp"
 #include "data/export/bids_files.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
 #include "data/export/table_sql.hpp"
-#include "data/report/text_file.hpp"
 
 namespace palpate::data {
 namespace {
@@ -17,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 void write_json(const fs::path& path, const JsonMembers& members) {
-    write_text_file(path, json_object(members) + "\n");
+    write_whole(path, json_object(members) + "\n");
 }
 
 std::string described(const ExportColumn& column) {
@@ -182,7 +182,7 @@ void export_bids(Database& database,
                 {"BIDSVersion", json_string(kBidsVersion)},
                 {"DatasetType", json_string("raw")},
                 {"GeneratedBy", json_array({json_object({{"Name", json_string("palpate")}})})}});
-    write_text_file(folder / "README", readme(selection, options));
+    write_whole(folder / "README", readme(selection, options));
     write_participants(database, folder);
     for (const ChosenSession& session : selection.sessions()) {
         const fs::path subject = folder / session.subject;

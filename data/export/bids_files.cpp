@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/tick_record.hpp"
+#include "data/csv/whole_file.hpp"
 #include "data/export/delimited_file.hpp"
 #include "data/export/json_text.hpp"
-#include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
 
 namespace palpate::data {
@@ -265,13 +265,13 @@ void write_bids_run(Database& database,
         const std::filesystem::path folder = session_folder / "motion";
         std::filesystem::create_directories(folder);
         write_motion(ticks, folder / (motion + "_motion.tsv"));
-        write_text_file(folder / (motion + "_motion.json"), motion_json(session, ticks) + "\n");
+        write_whole(folder / (motion + "_motion.json"), motion_json(session, ticks) + "\n");
         write_channels(session.rate_hz, folder / (motion + "_channels.tsv"));
-        write_text_file(folder / (motion + "_channels.json"), channels_json() + "\n");
+        write_whole(folder / (motion + "_channels.json"), channels_json() + "\n");
         const std::filesystem::path stim =
             session_folder / "beh" / (bids_stem(session) + run + "_recording-force_stim");
         write_stim(ticks, stim.string() + ".tsv.gz");
-        write_text_file(stim.string() + ".json", stim_json(session) + "\n");
+        write_whole(stim.string() + ".json", stim_json(session) + "\n");
     }
 }
 

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include "protocols/design/counted.hpp"
+#include "data/csv/whole_file.hpp"
 #include "data/export/table_sql.hpp"
-#include "data/report/text_file.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 
@@ -188,7 +188,7 @@ void export_csv(Database& database,
         }
     }
     describe(options, folder / "columns.csv");
-    write_text_file(folder / "README.txt", words(selection, options));
+    write_whole(folder / "README.txt", words(selection, options));
     if (options.keep_codes) {
         write_codes(database, folder / "codes.csv");
     }

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "data/report/text_file.hpp"
+#include "data/csv/whole_file.hpp"
 #include "data/store/adaptive_export.hpp"
 
 namespace palpate::data {
@@ -29,8 +29,8 @@ void export_procedures(Database& database,
                 folder / fmt::format("study-{}_subject-{}_session-{}_run-{}", session.label,
                                      session.subject.substr(4), session.number, row.integer(0));
             std::filesystem::create_directory(place);
-            write_text_file(place / "CONFIG.toml", made.procedure);
-            write_text_file(place / "RESPONSES.csv", made.responses);
+            write_whole(place / "CONFIG.toml", made.procedure);
+            write_whole(place / "RESPONSES.csv", made.responses);
         }
         row.reset();
     }

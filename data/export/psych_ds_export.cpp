@@ -5,10 +5,10 @@
 #include <fmt/format.h>
 
 #include "protocols/design/counted.hpp"
+#include "data/csv/whole_file.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
 #include "data/export/table_sql.hpp"
-#include "data/report/text_file.hpp"
 #include "data/trace/columns.hpp"
 
 namespace palpate::data {
@@ -78,14 +78,14 @@ void export_psych_ds(Database& database,
         "SI units.{}",
         protocols::counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "" : " De-identified.");
-    write_text_file(folder / "dataset_description.json",
-                    json_object({{"@context", json_string("http://schema.org/")},
-                                 {"@type", json_string("Dataset")},
-                                 {"name", json_string(selection.titles())},
-                                 {"description", json_string(description)},
-                                 {"variableMeasured", variables(options)}}) +
-                        "\n");
-    write_text_file(
+    write_whole(folder / "dataset_description.json",
+                json_object({{"@context", json_string("http://schema.org/")},
+                             {"@type", json_string("Dataset")},
+                             {"name", json_string(selection.titles())},
+                             {"description", json_string(description)},
+                             {"variableMeasured", variables(options)}}) +
+                    "\n");
+    write_whole(
         folder / "README.md",
         fmt::format(
             "{}\n\nIn data/, subject, study, session and trial name a row{}. An empty field: not "

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "data/report/text_file.hpp"
+#include "data/csv/whole_file.hpp"
 
 namespace palpate::data {
 namespace {
@@ -58,7 +58,7 @@ std::string csv(std::span<const CsvColumn> columns) {
 }
 
 void write_csv(const std::filesystem::path& path, std::span<const CsvColumn> columns) {
-    write_text_file(path, csv(columns));
+    write_whole(path, csv(columns));
 }
 
 }  // namespace palpate::data

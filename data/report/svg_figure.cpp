@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "data/csv/whole_file.hpp"
 #include "data/report/svg_panel.hpp"
 #include "data/report/svg_text.hpp"
-#include "data/report/text_file.hpp"
 
 namespace palpate::data {
 namespace {
@@ -110,7 +110,7 @@ std::string svg(const Figure& figure) {
 }
 
 void write_svg(const std::filesystem::path& path, const Figure& figure) {
-    write_text_file(path, svg(figure));
+    write_whole(path, svg(figure));
 }
 
 }  // namespace palpate::data

@@ -88,6 +88,9 @@ Postgres::Postgres(const std::string& url) {
             throw;
         }
     }
+    // What the server remarks would go to standard error as it comes; what fails is thrown.
+    PQsetNoticeProcessor(
+        of(connection_), [](void*, const char*) {}, nullptr);
     run("SET client_min_messages = warning; SET client_encoding = 'UTF8'");
 }
 

@@ -56,7 +56,7 @@ TEST_CASE("all admissible orders are equally likely", "[order][law]") {
     const auto orders = admissible(trials, limits);
     CAPTURE(orders.size());
     Pcg32 random(2024, 1);
-    const double excess = excess_of_chi_square(orders, 50 * orders.size(), [&] {
+    const double excess = excess_of_chi_square(orders, 100 * orders.size(), [&] {
         return constrained_order(trials, limits, random).order;
     });
     CHECK(std::fabs(excess) < 4.0);
@@ -67,7 +67,7 @@ TEST_CASE("repair by swaps fails the same test", "[order]") {
     const RunLimits limits{.object = 2, .friction = 2};
     const auto orders = admissible(trials, limits);
     Pcg32 random(2024, 1);
-    const double excess = excess_of_chi_square(orders, 50 * orders.size(),
+    const double excess = excess_of_chi_square(orders, 100 * orders.size(),
                                                [&] { return repaired(trials, limits, random); });
     CHECK(excess > 50.0);
 }
