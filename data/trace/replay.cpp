@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <future>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -80,18 +81,31 @@ void require_modes(std::span<const TickRecord> ticks) {
     }
 }
 
-/// One chunk of codec 2 after the others. @return whether it is what the servo had
-class Replay {
-public:
-    Replay(const engine::Scene* scene, const std::optional<engine::PantographSpec>& machine)
-        : retrace_(machine, scene) {}
+std::vector<TickRecord> decode_1(const ChunkView& chunk) {
+    auto ticks = decode(chunk.data, chunk.ticks, chunk.crc32);
+    if (ticks.front().tick != chunk.first_tick) {
+        throw TraceError(fmt::format("the chunk of tick {} begins with tick {}", chunk.first_tick,
+                                     ticks.front().tick));
+    }
+    return ticks;
+}
 
-    bool add(const ChunkView& chunk, std::vector<TickRecord>& all) {
+/// What the bytes of a chunk tell without its scene: all but the contact. One chunk after the other.
+class Unpacker {
+public:
+    explicit Unpacker(const std::optional<engine::PantographSpec>& machine)
+        : retrace_(machine, nullptr) {}
+
+    /// @return the exact columns of each tick; none where the chunk has none
+    std::vector<TickRecord> unpack(const ChunkView& chunk, std::span<TickRecord> ticks) {
+        if (chunk.codec == kTraceCodec) {
+            const auto all = decode_1(chunk);
+            std::copy_n(all.begin(), std::min(all.size(), ticks.size()), ticks.begin());
+            retrace_hips(ticks);
+            return {};
+        }
         ChunkReader reader(chunk);
         stored_.read(chunk, reader);
-        const std::size_t first = all.size();
-        all.resize(first + chunk.ticks);
-        const auto ticks = std::span(all).subspan(first);
         for (std::size_t i = 0; i < ticks.size(); ++i) {
             set_stored(ticks[i], stored_, i);
         }
@@ -99,28 +113,12 @@ public:
         for (std::size_t i = 0; i < ticks.size(); ++i) {
             ticks[i].hip = hips_[i];
         }
-        if (chunk.parts == 0) {
-            for (TickRecord& tick : ticks) {
-                retrace_.contact(tick);
-                tick.command = tick.force;
-            }
-        } else {
-            exact_.assign(chunk.ticks, TickRecord{});
-            reader.read_exact(exact_);
-            require_modes(exact_);
-            for (std::size_t i = 0; i < ticks.size(); ++i) {
-                follow(ticks[i], chunk.parts, exact_[i]);
-            }
+        std::vector<TickRecord> exact(chunk.parts == 0 ? 0 : ticks.size());
+        if (!exact.empty()) {
+            reader.read_exact(exact);
+            require_modes(exact);
         }
-        return derived_hash(ticks) == chunk.derived;
-    }
-
-    /// A chunk of codec 1 holds everything; only the contact goes on.
-    void pass(std::vector<TickRecord> ticks) {
-        retrace_hips(ticks);
-        for (TickRecord& tick : ticks) {
-            retrace_.contact(tick);
-        }
+        return exact;
     }
 
 private:
@@ -132,49 +130,79 @@ private:
         retrace_.hips(counts_, hips_);
     }
 
-    void follow(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) noexcept {
-        if ((parts & part_hip) != 0) {
-            tick.hip = exact.hip;
-        }
-        const std::uint8_t flags = tick.flags;
-        retrace_.contact(tick);
-        if ((parts & part_contact) != 0) {
-            tick.flags = flags;
-            tick.cp = exact.cp;
-            tick.go = exact.go;
-            tick.force = exact.force;
-            tick.normal_force = exact.normal_force;
-            tick.tangential_force = exact.tangential_force;
-            tick.mu = exact.mu;
-            tick.parameter = exact.parameter;
-            tick.feature = exact.feature;
-            tick.mode = exact.mode;
-        }
-        tick.command = tick.force;
-        if ((parts & part_command) != 0) {
-            tick.command = exact.command;
-            exclusive_or(tick.command.x, tick.force.x);
-            exclusive_or(tick.command.y, tick.force.y);
-        }
-        if ((parts & part_lateness) != 0) {
-            tick.lateness_us = exact.lateness_us;
-        }
-    }
-
     Retrace retrace_;
     StoredNumbers stored_;
     std::vector<engine::Pantograph::Counts> counts_;
     std::vector<engine::Vec2> hips_;
-    std::vector<TickRecord> exact_;
 };
 
-std::vector<TickRecord> decode_1(const ChunkView& chunk) {
-    auto ticks = decode(chunk.data, chunk.ticks, chunk.crc32);
-    if (ticks.front().tick != chunk.first_tick) {
-        throw TraceError(fmt::format("the chunk of tick {} begins with tick {}", chunk.first_tick,
-                                     ticks.front().tick));
+void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) noexcept {
+    if ((parts & part_contact) != 0) {
+        tick.cp = exact.cp;
+        tick.go = exact.go;
+        tick.force = exact.force;
+        tick.normal_force = exact.normal_force;
+        tick.tangential_force = exact.tangential_force;
+        tick.mu = exact.mu;
+        tick.parameter = exact.parameter;
+        tick.feature = exact.feature;
+        tick.mode = exact.mode;
     }
-    return ticks;
+    tick.command = tick.force;
+    if ((parts & part_command) != 0) {
+        tick.command = exact.command;
+        exclusive_or(tick.command.x, tick.force.x);
+        exclusive_or(tick.command.y, tick.force.y);
+    }
+    if ((parts & part_lateness) != 0) {
+        tick.lateness_us = exact.lateness_us;
+    }
+}
+
+/// The contacts of unpacked ticks. @return whether they are what the servo had
+bool follow(Retrace& contacts,
+            const ChunkView& chunk,
+            std::span<TickRecord> ticks,
+            std::span<const TickRecord> exact) noexcept {
+    if (chunk.codec == kTraceCodec) {  // holds everything; only the contact goes on
+        for (TickRecord tick : ticks) {
+            contacts.contact(tick);
+        }
+        return true;
+    }
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+        TickRecord& tick = ticks[i];
+        if ((chunk.parts & part_hip) != 0) {
+            tick.hip = exact[i].hip;
+        }
+        const std::uint8_t flags = tick.flags;
+        contacts.contact(tick);
+        tick.flags = (chunk.parts & part_contact) != 0 ? flags : tick.flags;
+        set_exact(tick, chunk.parts, exact[i]);
+    }
+    for (std::size_t i = exact.size(); i < ticks.size(); ++i) {
+        contacts.contact(ticks[i]);
+        ticks[i].command = ticks[i].force;
+    }
+    return derived_hash(ticks) == chunk.derived;
+}
+
+/// Where the ticks of each chunk lie. A number of ticks that is damaged takes no room: its chunk cannot be read.
+std::vector<std::span<TickRecord>> places_in(std::vector<TickRecord>& all,
+                                             std::span<const ChunkView> chunks) {
+    std::size_t ticks = 0;
+    for (const ChunkView& chunk : chunks) {
+        ticks += std::min(chunk.ticks, kChunk2Ticks);
+    }
+    all.resize(ticks);
+    std::vector<std::span<TickRecord>> places;
+    std::span<TickRecord> left(all);
+    for (const ChunkView& chunk : chunks) {
+        const std::size_t count = std::min(chunk.ticks, kChunk2Ticks);
+        places.push_back(left.first(count));
+        left = left.subspan(count);
+    }
+    return places;
 }
 
 }  // namespace
@@ -191,19 +219,20 @@ Replayed replay(const engine::Scene* scene,
                 const std::optional<engine::PantographSpec>& machine,
                 std::span<const ChunkView> chunks) {
     Replayed all;
-    Replay replay(scene, machine);
-    std::size_t ticks_in_all = 0;
-    for (const ChunkView& chunk : chunks) {
-        ticks_in_all += std::min(chunk.ticks, kChunk2Ticks);
-    }
-    all.ticks.reserve(ticks_in_all);
-    for (const ChunkView& chunk : chunks) {
-        if (chunk.codec == kTraceCodec) {
-            const auto ticks = decode_1(chunk);
-            replay.pass(ticks);
-            all.ticks.insert(all.ticks.end(), ticks.begin(), ticks.end());
-        } else if (!replay.add(chunk, all.ticks) && !all.differs_from) {
-            all.differs_from = chunk.first_tick;
+    const auto places = places_in(all.ticks, chunks);
+    Unpacker unpacker(machine);
+    Retrace contacts(std::nullopt, scene);
+    const auto unpack = [&](std::size_t i) {
+        return unpacker.unpack(chunks[i], places[i]);
+    };
+    std::future<std::vector<TickRecord>> next;
+    for (std::size_t i = 0; i < chunks.size(); ++i) {
+        const std::vector<TickRecord> exact = i == 0 ? unpack(i) : next.get();
+        if (i + 1 < chunks.size()) {
+            next = std::async(unpack, i + 1);  // a thread of its own, where there can be one
+        }
+        if (!follow(contacts, chunks[i], places[i], exact) && !all.differs_from) {
+            all.differs_from = chunks[i].first_tick;
         }
     }
     return all;
