@@ -184,14 +184,20 @@ std::int64_t Postgres::flush() {
     }
     std::int64_t added = 0;
     std::string wrong;
+    bool ended = false;
     for (bool synced = false; !synced;) {
         PGresult* next = PQgetResult(of(connection_));
-        if (next == nullptr) {  // the end of a statement's results, or of the connection
-            if (PQstatus(of(connection_)) != CONNECTION_OK) {
-                fail("sending rows", PQerrorMessage(of(connection_)));
+        if (next == nullptr) {
+            // The end of a statement's results. Twice in a row nothing is left to wait for, and the sync did
+            // not come: the server is gone, whatever PQstatus says.
+            if (ended || PQstatus(of(connection_)) != CONNECTION_OK) {
+                fail("sending rows",
+                     wrong.empty() ? PQerrorMessage(of(connection_)) : wrong.c_str());
             }
+            ended = true;
             continue;
         }
+        ended = false;
         const Result result(next);
         const ExecStatusType status = PQresultStatus(next);
         synced = status == PGRES_PIPELINE_SYNC;

@@ -17,6 +17,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/old_database.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
@@ -25,15 +26,6 @@ using data::Access;
 using data::Database;
 using tests::TemporaryFolder;
 using tests::write_old;
-
-namespace {
-
-std::string bytes_of(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-}  // namespace
 
 TEST_CASE("a new database says whose it is, and only its owner may read it", "[store]") {
     const TemporaryFolder folder;
@@ -57,18 +49,18 @@ TEST_CASE("a file that is no palpate database is refused and stays as it is", "[
     const TemporaryFolder folder;
     const std::string text = folder.file("notes.txt");
     std::ofstream(text) << std::string(5000, 'x');
-    const std::string before = bytes_of(text);
+    const std::string before = tests::slurp(text);
     CHECK_THROWS_WITH(
         Database(text, Access::write),
         ContainsSubstring("notes.txt") && ContainsSubstring("choose another file name"));
-    CHECK(bytes_of(text) == before);
+    CHECK(tests::slurp(text) == before);
 
     const std::string other = folder.file("other.sqlite");
     tests::Process({"sqlite3", other, "CREATE TABLE theirs (x); INSERT INTO theirs VALUES (1);"})
         .wait();
-    const std::string theirs = bytes_of(other);
+    const std::string theirs = tests::slurp(other);
     CHECK_THROWS_WITH(Database(other, Access::write), ContainsSubstring("not a palpate database"));
-    CHECK(bytes_of(other) == theirs);
+    CHECK(tests::slurp(other) == theirs);
 }
 
 TEST_CASE("a database of a newer program is refused with what to do", "[store]") {
@@ -245,21 +237,21 @@ TEST_CASE("before a file of an older schema is changed a copy of it is kept, as 
 
     std::filesystem::remove(file);
     write_old(file, version);
-    const std::string copy = bytes_of(backup);
+    const std::string copy = tests::slurp(backup);
     CHECK(std::filesystem::equivalent(Database(file, Access::write).backup(), backup + ".2"));
-    CHECK(bytes_of(backup) == copy);
+    CHECK(tests::slurp(backup) == copy);
 }
 
 TEST_CASE("a file of an older schema whose copy cannot be kept stays as it is", "[store][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("old.sqlite");
     write_old(file, 4);
-    const std::string before = bytes_of(file);
+    const std::string before = tests::slurp(file);
     std::filesystem::create_directory(file +
                                       ".schema4.backup.part");  // nothing can be written there
     CHECK_THROWS_WITH(Database(file, Access::write),
                       ContainsSubstring("old.sqlite.schema4.backup") && ContainsSubstring("free"));
-    CHECK(bytes_of(file) == before);
+    CHECK(tests::slurp(file) == before);
 }
 
 TEST_CASE("names of sessions are UUIDs, random for new ones and the same for the same old one",

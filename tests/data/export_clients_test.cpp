@@ -13,6 +13,7 @@
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -21,15 +22,11 @@ using data::Database;
 using tests::Finished;
 using tests::palpate_command;
 using tests::Process;
+using tests::slurp;
 using tests::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string slurp(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 void replace(std::string& text, std::string_view from, std::string_view to) {
     const std::size_t at = text.find(from);

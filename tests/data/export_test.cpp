@@ -16,6 +16,7 @@
 #include "data/store/session_store.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 #include "tests/support/studies.hpp"
 
 using namespace palpate;
@@ -23,15 +24,11 @@ using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using data::ExportFormat;
+using tests::slurp;
 using tests::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string slurp(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// Every file below a folder: its name and its bytes.
 std::string everything(const fs::path& folder) {

@@ -8,6 +8,7 @@
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -30,11 +31,6 @@ public:
 private:
     std::filesystem::path before_ = std::filesystem::current_path();
 };
-
-std::string bytes_of(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
 
 void run(sqlite3* handle, const char* sql) {
     REQUIRE(sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) == SQLITE_OK);
@@ -77,15 +73,15 @@ TEST_CASE("somebody's database with a log beside it is refused, and both stay by
     const TemporaryFolder folder;
     const std::string file = folder.file("theirs.sqlite");
     make_foreign(file, checkpointed);
-    const std::string data = bytes_of(file);
-    const std::string log = bytes_of(file + "-wal");
+    const std::string data = tests::slurp(file);
+    const std::string log = tests::slurp(file + "-wal");
     REQUIRE_FALSE(log.empty());
 
     CHECK_THROWS_WITH(Database(file, access), ContainsSubstring("theirs.sqlite") &&
                                                   ContainsSubstring("not a palpate database"));
 
-    CHECK(bytes_of(file) == data);
-    CHECK(bytes_of(file + "-wal") == log);
+    CHECK(tests::slurp(file) == data);
+    CHECK(tests::slurp(file + "-wal") == log);
     CHECK(rows_of(file) == 3);
 }
 
@@ -98,7 +94,7 @@ TEST_CASE("a file of somebody's is refused and stays, however small it is", "[st
         std::ofstream(file, std::ios::trunc) << text;
         CHECK_THROWS_WITH(Database(file, Access::write),
                           ContainsSubstring("not a palpate database"));
-        CHECK(bytes_of(file) == text);
+        CHECK(tests::slurp(file) == text);
     }
     CHECK(folder.names() == std::vector<std::string>{"note"});
 }

@@ -70,8 +70,12 @@ TEST_CASE("a server that crashes during pushes has each session once in the end"
         std::this_thread::sleep_for(std::chrono::microseconds(random.below(120'000)));
         server->crash_and_restart();
         const Finished cut = push.wait();
+        CAPTURE(cut.error);
         CHECK((cut.code == 0 || cut.code == 1));
-        CHECK(std::count(cut.error.begin(), cut.error.end(), '\n') == (cut.code == 0 ? 0 : 1));
+        // While connecting libpq itself may print the server's last warning before.
+        const std::string ours =
+            cut.error.substr(std::min(cut.error.find("palpate: "), cut.error.size()));
+        CHECK(std::count(ours.begin(), ours.end(), '\n') == (cut.code == 0 ? 0 : 1));
         CHECK(data::push_file(file, url).conflicts.empty());
         CHECK(content(url) == expected);
     }
@@ -216,10 +220,10 @@ TEST_CASE("a password in the address is not left among the words that ps shows",
         std::ifstream line(fmt::format("/proc/{}/cmdline", push.id()), std::ios::binary);
         return std::string(std::istreambuf_iterator<char>(line), {});
     };
-    for (int i = 0; i < 3000 && words().find("://xxx") == std::string::npos; ++i) {
+    for (int i = 0; i < 3000 && words().find("://***") == std::string::npos; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
-    CHECK_THAT(words(), ContainsSubstring("://xxx"));
+    CHECK_THAT(words(), ContainsSubstring("://***"));
     CHECK_THAT(words(), !ContainsSubstring(PostgresServer::kPassword));
     push.signal(SIGKILL);
     close(silent);

@@ -7,21 +7,18 @@
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
 using tests::palpate_command;
 using tests::Process;
+using tests::slurp;
 using tests::TemporaryFolder;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string slurp(const fs::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// A demo's file and its export with all ticks.
 struct Exported {

@@ -12,13 +12,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/slurp.hpp"
+
 namespace palpate::tests {
 namespace {
-
-std::string slurp(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
 
 void to_file(const std::string& path, int descriptor) {
     const int fd = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);

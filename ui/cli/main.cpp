@@ -52,7 +52,7 @@ int dispatch(const Options& options) {
 void hide_addresses(int argc, char** argv) {
     for (int i = 1; i < argc; ++i) {
         if (char* scheme = std::strstr(argv[i], "://")) {
-            std::memset(scheme + 3, 'x', std::strlen(scheme + 3));
+            std::memset(scheme + 3, '*', std::strlen(scheme + 3));
         }
     }
 }
