@@ -274,7 +274,8 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                      .progress =
                          [&](const PlannedTrial& planned, const TrialResult& result) {
                              print_trial(spec, plan.trials.size(), planned, result);
-                         }},
+                         },
+                     .desk = &desk},
                     opened.runs);
     return {.session = std::move(end), .head = data::chain_head(database, opened.id)};
 }
