@@ -46,8 +46,10 @@ Acknowledged record_and_kill(const std::string& file,
                              unsigned pause_us) {
     int ends[2];
     REQUIRE(pipe(ends) == 0);
+    const pid_t test = getpid();
     const pid_t child = fork();
     if (child == 0) {
+        tests::die_with(test);
         close(ends[0]);
         record(file, spec, ends[1]);
     }

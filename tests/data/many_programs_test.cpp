@@ -23,10 +23,12 @@ template <class Work>
 int at_once(int programs, const Work& work) {
     int gate[2];
     REQUIRE(pipe(gate) == 0);
+    const pid_t test = getpid();
     std::vector<pid_t> children;
     for (int i = 0; i < programs; ++i) {
         const pid_t child = fork();
         if (child == 0) {
+            tests::die_with(test);
             close(gate[1]);
             char opened = 0;
             static_cast<void>(!read(gate[0], &opened, 1));  // until the parent closes its end

@@ -64,8 +64,10 @@ template <class Work>
 std::string in_child(const Work& work) {
     int ends[2];
     REQUIRE(pipe(ends) == 0);
+    const pid_t test = getpid();
     const pid_t child = fork();
     if (child == 0) {
+        tests::die_with(test);
         close(ends[0]);
         std::string text;
         try {

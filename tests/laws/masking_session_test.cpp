@@ -1,14 +1,12 @@
 #include <csignal>
 #include <fstream>
 #include <iterator>
-#include <thread>
 
 #include "data/store/database.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
-#include "tests/support/x_hand.hpp"
-#include "tests/support/xvfb.hpp"
+#include "tests/support/window_session.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -26,17 +24,11 @@ void write_study(const std::string& file) {
 }
 
 std::vector<std::string> words(const TemporaryFolder& folder, const std::string& kind) {
-    return {tests::palpate_program(),
-            "run",
-            folder.file("p.toml"),
-            "--participant",
-            "P1",
-            "--db",
-            folder.file("d.sqlite"),
-            "--device",
-            "mouse",
-            "--kind",
-            kind};
+    return {"run",           folder.file("p.toml"),
+            "--participant", "P1",
+            "--db",          folder.file("d.sqlite"),
+            "--device",      "mouse",
+            "--kind",        kind};
 }
 
 std::string text_of(const TemporaryFolder& folder, const std::string& sql) {
@@ -49,18 +41,15 @@ std::string text_of(const TemporaryFolder& folder, const std::string& sql) {
     return text;
 }
 
-void pause(double seconds) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
-
 }  // namespace
 
 TEST_CASE("a real session that asks for noise begins no trial where there is no sound device",
           "[sound][law]") {
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
-    tests::Process program(words(folder, "real"),
-                           {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
+    std::vector<std::string> command = words(folder, "real");
+    command.insert(command.begin(), tests::palpate_program());
+    tests::Process program(command, {"SDL_VIDEODRIVER=dummy", "SDL_AUDIODRIVER=none_such"});
     const tests::Finished end = program.wait(std::chrono::seconds(60));
     CAPTURE(end.out, end.error);
     CHECK(end.code == 1);
@@ -82,8 +71,6 @@ TEST_CASE("check says how loud the noise is and what the chosen language lacks",
 
 TEST_CASE("in a real window a trial with noise is recorded, answered and verified",
           "[sound][window][law]") {
-    const tests::Xvfb screen(1280, 800);
-    tests::XHand hand(screen.display());
     const TemporaryFolder folder;
     write_study(folder.file("p.toml"));
     const bool declined = GENERATE(false, true);
@@ -91,28 +78,16 @@ TEST_CASE("in a real window a trial with noise is recorded, answered and verifie
     if (declined) {
         all.emplace_back("--no-sound");
     }
-    tests::Process program(
-        all, {"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11", "SDL_AUDIODRIVER=dummy",
-              "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0",
-              "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"});
-    static_cast<void>(hand.wait_for_window("palpate", 20.0));
-    const auto answers = [&] {
-        return std::ifstream(folder.file("d.sqlite")).good()
-                 ? text_of(folder, "SELECT count(*) FROM response")
-                 : "0\n";
-    };
-    pause(0.5);
-    for (int i = 0; i < 60 && answers() == "0\n"; ++i) {  // welcome, ready, done: whatever is shown
-        hand.key("space");
-        pause(0.8);
-        hand.key("1");
-        pause(0.2);
-    }
-    program.signal(SIGINT);
-    const tests::Finished end = program.wait(std::chrono::seconds(20));
+    tests::WindowSession session(all, folder.file("d.sqlite"), {"SDL_AUDIODRIVER=dummy"}, {});
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    session.press_at("question", "1");
+    session.wait_until("SELECT count(*) FROM response", "1");
+    session.program().signal(SIGINT);
+    const tests::Finished end = session.finish();
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
-    CHECK(answers() != "0\n");
     CHECK_THAT(text_of(folder, "SELECT text FROM event WHERE kind = 'masking'"),
                ContainsSubstring(declined ? "none: --no-sound was given"
                                           : "pink noise at -40 dB re full scale"));

@@ -7,8 +7,7 @@
 #include "ui/subject/pointer_map.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/gos_oracle.hpp"
-#include "tests/support/x_hand.hpp"
-#include "tests/support/xvfb.hpp"
+#include "tests/support/window_session.hpp"
 
 using namespace palpate;
 using engine::Vec2;
@@ -78,53 +77,30 @@ double worst_difference(const std::vector<engine::TickRecord>& trace,
 TEST_CASE(
     "a real pointer in a real window: choice, reaction time and exact forces are in the database",
     "[window][law]") {
-    const tests::Xvfb screen(1280, 800);
-    XHand hand(screen.display());
     const TemporaryFolder folder;
-    // Leaks of the desktop libraries behind SDL's x11 driver (dbus among them) are not ours to judge.
-    tests::Process program(
-        {tests::palpate_program(), "run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
-         "--participant", "P1", "--db", folder.file("d.sqlite"), "--device", "mouse", "--kind",
-         "pilot"},
-        {"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY",
-         "ASAN_OPTIONS=detect_leaks=0",
-         "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"});
-    const XHand::Window window = hand.wait_for_window("palpate", 20.0);
-    const Vec2 size{static_cast<double>(window.width), static_cast<double>(window.height)};
-    const Vec2 card = ui::lay_out_cards(2, size)[kClicked].centre();
+    tests::WindowSession session(
+        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         folder.file("d.sqlite"), "--device", "mouse", "--kind", "pilot"},
+        folder.file("d.sqlite"));
+    XHand& hand = session.hand();
     std::set<std::uint64_t> explore_screens;
-    const auto shown_for_long =
-        [&](std::uint64_t before) {  // the picture has changed and stands still
-            for (int i = 0; i < 500; ++i) {
-                const std::uint64_t now = hand.pixels(window);
-                pause(0.02);
-                if (now != before && now == hand.pixels(window)) {
-                    return now;
-                }
-            }
-            return before;
-        };
-    pause(0.5);
-    std::uint64_t shown = hand.pixels(window);
-    hand.key("space");  // welcome
+    session.press_at("welcome", "space");
     for (int trial = 0; trial < 4; ++trial) {
-        shown = shown_for_long(shown);
-        pause(0.2);
-        shown = hand.pixels(window);
-        hand.key("space");  // ready
-        shown = shown_for_long(shown);
+        session.press_at("ready", "space");
+        const XHand::Window window = session.wait_for_screen("explore");
         explore(hand, window);
         explore_screens.insert(hand.pixels(window));
-        shown = hand.pixels(window);
-        hand.key("space");  // done
-        shown = shown_for_long(shown);
+        session.press_at("explore", "space");
+        session.wait_for_screen("question");
+        const Vec2 size{static_cast<double>(window.width), static_cast<double>(window.height)};
+        const Vec2 card = ui::lay_out_cards(2, size)[kClicked].centre();
         hand.move(window.x + static_cast<int>(card.x), window.y + static_cast<int>(card.y));
-        pause(0.3);
+        pause(0.4);
         hand.click();
+        session.wait_past("question");
     }
-    pause(0.6);
-    hand.key("space");  // the end
-    const tests::Finished end = program.wait(std::chrono::seconds(20));
+    session.press_at("end", "space");
+    const tests::Finished end = session.finish();
     CAPTURE(end.out, end.error);
     REQUIRE(end.code == 0);
     CHECK(explore_screens.size() == 4);  // they differ in the trial's number only
@@ -142,7 +118,7 @@ TEST_CASE(
         CAPTURE(row.integer(0), row.real(1), row.text(2));
         CHECK(row.text(3) == picture.text(0));
         CHECK(row.real(4) > 0.2);
-        CHECK(row.real(4) < 10.0);
+        CHECK(row.real(4) < tests::WindowSession::kPatience);
         CHECK(row.real(5) >= 0.0);
         CHECK(row.text(6) == "pilot");
         CHECK(row.text(7) == "mouse");

@@ -51,7 +51,9 @@ std::vector<std::string> as_ordinary_user(std::vector<std::string> command) {
     if (geteuid() == 0) {
         const std::string id = fmt::format("{}", kNobody);
         command.insert(command.begin(),
-                       {"setpriv", "--reuid=" + id, "--regid=" + id, "--clear-groups"});
+                       {"setpriv", "--reuid=" + id, "--regid=" + id, "--clear-groups",
+                        // Changing the user forgets what Process asked for.
+                        "--pdeathsig", "KILL"});
     }
     return command;
 }

@@ -13,6 +13,7 @@
 #include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/haply_device.hpp"
 #include "engine/device/drivers/serial_link.hpp"
+#include "tests/support/process.hpp"
 
 namespace palpate::tests {
 
@@ -102,8 +103,10 @@ pid_t Presser::guard() const {
 }
 
 pid_t in_a_child(const std::function<void()>& work) {
+    const pid_t test = getpid();
     const pid_t pid = fork();
     if (pid == 0) {
+        die_with(test);
         for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT}) {
             std::signal(number, SIG_DFL);  // not the test framework's
         }

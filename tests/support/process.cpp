@@ -9,6 +9,7 @@
 #include <thread>
 
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -47,6 +48,13 @@ std::vector<std::string> TemporaryFolder::names() const {
     return names;
 }
 
+void die_with(pid_t parent) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) {  // it ended before
+        _exit(127);
+    }
+}
+
 Process::Process(const std::vector<std::string>& command,
                  const std::vector<std::string>& environment) {
     std::vector<char*> words;
@@ -56,8 +64,10 @@ Process::Process(const std::vector<std::string>& command,
     words.push_back(nullptr);
     const std::string out = folder_.file("out");
     const std::string error = folder_.file("error");
+    const pid_t test = getpid();
     pid_ = fork();
     if (pid_ == 0) {
+        die_with(test);
         for (const std::string& change : environment) {
             const std::size_t equals = change.find('=');
             if (equals == std::string::npos) {
@@ -81,7 +91,9 @@ Process::~Process() {
 }
 
 void Process::signal(int number) const {
-    kill(pid_, number);
+    if (!done_) {  // else its number may be another's by now
+        kill(pid_, number);
+    }
 }
 
 bool Process::running() {
@@ -99,8 +111,15 @@ Finished Process::wait(std::chrono::seconds limit) {
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(2));
     }
-    return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_),
-            slurp(folder_.file("out")), slurp(folder_.file("error"))};
+    return {WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_), out(), error()};
+}
+
+std::string Process::out() const {
+    return slurp(folder_.file("out"));
+}
+
+std::string Process::error() const {
+    return slurp(folder_.file("error"));
 }
 
 std::string palpate_program() {

@@ -34,7 +34,10 @@ struct Finished {
     std::string error;  ///< standard error
 };
 
-/// A child process with its output in files. Killed at the end of its life.
+/// In a child, first of all: ends it when `parent` ends, however that comes (a crash, ctest's time-out).
+void die_with(pid_t parent);
+
+/// A child process with its output in files. Killed at the end of its life, and of the test's.
 class Process {
 public:
     /// @param command      program and arguments
@@ -48,6 +51,9 @@ public:
     [[nodiscard]] pid_t id() const { return pid_; }
     void signal(int number) const;
     [[nodiscard]] bool running();
+    /// What it has printed so far.
+    [[nodiscard]] std::string out() const;
+    [[nodiscard]] std::string error() const;
     /// Waits to the end; kills after `limit` and reports code 137.
     Finished wait(std::chrono::seconds limit = std::chrono::seconds(120));
 

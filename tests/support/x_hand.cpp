@@ -1,5 +1,6 @@
 #include "tests/support/x_hand.hpp"
 
+#include <atomic>
 #include <chrono>
 #include <stdexcept>
 #include <thread>
@@ -10,13 +11,42 @@
 #include <X11/keysym.h>
 
 namespace palpate::tests {
+namespace {
+
+/// Errors that the server sent since the last look, e.g. of a window that went away.
+std::atomic<int> errors{0};
+
+int note_error(Display* /*display*/, XErrorEvent* /*error*/) {
+    ++errors;
+    return 0;
+}
+
+/// Whether a window has the keyboard and stands still.
+constexpr std::chrono::milliseconds kMoment{100};
+
+}  // namespace
 
 struct XHand::Connection {
     Display* display = nullptr;
+
+    /// Whether all that was asked since errors were last forgotten was granted.
+    [[nodiscard]] bool all_well() const {
+        XSync(display, False);
+        return errors.exchange(0) == 0;
+    }
+    void send(const std::string& name, bool down) const {
+        const KeyCode code = XKeysymToKeycode(display, XStringToKeysym(name.c_str()));
+        if (code == 0) {
+            throw std::invalid_argument("no key " + name);
+        }
+        XTestFakeKeyEvent(display, code, down ? True : False, CurrentTime);
+        XFlush(display);
+    }
 };
 
 XHand::XHand(const std::string& display) : x_(std::make_unique<Connection>()) {
-    for (int attempt = 0; attempt < 200 && x_->display == nullptr; ++attempt) {
+    XSetErrorHandler(note_error);
+    for (int attempt = 0; attempt < 1000 && x_->display == nullptr; ++attempt) {
         x_->display = XOpenDisplay(display.c_str());
         if (x_->display == nullptr) {
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
@@ -30,40 +60,53 @@ XHand::XHand(const std::string& display) : x_(std::make_unique<Connection>()) {
         XTestQueryExtension(x_->display, &event, &error, &major, &minor) == 0) {
         throw std::runtime_error("no display " + display + " with XTest");
     }
+    // The server may be killed by a test; what is sent to it afterwards goes nowhere.
+    XSetIOErrorExitHandler(
+        x_->display, [](Display*, void*) {}, nullptr);
 }
 
 XHand::~XHand() {
     XCloseDisplay(x_->display);
 }
 
+XHand::Window XHand::find_window(const std::string& title) {
+    static_cast<void>(x_->all_well());
+    ::Window root = 0;
+    ::Window parent = 0;
+    ::Window* children = nullptr;
+    unsigned count = 0;
+    XQueryTree(x_->display, DefaultRootWindow(x_->display), &root, &parent, &children, &count);
+    Window found;
+    for (unsigned i = 0; i < count && found.id == 0; ++i) {
+        char* name = nullptr;
+        XWindowAttributes at{};
+        const bool named = XFetchName(x_->display, children[i], &name) != 0 && name != nullptr;
+        if (named && std::string(name).starts_with(title) &&
+            XGetWindowAttributes(x_->display, children[i], &at) != 0 &&
+            at.map_state == IsViewable) {
+            found = {children[i], at.x, at.y, at.width, at.height, name};
+        }
+        if (name != nullptr) {
+            XFree(name);
+        }
+    }
+    if (children != nullptr) {
+        XFree(children);
+    }
+    return x_->all_well() ? found : Window{};
+}
+
 XHand::Window XHand::wait_for_window(const std::string& title, double seconds) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
     while (std::chrono::steady_clock::now() < end) {
-        ::Window root = 0;
-        ::Window parent = 0;
-        ::Window* children = nullptr;
-        unsigned count = 0;
-        XQueryTree(x_->display, DefaultRootWindow(x_->display), &root, &parent, &children, &count);
-        for (unsigned i = 0; i < count; ++i) {
-            char* name = nullptr;
-            XWindowAttributes attributes{};
-            const bool named = XFetchName(x_->display, children[i], &name) != 0 &&
-                               name != nullptr && title == name;
-            if (name != nullptr) {
-                XFree(name);
+        if (const Window found = find_window(title); found.id != 0) {
+            XSetInputFocus(x_->display, found.id, RevertToParent, CurrentTime);
+            const bool taken = x_->all_well();
+            std::this_thread::sleep_for(kMoment);
+            const Window later = find_window(title);
+            if (taken && later.id == found.id) {
+                return later;
             }
-            if (named && XGetWindowAttributes(x_->display, children[i], &attributes) != 0 &&
-                attributes.map_state == IsViewable) {
-                const Window found{children[i], attributes.x, attributes.y, attributes.width,
-                                   attributes.height};
-                XFree(children);
-                XSetInputFocus(x_->display, found.id, RevertToParent, CurrentTime);
-                XSync(x_->display, False);
-                return found;
-            }
-        }
-        if (children != nullptr) {
-            XFree(children);
         }
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
@@ -81,18 +124,34 @@ void XHand::click() {
     XFlush(x_->display);
 }
 
+void XHand::press(const std::string& name) {
+    x_->send(name, true);
+}
+
+void XHand::release(const std::string& name) {
+    x_->send(name, false);
+}
+
 void XHand::key(const std::string& name) {
-    const KeyCode code = XKeysymToKeycode(x_->display, XStringToKeysym(name.c_str()));
-    XTestFakeKeyEvent(x_->display, code, True, CurrentTime);
-    XTestFakeKeyEvent(x_->display, code, False, CurrentTime);
-    XFlush(x_->display);
+    press(name);
+    release(name);
+}
+
+void XHand::chord(const std::string& name) {
+    press("Control_L");
+    press("Shift_L");
+    key(name);
+    release("Shift_L");
+    release("Control_L");
 }
 
 std::uint64_t XHand::pixels(const Window& window) {
+    static_cast<void>(x_->all_well());
     XImage* image = XGetImage(x_->display, window.id, 0, 0, static_cast<unsigned>(window.width),
                               static_cast<unsigned>(window.height), AllPlanes, ZPixmap);
+    static_cast<void>(x_->all_well());
     if (image == nullptr) {
-        throw std::runtime_error("the window's pixels cannot be read");
+        return 0;
     }
     std::uint64_t hash = 1469598103934665603ULL;  // FNV-1a
     const std::size_t bytes =

@@ -7,6 +7,9 @@
 namespace palpate::tests {
 
 /// A hand at the real X server: moves the pointer, presses keys and buttons through XTest.
+///
+/// A window that is gone when it is asked for, and a server that dies, are no end of the test: Xlib's own
+/// handlers would exit.
 class XHand {
 public:
     /// @throws std::runtime_error if the display cannot be opened or has no XTest
@@ -16,21 +19,29 @@ public:
     ~XHand();
 
     struct Window {
-        std::uint64_t id = 0;
-        int x = 0;  ///< of the content, on the screen
+        std::uint64_t id = 0;  ///< 0: there is none
+        int x = 0;             ///< of the content, on the screen
         int y = 0;
         int width = 0;
         int height = 0;
+        std::string title{};
     };
 
-    /// Waits for a mapped top-level window with this title, and gives it the keyboard.
+    /// The mapped top-level window whose title begins with `title`, as it is now.
+    [[nodiscard]] Window find_window(const std::string& title);
+    /// Waits for one, and gives it the keyboard. A program may make its window anew while it starts: the one
+    /// that has the keyboard and is still there a moment later is taken.
     /// @throws std::runtime_error after `seconds`
     Window wait_for_window(const std::string& title, double seconds);
 
     void move(int x, int y);
     void click();
     void key(const std::string& name);  ///< X keysym name: "space", "1", "Right", ...
-    /// Checksum of the window's pixels as the screen shows them.
+    /// With the control and the shift key held.
+    void chord(const std::string& name);
+    void press(const std::string& name);  ///< and holds it
+    void release(const std::string& name);
+    /// Checksum of the window's pixels as the screen shows them; 0: it is gone.
     [[nodiscard]] std::uint64_t pixels(const Window& window);
 
 private:

@@ -77,7 +77,7 @@ public:
         return {.signal = elapsed_s > 0.2 ? Signal::done : Signal::go_on, .at_s = elapsed_s};
     }
     Choice choose(const TrialView& /*trial*/, const Question& question) override {
-        screen_.stage().show([question](ui::Window& window) {
+        screen_.stage().show("question", [question](ui::Window& window) {
             draw(window, ui::ChooseFace{question, 0, false});
         });
         pictures_.insert(frame());
@@ -246,7 +246,7 @@ TEST_CASE(
             asked.confidence = true;
             press_soon(SDLK_1, [&] { static_cast<void>(screen_.choose(of(trial, 2), asked)); });
             see("confidence", 2);
-            screen_.stage().show([&](ui::Window& window) {
+            screen_.stage().show("question", [&](ui::Window& window) {
                 draw(window, ui::ChooseFace{asked, 1, false});
             });
             see("question", 2);

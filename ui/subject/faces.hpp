@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -7,11 +8,14 @@
 #include "protocols/running/observer.hpp"
 #include "ui/subject/window.hpp"
 
-/// What each screen looks like: pure functions from a few values to pixels.
+/// What each screen looks like: pure functions from a few values to pixels. Each has a name, which stands
+/// in the window's title for lists of windows and for whoever cannot see the screen; it tells nothing of
+/// the condition.
 namespace palpate::ui {
 
 /// Not the study's title: it may tell a participant what is being compared.
 struct WelcomeFace {
+    static constexpr std::string_view kName = "welcome";
     std::size_t trials = 0;
     bool resumed = false;
     bool moves_pointer = false;  ///< the mouse is the handle
@@ -20,6 +24,7 @@ struct WelcomeFace {
 void draw(Window& window, const WelcomeFace& face);
 
 struct ReadyFace {
+    static constexpr std::string_view kName = "ready";
     std::size_t number = 0;
     std::size_t total = 0;
     bool practice = false;
@@ -32,6 +37,7 @@ void draw(Window& window, const ReadyFace& face);
 /// All that the screen may depend on while an object is felt. Nothing of the condition is here, so
 /// nothing of it can be seen.
 struct ExploreFace {
+    static constexpr std::string_view kName = "explore";
     std::size_t number = 0;
     std::size_t total = 0;
     bool practice = false;
@@ -48,6 +54,7 @@ void draw(Window& window, const ExploreFace& face);
 
 /// The question with its answers, which are the same for every trial of a session.
 struct ChooseFace {
+    static constexpr std::string_view kName = "question";
     protocols::Question question;  ///< its pictures outlive the face
     std::optional<std::size_t> selected;
     bool watched = false;  ///< a simulated observer chooses, people only look on
@@ -56,17 +63,20 @@ void draw(Window& window, const ChooseFace& face);
 
 /// After the answer: how sure, 1 to 4.
 struct ConfidenceFace {
+    static constexpr std::string_view kName = "confidence";
     std::optional<std::size_t> selected;
 };
 void draw(Window& window, const ConfidenceFace& face);
 
 /// After the answer, where the protocol says so.
 struct FeedbackFace {
+    static constexpr std::string_view kName = "feedback";
     bool right = false;
 };
 void draw(Window& window, const FeedbackFace& face);
 
 struct BreakFace {
+    static constexpr std::string_view kName = "break";
     int seconds_left = 0;  ///< 0: the participant may go on
     std::size_t next = 0;
     std::size_t total = 0;
@@ -75,6 +85,7 @@ void draw(Window& window, const BreakFace& face);
 
 /// After a fault. The sentence comes from device and safety chain, which know nothing of the condition.
 struct TroubleFace {
+    static constexpr std::string_view kName = "trouble";
     std::string sentence;   ///< for the experimenter: what happened and what to do
     bool solved = false;    ///< the session can go on
     bool by_chord = false;  ///< with the experimenter's chord, not by the participant
@@ -84,13 +95,19 @@ struct TroubleFace {
 void draw(Window& window, const TroubleFace& face);
 
 /// Until the experimenter goes on.
-struct PauseFace {};
+struct PauseFace {
+    static constexpr std::string_view kName = "pause";
+};
 void draw(Window& window, const PauseFace& face);
 
-struct GapFace {};
+struct GapFace {
+    static constexpr std::string_view kName = "gap";
+};
 void draw(Window& window, const GapFace& face);
 
-struct EndFace {};
+struct EndFace {
+    static constexpr std::string_view kName = "end";
+};
 void draw(Window& window, const EndFace& face);
 
 /// In the upper right corner of every screen: SIMULATED or PILOT.

@@ -2,7 +2,6 @@
 
 #include <cstdlib>
 
-#include "ui/subject/faces.hpp"
 #include "ui/subject/stage.hpp"
 
 namespace palpate::ui {
@@ -14,7 +13,7 @@ std::vector<std::string> write_screenshots(const std::string& directory,
     Stage stage(options, "", {});
     std::vector<std::string> files;
     const auto take = [&](const std::string& name, auto face) {
-        stage.show([face](Window& window) { draw(window, face); });
+        stage.show(face);
         files.push_back(directory + "/" + name + ".png");
         stage.window().save_png(files.back());
     };

@@ -14,13 +14,6 @@ constexpr double kLook = 0.6;
 /// Longest gap and break, s: nobody needs to rest.
 constexpr double kLongestPause = 0.5;
 
-template <class Face>
-std::function<void(Window&)> drawing(Face face) {
-    return [face = std::move(face)](Window& window) {
-        draw(window, face);
-    };
-}
-
 Signal or_abort(bool aborted, Signal signal) {
     return aborted ? Signal::abort : signal;
 }
@@ -34,19 +27,19 @@ SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScr
       stage_(options.window, options.watermark, options.interrupted) {}
 
 Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
-    stage_.show(drawing(WelcomeFace{
-        .trials = session.trials - session.next, .resumed = session.next > 0, .asks = asks_}));
+    stage_.show(WelcomeFace{
+        .trials = session.trials - session.next, .resumed = session.next > 0, .asks = asks_});
     return or_abort(stage_.wait_or_abort(3.0 * kLook), observer_.welcome(session));
 }
 
 Signal SpectatorScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
     in_trouble_.reset();
-    stage_.show(drawing(ReadyFace{.number = trial.number,
-                                  .total = trial.total,
-                                  .practice = trial.practice,
-                                  .interval = trial.interval,
-                                  .intervals = trial.intervals}));
+    stage_.show(ReadyFace{.number = trial.number,
+                          .total = trial.total,
+                          .practice = trial.practice,
+                          .interval = trial.interval,
+                          .intervals = trial.intervals});
     return or_abort(stage_.wait_or_abort(kLook), observer_.ready(trial));
 }
 
@@ -62,7 +55,7 @@ Exploring SpectatorScreen::explore(const protocols::TrialView& trial, double ela
                            .asks_shape = asks_ == protocols::ResponseKind::identification};
     if (exploring_ != face) {
         exploring_ = face;
-        stage_.show(drawing(face));
+        stage_.show(face);
     }
     const Input input = stage_.next(0);
     if (input.kind == Input::Kind::abort) {
@@ -80,32 +73,30 @@ void SpectatorScreen::feel(std::span<const engine::TickRecord> ticks) {
 
 Choice SpectatorScreen::choose(const protocols::TrialView& trial,
                                const protocols::Question& question) {
-    stage_.show(drawing(ChooseFace{.question = question, .selected = {}, .watched = true}));
+    stage_.show(ChooseFace{.question = question, .selected = {}, .watched = true});
     bool stopped = stage_.wait_or_abort(2.0 * kLook);
     const Choice choice = observer_.choose(trial, question);
-    stage_.show(
-        drawing(ChooseFace{.question = question, .selected = choice.place, .watched = true}));
+    stage_.show(ChooseFace{.question = question, .selected = choice.place, .watched = true});
     stopped = stopped || stage_.wait_or_abort(1.5 * kLook);
     if (choice.confidence) {
-        stage_.show(
-            drawing(ConfidenceFace{.selected = static_cast<std::size_t>(*choice.confidence - 1)}));
+        stage_.show(ConfidenceFace{.selected = static_cast<std::size_t>(*choice.confidence - 1)});
         stopped = stopped || stage_.wait_or_abort(kLook);
     }
     return stopped ? Choice{.signal = Signal::abort} : choice;
 }
 
 Signal SpectatorScreen::feedback(const protocols::TrialView& trial, bool correct) {
-    stage_.show(drawing(FeedbackFace{correct}));
+    stage_.show(FeedbackFace{correct});
     return or_abort(stage_.wait_or_abort(kLook), observer_.feedback(trial, correct));
 }
 
 Signal SpectatorScreen::gap(double seconds) {
-    stage_.show(drawing(GapFace{}));
+    stage_.show(GapFace{});
     return or_abort(stage_.wait_or_abort(std::min(seconds, kLongestPause)), observer_.gap(seconds));
 }
 
 Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
-    stage_.show(drawing(BreakFace{0, next.number, next.total}));
+    stage_.show(BreakFace{0, next.number, next.total});
     return or_abort(stage_.wait_or_abort(std::min(seconds, kLongestPause)),
                     observer_.rest(seconds, next));
 }
@@ -113,7 +104,7 @@ Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
 std::optional<Signal> SpectatorScreen::trouble(const protocols::TroubleView& view) {
     TroubleFace face{.sentence = view.sentence, .solved = view.solved, .by_chord = false};
     if (in_trouble_ != face) {
-        stage_.show(drawing(face));
+        stage_.show(face);
         in_trouble_ = std::move(face);
     }
     if (stage_.wait_or_abort(view.solved ? 3.0 * kLook : 0.0)) {
@@ -124,7 +115,7 @@ std::optional<Signal> SpectatorScreen::trouble(const protocols::TroubleView& vie
 
 void SpectatorScreen::finish(const protocols::SessionView& session) {
     observer_.finish(session);
-    stage_.show(drawing(EndFace{}));
+    stage_.show(EndFace{});
     static_cast<void>(stage_.wait_or_abort(3.0 * kLook));
 }
 

@@ -6,7 +6,6 @@
 #include <SDL.h>
 
 #include "engine/realtime/servo.hpp"
-#include "ui/subject/faces.hpp"
 #include "ui/subject/style.hpp"
 
 namespace palpate::ui {
@@ -34,10 +33,12 @@ Stage::Stage(const WindowOptions& window,
       looked_ns_(monotonic_ns()),
       desk_(desk) {}
 
-std::int64_t Stage::show(std::function<void(Window&)> face) {
-    face_ = std::move(face);
+std::int64_t Stage::show(std::string_view name, std::function<void(Window&)> drawing) {
+    face_ = std::move(drawing);
     redraw();
-    return monotonic_ns();
+    const std::int64_t shown = monotonic_ns();
+    window_.name_screen(name);
+    return shown;
 }
 
 void Stage::redraw() {

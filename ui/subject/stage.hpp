@@ -3,8 +3,11 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <utility>
 
 #include "protocols/running/operator_desk.hpp"
+#include "ui/subject/faces.hpp"
 #include "ui/subject/window.hpp"
 
 namespace palpate::ui {
@@ -50,8 +53,13 @@ public:
           std::function<bool()> interrupted,
           protocols::OperatorDesk* desk = nullptr);
 
-    /// Shows `face` from now on, redrawn whenever the window needs it. Returns the time of presentation.
-    std::int64_t show(std::function<void(Window&)> face);
+    /// Shows `face` from now on, redrawn whenever the window needs it, and then names it in the window's
+    /// title. Returns the time of presentation.
+    template <class Face>
+    std::int64_t show(Face face) {
+        return show(Face::kName, [face = std::move(face)](Window& window) { draw(window, face); });
+    }
+    std::int64_t show(std::string_view name, std::function<void(Window&)> drawing);
     /// Nothing at the lower edge from the next show() on.
     void drop_bar();
     /// Waits up to `wait_ms` for something that matters.

@@ -21,13 +21,6 @@ using protocols::Signal;
 constexpr int kExploreWaitMs = 1;
 constexpr int kIdleWaitMs = 50;
 
-template <class Face>
-std::function<void(Window&)> drawing(Face face) {
-    return [face = std::move(face)](Window& window) {
-        draw(window, face);
-    };
-}
-
 }  // namespace
 
 SubjectScreen::SubjectScreen(SubjectScreenOptions options)
@@ -64,10 +57,10 @@ void SubjectScreen::stop() {
 }
 
 Signal SubjectScreen::welcome(const protocols::SessionView& session) {
-    stage_.show(drawing(WelcomeFace{.trials = session.trials - session.next,
-                                    .resumed = session.next > 0,
-                                    .moves_pointer = static_cast<bool>(options_.on_pointer),
-                                    .asks = options_.asks}));
+    stage_.show(WelcomeFace{.trials = session.trials - session.next,
+                            .resumed = session.next > 0,
+                            .moves_pointer = static_cast<bool>(options_.on_pointer),
+                            .asks = options_.asks});
     return wait_for_go();
 }
 
@@ -75,12 +68,12 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
     exploring_.reset();
     in_trouble_.reset();
     hold(false);
-    stage_.show(drawing(ReadyFace{.number = trial.number,
-                                  .total = trial.total,
-                                  .practice = trial.practice,
-                                  .dead_man = options_.dead_man,
-                                  .interval = trial.interval,
-                                  .intervals = trial.intervals}));
+    stage_.show(ReadyFace{.number = trial.number,
+                          .total = trial.total,
+                          .practice = trial.practice,
+                          .dead_man = options_.dead_man,
+                          .interval = trial.interval,
+                          .intervals = trial.intervals});
     const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
     const Signal signal = wait_for_go(options_.dead_man, first);
     const bool held_up = first && options_.desk != nullptr && options_.desk->wants();
@@ -131,7 +124,7 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
     }
     if (exploring_ != face) {
         exploring_ = face;
-        stage_.show(drawing(face));
+        stage_.show(face);
     }
     for (;;) {
         const Input input = stage_.next(kExploreWaitMs);
@@ -158,7 +151,7 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
     if (in_trouble_ != face) {
         exploring_.reset();
         stage_.window().show_pointer(true);
-        stage_.show(drawing(face));
+        stage_.show(face);
         stage_.forget_earlier();  // a press while nothing worked asked for nothing
         if (by_chord) {
             static_cast<void>(options_.desk->take_pause());
@@ -237,12 +230,12 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
     stage_.window().show_pointer(true);
     const engine::Vec2 size = stage_.window().size();
     Choice choice = pick(lay_out_answers(question, size), [&](auto selected) {
-        return stage_.show(drawing(ChooseFace{question, selected, false}));
+        return stage_.show(ChooseFace{question, selected, false});
     });
     if (question.confidence && choice.signal == Signal::done) {
         const Choice sure =
             pick(lay_out_scale(protocols::kMostConfidence, size),
-                 [this](auto selected) { return stage_.show(drawing(ConfidenceFace{selected})); });
+                 [this](auto selected) { return stage_.show(ConfidenceFace{selected}); });
         if (sure.signal == Signal::abort) {
             return {.signal = Signal::abort};
         }
@@ -253,12 +246,12 @@ Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
 }
 
 Signal SubjectScreen::feedback(const protocols::TrialView& /*trial*/, bool correct) {
-    stage_.show(drawing(FeedbackFace{correct}));
+    stage_.show(FeedbackFace{correct});
     return stage_.wait_or_abort(kFeedbackSeconds) ? Signal::abort : Signal::go_on;
 }
 
 Signal SubjectScreen::gap(double seconds) {
-    stage_.show(drawing(GapFace{}));
+    stage_.show(GapFace{});
     return stage_.wait_or_abort(seconds) ? Signal::abort : Signal::go_on;
 }
 
@@ -270,7 +263,7 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
         const int seconds_left = left > 0.0 ? static_cast<int>(std::ceil(left)) : 0;
         if (seconds_left != shown) {
             shown = seconds_left;
-            stage_.show(drawing(BreakFace{seconds_left, next.number, next.total}));
+            stage_.show(BreakFace{seconds_left, next.number, next.total});
         }
         if (seconds_left == 0) {
             return wait_for_go();
@@ -283,7 +276,7 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
 
 Signal SubjectScreen::pause(const protocols::TrialView& /*next*/) {
     stage_.drop_bar();  // it has come
-    stage_.show(drawing(PauseFace{}));
+    stage_.show(PauseFace{});
     while (options_.desk != nullptr && !options_.desk->take_pause()) {
         if (stage_.next(kIdleWaitMs).kind == Input::Kind::abort) {
             return Signal::abort;
@@ -294,7 +287,7 @@ Signal SubjectScreen::pause(const protocols::TrialView& /*next*/) {
 }
 
 void SubjectScreen::finish(const protocols::SessionView& /*session*/) {
-    stage_.show(drawing(EndFace{}));
+    stage_.show(EndFace{});
     static_cast<void>(wait_for_go());
 }
 

@@ -223,6 +223,10 @@ void Window::present() {
     SDL_RenderPresent(parts_->renderer.get());
 }
 
+void Window::name_screen(std::string_view name) {
+    SDL_SetWindowTitle(parts_->window.get(), fmt::format("palpate: {}", name).c_str());
+}
+
 void Window::show_pointer(bool shown) {
     SDL_ShowCursor(shown ? SDL_ENABLE : SDL_DISABLE);
 }

@@ -74,6 +74,8 @@ public:
     /// Pixels that the line would take.
     [[nodiscard]] double text_width(std::string_view line, double height);
     void present();
+    /// In the window's title, behind the program's name.
+    void name_screen(std::string_view name);
     void show_pointer(bool shown);
 
     /// What was last presented, RGBA, rows from the top.

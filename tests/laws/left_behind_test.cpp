@@ -1,0 +1,77 @@
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+#include <thread>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+
+namespace {
+
+/// In the environment of the test below, and so of all that descends from it.
+constexpr const char* kMark = "PALPATE_TEST_MARK";
+
+/// Command lines of the processes, this one aside, whose environment holds `mark`.
+std::vector<std::string> marked(const std::string& mark) {
+    const auto read = [](const std::filesystem::path& file) {
+        std::ifstream in(file, std::ios::binary);
+        return std::string{std::istreambuf_iterator<char>(in), {}};
+    };
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+        const std::string id = entry.path().filename().string();
+        if (id.find_first_not_of("0123456789") != std::string::npos ||
+            id == fmt::format("{}", getpid())) {
+            continue;
+        }
+        if (read(entry.path() / "environ").find(mark) != std::string::npos) {
+            found.push_back(read(entry.path() / "cmdline"));
+        }
+    }
+    return found;
+}
+
+}  // namespace
+
+TEST_CASE("a test that is killed leaves no process behind", "[window][law]") {
+    const tests::TemporaryFolder folder;
+    const std::string mark = fmt::format("{}={:08x}", kMark, std::random_device{}());
+    // The test program itself, in a session in a window with board, guard and screen.
+    tests::Process test({std::filesystem::read_symlink("/proc/self/exe").string(), "[.endless]"},
+                        {mark, "PALPATE_TEST_FOLDER=" + folder.path().string()});
+    REQUIRE(tests::eventually([&] { return std::filesystem::exists(folder.file("begun")); }));
+    CHECK(marked(mark).size() >= 4);  // the test, Xvfb, palpate, its guard
+
+    test.signal(SIGKILL);
+    test.wait();
+    std::vector<std::string> left;
+    tests::eventually([&] { return (left = marked(mark)).empty(); });
+    CAPTURE(left);
+    CHECK(left.empty());
+}
+
+TEST_CASE("what the test above kills: a session that nobody ends", "[.endless]") {
+    const char* name = std::getenv("PALPATE_TEST_FOLDER");
+    REQUIRE(name != nullptr);
+    const std::filesystem::path folder = name;
+    tests::WindowSession session(
+        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         (folder / "d.sqlite").string(), "--device", "haply-emulator"},
+        (folder / "d.sqlite").string());
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.wait_for_screen("explore");
+    std::ofstream(folder / "begun") << '\n';
+    for (;;) {
+        std::this_thread::sleep_for(std::chrono::hours(1));
+    }
+}

@@ -1,0 +1,142 @@
+#include "tests/support/window_session.hpp"
+
+#include <chrono>
+#include <filesystem>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "data/store/database.hpp"
+
+namespace palpate::tests {
+namespace {
+
+constexpr const char* kTitle = "palpate: ";
+
+std::vector<std::string> command_of(const std::vector<std::string>& arguments) {
+    std::vector<std::string> command{palpate_program()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return command;
+}
+
+std::vector<std::string> with_display(std::vector<std::string> environment,
+                                      const std::string& display) {
+    // Leaks of the desktop libraries behind SDL's x11 driver (dbus among them) are not ours to judge.
+    environment.insert(environment.begin(), {"DISPLAY=" + display, "SDL_VIDEODRIVER=x11",
+                                             "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0",
+                                             "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR
+                                             "/tests/support/tsan.supp"});
+    return environment;
+}
+
+void sleep_a_little() {
+    std::this_thread::sleep_for(std::chrono::milliseconds(15));
+}
+
+}  // namespace
+
+WindowSession::WindowSession(const std::vector<std::string>& arguments,
+                             std::string database,
+                             const std::vector<std::string>& environment,
+                             const Screen& screen)
+    : screen_(screen.width, screen.height),
+      hand_(screen_.display()),
+      database_(std::move(database)),
+      program_(command_of(arguments), with_display(environment, screen_.display())) {}
+
+template <class Seen>
+void WindowSession::wait(const std::string& what, const Seen& seen) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(kPatience);
+    while (!seen()) {
+        const bool ended = !program_.running();
+        if (ended && seen()) {
+            return;
+        }
+        if (ended || std::chrono::steady_clock::now() > end) {
+            const std::string now = ended ? "" : screen_name();
+            throw std::runtime_error(
+                fmt::format("waited for {}; {}\n{}{}", what,
+                            ended ? "the program has ended" : "the screen is \"" + now + "\"",
+                            program_.out(), program_.error()));
+        }
+        sleep_a_little();
+    }
+}
+
+std::string WindowSession::screen_name() {
+    const XHand::Window window = hand_.find_window(kTitle);
+    return window.id == 0 ? "" : window.title.substr(std::string(kTitle).size());
+}
+
+XHand::Window WindowSession::wait_for_screen(const std::string& name) {
+    XHand::Window window;
+    wait("the screen \"" + name + "\"", [&] {
+        window = hand_.find_window(kTitle + name);
+        if (window.id != 0 && window.id != focused_) {
+            window = hand_.wait_for_window(kTitle, kPatience);
+            focused_ = window.id;
+        }
+        return window.id != 0 && window.title == kTitle + name;
+    });
+    return window;
+}
+
+XHand::Window WindowSession::wait_past(const std::string& name) {
+    XHand::Window window;
+    wait("another screen than \"" + name + "\"", [&] {
+        window = hand_.find_window(kTitle);
+        return !program_.running() || (window.id != 0 && window.title != kTitle + name);
+    });
+    return window;
+}
+
+void WindowSession::press_at(const std::string& name, const std::string& key) {
+    wait_for_screen(name);
+    auto pressed = std::chrono::steady_clock::time_point{};
+    wait("the end of the screen \"" + name + "\"", [&] {
+        if (!program_.running() || screen_name() != name) {
+            return true;
+        }
+        if (std::chrono::steady_clock::now() - pressed > std::chrono::milliseconds(400)) {
+            hand_.key(key);
+            pressed = std::chrono::steady_clock::now();
+        }
+        return false;
+    });
+}
+
+std::string WindowSession::ask(const std::string& query) const {
+    if (!std::filesystem::exists(database_)) {
+        return {};
+    }
+    try {
+        data::Database there(database_, data::Access::read);
+        auto row = there.prepare(query);
+        return row.step() && !row.null(0) ? row.text(0) : std::string();
+    } catch (const data::StoreError&) {  // it is being made
+        return {};
+    }
+}
+
+void WindowSession::wait_until(const std::string& query, const std::string& wanted) {
+    std::string last;
+    try {
+        wait(query, [&] {
+            last = ask(query);
+            return last == wanted;
+        });
+    } catch (const std::runtime_error& e) {
+        throw std::runtime_error(
+            fmt::format("wanted {}, last was \"{}\": {}", wanted, last, e.what()));
+    }
+}
+
+void WindowSession::wait_for_text(const std::string& text) {
+    wait("the words \"" + text + "\"", [&] {
+        return program_.out().find(text) != std::string::npos ||
+               program_.error().find(text) != std::string::npos;
+    });
+}
+
+}  // namespace palpate::tests

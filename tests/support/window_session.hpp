@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tests/support/process.hpp"
+#include "tests/support/x_hand.hpp"
+#include "tests/support/xvfb.hpp"
+
+namespace palpate::tests {
+
+/// The program in a real window on a screen of its own, driven by keys and clicks, looked at through its
+/// title, its output and its database. Every wait is for something to be seen, and is generous: a machine
+/// under load is slow, not wrong.
+class WindowSession {
+public:
+    static constexpr double kPatience = 60.0;  ///< s
+
+    struct Screen {
+        int width = 1280;
+        int height = 800;
+    };
+
+    /// Starts `palpate ARGUMENTS...`, e.g. run; its database is database(), to be named by the arguments.
+    /// @param folder  outlives this; holds database()
+    WindowSession(const std::vector<std::string>& arguments,
+                  std::string database,
+                  const std::vector<std::string>& environment,
+                  const Screen& screen);
+    WindowSession(const std::vector<std::string>& arguments, std::string database)
+        : WindowSession(arguments, std::move(database), {}, Screen{}) {}
+
+    /// Waits until the program shows the screen `name` ("ready", "explore", ...) and the window has the
+    /// keyboard.
+    /// @throws std::runtime_error after kPatience, or when the program has ended: which screen it was, and
+    ///         what it printed
+    XHand::Window wait_for_screen(const std::string& name);
+    /// Waits until it shows another one than `name`.
+    XHand::Window wait_past(const std::string& name);
+    /// The name of what it shows now; empty: no window.
+    [[nodiscard]] std::string screen_name();
+
+    /// Waits for `name`, presses `key` there until something else is shown. A press that comes too early for
+    /// the screen is made again.
+    void press_at(const std::string& name, const std::string& key);
+
+    /// The first column of the first row of `query`, as text, read from outside; empty: no row, NULL, or no
+    /// such file yet.
+    [[nodiscard]] std::string ask(const std::string& query) const;
+    /// Waits until `query` gives `wanted`. @throws std::runtime_error after kPatience
+    void wait_until(const std::string& query, const std::string& wanted);
+    /// Waits until standard output or standard error holds `text`.
+    void wait_for_text(const std::string& text);
+
+    /// Waits to the program's end, however it comes.
+    [[nodiscard]] Finished finish() { return program_.wait(); }
+
+    [[nodiscard]] XHand& hand() { return hand_; }
+    [[nodiscard]] Process& program() { return program_; }
+    [[nodiscard]] Xvfb& screen() { return screen_; }
+    [[nodiscard]] const std::string& database() const { return database_; }
+
+private:
+    template <class Seen>
+    void wait(const std::string& what, const Seen& seen);
+
+    Xvfb screen_;
+    XHand hand_;
+    std::string database_;
+    Process program_;
+    std::uint64_t focused_ = 0;  ///< the window that was given the keyboard
+};
+
+}  // namespace palpate::tests
