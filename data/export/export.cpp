@@ -10,7 +10,6 @@
 #include "data/export/parquet_export.hpp"
 #include "data/export/procedure_export.hpp"
 #include "data/export/psych_ds_export.hpp"
-#include "data/store/current_copy.hpp"
 
 namespace palpate::data {
 
@@ -38,24 +37,24 @@ Exported export_file(const std::string& file,
                      ExportFormat format,
                      const ExportOptions& options,
                      const std::filesystem::path& folder) {
-    CurrentCopy copy(file);
+    Database database(file, Access::read);
     NewFolder built(folder);
-    const Selection selection(copy.database(), options);
+    const Selection selection(database, options);
     switch (format) {
         case ExportFormat::csv:
-            export_csv(copy.database(), selection, options, built.path());
+            export_csv(database, selection, options, built.path());
             break;
         case ExportFormat::bids:
-            export_bids(copy.database(), selection, options, built.path());
+            export_bids(database, selection, options, built.path());
             break;
         case ExportFormat::psych_ds:
-            export_psych_ds(copy.database(), selection, options, built.path());
+            export_psych_ds(database, selection, options, built.path());
             break;
         case ExportFormat::parquet:
-            export_parquet(copy.database(), selection, options, built.path());
+            export_parquet(database, selection, options, built.path());
             break;
         case ExportFormat::procedure:
-            export_procedures(copy.database(), selection, options, built.path());
+            export_procedures(database, selection, options, built.path());
             break;
     }
     built.keep(options.details || options.keep_codes);

@@ -21,8 +21,7 @@ struct Exported {
 };
 
 /// Writes a palpate database in a form that others can read, into a new folder: whole or not at all. The
-/// database is only read, and sees one moment of it; a file of an older palpate is brought up to date in a
-/// temporary copy. De-identified unless the options say otherwise (see Selection for what that means);
+/// database is only read, and sees one moment of it. De-identified unless the options say otherwise (see Selection for what that means);
 /// with details or codes nobody but the owner may look into the folder.
 /// @throws std::invalid_argument if the folder is there and not empty, or nothing is there to export
 /// @throws TraceError if a trace is damaged: nothing is exported then

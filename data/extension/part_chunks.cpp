@@ -8,11 +8,6 @@
 namespace palpate::data {
 namespace {
 
-/// ?2 is used either way: a file from before schema 5 has one interval.
-std::string interval_of(bool old) {
-    return old ? " AND ?2 = 1" : " AND interval = ?2";
-}
-
 std::uint32_t checksum(std::int64_t stored) {
     if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
         throw TraceError(fmt::format("crc32 {} has more than 32 bits", stored));
@@ -42,31 +37,29 @@ std::span<const engine::TickRecord> ticks_in(std::span<const engine::TickRecord>
     return {first, last};
 }
 
-PartChunks::PartChunks(sqlite3* db, bool old, const TrialPart& part)
+PartChunks::PartChunks(sqlite3* db, const TrialPart& part)
     : part_(part),
       rows_(db,
-            std::string("SELECT first_tick, ticks, codec, crc32, ") +
-                (old ? "0, '', 0" : "period_ns, holds, derived") +
-                ", data FROM main.trace_chunk WHERE trial = ?1" + interval_of(old) +
-                " AND first_tick = ?3") {
-    Query heads(db, "SELECT first_tick, ticks FROM main.trace_chunk WHERE trial = ?1" +
-                        interval_of(old) + " ORDER BY first_tick");
+            "SELECT first_tick, ticks, codec, crc32, period_ns, holds, derived, data"
+            " FROM main.trace_chunk WHERE trial = ?1 AND interval = ?2 AND first_tick = ?3") {
+    Query heads(db,
+                "SELECT first_tick, ticks FROM main.trace_chunk WHERE trial = ?1 AND interval = ?2"
+                " ORDER BY first_tick");
     heads.bind(1, part.trial).bind(2, part.interval);
     std::vector<std::int64_t> counts;
     while (heads.step()) {
         first_ticks_.push_back(heads.integer(0));
         counts.push_back(heads.integer(1));
     }
-    require_all(db, old, counts);
+    require_all(db, counts);
 }
 
-void PartChunks::require_all(sqlite3* db, bool old, const std::vector<std::int64_t>& counts) {
-    Query told(db, std::string("SELECT session.id, rate_hz, ") +
-                       (old ? "trial.ticks FROM main.trial"
-                            : "felt.ticks FROM main.trial JOIN main.presentation AS felt"
-                              " ON felt.trial = trial.id AND felt.interval = ?2") +
-                       " JOIN main.session ON session.id = trial.session WHERE trial.id = ?1" +
-                       (old ? " AND ?2 = 1" : ""));
+void PartChunks::require_all(sqlite3* db, const std::vector<std::int64_t>& counts) {
+    Query told(
+        db,
+        "SELECT session.id, rate_hz, felt.ticks FROM main.trial JOIN main.presentation AS felt"
+        " ON felt.trial = trial.id AND felt.interval = ?2"
+        " JOIN main.session ON session.id = trial.session WHERE trial.id = ?1");
     if (!told.bind(1, part_.trial).bind(2, part_.interval).step()) {
         fail(part_, "it has ticks, but no row in trial and presentation");
     }
@@ -114,7 +107,7 @@ PartChunk PartChunks::at(std::size_t i) {
     if (chunk.view.ticks == 0) {
         throw TraceError(fmt::format("the chunk of tick {} has no ticks", first_ticks_[i]));
     }
-    if (chunk.view.codec != kTraceCodec && chunk.view.period_ns != period_ns_) {
+    if (chunk.view.period_ns != period_ns_) {
         throw TraceError(fmt::format("the chunk of tick {} has a period of {} ns, not {}",
                                      first_ticks_[i], chunk.view.period_ns, period_ns_));
     }

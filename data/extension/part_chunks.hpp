@@ -28,9 +28,8 @@ struct PartChunk {
 /// servo is what the other chunks and the rows of trial, presentation and session say.
 class PartChunks {
 public:
-    /// @param old  a file from before schema 5
     /// @throws SampleError if ticks are missing, but not where the session says that some were lost
-    PartChunks(sqlite3* db, bool old, const TrialPart& part);
+    PartChunks(sqlite3* db, const TrialPart& part);
 
     [[nodiscard]] std::size_t size() const noexcept { return first_ticks_.size(); }
     [[nodiscard]] std::int64_t first_tick(std::size_t i) const { return first_ticks_.at(i); }
@@ -38,7 +37,7 @@ public:
     [[nodiscard]] PartChunk at(std::size_t i);
 
 private:
-    void require_all(sqlite3* db, bool old, const std::vector<std::int64_t>& counts);
+    void require_all(sqlite3* db, const std::vector<std::int64_t>& counts);
 
     TrialPart part_;
     Query rows_;

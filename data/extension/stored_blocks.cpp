@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "data/extension/part_chunks.hpp"
-#include "data/trace/codec.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"
 
@@ -18,12 +18,11 @@ constexpr SampleColumns kTime = bit(C::t_s) | kVelocityColumns;
 class StoredBlocks : public TickStore::Blocks {
 public:
     StoredBlocks(sqlite3* db,
-                 bool old,
                  const TrialPart& part,
                  SampleColumns columns,
                  const TickRange& range,
                  const std::optional<engine::PantographSpec>& machine)
-        : part_(part), columns_(columns), range_(range), chunks_(db, old, part) {
+        : part_(part), columns_(columns), range_(range), chunks_(db, part) {
         if (machine && (columns & kHipColumns) != 0) {
             hip_.emplace(*machine);
         }
@@ -73,10 +72,6 @@ private:
     }
 
     void load(const PartChunk& chunk) {
-        if (chunk.view.codec == kTraceCodec) {
-            ticks_ = decode(chunk.view.data, chunk.view.ticks, chunk.view.crc32);
-            return;
-        }
         ChunkReader reader(chunk.view);
         ticks_.resize(chunk.view.ticks);
         values_.resize(chunk.view.ticks);
@@ -173,12 +168,11 @@ private:
 
 std::unique_ptr<TickStore::Blocks> stored_blocks(
     sqlite3* db,
-    bool old,
     const TrialPart& part,
     SampleColumns columns,
     const TickRange& range,
     const std::optional<engine::PantographSpec>& machine) {
-    return std::make_unique<StoredBlocks>(db, old, part, columns, range, machine);
+    return std::make_unique<StoredBlocks>(db, part, columns, range, machine);
 }
 
 }  // namespace palpate::data

@@ -10,11 +10,9 @@ namespace palpate::data {
 
 /// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay, decoding
 /// the columns wanted only, those chunks left out that are out of range.
-/// @param old      a file from before schema 5
 /// @param machine  what HIP follows from, if columns of HIP are wanted and the session has a calibration
 [[nodiscard]] std::unique_ptr<TickStore::Blocks> stored_blocks(
     sqlite3* db,
-    bool old,
     const TrialPart& part,
     SampleColumns columns,
     const TickRange& range,

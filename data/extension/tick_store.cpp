@@ -9,7 +9,7 @@
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/stored_blocks.hpp"
-#include "data/trace/codec.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/replay.hpp"
 
 namespace palpate::data {
@@ -46,7 +46,6 @@ struct TickStore::State {
     void require_one_study();
 
     sqlite3* db;
-    bool old = false;  ///< the file is from before schema 5
     /// By protocol and calibration, so that nothing here can be out of date.
     std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
     struct Kept {
@@ -59,23 +58,17 @@ struct TickStore::State {
 };
 
 TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
-    // Before schema 5 there is no table presentation: what was felt is what was planned.
-    const std::string felt =
-        old ? "SELECT plan.object, plan.friction, trial.slip_decay, trial.heal_decay, NULL, NULL, "
-              "NULL,"
-            : "SELECT coalesce(felt.object, plan.object), coalesce(felt.friction, plan.friction),"
+    Query row(db,
+              "SELECT coalesce(felt.object, plan.object), coalesce(felt.friction, plan.friction),"
               " coalesce(felt.slip_decay, trial.slip_decay), coalesce(felt.heal_decay, "
-              "trial.heal_decay), felt.curvature_per_m, felt.mu_s, felt.mu_d,";
-    const std::string from = old ? " WHERE trial.id = ?1 AND ?2 = ?2"
-                                 : " LEFT JOIN main.presentation AS felt ON felt.trial = trial.id"
-                                   " AND felt.interval = ?2 WHERE trial.id = ?1";
-    Query row(db, felt +
-                      " study.protocol_toml, (SELECT value FROM main.session_provenance AS p"
-                      " WHERE p.session = session.id AND p.key = 'calibration')"
-                      " FROM main.trial JOIN main.plan USING (session, position)"
-                      " JOIN main.session ON session.id = trial.session"
-                      " JOIN main.study ON study.id = session.study" +
-                      from);
+              "trial.heal_decay), felt.curvature_per_m, felt.mu_s, felt.mu_d, study.protocol_toml,"
+              " (SELECT value FROM main.session_provenance AS p"
+              " WHERE p.session = session.id AND p.key = 'calibration')"
+              " FROM main.trial JOIN main.plan USING (session, position)"
+              " JOIN main.session ON session.id = trial.session"
+              " JOIN main.study ON study.id = session.study"
+              " LEFT JOIN main.presentation AS felt ON felt.trial = trial.id"
+              " AND felt.interval = ?2 WHERE trial.id = ?1");
     if (!row.bind(1, part.trial).bind(2, part.interval).step()) {
         fail(part, "it has ticks, but no row in trial");
     }
@@ -97,17 +90,13 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
             .session = &session->second};
 }
 
-/// Chunks of codec 1 need no scene: they hold everything.
 Replayed TickStore::State::replay_of(const TrialPart& part, std::span<const ChunkView> views) {
-    if (std::ranges::all_of(views, [](const ChunkView& v) { return v.codec == kTraceCodec; })) {
-        return replay(nullptr, std::nullopt, views);
-    }
     const Context context = context_of(part);
     return context.session->replay(context.trial, views);
 }
 
 std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const TrialPart& part) {
-    PartChunks rows(db, old, part);
+    PartChunks rows(db, part);
     std::vector<std::vector<std::byte>> bytes;
     std::vector<ChunkView> views;
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -167,21 +156,12 @@ void TickStore::State::require_one_study() {
 
 std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
     state_->require_one_study();
-    Query has(
-        state_->db,
-        "SELECT count(*) FROM pragma_table_info('trace_chunk', 'main') WHERE name = 'interval'");
-    has.step();
-    state_->old = has.integer(0) == 0;
     // A part whose chunks are gone is one too: it is refused.
     std::vector<TrialPart> parts;
     Query query(state_->db,
-                state_->old
-                    ? "SELECT trial, 1 FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2 UNION"
-                      " SELECT id, 1 FROM main.trial WHERE id BETWEEN ?1 AND ?2 AND ticks > 0"
-                      " ORDER BY 1, 2"
-                    : "SELECT trial, interval FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2"
-                      " UNION SELECT trial, interval FROM main.presentation"
-                      " WHERE trial BETWEEN ?1 AND ?2 AND ticks > 0 ORDER BY 1, 2");
+                "SELECT trial, interval FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2"
+                " UNION SELECT trial, interval FROM main.presentation"
+                " WHERE trial BETWEEN ?1 AND ?2 AND ticks > 0 ORDER BY 1, 2");
     query.bind(1, trials.first).bind(2, trials.last);
     while (query.step()) {
         parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});
@@ -198,10 +178,10 @@ std::unique_ptr<TickStore::Blocks> TickStore::blocks(const TrialPart& part,
                                                 range);
     }
     std::optional<engine::PantographSpec> machine;
-    if ((columns & kHipColumns) != 0 && !state.old) {
+    if ((columns & kHipColumns) != 0) {
         machine = of_part(part, [&] { return state.context_of(part).session->machine(); });
     }
-    return stored_blocks(state.db, state.old, part, columns, range, machine);
+    return stored_blocks(state.db, part, columns, range, machine);
 }
 
 }  // namespace palpate::data

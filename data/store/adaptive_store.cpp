@@ -8,7 +8,7 @@
 
 namespace palpate::data {
 
-const char* const kAdaptive5 = R"sql(
+const char* const kAdaptive = R"sql(
 CREATE TABLE adaptive_plan (
     -- Of trials whose stimulus a rule chooses, beside their rows of plan: these have the standard object and
     -- the friction of the comparison.
@@ -32,7 +32,7 @@ CREATE TABLE adaptive_step (
 ) STRICT;
 )sql";
 
-const char* const kAdaptiveViews5 = R"sql(
+const char* const kAdaptiveViews = R"sql(
 CREATE VIEW adaptive_trial AS
 -- One row per answer that a rule took in, in the order of its run; counts = 0: it was marked later.
 SELECT trial.id AS trial,  -- trial.id

@@ -54,11 +54,7 @@ std::string first_head(Database& database, std::int64_t session) {
         "SELECT session.*, protocol_sha256, code FROM session JOIN study ON study.id = study"
         " JOIN participant ON participant.id = participant WHERE session.id = ?1",
         session, kNotOfSession);
-    std::vector<const char*> tables{"session_provenance", "plan", "picture"};
-    if (database.schema() >= 5) {
-        tables.push_back("adaptive_plan");
-    }
-    for (const char* table : tables) {
+    for (const char* table : {"session_provenance", "plan", "picture", "adaptive_plan"}) {
         text += lines_of(database, table,
                          fmt::format("SELECT * FROM {} WHERE session = ?1 ORDER BY 1, 2", table),
                          session, kNotOfTrial);
@@ -151,13 +147,6 @@ Link last_link(Database& database, std::int64_t session) {
     return {.head = first_head(database, session)};
 }
 
-/// Its name is random (uuid.hpp): all its trials have heads.
-bool made_by_schema_5(Database& database, std::int64_t session) {
-    Statement row = database.prepare("SELECT substr(uuid, 15, 1) = '4' FROM session WHERE id = ?1");
-    row.bind(1, session);
-    return row.step() && row.integer(0) != 0;
-}
-
 }  // namespace
 
 void chain_trial(Database& database, std::int64_t trial) {
@@ -191,9 +180,6 @@ void chain_session(Database& database, std::int64_t session) {
 }
 
 std::string chain_head(Database& database, std::int64_t session) {
-    if (database.schema() < 5) {
-        return {};
-    }
     Statement row = database.prepare(
         "SELECT coalesce(chain, (SELECT chain FROM trial WHERE session = ?1 AND chain IS NOT NULL"
         " ORDER BY id DESC LIMIT 1), '') FROM session WHERE id = ?1");
@@ -203,19 +189,14 @@ std::string chain_head(Database& database, std::int64_t session) {
 
 std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session) {
     std::vector<ChainBreak> breaks;
-    if (database.schema() < 5) {
-        return breaks;
-    }
     Link link{.head = first_head(database, session)};
-    bool chained = made_by_schema_5(database, session);
     Statement row = database.prepare(
         "SELECT id, chain, chain_events, outcome FROM trial WHERE session = ?1 ORDER BY id");
     row.bind(1, session);
     while (row.step()) {
         const std::int64_t trial = row.integer(0);
         if (row.null(1)) {
-            // Trials of an older file come first, the one that runs last.
-            if (chained && row.text(3) != "running") {
+            if (row.text(3) != "running") {
                 breaks.push_back({trial, "NULL", "the head after this trial"});
             }
             continue;
@@ -224,7 +205,6 @@ std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session) {
         if (head != row.text(1)) {
             breaks.push_back({trial, row.text(1), head});
         }
-        chained = true;
         link = {.head = row.text(1), .events = row.integer(2)};
     }
     Statement end =
@@ -235,7 +215,7 @@ std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session) {
         if (head != end.text(0)) {
             breaks.push_back({0, end.text(0), head});
         }
-    } else if (chained && end.integer(2) != 0) {
+    } else if (end.integer(2) != 0) {
         breaks.push_back({0, "NULL", "the head after the last trial"});
     }
     return breaks;

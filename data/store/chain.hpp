@@ -32,7 +32,7 @@ struct ChainBreak {
     std::string recomputed;
 };
 
-/// Every head that is not what its session's rows give. Trials from before schema 5 have none.
+/// Every head that is not what its session's rows give.
 [[nodiscard]] std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session);
 
 }  // namespace palpate::data

@@ -7,7 +7,7 @@
 
 #include "protocols/design/sha256.hpp"
 #include "data/store/reader.hpp"
-#include "data/trace/codec.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -57,9 +57,7 @@ void add_table(Database& database, const std::string& table, Content& content) {
 
 void add_traces(Database& database, Content& content) {
     std::vector<std::pair<std::int64_t, std::int64_t>> intervals;
-    Statement row = database.prepare(
-        database.schema() < 5 ? "SELECT id, 1 FROM trial ORDER BY id"
-                              : "SELECT trial, interval FROM presentation ORDER BY 1, 2");
+    Statement row = database.prepare("SELECT trial, interval FROM presentation ORDER BY 1, 2");
     while (row.step()) {
         intervals.emplace_back(row.integer(0), row.integer(1));
     }

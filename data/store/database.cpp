@@ -14,7 +14,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/store/migration.hpp"
 #include "data/store/schema.hpp"
 
 namespace palpate::data {
@@ -223,25 +222,12 @@ void Database::check_identity(Access access) {
     if (id.application != kApplicationId || id.version < 1) {
         not_ours(file_);
     }
-    if (id.version > kSchemaVersion) {
-        throw WrongFile(fmt::format(
-            "{}: made by a newer palpate (schema {}, this program knows {}); update palpate", file_,
-            id.version, kSchemaVersion));
+    if (id.version != kSchemaVersion) {
+        throw WrongFile(
+            fmt::format("{}: made by another palpate (schema {}, this program knows {}); use that "
+                        "one for it, or choose another file name",
+                        file_, id.version, kSchemaVersion));
     }
-    if (access == Access::write && id.version < kSchemaVersion) {
-        bring_up_to_date();
-        id = identity();
-    }
-    schema_ = id.version;
-}
-
-void Database::bring_up_to_date() {
-    Transaction all(*this);  // another program that does the same is waited for here
-    if (const std::int64_t version = identity().version; version < kSchemaVersion) {
-        backup_ = back_up(plain_name(file_), version);
-        migrate(*this, version);
-    }
-    all.commit();
 }
 
 void Database::create() {

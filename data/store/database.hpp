@@ -17,9 +17,8 @@ class Database {
 public:
     /// write: makes the file (mode 0600) with the current schema, or opens one; WAL, every commit
     /// synced to the disk, foreign keys on. read: never changes anything, and reads from a read-only
-    /// disk too. A file of an older schema is brought to the present one by the first who writes, after
-    /// a copy of it was made. The name is always that of a file: "" and ":memory:" have no meaning of their own.
-    /// @throws StoreError for a file that is no palpate database or one of a newer program (both stay
+    /// disk too. The name is always that of a file: "" and ":memory:" have no meaning of their own.
+    /// @throws StoreError for a file that is no palpate database or has another schema (both stay
     ///         as they are, their logs too), or one that cannot be opened
     Database(std::string file, Access access);
     Database(const Database&) = delete;
@@ -32,10 +31,6 @@ public:
     /// Rows that the last INSERT, UPDATE or DELETE touched.
     [[nodiscard]] std::int64_t changes() const;
     [[nodiscard]] const std::string& file() const { return file_; }
-    /// The version of its schema: the present one, or an older one of a file opened to read.
-    [[nodiscard]] std::int64_t schema() const { return schema_; }
-    /// Where the file was copied to before it was brought to the present schema; empty: it was not.
-    [[nodiscard]] const std::string& backup() const { return backup_; }
     /// How long the locks of others are waited for, ms.
     void wait_for_locks(int ms);
     /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits for
@@ -59,12 +54,9 @@ private:
     void check_identity(Access access);
     [[nodiscard]] Identity identity();
     void create();
-    void bring_up_to_date();  ///< from the schema of an older palpate to the present one
     void keep_log();
 
     std::string file_;
-    std::string backup_;
-    std::int64_t schema_ = 0;
     int wait_ms_ = 5000;
     sqlite3* handle_ = nullptr;
 };

@@ -134,24 +134,19 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
 
 std::optional<Mark> read_mark(Database& database, std::int64_t session, std::string_view text) {
     constexpr std::string_view kAfter = "after ";
-    constexpr std::string_view kTrial = "after trial ";  // of an older palpate: the file's number
-    const bool older = text.starts_with(kTrial);
-    const std::size_t colon = text.find(older ? ": " : " attempts: ");
-    const std::size_t start = older ? kTrial.size() : kAfter.size();
+    const std::size_t colon = text.find(" attempts: ");
     Mark mark;
     if (!text.starts_with(kAfter) || colon == std::string_view::npos ||
-        std::from_chars(text.data() + start, text.data() + colon, mark.after).ptr !=
+        std::from_chars(text.data() + kAfter.size(), text.data() + colon, mark.after).ptr !=
             text.data() + colon) {
         return std::nullopt;
     }
     mark.reason = text.substr(text.find(": ") + 2);
-    if (!older) {
-        Statement last = database.prepare(
-            "SELECT coalesce(max(id), 0) FROM (SELECT id FROM trial WHERE session = ?1 ORDER BY id"
-            " LIMIT ?2)");
-        last.bind(1, session).bind(2, mark.after).step();
-        mark.after = last.integer(0);
-    }
+    Statement last = database.prepare(
+        "SELECT coalesce(max(id), 0) FROM (SELECT id FROM trial WHERE session = ?1 ORDER BY id"
+        " LIMIT ?2)");
+    last.bind(1, session).bind(2, mark.after).step();
+    mark.after = last.integer(0);
     return mark;
 }
 

@@ -7,7 +7,7 @@
 
 namespace palpate::data {
 
-const char* const kPresentation5 = R"sql(
+const char* const kPresentation = R"sql(
 CREATE TABLE presentation (
     -- What each interval of a trial let one feel, and how it was felt, from its first tick to done. Trials
     -- with two intervals are comparisons; the numbers of the trial are those of both together.
@@ -36,14 +36,7 @@ CREATE TABLE presentation (
 ) STRICT;
 )sql";
 
-const char* const kPresentation5From4 = R"sql(
-INSERT INTO presentation SELECT trial.id, 1, NULL, object, curvature_per_m, friction, mu_s, mu_d, slip_decay,
-    heal_decay, done_s, done_uncertainty_s, first_contact_s, ticks, contact_ticks, slip_ticks, late_ticks,
-    saturated_ticks, path_length_m, mean_normal_force_n, max_normal_force_n
-FROM trial JOIN plan USING (session, position);
-)sql";
-
-const char* const kResponse5 = R"sql(
+const char* const kResponse = R"sql(
 CREATE TABLE response (
     -- The answer of a trial.
     trial          INTEGER PRIMARY KEY REFERENCES trial,    -- trial.id
@@ -58,11 +51,6 @@ CREATE TABLE response (
     confidence     INTEGER CHECK (confidence BETWEEN 1 AND 4),        -- 1 a guess, 4 sure; NULL: not asked for
     confidence_reaction_s REAL CHECK (confidence_reaction_s >= 0)     -- scale shown -> confidence
 ) STRICT;
-)sql";
-
-const char* const kResponse5From4 = R"sql(
-INSERT INTO response SELECT *, place, NULL, NULL FROM temp.response_4;
-DROP TABLE temp.response_4;
 )sql";
 
 void write_presentation(Database& database,

@@ -8,13 +8,9 @@
 /// What each interval of a trial let one feel, and how it was felt: the table presentation.
 namespace palpate::data {
 
-/// Since schema 5.
-extern const char* const kPresentation5;
-/// For trials from before: one interval each, by plan and trial.
-extern const char* const kPresentation5From4;
-/// The table response as of schema 5, and how it is filled from temp.response_4.
-extern const char* const kResponse5;
-extern const char* const kResponse5From4;
+/// The tables presentation and response.
+extern const char* const kPresentation;
+extern const char* const kResponse;
 
 void write_presentation(Database& database,
                         std::int64_t trial,

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "data/store/stored_chunks.hpp"
-#include "data/trace/codec.hpp"
+#include "data/trace/chunk.hpp"
 
 namespace palpate::data {
 
@@ -23,9 +23,8 @@ std::vector<std::int64_t> answered_trials(Database& database) {
 
 std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial) {
     std::vector<std::int64_t> intervals;
-    Statement row = database.prepare(
-        database.schema() < 5 ? "SELECT 1 FROM trial WHERE id = ?1"
-                              : "SELECT interval FROM presentation WHERE trial = ?1 ORDER BY 1");
+    Statement row =
+        database.prepare("SELECT interval FROM presentation WHERE trial = ?1 ORDER BY 1");
     row.bind(1, trial);
     while (row.step()) {
         intervals.push_back(row.integer(0));
@@ -40,11 +39,6 @@ std::vector<engine::TickRecord> TraceReader::stored(std::int64_t trial, std::int
     const Snapshot now(database_);
     const TrialContext context = trial_context(database_, trial, interval);
     const StoredChunks chunks = stored_chunks(database_, trial, interval);
-    const bool replays = std::any_of(chunks.views.begin(), chunks.views.end(),
-                                     [](const ChunkView& c) { return c.codec != kTraceCodec; });
-    if (!replays) {
-        return replay(nullptr, std::nullopt, chunks.views).ticks;
-    }
     auto session = sessions_.find(context.session);
     if (session == sessions_.end()) {
         session =
@@ -87,9 +81,8 @@ std::vector<engine::TickRecord> TraceReader::read(std::int64_t trial, std::int64
         ++next;
     }
     Statement counted = database_.prepare(
-        database_.schema() < 5 ? "SELECT coalesce(ticks, 0) FROM trial WHERE id = ?1 AND ?2 = ?2"
-                               : "SELECT coalesce(max(ticks), 0) FROM presentation"
-                                 " WHERE trial = ?1 AND interval = ?2");
+        "SELECT coalesce(max(ticks), 0) FROM presentation"
+        " WHERE trial = ?1 AND interval = ?2");
     counted.bind(1, trial).bind(2, interval).step();
     if (counted.integer(0) > next) {
         missing(next, counted.integer(0) - 1);

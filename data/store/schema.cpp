@@ -11,10 +11,10 @@ namespace palpate::data {
 namespace {
 
 constexpr const char* kTables = R"sql(
--- palpate, schema 5. SI units, in the column names. Times *_utc are wall clock and for people;
+-- palpate, schema 1. SI units, in the column names. Times *_utc are wall clock and for people;
 -- every duration comes from the servo's monotonic clock.
 PRAGMA application_id = 1885432944;
-PRAGMA user_version = 5;
+PRAGMA user_version = 1;
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
@@ -37,8 +37,7 @@ CREATE TABLE participant (
 
 )sql";
 
-/// As of schema 5.
-constexpr const char* kSession5 = R"sql(
+constexpr const char* kSession = R"sql(
 CREATE TABLE session (
     -- One sitting of a participant with a study, resumed or not.
     id                  INTEGER PRIMARY KEY,        -- of this file alone; its identity is uuid
@@ -57,8 +56,8 @@ CREATE TABLE session (
     finished_utc        TEXT,                       -- NULL: not finished
     finished            INTEGER NOT NULL DEFAULT 0 CHECK (finished IN (0, 1)),  -- 1: every planned trial is done
     operator            TEXT,                       -- who ran it, as given
-    uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4); of a session from before
-                            CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),  -- schema 5: version 8
+    uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4)
+                            CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),
     chain               TEXT CHECK (length(chain) = 64),   -- head of its chain of hashes when it was finished
     chain_events        INTEGER,                    -- how many of its events that head covers
     UNIQUE (study, participant, number)
@@ -154,23 +153,21 @@ CREATE TABLE event (
 ) STRICT;
 )sql";
 
-/// As of schema 5.
-constexpr const char* kTraces5 = R"sql(
+constexpr const char* kTraces = R"sql(
 CREATE TABLE trace_chunk (
     -- Servo ticks of one interval of a trial. While the trial runs its last chunk is replaced by a longer one.
-    -- codec 2, up to 4096 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
+    -- codec 1, up to 4096 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
     -- columns in the order of trace_column without the parts that the chunk does not hold. A stream is a
     -- zlib stream of the values, bytes shuffled: all first bytes, all second bytes, ... Size 0: all bytes 0.
-    -- codec 1, 256 ticks, of files from before schema 5: all columns, shuffled alike, as one zlib stream.
     trial      INTEGER NOT NULL REFERENCES trial,   -- trial.id
     interval   INTEGER NOT NULL CHECK (interval BETWEEN 1 AND 2),  -- of a trial with two things to feel
     first_tick INTEGER NOT NULL CHECK (first_tick >= 0),  -- number of its first tick
     ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 4096),  -- how many it has
-    codec      INTEGER NOT NULL CHECK (codec IN (1, 2)),  -- how data is made
-    period_ns  INTEGER NOT NULL,                    -- of the servo; codec 1: 0
+    codec      INTEGER NOT NULL CHECK (codec = 1),  -- how data is made
+    period_ns  INTEGER NOT NULL,                    -- of the servo
     holds      TEXT NOT NULL,                       -- the parts of trace_column that are in here, by words
-    crc32      INTEGER NOT NULL,                    -- codec 2: of data; codec 1: of the bytes before zlib
-    derived    INTEGER CHECK (codec = 1 OR derived IS NOT NULL),  -- XXH3 of the ticks as the servo had them
+    crc32      INTEGER NOT NULL,                    -- of data
+    derived    INTEGER NOT NULL,                    -- XXH3 of the ticks as the servo had them
     data       BLOB NOT NULL,                       -- the columns
     PRIMARY KEY (trial, interval, first_tick)
 ) STRICT;
@@ -197,7 +194,6 @@ CREATE TABLE trace_column (
 ) STRICT;
 )sql";
 
-/// Since schema 4.
 constexpr const char* kPeople = R"sql(
 CREATE TABLE participant_detail (
     -- What a study asks of its participants besides: age, gender, ... In a table of its own, so that what
@@ -210,7 +206,7 @@ CREATE TABLE participant_detail (
 ) STRICT;
 )sql";
 
-/// Since schema 3: why forces went off.
+/// Why forces went off.
 constexpr const char* kFaults = R"sql(
 CREATE TABLE fault_tick (
     -- The last ticks before the force went off by itself, at most 100, the last one the fault's own. Here
@@ -247,88 +243,6 @@ CREATE TABLE fault_tick (
 ) STRICT;
 )sql";
 
-constexpr const char* kFrom1 = R"sql(
--- 1 -> 2: the energy ledger of every trial. Trials recorded before stay NULL.
-ALTER TABLE trial ADD COLUMN contact_episodes INTEGER;
-ALTER TABLE trial ADD COLUMN worst_episode_j REAL;
-ALTER TABLE trial ADD COLUMN skipped_ticks INTEGER;
-PRAGMA user_version = 2;
-)sql";
-
-constexpr const char* kFrom2 = R"sql(
--- 2 -> 3: faults. Trials that faulted before have no cause.
-ALTER TABLE trial ADD COLUMN fault TEXT CHECK (fault IS NULL OR outcome = 'faulted');
-ALTER TABLE trial ADD COLUMN slewed_ticks INTEGER;
-ALTER TABLE trial ADD COLUMN stale_ticks INTEGER;
-PRAGMA user_version = 3;
-)sql";
-
-constexpr const char* kFrom3 = R"sql(
--- 3 -> 4: answers that do not count, blocks, people. What was answered before counts.
-ALTER TABLE participant ADD COLUMN handedness INTEGER CHECK (handedness BETWEEN -100 AND 100);
-ALTER TABLE participant ADD COLUMN consent INTEGER CHECK (consent IN (0, 1));
-ALTER TABLE participant ADD COLUMN consent_utc TEXT;
-ALTER TABLE session ADD COLUMN operator TEXT;
-ALTER TABLE plan ADD COLUMN block INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0);
-ALTER TABLE trial ADD COLUMN invalid TEXT CHECK (length(invalid) > 0);
-DROP VIEW confusion;
-DROP VIEW trial_result;
-PRAGMA user_version = 4;
-)sql";
-
-constexpr const char* kFreeForms5 = R"sql(
--- 4 -> 5: objects of a free form have no curvature. The column moves to the end of its table.
-ALTER TABLE plan RENAME COLUMN curvature_per_m TO old_curvature;
-ALTER TABLE plan ADD COLUMN curvature_per_m REAL;
-UPDATE plan SET curvature_per_m = old_curvature;
-ALTER TABLE plan DROP COLUMN old_curvature;
-)sql";
-
-/// The views of older schemas; those of this one come at the end of a migration to schema 5.
-constexpr const char* kNoViews = R"sql(
-DROP VIEW IF EXISTS confusion;
-DROP VIEW IF EXISTS trial_result;
-DROP VIEW IF EXISTS invalid_trial;
-DROP VIEW IF EXISTS fault;
-)sql";
-
-/// 4 -> 5: how the hand moved. Trials recorded before stay NULL.
-constexpr const char* kMovement5 = R"sql(
-ALTER TABLE trial ADD COLUMN strokes INTEGER;
-ALTER TABLE trial ADD COLUMN mean_speed_m_per_s REAL;
-ALTER TABLE trial ADD COLUMN before_vertex_ticks INTEGER;
-ALTER TABLE trial ADD COLUMN after_vertex_ticks INTEGER;
-ALTER TABLE trial ADD COLUMN started_ns INTEGER;
-ALTER TABLE event ADD COLUMN at_ns INTEGER;
-)sql";
-
-/// Other tables and the views keep their references to session by name: foreign keys are off during a
-/// migration. derived_uuid() is Database's own.
-constexpr const char* kFrom4 = R"sql(
--- 4 -> 5: sessions have a name of their own; traces by replay, chunks of before stay as they are; chains.
-ALTER TABLE trace_chunk RENAME TO trace_chunk_4;
-ALTER TABLE trace_column RENAME TO trace_column_4;
-ALTER TABLE trial ADD COLUMN chain TEXT CHECK (length(chain) = 64);
-ALTER TABLE trial ADD COLUMN chain_events INTEGER;
-CREATE TEMP TABLE session_4 AS SELECT * FROM session;
-DROP TABLE session;
-CREATE TEMP TABLE response_4 AS SELECT * FROM response;
-DROP TABLE response;
-)sql";
-constexpr const char* kFrom4Rows = R"sql(
-INSERT INTO session SELECT session_4.id, study, participant, number, kind, seed, plan_sha256, shuffles, device,
-    rate_hz, stiffness_n_per_m, started_utc, finished_utc, finished, operator,
-    derived_uuid(protocol_sha256 || ' ' || code || ' ' || number || ' ' || started_utc), NULL, NULL
-FROM temp.session_4 JOIN study ON study.id = study JOIN participant ON participant.id = participant;
-DROP TABLE temp.session_4;
-INSERT INTO trace_chunk SELECT trial, 1, first_tick, ticks, codec, 0, '', crc32, NULL, data FROM trace_chunk_4
-    ORDER BY trial, first_tick;
-DROP TABLE trace_chunk_4;
-INSERT INTO trace_column SELECT codec, position, name, type, unit, 1.0, 'exact', '' FROM trace_column_4;
-DROP TABLE trace_column_4;
-PRAGMA user_version = 5;
-)sql";
-
 std::string joined(std::initializer_list<std::string_view> parts) {
     std::string all;
     for (const std::string_view part : parts) {
@@ -341,18 +255,9 @@ std::string joined(std::initializer_list<std::string_view> parts) {
 
 std::string_view schema_sql() noexcept {
     static const std::string all =
-        joined({kTables, kSession5, kTables2, kResponse5, kTraces5, kPresentation5, kAdaptive5,
-                kPeople, kFaults, views_sql()});
+        joined({kTables, kSession, kTables2, kResponse, kTraces, kPresentation, kAdaptive, kPeople,
+                kFaults, views_sql()});
     return all;
-}
-
-std::string_view migration_sql(std::int64_t from) noexcept {
-    static const std::string from_2 = joined({kFrom2, kFaults});
-    static const std::string from_3 = joined({kFrom3, kPeople});
-    static const std::string from_4 = joined(
-        {kNoViews, kFreeForms5, kFrom4, kSession5, kTraces5, kResponse5, kResponse5From4,
-         kPresentation5, kPresentation5From4, kAdaptive5, kFrom4Rows, kMovement5, views_sql()});
-    return from == 1 ? std::string_view(kFrom1) : from == 2 ? from_2 : from == 3 ? from_3 : from_4;
 }
 
 }  // namespace palpate::data

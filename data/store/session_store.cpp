@@ -77,7 +77,7 @@ void describe_columns(Database& database) {
         "INSERT OR IGNORE INTO trace_column VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
     std::int64_t position = 0;
     for (const StoredColumn& c : stored_columns()) {
-        column.bind(1, kTraceCodec2)
+        column.bind(1, kTraceCodec)
             .bind(2, position++)
             .bind(3, c.name)
             .bind(4, c.type)

@@ -171,7 +171,7 @@ void SqliteRecorder::require_running(TrialId trial) const {
 void SqliteRecorder::append(TrialId trial, std::span<const engine::TickRecord> ticks) {
     require_running(trial);
     while (!ticks.empty()) {
-        const std::size_t n = std::min(ticks.size(), kChunk2Ticks);
+        const std::size_t n = std::min(ticks.size(), kChunkTicks);
         trace_.add(ticks.first(n));
         ticks = ticks.subspan(n);
         if (trace_.is_full()) {

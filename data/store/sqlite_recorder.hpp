@@ -12,7 +12,7 @@ namespace palpate::data {
 
 /// Writes a running session. Every commit is synced: what a call has stored survives a power cut.
 ///
-/// append() collects ticks and commits each full chunk of kChunk2Ticks; save() commits also the one that
+/// append() collects ticks and commits each full chunk of kChunkTicks; save() commits also the one that
 /// is not full yet, to be replaced by a longer one; end_trial() commits the rest with the result. While
 /// another program holds a write lock append() and save() leave the ticks in memory; the other calls wait
 /// for a minute.

@@ -12,9 +12,6 @@ constexpr const char* kChunks =
     "SELECT first_tick, ticks, codec, crc32, data, interval, period_ns, holds, derived FROM "
     "trace_chunk"
     " WHERE trial = ?1 AND interval = ?2 ORDER BY first_tick";
-constexpr const char* kChunksBefore5 =
-    "SELECT first_tick, ticks, codec, crc32, data, 1, 0, '', NULL FROM trace_chunk"
-    " WHERE trial = ?1 AND ?2 = 1 ORDER BY first_tick";
 
 /// An interval that was never begun has no presentation, and no chunks.
 constexpr const char* kContext =
@@ -23,10 +20,6 @@ constexpr const char* kContext =
     " p.curvature_per_m, p.mu_s, p.mu_d FROM trial"
     " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
     " LEFT JOIN presentation AS p ON p.trial = trial.id AND p.interval = ?2 WHERE trial.id = ?1";
-constexpr const char* kContextBefore5 =
-    "SELECT trial.session, object, friction, slip_decay, heal_decay, NULL, NULL, NULL FROM trial"
-    " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
-    " WHERE trial.id = ?1 AND ?2 = ?2";
 
 std::uint32_t crc_of(std::int64_t stored) {
     if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
@@ -39,7 +32,7 @@ std::uint32_t crc_of(std::int64_t stored) {
 
 StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t interval) {
     StoredChunks all;
-    Statement row = database.prepare(database.schema() < 5 ? kChunksBefore5 : kChunks);
+    Statement row = database.prepare(kChunks);
     row.bind(1, trial).bind(2, interval);
     while (row.step()) {
         const auto blob = row.blob(4);
@@ -61,7 +54,7 @@ StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t 
 }
 
 TrialContext trial_context(Database& database, std::int64_t trial, std::int64_t interval) {
-    Statement row = database.prepare(database.schema() < 5 ? kContextBefore5 : kContext);
+    Statement row = database.prepare(kContext);
     if (!row.bind(1, trial).bind(2, interval).step()) {
         throw std::invalid_argument(fmt::format(
             "{}: there is no trial {}; SELECT id FROM trial lists them", database.file(), trial));

@@ -10,7 +10,7 @@
 
 namespace palpate::data {
 
-/// The chunks of one interval as they lie in the file, by first_tick; also of files of schema 1 to 4.
+/// The chunks of one interval as they lie in the file, by first_tick.
 struct StoredChunks {
     std::vector<ChunkView> views;  ///< of `data`: move this, do not copy it
     std::vector<std::vector<std::byte>> data;

@@ -13,8 +13,8 @@ TraceWriter::TraceWriter(Database& database,
                          std::optional<engine::PantographSpec> machine,
                          std::int64_t period_ns)
     : database_(database), machine_(std::move(machine)), period_ns_(period_ns) {
-    ticks_.reserve(2 * kChunk2Ticks);
-    parts_.reserve(2 * kChunk2Ticks);
+    ticks_.reserve(2 * kChunkTicks);
+    parts_.reserve(2 * kChunkTicks);
 }
 
 void TraceWriter::begin(std::int64_t trial,
@@ -39,7 +39,7 @@ void TraceWriter::add(std::span<const engine::TickRecord> ticks) {
 }
 
 bool TraceWriter::is_full() const noexcept {
-    return ticks_.size() >= kChunk2Ticks;
+    return ticks_.size() >= kChunkTicks;
 }
 
 void TraceWriter::write() {
@@ -53,21 +53,21 @@ void TraceWriter::write() {
         "UPDATE trace_chunk SET ticks = ?4, codec = ?5, period_ns = ?6, holds = ?7, crc32 = ?8, "
         "derived = ?9,"
         " data = ?10 WHERE trial = ?1 AND interval = ?2 AND first_tick = ?3");
-    for (std::size_t first = 0; first < ticks_.size(); first += kChunk2Ticks) {
-        const std::size_t n = std::min(kChunk2Ticks, ticks_.size() - first);
+    for (std::size_t first = 0; first < ticks_.size(); first += kChunkTicks) {
+        const std::size_t n = std::min(kChunkTicks, ticks_.size() - first);
         const auto ticks = std::span(ticks_).subspan(first, n);
         std::uint8_t parts = 0;
         for (const std::uint8_t of_tick : std::span(parts_).subspan(first, n)) {
             parts = static_cast<std::uint8_t>(parts | of_tick);
         }
         const std::int64_t first_tick = ticks.front().tick;
-        const EncodedChunk2 chunk = encode_chunk(ticks, first_tick, period_ns_, parts);
+        const EncodedChunk chunk = encode_chunk(ticks, first_tick, period_ns_, parts);
         Statement& row = first == 0 && row_there_ ? replace : insert;
         row.bind(1, trial_)
             .bind(2, interval_)
             .bind(3, first_tick)
             .bind(4, static_cast<std::int64_t>(n))
-            .bind(5, kTraceCodec2)
+            .bind(5, kTraceCodec)
             .bind(6, period_ns_)
             .bind(7, parts_text(parts))
             .bind(8, std::int64_t{chunk.crc32})
@@ -78,7 +78,7 @@ void TraceWriter::write() {
 }
 
 void TraceWriter::saved() {
-    const auto full = static_cast<std::ptrdiff_t>(ticks_.size() / kChunk2Ticks * kChunk2Ticks);
+    const auto full = static_cast<std::ptrdiff_t>(ticks_.size() / kChunkTicks * kChunkTicks);
     ticks_.erase(ticks_.begin(), ticks_.begin() + full);
     parts_.erase(parts_.begin(), parts_.begin() + full);
     unsaved_ = 0;

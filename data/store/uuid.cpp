@@ -8,8 +8,6 @@
 #include <fmt/format.h>
 #include <sodium.h>
 
-#include "protocols/design/sha256.hpp"
-
 namespace palpate::data {
 namespace {
 
@@ -36,13 +34,6 @@ std::string random_uuid() {
     Bytes bytes{};
     randombytes_buf(bytes.data(), bytes.size());
     return uuid_of(bytes, 4);
-}
-
-std::string derived_uuid(std::string_view name) {
-    const protocols::Sha256 hash = protocols::sha256(name);
-    Bytes bytes{};
-    std::copy_n(hash.begin(), bytes.size(), bytes.begin());
-    return uuid_of(bytes, 8);
 }
 
 }  // namespace palpate::data

@@ -100,7 +100,7 @@ WHERE trial.outcome = 'faulted';
 )sql";
 
 /// Since schema 5, for people without the SQL extension.
-constexpr const char* kViews5 = R"sql(
+constexpr const char* kViews = R"sql(
 CREATE VIEW trial_summary AS
 -- One row per attempt at a trial, answered or not. For analysis take those that count:
 -- WHERE invalid IS NULL AND choice IS NOT NULL AND phase = 'main' AND kind = 'real'.
@@ -173,7 +173,7 @@ GROUP BY session.id;
 }  // namespace
 
 std::string_view views_sql() noexcept {
-    static const std::string all = std::string(kAnswers) + kViews5 + kAdaptiveViews5;
+    static const std::string all = std::string(kAnswers) + kViews + kAdaptiveViews;
     return all;
 }
 

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
-#include "data/store/current_copy.hpp"
 #include "data/sync/people_merge.hpp"
 #include "data/sync/session_copy.hpp"
 #include "data/sync/session_version.hpp"
@@ -19,9 +18,10 @@ namespace {
 
 /// An input, and one moment of it.
 struct Input {
-    explicit Input(const std::string& file) : name(file), copy(file), now(copy.database()) {}
+    explicit Input(const std::string& file)
+        : name(file), database(file, Access::read), now(database) {}
     std::string name;
-    CurrentCopy copy;
+    Database database;
     Snapshot now;
 };
 
@@ -123,7 +123,6 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
     const auto inputs = open_all(files);  // before anything is made
     Database out(file, Access::write);
     MergeReport report;
-    report.backup = out.backup();
     Transaction all_or_nothing(out);
     out.execute("PRAGMA defer_foreign_keys = ON");
     const Layout layout = read_layout(out);
@@ -139,7 +138,7 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
     };
     collect(out, file);
     for (const auto& input : inputs) {
-        collect(input->copy.database(), input->name);
+        collect(input->database, input->name);
     }
     report.conflicts = people.conflicts();
     people.write(out);
@@ -164,7 +163,7 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
         }
     }
     for (const auto& input : inputs) {
-        copy_shared(input->copy.database(), out, layout, input->name);
+        copy_shared(input->database, out, layout, input->name);
     }
     all_or_nothing.commit();
     out.checkpoint();

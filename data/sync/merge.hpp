@@ -18,8 +18,6 @@ struct MergeReport {
     std::size_t extended = 0;  ///< sessions that went on since
     std::size_t same = 0;      ///< sessions that the file had as they are
     std::vector<MergeConflict> conflicts;
-    std::string
-        backup;  ///< where the file was copied before it was brought up to date; empty: it was not
 };
 
 /// Brings the sessions of `inputs` into `file` (made if it is not there), in one transaction.

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
-#include "data/store/current_copy.hpp"
 #include "data/store/schema.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
@@ -292,7 +291,7 @@ private:
             const std::int64_t trial = place_of(session, line.integer(0));
             line.null(0) || trial == 0 ? row.none() : row.integer(trial);
             row.text(line.text(1))
-                .text(portable_text(line.text(1), line.text(2), session.trials))
+                .text(line.text(2))
                 .text(line.text(3))
                 .text(session.events.at(static_cast<std::size_t>(number - 1)));
             send("event", row);
@@ -334,10 +333,10 @@ private:
 }  // namespace
 
 PushReport push_file(const std::string& file, const std::string& url) {
-    CurrentCopy copy(file);
+    Database database(file, Access::read);
     Postgres server(url);
-    const Snapshot now(copy.database());
-    return Push(copy.database(), server).run(file);
+    const Snapshot now(database);
+    return Push(database, server).run(file);
 }
 
 std::string push_setup() {

@@ -124,9 +124,8 @@ void copy_events(const SessionVersion& from,
                 add.bind(2, trials.at(i));
             }
         }
-        const std::string kind = row.text(1);
-        add.bind(3, std::string_view(kind))
-            .bind(4, std::string_view(portable_text(kind, row.text(2), from.trials)))
+        add.bind(3, std::string_view(row.text(1)))
+            .bind(4, std::string_view(row.text(2)))
             .bind(5, std::string_view(row.text(3)))
             .bind(6, row.null(4) ? std::nullopt : std::optional(row.integer(4)))
             .run();

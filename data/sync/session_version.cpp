@@ -1,7 +1,6 @@
 #include "data/sync/session_version.hpp"
 
 #include <algorithm>
-#include <charconv>
 
 #include <fmt/format.h>
 
@@ -11,8 +10,6 @@ namespace palpate::data {
 namespace {
 
 using protocols::sha256_hex;
-
-constexpr std::string_view kAfterTrial = "after trial ";
 
 /// The row's values with their types and sizes: no two rows give the same bytes.
 std::string row_bytes(const Statement& row) {
@@ -88,7 +85,7 @@ std::vector<std::string> events_of(Database& database, const SessionVersion& ses
         events.push_back(
             sha256_hex(fmt::format("{} {}:{} {} ", place_of(row.integer(0), session.trials),
                                    row.text(1).size(), row.text(1), row.text(3)) +
-                       portable_text(row.text(1), row.text(2), session.trials)));
+                       row.text(2)));
     }
     return events;
 }
@@ -158,19 +155,6 @@ bool became(const SessionVersion& earlier, const SessionVersion& later) {
         }
     }
     return std::equal(earlier.events.begin(), earlier.events.end(), later.events.begin());
-}
-
-std::string portable_text(std::string_view kind,
-                          const std::string& text,
-                          const std::vector<TrialVersion>& trials) {
-    const std::size_t colon = text.find(": ");
-    std::int64_t number = 0;
-    if (kind != "mark" || !text.starts_with(kAfterTrial) || colon == std::string::npos ||
-        std::from_chars(text.data() + kAfterTrial.size(), text.data() + colon, number).ptr !=
-            text.data() + colon) {
-        return text;
-    }
-    return fmt::format("after {} attempts{}", place_of(number, trials), text.substr(colon));
 }
 
 }  // namespace palpate::data

@@ -46,10 +46,4 @@ struct SessionVersion {
 /// order: two files can hold two sessions of one uuid of which neither became the other.
 [[nodiscard]] bool became(const SessionVersion& earlier, const SessionVersion& later);
 
-/// The text of an event as every file has it: a mark of an older palpate names a trial by a number of its
-/// file (data/store/people.hpp).
-[[nodiscard]] std::string portable_text(std::string_view kind,
-                                        const std::string& text,
-                                        const std::vector<TrialVersion>& trials);
-
 }  // namespace palpate::data

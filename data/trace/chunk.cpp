@@ -159,16 +159,16 @@ std::uint32_t pack(std::span<const std::byte> bytes, std::vector<std::byte>& dat
 
 }  // namespace
 
-EncodedChunk2 encode_chunk(std::span<const TickRecord> ticks,
-                           std::int64_t first_tick,
-                           std::int64_t period_ns,
-                           std::uint8_t parts) {
-    if (ticks.empty() || ticks.size() > kChunk2Ticks) {
+EncodedChunk encode_chunk(std::span<const TickRecord> ticks,
+                          std::int64_t first_tick,
+                          std::int64_t period_ns,
+                          std::uint8_t parts) {
+    if (ticks.empty() || ticks.size() > kChunkTicks) {
         throw TraceError(
-            fmt::format("a trace chunk holds 1 to {} ticks, not {}", kChunk2Ticks, ticks.size()));
+            fmt::format("a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, ticks.size()));
     }
     std::vector<std::uint32_t> sizes;
-    EncodedChunk2 chunk;
+    EncodedChunk chunk;
     const auto columns = stored_columns();
     const auto held = static_cast<std::size_t>(std::count_if(
         columns.begin(), columns.end(), [parts](const auto& c) { return is_held(c, parts); }));
@@ -194,12 +194,12 @@ EncodedChunk2 encode_chunk(std::span<const TickRecord> ticks,
 
 ChunkReader::ChunkReader(const ChunkView& chunk)
     : chunk_(chunk), streams_(stored_columns().size()) {
-    if (chunk.codec != kTraceCodec2) {
+    if (chunk.codec != kTraceCodec) {
         throw TraceError(fmt::format("trace codec {} is unknown; update palpate", chunk.codec));
     }
-    if (chunk.ticks < 1 || chunk.ticks > kChunk2Ticks) {
+    if (chunk.ticks < 1 || chunk.ticks > kChunkTicks) {
         throw TraceError(
-            fmt::format("a trace chunk holds 1 to {} ticks, not {}", kChunk2Ticks, chunk.ticks));
+            fmt::format("a trace chunk holds 1 to {} ticks, not {}", kChunkTicks, chunk.ticks));
     }
     if (crc_of(chunk.data) != chunk.crc32) {
         damaged("its checksum differs");

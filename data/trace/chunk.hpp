@@ -4,30 +4,36 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
-#include "data/trace/codec.hpp"
 #include "data/trace/stored_columns.hpp"
 
-/// Codec 2. A chunk's data are the sizes of its columns' streams, u32le each, in the order of
+/// Codec 1. A chunk's data are the sizes of its columns' streams, u32le each, in the order of
 /// stored_columns() without the parts that it does not hold, and then the streams. A stream is a zlib
 /// stream of the column's values, bytes shuffled: the first byte of every value, then the second, ... A
 /// size of 0 says that all bytes are 0.
 namespace palpate::data {
 
-inline constexpr std::int64_t kTraceCodec2 = 2;
+/// A stored chunk is not what was written: says which check failed.
+class TraceError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+inline constexpr std::int64_t kTraceCodec = 1;
 /// Ticks of a full chunk: four seconds at 1 kHz.
-inline constexpr std::size_t kChunk2Ticks = 4096;
+inline constexpr std::size_t kChunkTicks = 4096;
 
 /// A row of trace_chunk. Owns nothing: `data` must outlive it.
 struct ChunkView {
     std::int64_t interval = 1;
     std::int64_t first_tick = 0;
     std::size_t ticks = 0;
-    std::int64_t codec = kTraceCodec2;
+    std::int64_t codec = kTraceCodec;
     std::int64_t period_ns = 0;
     std::uint8_t parts = 0;  ///< Part bits
     std::uint32_t crc32 = 0;
@@ -35,17 +41,17 @@ struct ChunkView {
     std::span<const std::byte> data{};
 };
 
-struct EncodedChunk2 {
+struct EncodedChunk {
     std::vector<std::byte> data;
     std::uint32_t crc32 = 0;  ///< of `data`
 };
 
 /// @param parts  the exact columns to write as well
-/// @throws TraceError unless 1 <= ticks.size() <= kChunk2Ticks
-[[nodiscard]] EncodedChunk2 encode_chunk(std::span<const engine::TickRecord> ticks,
-                                         std::int64_t first_tick,
-                                         std::int64_t period_ns,
-                                         std::uint8_t parts);
+/// @throws TraceError unless 1 <= ticks.size() <= kChunkTicks
+[[nodiscard]] EncodedChunk encode_chunk(std::span<const engine::TickRecord> ticks,
+                                        std::int64_t first_tick,
+                                        std::int64_t period_ns,
+                                        std::uint8_t parts);
 
 /// What a column of every chunk says of a tick.
 [[nodiscard]] std::int64_t stored_value(Stored column, const engine::TickRecord& tick) noexcept;

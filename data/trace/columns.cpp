@@ -4,8 +4,6 @@
 #include <bit>
 #include <cstddef>
 
-#include "engine/realtime/tick_record.hpp"
-
 namespace palpate::data {
 namespace {
 
@@ -81,6 +79,19 @@ std::span<const TraceColumn> trace_columns() noexcept {
 }
 std::size_t bytes_per_tick() noexcept {
     return total_bytes();
+}
+
+std::vector<std::byte> shuffled_columns(std::span<const TickRecord> ticks) {
+    std::vector<std::byte> raw(ticks.size() * bytes_per_tick());
+    std::byte* out = raw.data();
+    for (const TraceColumn& column : trace_columns()) {
+        for (std::size_t byte = 0; byte < column.size; ++byte) {
+            for (const TickRecord& tick : ticks) {
+                *out++ = reinterpret_cast<const std::byte*>(&tick)[column.offset + byte];
+            }
+        }
+    }
+    return raw;
 }
 
 }  // namespace palpate::data

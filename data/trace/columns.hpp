@@ -3,11 +3,13 @@
 #include <cstddef>
 #include <span>
 #include <string_view>
+#include <vector>
+
+#include "engine/realtime/tick_record.hpp"
 
 namespace palpate::data {
 
-/// One column of a trace chunk: codec 1 writes them in this order. The table trace_column of every
-/// database repeats this, so that the file explains itself.
+/// One field of a tick, as fault_tick and exported ticks have it.
 struct TraceColumn {
     std::string_view name;
     std::string_view type;  ///< f64le, f32le, i64le, i32le, i16le, u8
@@ -21,5 +23,8 @@ struct TraceColumn {
 
 /// Bytes of one tick over all columns.
 [[nodiscard]] std::size_t bytes_per_tick() noexcept;
+
+/// Columns one after the other, bytes shuffled within each: what a content hash is made of.
+[[nodiscard]] std::vector<std::byte> shuffled_columns(std::span<const engine::TickRecord> ticks);
 
 }  // namespace palpate::data

@@ -12,7 +12,6 @@
 #include "protocols/format/calibration_file.hpp"
 #include "protocols/format/protocol_file.hpp"
 #include "protocols/running/trial_scene.hpp"
-#include "data/trace/codec.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "data/trace/retrace.hpp"
@@ -81,15 +80,6 @@ void require_modes(std::span<const TickRecord> ticks) {
     }
 }
 
-std::vector<TickRecord> decode_1(const ChunkView& chunk) {
-    auto ticks = decode(chunk.data, chunk.ticks, chunk.crc32);
-    if (ticks.front().tick != chunk.first_tick) {
-        throw TraceError(fmt::format("the chunk of tick {} begins with tick {}", chunk.first_tick,
-                                     ticks.front().tick));
-    }
-    return ticks;
-}
-
 /// What the bytes of a chunk tell without its scene: all but the contact. One chunk after the other.
 class Unpacker {
 public:
@@ -98,12 +88,6 @@ public:
 
     /// @return the exact columns of each tick; none where the chunk has none
     std::vector<TickRecord> unpack(const ChunkView& chunk, std::span<TickRecord> ticks) {
-        if (chunk.codec == kTraceCodec) {
-            const auto all = decode_1(chunk);
-            std::copy_n(all.begin(), std::min(all.size(), ticks.size()), ticks.begin());
-            retrace_hips(ticks);
-            return {};
-        }
         ChunkReader reader(chunk);
         stored_.read(chunk, reader);
         for (std::size_t i = 0; i < ticks.size(); ++i) {
@@ -164,12 +148,6 @@ bool follow(Retrace& contacts,
             const ChunkView& chunk,
             std::span<TickRecord> ticks,
             std::span<const TickRecord> exact) noexcept {
-    if (chunk.codec == kTraceCodec) {  // holds everything; only the contact goes on
-        for (TickRecord tick : ticks) {
-            contacts.contact(tick);
-        }
-        return true;
-    }
     for (std::size_t i = 0; i < exact.size(); ++i) {
         TickRecord& tick = ticks[i];
         if ((chunk.parts & part_hip) != 0) {
@@ -192,13 +170,13 @@ std::vector<std::span<TickRecord>> places_in(std::vector<TickRecord>& all,
                                              std::span<const ChunkView> chunks) {
     std::size_t ticks = 0;
     for (const ChunkView& chunk : chunks) {
-        ticks += std::min(chunk.ticks, kChunk2Ticks);
+        ticks += std::min(chunk.ticks, kChunkTicks);
     }
     all.resize(ticks);
     std::vector<std::span<TickRecord>> places;
     std::span<TickRecord> left(all);
     for (const ChunkView& chunk : chunks) {
-        const std::size_t count = std::min(chunk.ticks, kChunk2Ticks);
+        const std::size_t count = std::min(chunk.ticks, kChunkTicks);
         places.push_back(left.first(count));
         left = left.subspan(count);
     }
@@ -239,13 +217,7 @@ Replayed replay(const engine::Scene* scene,
 }
 
 void read_stored(const ChunkView& chunk, Stored column, std::span<std::int64_t> values) {
-    if (chunk.codec != kTraceCodec) {
-        ChunkReader(chunk).read(column, values);
-        return;
-    }
-    const auto ticks = decode_1(chunk);
-    std::transform(ticks.begin(), ticks.end(), values.begin(),
-                   [column](const TickRecord& tick) { return stored_value(column, tick); });
+    ChunkReader(chunk).read(column, values);
 }
 
 std::optional<engine::PantographSpec> machine_of(std::string_view calibration) {

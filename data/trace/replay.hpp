@@ -17,7 +17,7 @@
 #include "protocols/design/protocol.hpp"
 #include "data/trace/chunk.hpp"
 
-/// Reads traces of both codecs from plain values: needs no database class, so that an extension that has a
+/// Reads traces from plain values: needs no database class, so that an extension that has a
 /// connection of its own can use it. Not for several threads at once.
 namespace palpate::data {
 
@@ -90,7 +90,7 @@ private:
                               const std::optional<engine::PantographSpec>& machine,
                               std::span<const ChunkView> chunks);
 
-/// One column of every chunk without any replay, of either codec. 10 to 100 times as fast.
+/// One column of every chunk without any replay. 10 to 100 times as fast.
 /// @param values  of the chunk's ticks
 /// @throws TraceError if the chunk is damaged
 void read_stored(const ChunkView& chunk, Stored column, std::span<std::int64_t> values);

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-/// Codec 2: what of a tick is written into a chunk. The table trace_column of every database repeats this,
+/// What of a tick is written into a chunk. The table trace_column of every database repeats this,
 /// so that the file explains itself.
 namespace palpate::data {
 

@@ -24,9 +24,9 @@ constexpr double kExpError = 4e-16;
 /// With the decays that were recorded.
 std::unique_ptr<engine::Scene> scene_of(const SessionFrame& frame,
                                         const Presentation& felt,
-                                        std::string_view table,
                                         const StoredRow& row,
                                         Findings& findings) {
+    constexpr std::string_view table = "presentation";
     std::unique_ptr<engine::Scene> scene(new engine::Scene(make_scene(frame.protocol, felt)));
     const auto check_decay = [&](std::string_view column, double here) {
         const double stored = row.real(column);
@@ -74,12 +74,9 @@ std::vector<CheckedInterval> check_intervals(Database& database,
                                              bool answered,
                                              std::int64_t period_ns,
                                              Findings& findings) {
-    const bool before = database.schema() < 5;
     const std::int64_t id = trial.integer("id");
     const auto rows =
-        before ? std::vector{trial}
-               : rows_of(database, "SELECT * FROM presentation WHERE trial = ?1 ORDER BY interval",
-                         id);
+        rows_of(database, "SELECT * FROM presentation WHERE trial = ?1 ORDER BY interval", id);
     // What a rule chose is stored in a second step: a trial can be cut off before.
     const bool may_lack = !answered && expected.size() != rows.size() &&
                           (expected.size() > 1 || expected.front().stimulus);
@@ -89,12 +86,9 @@ std::vector<CheckedInterval> check_intervals(Database& database,
     }
     std::vector<CheckedInterval> intervals;
     for (std::size_t i = 0; i < std::min(rows.size(), expected.size()); ++i) {
-        if (!before) {
-            check_row(rows[i], expected[i], findings);
-        }
-        const auto scene =
-            scene_of(frame, expected[i], before ? "trial" : "presentation", rows[i], findings);
-        if (!before && i == 0) {
+        check_row(rows[i], expected[i], findings);
+        const auto scene = scene_of(frame, expected[i], rows[i], findings);
+        if (i == 0) {
             for (const std::string_view column : {"slip_decay", "heal_decay"}) {
                 findings.expect("trial", column, trial, rows[i].at(column));
             }
@@ -117,13 +111,11 @@ bool check_response(const SessionFrame& frame,
         findings.differs("response.input", "\"simulated\"", "a person's: the session is real");
     }
     const bool pictures = frame.protocol.response.kind == protocols::ResponseKind::identification;
-    const bool before = response.null("answer");  // of a file from before schema 5
-    const std::string_view column = before ? "place" : "answer";
-    const std::int64_t answer = response.integer(column);
+    const std::int64_t answer = response.integer("answer");
     const std::size_t answers =
         pictures ? frame.pictures.size() : protocols::answers_of(frame.protocol);
     if (answer < 0 || answer >= static_cast<std::int64_t>(answers)) {
-        findings.differs(fmt::format("response.{}", column), fmt::format("{}", answer),
+        findings.differs("response.answer", fmt::format("{}", answer),
                          fmt::format("one of {} {}", answers, pictures ? "pictures" : "answers"));
         return false;
     }
@@ -152,9 +144,6 @@ void check_step(Database& database,
                 bool counted,
                 protocols::AdaptiveRuns& runs,
                 Findings& findings) {
-    if (database.schema() < 5) {
-        return;
-    }
     const std::int64_t id = trial.integer("id");
     const auto rows = rows_of(database, "SELECT * FROM adaptive_step WHERE trial = ?1", id);
     const bool due = planned.adaptive && planned.phase != protocols::Phase::practice &&

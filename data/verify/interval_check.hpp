@@ -8,8 +8,7 @@
 
 namespace palpate::data {
 
-/// One interval of a trial: its row of presentation (of files from before schema 5: the trial's), and its
-/// ticks.
+/// One interval of a trial: its row of presentation, and its ticks.
 struct CheckedInterval {
     StoredRow row;
     StoredTrace trace;

@@ -17,14 +17,6 @@ namespace {
 
 using protocols::PlannedTrial;
 
-template <class List>
-std::optional<std::size_t> index_of(const List& list, const std::string& name) {
-    const auto found =
-        std::find_if(list.begin(), list.end(), [&](const auto& one) { return one.name == name; });
-    return found == list.end() ? std::nullopt
-                               : std::optional(static_cast<std::size_t>(found - list.begin()));
-}
-
 void check_row(const StoredRow& row,
                const PlannedTrial& planned,
                const protocols::Protocol& protocol,
@@ -62,9 +54,6 @@ void check_adaptive_rows(Database& database,
                          std::int64_t session,
                          const SessionFrame& frame,
                          Findings& findings) {
-    if (database.schema() < 5) {
-        return;
-    }
     const auto rows = rows_of(
         database, "SELECT * FROM adaptive_plan WHERE session = ?1 ORDER BY position", session);
     std::size_t next = 0;
@@ -90,35 +79,6 @@ void check_adaptive_rows(Database& database,
         findings.differs("adaptive_plan", protocols::counted(rows.size(), "row"),
                          protocols::counted(next, "row"));
     }
-}
-
-/// The plan as its rows say it: enough to replay trials.
-std::optional<protocols::Plan> stored_plan(const std::vector<StoredRow>& rows,
-                                           const SessionFrame& frame) {
-    protocols::Plan plan;
-    for (const StoredRow& row : rows) {
-        const auto object = index_of(frame.protocol.objects, row.text("object"));
-        const auto friction = index_of(frame.protocol.frictions, row.text("friction"));
-        if (!object || !friction) {
-            return std::nullopt;
-        }
-        const std::string phase = row.text("phase");
-        plan.trials.push_back({.position = plan.trials.size(),
-                               .phase = phase == "practice" ? protocols::Phase::practice
-                                      : phase == "main"     ? protocols::Phase::main
-                                                            : protocols::Phase::catch_trial,
-                               .condition = {*object, *friction},
-                               .break_before = row.integer("break_before") != 0,
-                               .block = static_cast<std::size_t>(row.integer("block"))});
-    }
-    for (const std::string& name : frame.pictures) {
-        const auto object = index_of(frame.protocol.objects, name);
-        if (!object) {
-            return std::nullopt;
-        }
-        plan.picture_order.push_back(*object);
-    }
-    return plan;
 }
 
 void check_pictures(const std::vector<StoredRow>& rows,
@@ -158,20 +118,8 @@ bool check_plan(Database& database,
         findings.differs("plan", protocols::counted(rows.size(), "row"), e.what());
         return false;
     }
-    if (frame.old && frame.plan.hash != session.text("plan_sha256")) {
-        findings.missing("session.plan_sha256",
-                         "an older palpate drew this order in another way: its rows are believed");
-        const auto stored = stored_plan(rows, frame);
-        if (!stored) {
-            findings.differs("plan", "names", "names of the protocol's objects and frictions");
-            return false;
-        }
-        frame.plan = *stored;
-    } else {
-        findings.expect("session", "plan_sha256", session, frame.plan.hash);
-        findings.expect("session", "shuffles", session,
-                        static_cast<std::int64_t>(frame.plan.attempts));
-    }
+    findings.expect("session", "plan_sha256", session, frame.plan.hash);
+    findings.expect("session", "shuffles", session, static_cast<std::int64_t>(frame.plan.attempts));
     if (rows.size() != frame.plan.trials.size()) {
         findings.differs("plan", protocols::counted(rows.size(), "row"),
                          protocols::counted(frame.plan.trials.size(), "row"));

@@ -5,8 +5,7 @@
 namespace palpate::data {
 
 /// Draws the plan again from protocol, participant, session, seed and the stored row of pictures, and
-/// compares it with the stored rows, plan_sha256 and shuffles. Sets the frame's plan: the one drawn,
-/// else (for a session of an older palpate, whose orders were drawn otherwise) the one stored.
+/// compares it with the stored rows, plan_sha256 and shuffles. Sets the frame's plan: the one drawn.
 /// @return false if there is no plan to check trials against
 [[nodiscard]] bool check_plan(Database& database,
                               const StoredRow& session,

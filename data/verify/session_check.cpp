@@ -56,10 +56,6 @@ bool read_key(const StoredRow& session, SessionFrame& frame, Findings& findings)
 }
 
 void check_objects(const SessionFrame& frame, const Provenance& provenance, Findings& findings) {
-    if (frame.old) {
-        findings.missing("session_provenance", "an older palpate did not store object hashes");
-        return;
-    }
     for (const auto& [key, hash] : protocols::object_hashes(frame.protocol)) {
         const auto stored = provenance.find(key);
         if (stored == provenance.end() || stored->second != hash) {
@@ -108,7 +104,6 @@ void check_provenance(Database& database,
              database, "SELECT key, value FROM session_provenance WHERE session = ?1", session)) {
         provenance[row.text("key")] = row.text("value");
     }
-    frame.old = !provenance.contains("build id");
     check_objects(frame, provenance, findings);
     check_calibration(provenance, findings);
     if (const auto text = provenance.find(kCalibration); text != provenance.end()) {

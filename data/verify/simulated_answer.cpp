@@ -25,7 +25,7 @@ void check_simulated_answer(const SessionFrame& frame,
         return one.trace.whole && felt >= 0 &&
                felt <= static_cast<std::int64_t>(one.trace.ticks.size());
     };
-    if (!frame.simulated || frame.old || response.text("input") != "simulated" ||
+    if (!frame.simulated || response.text("input") != "simulated" ||
         !std::all_of(intervals.begin(), intervals.end(), usable)) {
         return;
     }
@@ -44,9 +44,7 @@ void check_simulated_answer(const SessionFrame& frame,
     const auto pictures = protocols::make_pictures(frame.protocol, frame.plan.picture_order);
     const protocols::Choice choice =
         observer.choose({.number = number}, question_of(frame.protocol, pictures));
-    const bool before = response.null("answer");  // of a file from before schema 5
-    findings.expect("response", before ? "place" : "answer", response,
-                    static_cast<std::int64_t>(choice.place));
+    findings.expect("response", "answer", response, static_cast<std::int64_t>(choice.place));
     findings.expect("response", "confidence", response,
                     choice.confidence ? Value(std::int64_t{*choice.confidence}) : Value());
     if (choice.confidence && !(std::fabs(response.real("confidence_reaction_s") -

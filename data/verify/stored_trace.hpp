@@ -17,8 +17,7 @@ struct StoredTrace {
 };
 
 /// Reads and checks every chunk: codec, checksum, zlib streams, counts, order, and that the replay of what it
-/// does not hold has the hash that the recorder wrote. Of codec 1 also that its bytes are what zlib makes of
-/// the ticks, where this zlib is the one that packed the trial.
+/// does not hold has the hash that the recorder wrote.
 /// @param scene      as the trial's, with its decays; nothing: it is not known
 /// @param period_ns  of the session
 [[nodiscard]] StoredTrace load_trace(Database& database,

@@ -66,29 +66,9 @@ std::int64_t felt_ticks(const SessionFrame& frame,
     return on_virtual_clock(trace) ? most : std::clamp<std::int64_t>(stored, 0, most);
 }
 
-/// A column that older schemas did not have.
-void expect_later(std::string_view column,
-                  const StoredRow& trial,
-                  const Value& recomputed,
-                  const SessionFrame& frame,
-                  Findings& findings) {
-    if (frame.old && trial.null(column)) {
-        findings.missing(fmt::format("trial.{}", column), "an older palpate did not store it");
-        return;
-    }
-    findings.expect("trial", column, trial, recomputed);
-}
-
-/// The columns of schema 5: an older palpate left all of them NULL.
 void check_movement(const StoredRow& trial,
                     const protocols::TrialSummary& sum,
                     Findings& findings) {
-    constexpr std::array kColumns{"strokes", "mean_speed_m_per_s", "before_vertex_ticks",
-                                  "after_vertex_ticks"};
-    if (std::ranges::all_of(kColumns, [&](const char* column) { return trial.null(column); })) {
-        findings.missing("trial.strokes", "an older palpate did not store how the hand moved");
-        return;
-    }
     findings.expect("trial", "strokes", trial, sum.strokes);
     findings.expect("trial", "mean_speed_m_per_s", trial, sum.mean_speed_m_per_s);
     findings.expect("trial", "before_vertex_ticks", trial, sum.before_vertex_ticks);
@@ -215,12 +195,9 @@ void check_summary(const SessionFrame& frame,
         const std::int64_t felt =
             felt_ticks(frame, row, last && outcome == "faulted", trace, findings);
         const protocols::TrialSummary one = summary_of(frame, trace, felt);
-        const bool is_presentation = !row.null("interval");
-        if (is_presentation) {
-            check_shared("presentation", row, one, findings);
-        }
-        check_done(is_presentation ? "presentation" : "trial", row, outcome == "complete", felt,
-                   period_ns, answered_by_numbers && on_virtual_clock(trace), findings);
+        check_shared("presentation", row, one, findings);
+        check_done("presentation", row, outcome == "complete", felt, period_ns,
+                   answered_by_numbers && on_virtual_clock(trace), findings);
         sum = i == 0 ? one : together(sum, one);
     }
     check_shared("trial", trial, sum, findings);
@@ -228,14 +205,11 @@ void check_summary(const SessionFrame& frame,
     findings.expect("trial", "done_uncertainty_s", trial,
                     intervals.back().row.at("done_uncertainty_s"));
     findings.expect("trial", "energy_j", trial, sum.energy_j);
-    const auto later = [&](std::string_view column, const Value& value) {
-        expect_later(column, trial, value, frame, findings);
-    };
-    later("contact_episodes", sum.contact_episodes);
-    later("worst_episode_j", sum.worst_episode_j);
-    later("skipped_ticks", sum.skipped_ticks);
-    later("slewed_ticks", sum.slewed_ticks);
-    later("stale_ticks", sum.stale_ticks);
+    findings.expect("trial", "contact_episodes", trial, sum.contact_episodes);
+    findings.expect("trial", "worst_episode_j", trial, sum.worst_episode_j);
+    findings.expect("trial", "skipped_ticks", trial, sum.skipped_ticks);
+    findings.expect("trial", "slewed_ticks", trial, sum.slewed_ticks);
+    findings.expect("trial", "stale_ticks", trial, sum.stale_ticks);
     check_movement(trial, sum, findings);
 }
 
@@ -244,7 +218,7 @@ void check_invalid(Database& database,
                    const StoredRow& trial,
                    std::span<const CheckedInterval> intervals,
                    Findings& findings) {
-    if (!all_whole(intervals) || frame.replayed || (frame.old && trial.null("invalid"))) {
+    if (!all_whole(intervals) || frame.replayed) {
         return;
     }
     std::vector<protocols::TrialSummary> felt;
@@ -262,7 +236,6 @@ void check_invalid(Database& database,
 }
 
 void check_fault_ticks(Database& database,
-                       const SessionFrame& frame,
                        const StoredRow& trial,
                        const StoredTrace& trace,
                        Findings& findings) {
@@ -271,10 +244,6 @@ void check_fault_ticks(Database& database,
                               trial.integer("id"));
     const std::size_t all = trace.ticks.size();
     const std::size_t expected = faulted ? std::min(all, kFaultTicks) : 0;
-    if (frame.old && faulted && rows.empty()) {
-        findings.missing("fault_tick", "an older palpate did not store the ticks before a fault");
-        return;
-    }
     if (!trace.whole) {
         return;
     }

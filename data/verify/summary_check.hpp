@@ -26,7 +26,6 @@ void check_invalid(Database& database,
 
 /// The rows of fault_tick: the last ticks of the last interval, at most 100, for a faulted trial; none else.
 void check_fault_ticks(Database& database,
-                       const SessionFrame& frame,
                        const StoredRow& trial,
                        const StoredTrace& last,
                        Findings& findings);

@@ -125,11 +125,8 @@ void TrialCheck::check(const StoredRow& trial) {
             check_invalid(database_, frame_, trial, intervals, findings_);
         }
     }
-    if (!frame_.old ||
-        !rows_of(database_, "SELECT name FROM sqlite_schema WHERE name = 'fault_tick'").empty()) {
-        check_fault_ticks(database_, frame_, trial,
-                          intervals.empty() ? StoredTrace{} : intervals.back().trace, findings_);
-    }
+    check_fault_ticks(database_, trial, intervals.empty() ? StoredTrace{} : intervals.back().trace,
+                      findings_);
     findings_.look_at({});
 }
 
@@ -212,9 +209,7 @@ void TrialCheck::check_outcome(const StoredRow& trial,
     if (outcome != "faulted") {
         return;
     }
-    if (trial.null("fault") && frame_.old) {
-        findings_.missing("trial.fault", "an older palpate did not store causes");
-    } else if (!is_trip(trial.text("fault"))) {
+    if (!is_trip(trial.text("fault"))) {
         findings_.differs("trial.fault", to_text(trial.at("fault")), "a cause of faults");
     }
     const auto notes = rows_of(

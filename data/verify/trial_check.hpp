@@ -24,12 +24,11 @@ struct SessionFrame {
     std::string protocol_hash;
     protocols::SessionKey key;
     std::uint64_t seed = 0;
-    protocols::Plan plan;  ///< as drawn again; as stored for sessions of an older palpate
+    protocols::Plan plan;                           ///< as drawn again
     std::vector<std::string> pictures;              ///< as stored, from the left
     std::optional<engine::PantographSpec> machine;  ///< with which the session began
     bool simulated = false;
     bool replayed = false;  ///< by recorded hands: no answer was judged by how its object was felt
-    bool old = false;       ///< an older palpate wrote the session: it did not store everything
 };
 
 /// Checks the attempts of one session in the order in which they were made.

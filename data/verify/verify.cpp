@@ -12,8 +12,6 @@
 #include "data/store/schema_manual.hpp"
 #include "data/store/views.hpp"
 #include "data/trace/chunk.hpp"
-#include "data/trace/codec.hpp"
-#include "data/trace/columns.hpp"
 #include "data/verify/findings.hpp"
 #include "data/verify/session_check.hpp"
 
@@ -33,62 +31,25 @@ void ask_sqlite(Database& database, Findings& findings) {
     }
 }
 
-/// One row as trace_column has it, by position.
-struct Described {
-    std::string name, type, unit;
-    double scale = 1.0;
-    std::string rule = "exact";
-    std::string part{};
-};
-
-std::vector<Described> described(std::int64_t codec) {
-    std::vector<Described> all;
-    if (codec == kTraceCodec) {
-        for (const TraceColumn& c : trace_columns()) {
-            all.push_back({std::string(c.name), std::string(c.type), std::string(c.unit)});
-        }
-    } else {
-        for (const StoredColumn& c : stored_columns()) {
-            all.push_back({std::string(c.name), std::string(c.type), std::string(c.unit), c.scale,
-                           std::string(to_string(c.rule)), std::string(part_name(c.part))});
-        }
-    }
-    return all;
-}
-
-/// A codec is described where a session of the present schema was made, or an older one was brought up to it.
 void check_columns(Database& database, Findings& findings) {
-    const bool before_5 = database.schema() < 5;
-    std::size_t known = 0;
-    for (const std::int64_t codec : {kTraceCodec, kTraceCodec2}) {
-        const auto columns = described(codec);
-        const auto rows = rows_of(
-            database, "SELECT * FROM trace_column WHERE codec = ?1 ORDER BY position", codec);
-        known += rows.size();
-        const bool used =
-            !rows_of(database, "SELECT 1 AS n FROM trace_chunk WHERE codec = ?1 LIMIT 1", codec)
-                 .empty();
-        if (rows.size() != columns.size() && (used || !rows.empty())) {
-            findings.differs("trace_column", protocols::counted(rows.size(), "row"),
-                             protocols::counted(columns.size(), "row"));
-        }
-        for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
-            findings.expect("trace_column", "position", rows[i], static_cast<std::int64_t>(i));
-            findings.expect("trace_column", "name", rows[i], columns[i].name);
-            findings.expect("trace_column", "type", rows[i], columns[i].type);
-            findings.expect("trace_column", "unit", rows[i], columns[i].unit);
-            if (!before_5) {
-                findings.expect("trace_column", "scale", rows[i], columns[i].scale);
-                findings.expect("trace_column", "rule", rows[i], columns[i].rule);
-                findings.expect("trace_column", "part", rows[i], columns[i].part);
-            }
-        }
+    const auto columns = stored_columns();
+    const auto rows = rows_of(database, "SELECT * FROM trace_column ORDER BY codec, position");
+    if (rows.size() != columns.size()) {
+        findings.differs("trace_column", protocols::counted(rows.size(), "row"),
+                         protocols::counted(columns.size(), "row"));
     }
-    const auto all =
-        rows_of(database, "SELECT count(*) AS n FROM trace_column").front().integer("n");
-    if (all == 0 || all != static_cast<std::int64_t>(known)) {
-        findings.differs("trace_column", protocols::counted(all, "row"),
-                         all == 0 ? "the columns of a codec" : "rows of known codecs alone");
+    for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
+        const auto expect = [&](std::string_view column, const Value& value) {
+            findings.expect("trace_column", column, rows[i], value);
+        };
+        expect("codec", kTraceCodec);
+        expect("position", static_cast<std::int64_t>(i));
+        expect("name", std::string(columns[i].name));
+        expect("type", std::string(columns[i].type));
+        expect("unit", std::string(columns[i].unit));
+        expect("scale", columns[i].scale);
+        expect("rule", std::string(to_string(columns[i].rule)));
+        expect("part", std::string(part_name(columns[i].part)));
     }
 }
 
@@ -154,9 +115,7 @@ Verification verify(Database& database) {
     Verification found;
     Findings findings(found.file);
     try_to(findings, "integrity_check", [&] { ask_sqlite(database, findings); });
-    if (database.schema() == kSchemaVersion) {
-        try_to(findings, "view", [&] { check_views(database, findings); });
-    }
+    try_to(findings, "view", [&] { check_views(database, findings); });
     try_to(findings, "sqlite_schema", [&] { check_strangers(database, findings); });
     try_to(findings, "session", [&] {
         for (const StoredRow& session : rows_of(database, kSessions)) {

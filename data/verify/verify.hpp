@@ -17,9 +17,6 @@ namespace palpate::data {
 ///   heal_decay; the columns added up from its ticks; object and correct of the answer from its place;
 ///   fault_tick from the trace. Of a simulated answer place and reaction_s too.
 ///
-/// What a session of an older program does not hold is said to be missing, not wrong. Such a session is one
-/// without a build id in session_provenance.
-///
 /// - The chain of hashes (data/store/chain.hpp): any edit of a session's rows that was not followed by
 ///   making all later heads again.
 ///
@@ -28,10 +25,6 @@ namespace palpate::data {
 /// - the last trials, or a whole last session, removed together with what follows from them;
 /// - what was noted of a participant; events after the last head: a mark with its event set, changed or removed,
 ///   a session made unfinished together with its head;
-/// - of sessions from before schema 5, which have no chain: times, kind, device, operator, an answer of a
-///   person changed as a whole; in a chunk packed again with a right crc32 counts, codes, lateness, commands
-///   and flags of the safety chain, and HIP with all that follows from it; a bit of a chunk of codec 1 that
-///   unpacks to the same ticks, where another zlib packed the trial, or it is the only chunk;
 /// - the sign of zero, a bit of an unused page of the file.
 /// Whoever can write the file can also write it consistently: a seal against that is a head kept elsewhere.
 [[nodiscard]] Verification verify(Database& database);

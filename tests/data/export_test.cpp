@@ -159,7 +159,7 @@ TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export
         Database database(file, Access::write);
         database.execute(
             "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns, holds,"
-            " crc32, derived, data) VALUES (1, 1, 0, 1, 2, 1000000, '', 0, 0, x'0102')");
+            " crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102')");
     }
     CHECK_THROWS(data::export_file(file, ExportFormat::csv, {.traces = true}, folder.path() / "t"));
     for (const std::string& name : folder.names()) {

@@ -179,7 +179,7 @@ TEST_CASE(
             "input, answer)"
             " VALUES (1, 0, 'straight', 1, 1.0, 0.0, 'key', 0);"
             "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns, holds,"
-            " crc32, derived, data) VALUES (1, 1, 0, 1, 2, 1000000, '', 0, 0, x'0102');");
+            " crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102');");
         data::add_note(database, 1, "a note");
         database.checkpoint();
     }

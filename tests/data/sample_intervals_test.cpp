@@ -2,8 +2,7 @@
 #include <iterator>
 
 #include "data/extension/sample_module.hpp"
-#include "data/store/current_copy.hpp"
-#include "data/trace/codec.hpp"
+#include "data/trace/chunk.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
@@ -87,24 +86,4 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
         ticks += both.size();
     }
     CHECK(rows_of(database, "SELECT count(*) FROM sample")[0][0] == std::to_string(ticks));
-}
-
-TEST_CASE("an old file has the ticks of the reader, before and after it is brought up to date",
-          "[sample][law]") {
-    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{4}));
-    CAPTURE(seed);
-    const TemporaryFolder folder;
-    const std::string file = folder.file("old.sqlite");
-    const auto ticks = tests::random_ticks(seed, 700);
-    tests::write_old(file, ticks);
-    data::CurrentCopy copy(file);
-    REQUIRE(data::add_extension(copy.database().handle()) == 0);
-    const auto expected = tests::expected_rows(copy.database(), 1);
-    REQUIRE(expected.size() == ticks.size());
-    require_same(rows_of(copy.database(), "SELECT * FROM sample WHERE trial_id = 1"), expected);
-    data::Database old(file, data::Access::read);
-    REQUIRE(data::add_extension(old.handle()) == 0);
-    CHECK(rows_of(old, "SELECT user_version FROM pragma_user_version")[0][0] == "4");
-    require_same(rows_of(old, "SELECT * FROM sample WHERE trial_id = 1"), expected);
-    CHECK(rows_of(old, "SELECT * FROM sample WHERE trial_id = 1 AND interval = 2").empty());
 }

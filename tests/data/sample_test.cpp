@@ -228,24 +228,3 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
     CHECK(rows_of(database, "SELECT * FROM sample WHERE trial_id = 3 AND interval = 2").size() ==
           once.size());
 }
-
-TEST_CASE("files of older schemas have the same table", "[sample][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("old.sqlite");
-    const auto ticks = tests::random_ticks(3, 600);
-    tests::write_old(file, ticks);
-    Opened database(file);
-    const auto rows =
-        rows_of(database, "SELECT tick, x_m, fn_n, mode, interval FROM sample WHERE trial_id = 1");
-    REQUIRE(rows.size() == ticks.size());
-    const auto alone =
-        rows_of(database, "SELECT x_m FROM sample WHERE tick >= 300 ORDER BY trial_id, t_s");
-    REQUIRE(alone.size() == 300);
-    for (std::size_t i = 0; i < ticks.size(); ++i) {
-        REQUIRE(rows[i][0] == std::to_string(ticks[i].tick));
-        REQUIRE(rows[i][1] == tests::exactly(ticks[i].hip.x));
-        REQUIRE(rows[i][2] == tests::exactly(ticks[i].normal_force));
-        REQUIRE((i < 300 || alone[i - 300][0] == rows[i][1]));
-        REQUIRE(rows[i][4] == "1");
-    }
-}

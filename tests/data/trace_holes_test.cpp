@@ -1,6 +1,6 @@
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "data/trace/codec.hpp"
+#include "data/trace/chunk.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"

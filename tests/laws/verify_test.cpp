@@ -280,38 +280,6 @@ TEST_CASE(
     CHECK(check_edits(database, result_columns(database, {"trial"}), 100, 6) > 60);
 }
 
-TEST_CASE("what an older program did not store is missing, not wrong", "[verify][law]") {
-    const TemporaryFolder folder;
-    write_protocol(folder.file("p.toml"));
-    const std::string file = folder.file("a.sqlite");
-    REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
-    data::Database(file, data::Access::write)
-        .execute(
-            "DELETE FROM session_provenance WHERE key NOT IN ('palpate', 'kernel', 'calibration',"
-            " 'calibration sha256');"
-            "UPDATE trial SET contact_episodes = NULL, worst_episode_j = NULL, skipped_ticks = "
-            "NULL,"
-            " slewed_ticks = NULL, stale_ticks = NULL;"
-            "UPDATE trial SET chain = NULL, chain_events = NULL;"
-            "UPDATE session SET plan_sha256 = printf('%064d', 1), chain = NULL, chain_events = "
-            "NULL,"
-            " uuid = substr(uuid, 1, 14) || '8' || substr(uuid, 16)");
-    const Finished verified = palpate_command({"verify", file});
-    CAPTURE(verified.out, verified.error);
-    CHECK(verified.code == 0);
-    CHECK_THAT(verified.out, ContainsSubstring("missing  trial 1, trial.worst_episode_j") &&
-                                 ContainsSubstring("drew this order in another way") &&
-                                 ContainsSubstring("Nothing differs."));
-    data::Database(file, data::Access::write).execute("UPDATE trial SET energy_j = 1 WHERE id = 2");
-    CHECK(palpate_command({"verify", file}).code == 1);
-
-    const std::string old = folder.file("old.sqlite");  // of schema 2, without a session
-    std::string sql = "\n";  // or its first comment would look like an option
-    sql += bytes_of(PALPATE_SOURCE_DIR "/tests/golden/schema_2.sql");
-    REQUIRE(tests::Process({"sqlite3", old, sql}).wait().code == 0);
-    CHECK(palpate_command({"verify", old}).code == 0);
-}
-
 TEST_CASE(
     "a difference is told with trial, column, stored and recomputed value, other files with 2",
     "[verify][cli]") {

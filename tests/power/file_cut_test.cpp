@@ -15,7 +15,6 @@
 #include "data/sync/merge.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/old_database.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
@@ -87,38 +86,7 @@ std::string hash_of(const std::string& file) {
     return data::content_hash(database);
 }
 
-std::string dump(const std::string& file) {
-    return tests::Process({"sqlite3", "-readonly", file, ".dump"}).wait().out;
-}
-
 }  // namespace
-
-TEST_CASE(
-    "a power cut while a file is brought up to date leaves the old one, or the new one and the "
-    "copy of the old",
-    "[power][law]") {
-    const TemporaryFolder folder;
-    tests::write_old(folder.file("old.sqlite"), 4);
-    const std::string old = dump(folder.file("old.sqlite"));
-    const auto work = [&] {
-        const Database database(folder.file("old.sqlite"), Access::write);
-    };
-    const auto check = [&](const TemporaryFolder& left, bool done) {
-        const std::string file = left.file("old.sqlite");
-        std::string kept;
-        {
-            Database database(file, Access::write);
-            CHECK(lines(database, "PRAGMA integrity_check") == "ok \n");
-            CHECK(database.schema() == data::kSchemaVersion);
-            CHECK(lines(database, "SELECT trial, ticks_kept FROM fault") == "1 0 \n");
-            CHECK(lines(database, "SELECT object, curvature_per_m FROM plan") == "o -2.5 \n");
-            CHECK((!done || database.backup().empty()));
-            kept = database.backup();
-        }
-        CHECK(dump(kept.empty() ? file + ".schema4.backup" : kept) == old);
-    };
-    cut_everywhere(folder, work, check, 1);
-}
 
 TEST_CASE(
     "a power cut while files are merged leaves a whole file, and merging again gives the same",

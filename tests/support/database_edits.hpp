@@ -142,7 +142,7 @@ inline void repack(data::Database& database,
     auto* bytes = reinterpret_cast<std::byte*>(&tick) + column.offset;
     bytes[random.below(static_cast<int>(column.size))] ^=
         std::byte{1} << random.below(column.name == "mode" ? 2 : 8);
-    const data::EncodedChunk2 chunk =
+    const data::EncodedChunk chunk =
         data::encode_chunk(ticks, old.integer(1), old.integer(3), data::kAllParts);
     database
         .prepare(

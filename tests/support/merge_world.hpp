@@ -80,7 +80,7 @@ private:
             .prepare(
                 "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns,"
                 " holds, crc32, derived, data) SELECT ?1, 1, coalesce(max(first_tick), -256) + 256,"
-                " 256, 2, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial = ?1")
+                " 256, 1, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial = ?1")
             .bind(1, trial)
             .bind(2, std::span<const std::byte>(bytes))
             .run();

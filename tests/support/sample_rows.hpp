@@ -13,7 +13,7 @@
 #include "data/extension/sample_module.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"
-#include "data/trace/codec.hpp"
+#include "data/trace/chunk.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -74,38 +74,6 @@ inline std::string error_of(data::Database& database, const std::string& sql) {
         return e.what();
     }
     return {};
-}
-
-/// A file of schema 4 whose trial 1 has these ticks.
-inline void write_old(const std::string& file, const std::vector<engine::TickRecord>& ticks) {
-    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/schema_4.sql");
-    std::string sql = "\n";
-    sql.append(std::istreambuf_iterator<char>(in), {});
-    const std::string hash = "'" + std::string(64, 'a') + "'";
-    sql += "INSERT INTO study VALUES (1, 's', 't', " + hash +
-           ", ''); INSERT INTO participant (id, code) VALUES (1, 'P1');"
-           "INSERT INTO session (id, study, participant, number, kind, seed, plan_sha256, shuffles,"
-           " device, rate_hz, stiffness_n_per_m, started_utc) VALUES (1, 1, 1, 1, 'real', '7', " +
-           hash +
-           ", 1, 'd', 1000, 1000, '2026-01-31T12:34:56.789Z');"
-           "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s,"
-           " mu_d, break_before) VALUES (1, 0, 'main', 'o', -2.5, 'f', 0.7, 0.5, 0);"
-           "INSERT INTO trial (id, session, position, attempt, outcome, slip_decay, heal_decay,"
-           " started_utc) VALUES (1, 1, 0, 1, 'complete', 0, 0, '');";
-    for (std::size_t first = 0; first < ticks.size(); first += 256) {
-        const auto part =
-            std::span(ticks).subspan(first, std::min<std::size_t>(256, ticks.size() - first));
-        const data::EncodedChunk chunk = data::encode(part);
-        std::string hex;
-        for (const std::byte byte : chunk.data) {
-            hex += fmt::format("{:02x}", static_cast<unsigned>(byte));
-        }
-        sql += fmt::format("INSERT INTO trace_chunk VALUES (1, {}, {}, 1, {}, x'{}');\n", first,
-                           part.size(), chunk.crc32, hex);
-    }
-    const std::string script = file + ".sql";
-    std::ofstream(script) << sql;
-    REQUIRE(Process({"sqlite3", file, ".read " + script}).wait().code == 0);
 }
 
 /// As if trial 3 of the demo had had a second interval, with the same ticks.

@@ -6,6 +6,7 @@
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/format/protocol_file.hpp"
+#include "protocols/running/object_hash.hpp"
 #include "protocols/running/recorder.hpp"
 #include "data/store/session_store.hpp"
 #include "tests/support/random.hpp"
@@ -43,7 +44,7 @@ inline data::SessionSpec session_spec(const protocols::Protocol& protocol,
     spec.seed = protocol.seed;
     spec.plan = protocols::make_plan(protocol, spec.protocol_hash, spec.key, spec.seed);
     spec.device = "test";
-    spec.provenance = {{"palpate", "test"}};
+    spec.provenance = protocols::object_hashes(protocol);
     return spec;
 }
 

@@ -46,7 +46,6 @@ int demo_command(const DemoOptions& options) {
         spec.screen.speed = kWindowSpeed;
     }
     data::Database database(options.database, data::Access::write);
-    say_backup(database);
     spec.key.participant = kParticipant;
     const auto last = data::latest_session(database, spec.study.protocol.id, kParticipant);
     if (last) {  // a finished demo is followed by another session, an unfinished one goes on

@@ -8,10 +8,6 @@ namespace palpate::ui {
 
 int merge_command(const MergeOptions& options) {
     const data::MergeReport done = data::merge_files(options.database, options.inputs);
-    if (!done.backup.empty()) {
-        fmt::print("{} was brought up to date; a copy of it before that is {}.\n", options.database,
-                   done.backup);
-    }
     fmt::print("{}: {} new, {} went on, {} as before.\n", options.database,
                protocols::counted(done.added, "session"), done.extended, done.same);
     for (const data::MergeConflict& conflict : done.conflicts) {

@@ -49,7 +49,6 @@ int note_command(const NoteOptions& options) {
     check_participant(options.participant);
     require_text(options.text, "TEXT");
     data::Database database = open_there(options.database);
-    say_backup(database);
     const data::SessionRow session = session_of(database, options);
     data::add_note(database, session.id, options.text);
     fmt::print("Noted in session {} of {}, study {}.\n", session.number, options.participant,
@@ -60,7 +59,6 @@ int note_command(const NoteOptions& options) {
 int mark_command(const MarkOptions& options) {
     require_text(options.reason, "the reason of --invalid");
     data::Database database = open_there(options.database);
-    say_backup(database);
     const bool finished = data::mark_invalid(database, options.trial, options.reason);
     fmt::print("Trial {} does not count any more; its answer is kept. {}\n", options.trial,
                finished ? "Its session is finished: it is not run again."

@@ -52,7 +52,6 @@ int participant_command(const ParticipantOptions& options) {
         const data::Database there(options.database, data::Access::read);
     }
     data::Database database(options.database, data::Access::write);  // of an older schema, too
-    say_backup(database);
     const bool known = data::find_participant(database, options.participant).has_value();
     if (known == options.registers) {
         throw std::invalid_argument(fmt::format(

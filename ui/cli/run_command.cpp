@@ -143,7 +143,6 @@ int run_command(const RunOptions& options) {
     spec.recordings =
         load_recordings(spec.device);  // what is missing is said before a file is made
     data::Database database(options.database, data::Access::write);
-    say_backup(database);
     const SessionChoice choice =
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;

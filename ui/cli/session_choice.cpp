@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "ui/cli/say.hpp"
-
 namespace palpate::ui {
 
 void check_participant(const std::string& id, std::string_view word) {
@@ -14,13 +12,6 @@ void check_participant(const std::string& id, std::string_view word) {
     if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
         throw std::invalid_argument(fmt::format(
             "{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", word, id));
-    }
-}
-
-void say_backup(const data::Database& database) {
-    if (!database.backup().empty()) {
-        warn("{}: made by an older palpate and brought up to date; as it was, it is kept as {}",
-             database.file(), database.backup());
     }
 }
 

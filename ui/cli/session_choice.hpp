@@ -14,9 +14,6 @@ namespace palpate::ui {
 /// @throws std::invalid_argument unless the id is 1 to 64 letters, digits, - or _
 void check_participant(const std::string& id, std::string_view word = "--participant");
 
-/// Says where a file of an older schema was copied to before it was changed; nothing if it was not.
-void say_backup(const data::Database& database);
-
 /// Which session of which seed is meant.
 struct SessionChoice {
     protocols::SessionKey key;

@@ -96,7 +96,7 @@ private:
 
 /// The chunks of one trial in memory.
 struct Chunks {
-    std::vector<data::EncodedChunk2> encoded;
+    std::vector<data::EncodedChunk> encoded;
     std::vector<data::ChunkView> views;
 };
 
@@ -105,9 +105,9 @@ Chunks encode_all(const std::vector<TickRecord>& ticks,
                   std::int64_t period_ns) {
     Chunks chunks;
     data::Retrace retrace(simulated_machine().pantograph, &scene);
-    for (std::size_t first = 0; first < ticks.size(); first += data::kChunk2Ticks) {
+    for (std::size_t first = 0; first < ticks.size(); first += data::kChunkTicks) {
         const auto part =
-            std::span(ticks).subspan(first, std::min(data::kChunk2Ticks, ticks.size() - first));
+            std::span(ticks).subspan(first, std::min(data::kChunkTicks, ticks.size() - first));
         std::uint8_t parts = 0;
         for (const TickRecord& tick : part) {
             parts = static_cast<std::uint8_t>(parts | retrace.parts(tick));
@@ -145,7 +145,7 @@ Own measure_own(const MadeStudy& study, const std::vector<std::vector<TickRecord
         const Chunks chunks = encode_all(made[i], scene, period_ns);
         encode += seconds_since(start);
 
-        std::vector<std::int64_t> values(data::kChunk2Ticks);
+        std::vector<std::int64_t> values(data::kChunkTicks);
         const auto before = Clock::now();
         for (const data::ChunkView& view : chunks.views) {
             read_stored(view, data::Stored::hip_x, std::span(values).first(view.ticks));
