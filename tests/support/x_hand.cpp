@@ -35,7 +35,9 @@ struct XHand::Connection {
         return errors.exchange(0) == 0;
     }
     void send(const std::string& name, bool down) const {
-        const KeyCode code = XKeysymToKeycode(display, XStringToKeysym(name.c_str()));
+        const KeyCode code = name.starts_with('#')
+                               ? static_cast<KeyCode>(std::stoi(name.substr(1)))
+                               : XKeysymToKeycode(display, XStringToKeysym(name.c_str()));
         if (code == 0) {
             throw std::invalid_argument("no key " + name);
         }

@@ -36,7 +36,9 @@ public:
 
     void move(int x, int y);
     void click();
-    void key(const std::string& name);  ///< X keysym name: "space", "1", "Right", ...
+    /// @param name  X keysym name: "space", "1", "Right", ...; or the number of a key of Linux's evdev and 8, as
+    ///              "#33": the place on the keyboard, whatever layout it has
+    void key(const std::string& name);
     /// With the control and the shift key held.
     void chord(const std::string& name);
     void press(const std::string& name);  ///< and holds it

@@ -21,6 +21,20 @@ bool is_release(const SDL_Event& event) {
            (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_FOCUS_LOST);
 }
 
+/// The key that whoever pressed it means, on any keyboard layout: a digit by its place too, since French
+/// layouts ask for Shift there, and a letter by its place where the layout has no Latin ones.
+SDL_Keycode meant_by(const SDL_Keysym& key) {
+    const bool digit = key.sym >= SDLK_1 && key.sym <= SDLK_9;
+    if (!digit && key.scancode >= SDL_SCANCODE_1 && key.scancode <= SDL_SCANCODE_9) {
+        return SDLK_1 + (key.scancode - SDL_SCANCODE_1);
+    }
+    const bool other_script = key.sym > 0x7f && (key.sym & SDLK_SCANCODE_MASK) == 0;
+    if (other_script && key.scancode >= SDL_SCANCODE_A && key.scancode <= SDL_SCANCODE_Z) {
+        return SDLK_a + (key.scancode - SDL_SCANCODE_A);
+    }
+    return key.sym;
+}
+
 }  // namespace
 
 Stage::Stage(const WindowOptions& window,
@@ -170,7 +184,7 @@ Input Stage::next(int wait_ms) {
         }
         Input input;
         if (event.type == SDL_KEYDOWN) {
-            input = key(event.key.keysym.sym, event.key.keysym.mod, event.key.repeat != 0);
+            input = key(meant_by(event.key.keysym), event.key.keysym.mod, event.key.repeat != 0);
         } else if (is_release(event)) {
             input = {.kind = Input::Kind::release};
         } else if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT) {

@@ -1,0 +1,51 @@
+#include <csignal>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+
+namespace {
+
+/// Places on a keyboard: evdev's number and 8.
+constexpr const char* kDigit2 = "#11";
+constexpr const char* kLetterP = "#33";
+constexpr const char* kLetterQ = "#24";
+constexpr const char* kLetterY = "#29";
+
+}  // namespace
+
+// The French layout has signs where others have digits, the Russian one no Latin letter at all.
+TEST_CASE("answers and the experimenter's chords are heard on every keyboard layout",
+          "[window][law]") {
+    const char* layout = GENERATE("fr", "ru");
+    CAPTURE(layout);
+    const tests::TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    tests::WindowSession session(
+        {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",
+         file, "--device", "mouse", "--kind", "pilot"},
+        file);
+    session.wait_for_screen("welcome");
+    REQUIRE(
+        tests::Process({"setxkbmap", "-display", session.screen().display(), layout}).wait().code ==
+        0);
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    session.press_at("question", kDigit2);
+    session.wait_until("SELECT place FROM response", "1");
+    session.wait_for_screen("ready");
+    session.hand().chord(kLetterP);
+    session.wait_for_screen("pause");
+    session.hand().chord(kLetterP);
+    session.wait_for_screen("ready");
+    session.hand().chord(kLetterQ);
+    // On a French keyboard that place is A: the letter that it shows is what counts there.
+    if (std::string(layout) == "fr") {
+        session.hand().chord("#38");
+    }
+    session.hand().key(kLetterY);
+    CHECK(session.finish().code == 3);
+    CHECK(session.ask("SELECT count(*) FROM event WHERE kind = 'pause'") == "1");
+}
