@@ -21,13 +21,9 @@ bool is_release(const SDL_Event& event) {
            (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_FOCUS_LOST);
 }
 
-/// The key that whoever pressed it means, on any keyboard layout: a digit by its place too, since French
-/// layouts ask for Shift there, and a letter by its place where the layout has no Latin ones.
+/// The key that whoever pressed it means, on any keyboard layout: a letter by its place where the layout has
+/// no Latin ones. (Digits that need Shift, as on French layouts, SDL takes by their place itself.)
 SDL_Keycode meant_by(const SDL_Keysym& key) {
-    const bool digit = key.sym >= SDLK_1 && key.sym <= SDLK_9;
-    if (!digit && key.scancode >= SDL_SCANCODE_1 && key.scancode <= SDL_SCANCODE_9) {
-        return SDLK_1 + (key.scancode - SDL_SCANCODE_1);
-    }
     const bool other_script = key.sym > 0x7f && (key.sym & SDLK_SCANCODE_MASK) == 0;
     if (other_script && key.scancode >= SDL_SCANCODE_A && key.scancode <= SDL_SCANCODE_Z) {
         return SDLK_a + (key.scancode - SDL_SCANCODE_A);
