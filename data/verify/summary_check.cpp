@@ -75,9 +75,10 @@ void check_movement(const StoredRow& trial,
     findings.expect("trial", "after_vertex_ticks", trial, sum.after_vertex_ticks);
 }
 
+/// @param pressed  somebody may have said done, also in a trial that was aborted or faulted later
 void check_done(std::string_view table,
                 const StoredRow& row,
-                bool complete,
+                bool pressed,
                 std::int64_t felt,
                 std::int64_t period_ns,
                 bool exact,
@@ -93,7 +94,7 @@ void check_done(std::string_view table,
     } else {
         at_least_0("done_s");
     }
-    if (exact || !complete) {
+    if (exact || !pressed) {
         findings.expect(table, "done_uncertainty_s", row, 0.0);
     } else {
         at_least_0("done_uncertainty_s");
@@ -196,7 +197,8 @@ void check_summary(const SessionFrame& frame,
             felt_ticks(frame, row, last && outcome == "faulted", trace, findings);
         const protocols::TrialSummary one = summary_of(frame, trace, felt);
         check_shared("presentation", row, one, findings);
-        check_done("presentation", row, outcome == "complete", felt, period_ns,
+        const bool pressed = outcome != "timed_out" || intervals.size() > 1;
+        check_done("presentation", row, pressed, felt, period_ns,
                    answered_by_numbers && on_virtual_clock(trace), findings);
         sum = i == 0 ? one : together(sum, one);
     }

@@ -60,6 +60,7 @@ enum class Signal : std::uint8_t {
     done,     ///< explore: the participant pressed done
     abort,    ///< the experimenter (two steps) or the operating system ends the session
     give_up,  ///< trouble: nobody will mend it
+    held_up,  ///< ready: nobody began; the desk wants something first
 };
 
 /// How an answer was given.
@@ -124,7 +125,7 @@ public:
     /// Before the first trial of a run: instructions.
     [[nodiscard]] virtual Signal welcome(const SessionView& session) = 0;
     /// Blocks until the participant is at the start and begins. Called before each interval of a trial.
-    /// go_on or abort.
+    /// go_on, abort, or before the first interval held_up.
     [[nodiscard]] virtual Signal ready(const TrialView& trial) = 0;
     /// Called again and again while the object is felt; must return within a few ms.
     /// @param elapsed_s time since the trial's first tick, on the servo's clock

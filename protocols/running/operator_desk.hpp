@@ -10,10 +10,11 @@ class OperatorDesk {
 public:
     /// The running trial, or the last one where none is, shall not count.
     void mark() noexcept { mark_ = true; }
-    /// Wait before the next trial; asked for again: go on.
-    void pause() noexcept { pause_ = true; }
+    /// Wait before the next trial; asked for again: go on, or do not wait after all.
+    void pause() noexcept { pause_ = !pause_; }
 
     [[nodiscard]] bool wants() const noexcept { return mark_ || pause_; }
+    [[nodiscard]] bool wants_pause() const noexcept { return pause_; }
     [[nodiscard]] bool take_mark() noexcept { return std::exchange(mark_, false); }
     [[nodiscard]] bool take_pause() noexcept { return std::exchange(pause_, false); }
 

@@ -54,12 +54,13 @@ TrialView TrialRunner::view_of(const PlannedTrial& planned, std::size_t number) 
             .explore_timeout_s = protocol_.timing.explore_timeout};
 }
 
-/// The participant is at the start of an interval. @return false: the session ends
-bool TrialRunner::begin(const TrialView& view) {
+/// The participant is at the start of an interval. @return go_on, abort, or held_up
+Signal TrialRunner::begin(const TrialView& view) {
     if (view.interval > 1 && ports_.observer.gap(protocol_.timing.gap) == Signal::abort) {
-        return false;
+        return Signal::abort;
     }
-    return ports_.observer.ready(view) != Signal::abort && !ports_.interrupted();
+    const Signal signal = ports_.observer.ready(view);
+    return ports_.interrupted() ? Signal::abort : signal;
 }
 
 TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
@@ -67,12 +68,9 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     const std::vector<Presentation> felt =
         presentations_of(protocol_, planned, stimulus_for(protocol_, planned, runs_));
     view.intervals = felt.size();
-    if (!begin(view)) {
-        result.outcome = Outcome::aborted;
-        result.begun = false;
-        return result;
-    }
-    if (ports_.desk != nullptr && ports_.desk->wants()) {
+    const Signal begun = begin(view);
+    if (begun != Signal::go_on || (ports_.desk != nullptr && ports_.desk->wants())) {
+        result.outcome = begun == Signal::abort ? Outcome::aborted : result.outcome;
         result.begun = false;
         return result;
     }
@@ -80,7 +78,7 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     bool timed_out = false;
     for (const Presentation& one : felt) {
         view.interval = one.interval;
-        if (one.interval > 1 && !begin(view)) {
+        if (one.interval > 1 && begin(view) != Signal::go_on) {
             result.outcome = Outcome::aborted;
             break;
         }
@@ -116,6 +114,7 @@ void TrialRunner::feel(TrialId id,
                        TrialResult& result) {
     meter_ = TrialMeter(protocol_.apparatus.stiffness);
     tripped_s_.reset();
+    result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
     {
         Felt force(ports_.apparatus, scene, planned, felt.interval);
         explore(id, view, result);

@@ -34,7 +34,7 @@ public:
     [[nodiscard]] TrialView view_of(const PlannedTrial& planned, std::size_t number) const;
 
 private:
-    [[nodiscard]] bool begin(const TrialView& view);
+    [[nodiscard]] Signal begin(const TrialView& view);
     void feel(TrialId id,
               const PlannedTrial& planned,
               const Presentation& felt,
