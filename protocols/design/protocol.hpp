@@ -239,6 +239,7 @@ inline constexpr std::size_t kLanguageCount = 2;
 struct InstructionTexts {
     std::string welcome;  ///< before the first trial: what the study is about to ask
     std::string ready;    ///< before each trial: what to do now
+    std::string explore;  ///< while an object is felt: how to go about it
     std::string choose;   ///< the question above the answers
     std::string rest;     ///< in a break; the key is "break"
     std::string end;      ///< after the last trial

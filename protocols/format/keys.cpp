@@ -201,6 +201,8 @@ constexpr std::array kInstructions{
                           .meaning = "before the first trial"},
     Key<InstructionTexts>{.name = "ready", .member = &InstructionTexts::ready, .text = Text::lines, .late = true,
                           .meaning = "before every trial"},
+    Key<InstructionTexts>{.name = "explore", .member = &InstructionTexts::explore, .text = Text::lines, .late = true,
+                          .meaning = "while an object is felt"},
     Key<InstructionTexts>{.name = "choose", .member = &InstructionTexts::choose, .text = Text::lines, .late = true,
                           .meaning = "the question above the answers"},
     Key<InstructionTexts>{.name = "break", .member = &InstructionTexts::rest, .text = Text::lines, .late = true,

@@ -48,13 +48,14 @@ TEST_CASE("instructions are read by language, with their line breaks, and writte
     const Protocol protocol = parse_protocol(
         study() +
             "[instructions.en]\nwelcome = \"One.\\n\\nTwo \\\"quoted\\\".\"\nready = \"r\"\n"
+            "explore = \"x\"\n"
             "choose = \"c\"\nbreak = \"b\"\nend = \"e\"\n"
             "[instructions.tr]\nwelcome = '''\nGöremediğiniz nesneler.\nİkinci satır.'''\n",
         "p");
     const InstructionTexts& english = protocol.instructions[0];
     CHECK(english.welcome == "One.\n\nTwo \"quoted\".");
-    CHECK((english.ready == "r" && english.choose == "c" && english.rest == "b" &&
-           english.end == "e"));
+    CHECK((english.ready == "r" && english.explore == "x" && english.choose == "c" &&
+           english.rest == "b" && english.end == "e"));
     CHECK(protocol.instructions[1].welcome == "Göremediğiniz nesneler.\nİkinci satır.");
     CHECK(protocol.instructions[1].ready.empty());
     CHECK(parse_protocol(to_toml(protocol), "again") == protocol);

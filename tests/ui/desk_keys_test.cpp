@@ -52,7 +52,7 @@ TEST_CASE("the experimenter marks a trial in two steps, on every screen of it", 
     {
         const Later experimenter(mark);
         CHECK(rig.screen.ready(kTrial) ==
-              Signal::go_on);  // at once: the session takes it from here
+              Signal::held_up);  // at once: the session takes it from here
         CHECK(rig.desk.take_mark());
     }
     static_cast<void>(rig.screen.explore(kTrial, 0.0));
@@ -128,7 +128,7 @@ TEST_CASE("a pause lasts until the experimenter ends it, and Space does not",
     Rig rig;
     {
         const Later experimenter([] { press(SDLK_p, kChord); });
-        CHECK(rig.screen.ready(kTrial) == Signal::go_on);
+        CHECK(rig.screen.ready(kTrial) == Signal::held_up);
         CHECK(rig.desk.take_pause());
     }
     {

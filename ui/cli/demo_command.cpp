@@ -8,6 +8,7 @@
 #include "ui/cli/rig.hpp"
 #include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/subject/display.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -61,6 +62,9 @@ int demo_command(const DemoOptions& options) {
     const RigEnd end = run_rig(database, spec);
     if (end.session.why == protocols::SessionEnd::Why::faulted) {
         throw std::runtime_error(given_up_text(end.session));
+    }
+    if (end.session.why == protocols::SessionEnd::Why::aborted && display_lost()) {
+        throw std::runtime_error(display_lost_text(end.session));
     }
     if (end.session.why != protocols::SessionEnd::Why::finished) {
         say("Stopped before trial {}; the same command goes on there. Data: {}\n",

@@ -23,6 +23,13 @@ std::string fault_text(const protocols::Fault& fault) {
     return fmt::format("  fault: {}; runs again later in its block", what);
 }
 
+std::string display_lost_text(const protocols::SessionEnd& end) {
+    return fmt::format(
+        "the display is gone. The force is off and what was recorded is kept; where a display "
+        "works again, the same command goes on at trial {}",
+        end.next + 1);
+}
+
 std::string given_up_text(const protocols::SessionEnd& end) {
     const std::string after =
         end.tries > 0 ? protocols::counted(end.tries, "try", "tries") + " to reach the device again"

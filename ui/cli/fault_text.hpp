@@ -14,6 +14,9 @@ namespace palpate::ui {
 ///     later in its block
 [[nodiscard]] std::string fault_text(const protocols::Fault& fault);
 
+/// A session that ended because its display did, and how it goes on.
+[[nodiscard]] std::string display_lost_text(const protocols::SessionEnd& end);
+
 /// Why a session was given up with SessionEnd::Why::faulted, and how it goes on.
 [[nodiscard]] std::string given_up_text(const protocols::SessionEnd& end);
 

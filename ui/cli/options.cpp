@@ -21,7 +21,12 @@ constexpr const char* kCalibrationWords =
 void add_screen(CLI::App& command, ScreenOptions& screen) {
     command.add_flag("--headless", screen.headless,
                      "No window: the simulated observer answers (so does it without a display)");
-    command.add_flag("--fullscreen", screen.fullscreen, "The subject's window fills the display");
+    CLI::Option* whole = command.add_flag("--fullscreen", screen.fullscreen,
+                                          "The subject's window fills the display");
+    command
+        .add_flag("--windowed", screen.windowed,
+                  "It does not; without either word it does in real sessions")
+        ->excludes(whole);
     command.add_option("--font", screen.font, "A TrueType font for the subject's screen");
     command
         .add_option(
@@ -157,6 +162,12 @@ void add_screenshots(CLI::App& app, Options& chosen) {
     command
         ->add_option("--protocol", shots.protocol,
                      "Whose pictures and instructions to show: a protocol file or a shipped one")
+        ->capture_default_str();
+    command->add_option("--width", shots.width, "Of the pictures, pixels")
+        ->check(CLI::Range(480, 7680))
+        ->capture_default_str();
+    command->add_option("--height", shots.height, "Of the pictures, pixels")
+        ->check(CLI::Range(480, 7680))
         ->capture_default_str();
     command->add_option("--font", shots.font, "A TrueType font");
     command->add_option("--language", shots.language, "Of the sentences: en or tr")

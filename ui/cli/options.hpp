@@ -12,8 +12,9 @@ namespace palpate::ui {
 
 /// How a session is shown and paced; shared by run and demo.
 struct ScreenOptions {
-    bool headless = false;  ///< no window: the simulated observer answers
-    bool fullscreen = false;
+    bool headless = false;    ///< no window: the simulated observer answers
+    bool fullscreen = false;  ///< whatever the kind; real sessions are, unless windowed
+    bool windowed = false;
     std::string font;       ///< a TTF file; empty: DejaVu Sans of the system
     double speed = 0.0;     ///< multiple of real time of simulated and replayed hands, 0: default
     bool no_sound = false;  ///< no masking noise, whatever the protocol asks for
@@ -140,6 +141,8 @@ struct ScreenshotOptions {
         "shape_friction";  ///< a file or a shipped one: its pictures, instructions
     std::string directory = ".";
     std::string language = "en";  ///< en, tr
+    int width = 1280;             ///< pixels
+    int height = 800;
     std::string font;
 };
 

@@ -25,6 +25,7 @@
 #include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 #include "ui/sound/masked_observer.hpp"
+#include "ui/subject/display.hpp"
 #include "ui/subject/spectator_screen.hpp"
 #include "ui/subject/subject_screen.hpp"
 
@@ -51,7 +52,8 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
                                     protocols::OperatorDesk& desk) {
     SubjectScreenOptions options;
     options.desk = &desk;
-    options.window.fullscreen = spec.screen.fullscreen;
+    options.window.fullscreen =
+        spec.screen.fullscreen || (spec.kind == data::RunKind::real && !spec.screen.windowed);
     options.window.font = spec.screen.font;
     options.window.language = spec.study.protocol.language;
     options.window.instructions =
@@ -217,7 +219,14 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
 }
 
 bool wants_window(const ScreenOptions& screen) {
-    return !screen.headless && display_available();
+    if (screen.headless) {
+        return false;
+    }
+    const FoundDisplay found = find_display();
+    if (found.state == FoundDisplay::State::broken) {
+        throw std::invalid_argument(found.trouble);
+    }
+    return found.state == FoundDisplay::State::ready;
 }
 
 RigEnd run_rig(data::Database& database, const RigSpec& spec) {
@@ -277,6 +286,9 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                          },
                      .desk = &desk},
                     opened.runs);
+    if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
+        record.event("display lost", "the session ended with it");
+    }
     return {.session = std::move(end), .head = data::chain_head(database, opened.id)};
 }
 

@@ -48,6 +48,7 @@ struct RigEnd {
     const DeviceChoice& device);
 
 /// A window can be opened here and was not declined.
+/// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the session
 [[nodiscard]] bool wants_window(const ScreenOptions& screen);
 
 /// Plans, opens or resumes the session in `database`, and runs it to its end. Prints a line when it

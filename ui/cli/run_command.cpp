@@ -13,6 +13,7 @@
 #include "ui/cli/rig.hpp"
 #include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/subject/display.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -164,6 +165,9 @@ int run_command(const RunOptions& options) {
             say("Finished. Data: {}\n", options.database);
             return 0;
         case protocols::SessionEnd::Why::aborted:
+            if (display_lost()) {
+                throw std::runtime_error(display_lost_text(end.session));
+            }
             say("Stopped before trial {}; the same command goes on there. Data: {}\n",
                 end.session.next + 1, options.database);
             return kExitStopped;

@@ -18,7 +18,9 @@ int screenshots_command(const ScreenshotOptions& options) {
     std::filesystem::create_directories(options.directory);
     for (const std::string& file : write_screenshots(
              options.directory, pictures,
-             {.font = options.font,
+             {.width = options.width,
+             .height = options.height,
+             .font = options.font,
              .language = language,
              .instructions = study.protocol.instructions.at(static_cast<std::size_t>(language))})) {
         fmt::print("{}\n", file);

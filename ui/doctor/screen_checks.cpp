@@ -1,10 +1,9 @@
-#include <cstring>
-
 #include <SDL.h>
 #include <fmt/format.h>
 
 #include "ui/doctor/checks.hpp"
 #include "ui/sound/hush.hpp"
+#include "ui/subject/display.hpp"
 #include "ui/subject/window.hpp"
 
 namespace palpate::ui {
@@ -28,11 +27,6 @@ private:
     bool works_;
 };
 
-bool is_real(const char* driver) {
-    return driver != nullptr && std::strcmp(driver, "dummy") != 0 &&
-           std::strcmp(driver, "disk") != 0;
-}
-
 }  // namespace
 
 Check check_display() {
@@ -44,7 +38,14 @@ Check check_display() {
                     "show it (DISPLAY or WAYLAND_DISPLAY set)",
                 .numbers = {},
                 .picture = {}};
-    if (!display_available()) {
+    const FoundDisplay found = find_display();
+    if (found.state == FoundDisplay::State::none) {
+        return check;
+    }
+    if (found.state == FoundDisplay::State::broken) {
+        check.status = CheckStatus::fail;
+        check.detail = "cannot be opened";
+        check.remedy = found.trouble;
         return check;
     }
     const Subsystem video(SDL_INIT_VIDEO);

@@ -31,7 +31,7 @@ Box box_of(std::span<const protocols::Picture> pictures) {
 
 std::vector<Vec2> on_card(const protocols::Picture& picture, const Box& box, const Card& card) {
     const Vec2 extent = box.hi - box.lo;
-    const double scale = 0.80 * std::min(card.size.x / extent.x, card.size.y / extent.y);
+    const double scale = 0.90 * std::min(card.size.x / extent.x, card.size.y / extent.y);
     std::vector<Vec2> points;
     points.reserve(picture.outline.size());
     for (const Vec2& p : picture.outline) {
@@ -47,13 +47,13 @@ std::vector<Vec2> on_card(const protocols::Picture& picture, const Box& box, con
 std::vector<Card> lay_out_cards(std::size_t count, const Vec2& window) {
     const auto n = static_cast<double>(count);
     const double gap = 0.016 * window.x;
-    const double width = std::min((0.94 * window.x - (n - 1.0) * gap) / n, 0.30 * window.x);
-    const double height = std::min(width, 0.5 * window.y);
-    const double left = 0.5 * (window.x - n * width - (n - 1.0) * gap);
+    const double width = (0.96 * window.x - (n - 1.0) * gap) / n;
+    const double height = std::min(width, 0.46 * window.y);
+    const double left = 0.02 * window.x;
     std::vector<Card> cards;
     for (std::size_t i = 0; i < count; ++i) {
         cards.push_back(
-            {Vec2{left + static_cast<double>(i) * (width + gap), 0.5 * (window.y - height)},
+            {Vec2{left + static_cast<double>(i) * (width + gap), 0.49 * window.y - 0.5 * height},
              Vec2{width, height}});
     }
     return cards;
@@ -90,7 +90,7 @@ void draw_pictures(Window& window,
             window.triangles(stroke(outline, std::max(3.0, 0.018 * card.size.x)), kOutline);
         });
         window.text(fmt::format("{}", i + 1),
-                    {card.centre().x, card.corner.y + card.size.y + 1.5 * type}, 1.3 * type,
+                    {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
                     chosen ? kAccent : kText);
     }
 }

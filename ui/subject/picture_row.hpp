@@ -21,7 +21,8 @@ struct Card {
     }
 };
 
-/// Cards of `count` pictures side by side in the middle of a window of `window` pixels, all alike.
+/// Cards of `count` pictures side by side in the middle of a window of `window` pixels, all alike and as
+/// wide as it has room for.
 [[nodiscard]] std::vector<Card> lay_out_cards(std::size_t count, const engine::Vec2& window);
 
 /// Which card is at `pixel`.

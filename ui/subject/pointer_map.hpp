@@ -4,20 +4,22 @@
 
 namespace palpate::ui {
 
-/// From pixels of the window to the object's frame: 0.25 mm a pixel, y up, and the middle of the window
-/// is the point (0, 30 mm), so that the whole object and the start pose fit into 800 x 600 pixels.
+/// From pixels of the window to the object's frame: 0.25 mm a unit of the display, y up, and the middle of
+/// the window is the point (0, 30 mm), so that the whole object and the start pose fit into 800 x 600 of
+/// them. A unit is a pixel, or the `scale` pixels that a desktop makes of one where they are small.
 struct PointerMap {
-    static constexpr double kMetresPerPixel = 0.25e-3;
+    static constexpr double kMetresPerUnit = 0.25e-3;
     static constexpr engine::Vec2 kMiddle{0.0, 0.030};
 
     engine::Vec2 window{};  ///< size, pixels
+    double scale = 1.0;     ///< Window::scale()
 
     [[nodiscard]] engine::Vec2 to_object(const engine::Vec2& pixel) const {
         const engine::Vec2 d = pixel - 0.5 * window;
-        return kMiddle + kMetresPerPixel * engine::Vec2{d.x, -d.y};
+        return kMiddle + kMetresPerUnit / scale * engine::Vec2{d.x, -d.y};
     }
     [[nodiscard]] engine::Vec2 to_pixel(const engine::Vec2& object) const {
-        const engine::Vec2 d = (object - kMiddle) / kMetresPerPixel;
+        const engine::Vec2 d = (object - kMiddle) * (scale / kMetresPerUnit);
         return 0.5 * window + engine::Vec2{d.x, -d.y};
     }
 };

@@ -24,7 +24,7 @@ SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScr
     : observer_(observer),
       on_stop_(options.on_stop),
       asks_(options.asks),
-      stage_(options.window, options.watermark, options.interrupted) {}
+      stage_(options.window, options.watermark, options.interrupted, options.desk) {}
 
 Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
     stage_.show(WelcomeFace{
@@ -101,6 +101,10 @@ Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
                     observer_.rest(seconds, next));
 }
 
+Signal SpectatorScreen::pause(const protocols::TrialView& /*next*/) {
+    return or_abort(stage_.pause_or_abort(), Signal::go_on);
+}
+
 std::optional<Signal> SpectatorScreen::trouble(const protocols::TroubleView& view) {
     TroubleFace face{.sentence = view.sentence, .solved = view.solved, .by_chord = false};
     if (in_trouble_ != face) {
@@ -115,6 +119,7 @@ std::optional<Signal> SpectatorScreen::trouble(const protocols::TroubleView& vie
 
 void SpectatorScreen::finish(const protocols::SessionView& session) {
     observer_.finish(session);
+    stage_.close_desk();
     stage_.show(EndFace{});
     static_cast<void>(stage_.wait_or_abort(3.0 * kLook));
 }

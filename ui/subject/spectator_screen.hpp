@@ -23,6 +23,7 @@ public:
                                              bool correct) override;
     [[nodiscard]] protocols::Signal gap(double seconds) override;
     [[nodiscard]] protocols::Signal rest(double seconds, const protocols::TrialView& next) override;
+    [[nodiscard]] protocols::Signal pause(const protocols::TrialView& next) override;
     [[nodiscard]] std::optional<protocols::Signal> trouble(
         const protocols::TroubleView& view) override;
     void finish(const protocols::SessionView& session) override;

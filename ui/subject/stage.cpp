@@ -6,6 +6,7 @@
 #include <SDL.h>
 
 #include "engine/realtime/servo.hpp"
+#include "ui/subject/display.hpp"
 #include "ui/subject/style.hpp"
 
 namespace palpate::ui {
@@ -47,11 +48,35 @@ std::int64_t Stage::show(std::string_view name, std::function<void(Window&)> dra
     face_ = std::move(drawing);
     redraw();
     const std::int64_t shown = monotonic_ns();
-    window_.name_screen(name);
+    if (!display_lost()) {
+        window_.name_screen(name);
+    }
     return shown;
 }
 
+std::string_view Stage::sentence_of(Bar bar) const {
+    const Words& words = window_.words();
+    switch (bar) {
+        case Bar::none:
+            break;
+        case Bar::stop:
+            return words.stop_question;
+        case Bar::mark:
+            return words.mark_question;
+        case Bar::pause_comes:
+            return words.pause_comes;
+        case Bar::no_pause:
+            return words.no_pause;
+        case Bar::over:
+            return words.session_over;
+    }
+    return {};
+}
+
 void Stage::redraw() {
+    if (display_lost()) {
+        return;
+    }
     window_.clear(kBackground);
     if (face_) {
         face_(window_);
@@ -60,15 +85,15 @@ void Stage::redraw() {
         draw_watermark(window_, watermark_);
     }
     if (bar_ != Bar::none) {
-        const Words& words = window_.words();
-        draw_bar(window_, bar_ == Bar::stop   ? words.stop_question
-                          : bar_ == Bar::mark ? words.mark_question
-                                              : words.pause_comes);
+        draw_bar(window_, sentence_of(bar_));
     }
     window_.present();
 }
 
 Forgotten Stage::forget_earlier() {
+    if (display_lost()) {
+        return {};
+    }
     SDL_PumpEvents();
     Forgotten forgotten;
     SDL_Event event;
@@ -86,6 +111,10 @@ void Stage::show_bar(Bar bar) {
     bar_ = bar;
     bar_until_ns_ = monotonic_ns() + kStopQuestionNs;
     redraw();
+}
+
+void Stage::close_desk() {
+    desk_closed_ = true;
 }
 
 void Stage::drop_bar() {
@@ -112,11 +141,13 @@ bool Stage::chord(std::int32_t symbol, std::uint16_t modifiers) {
     }
     if (symbol == SDLK_q) {
         show_bar(Bar::stop);
+    } else if (desk_closed_ && (symbol == SDLK_m || symbol == SDLK_p)) {
+        show_bar(Bar::over);
     } else if (symbol == SDLK_m && desk_ != nullptr) {
         show_bar(Bar::mark);
     } else if (symbol == SDLK_p && desk_ != nullptr) {
         desk_->pause();
-        show_bar(Bar::pause_comes);
+        show_bar(desk_->wants_pause() ? Bar::pause_comes : Bar::no_pause);
     } else {
         return false;
     }
@@ -161,7 +192,7 @@ Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
 Input Stage::next(int wait_ms) {
     const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(wait_ms) * 1'000'000;
     for (;;) {
-        if (interrupted_ && interrupted_()) {
+        if (display_lost() || (interrupted_ && interrupted_())) {
             return {.kind = Input::Kind::abort};
         }
         if (bar_ != Bar::none && monotonic_ns() > bar_until_ns_) {
@@ -184,9 +215,9 @@ Input Stage::next(int wait_ms) {
         } else if (is_release(event)) {
             input = {.kind = Input::Kind::release};
         } else if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT) {
-            input = {.kind = Input::Kind::click, .pixel = {event.button.x, event.button.y}};
+            input = {.kind = Input::Kind::click, .pixel = pixel(event.button.x, event.button.y)};
         } else if (event.type == SDL_MOUSEMOTION) {
-            input = {.kind = Input::Kind::motion, .pixel = {event.motion.x, event.motion.y}};
+            input = {.kind = Input::Kind::motion, .pixel = pixel(event.motion.x, event.motion.y)};
         } else if (event.type == SDL_QUIT) {
             show_bar(Bar::stop);
         } else if (event.type == SDL_WINDOWEVENT &&
@@ -213,8 +244,29 @@ bool Stage::wait_or_abort(double seconds) {
     return false;
 }
 
+bool Stage::pause_or_abort() {
+    constexpr int kWaitMs = 50;
+    drop_bar();  // it has come
+    show(PauseFace{});
+    while (desk_ != nullptr && !desk_->take_pause()) {
+        if (next(kWaitMs).kind == Input::Kind::abort) {
+            return true;
+        }
+    }
+    drop_bar();
+    return false;
+}
+
+engine::Vec2 Stage::pixel(int x, int y) const {
+    return window_.scale() * engine::Vec2{x, y};
+}
+
 void Stage::warp_pointer(const engine::Vec2& pixel) {
-    SDL_WarpMouseInWindow(nullptr, static_cast<int>(pixel.x), static_cast<int>(pixel.y));
+    if (display_lost()) {
+        return;
+    }
+    const engine::Vec2 place = pixel / window_.scale();
+    SDL_WarpMouseInWindow(nullptr, static_cast<int>(place.x), static_cast<int>(place.y));
 }
 
 }  // namespace palpate::ui

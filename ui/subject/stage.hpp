@@ -25,7 +25,7 @@ struct Input {
         motion,
         release,  ///< Space was let go, or the window lost the keyboard
         stop,     ///< Escape: the force off, now
-        abort,    ///< the experimenter's second step, or the operating system's signal
+        abort,    ///< the experimenter's second step, the operating system's signal, no display
     } kind = Kind::none;
     int digit = 0;         ///< 1 to 9
     engine::Vec2 pixel{};  ///< of click and motion
@@ -60,6 +60,8 @@ public:
         return show(Face::kName, [face = std::move(face)](Window& window) { draw(window, face); });
     }
     std::int64_t show(std::string_view name, std::function<void(Window&)> drawing);
+    /// The session is over: the desk can mark and pause nothing any more, and its keys say so.
+    void close_desk();
     /// Nothing at the lower edge from the next show() on.
     void drop_bar();
     /// Waits up to `wait_ms` for something that matters.
@@ -68,6 +70,8 @@ public:
     Forgotten forget_earlier();
     /// Waits, still showing the face. True if the session is to end.
     bool wait_or_abort(double seconds);
+    /// Shows that the session pauses until the desk asks again. True if the session is to end.
+    bool pause_or_abort();
 
     [[nodiscard]] Window& window() { return window_; }
     /// Puts the pointer there, pixels.
@@ -75,11 +79,14 @@ public:
 
 private:
     void redraw();
+    /// Of the canvas, from where the display says that the pointer is.
+    [[nodiscard]] engine::Vec2 pixel(int x, int y) const;
     Input key(std::int32_t symbol, std::uint16_t modifiers, bool repeat);
     Input answer_question(std::int32_t symbol);
     /// What the bar at the lower edge says: questions to be answered by Y, and a notice.
-    enum class Bar : std::uint8_t { none, stop, mark, pause_comes };
+    enum class Bar : std::uint8_t { none, stop, mark, pause_comes, no_pause, over };
     void show_bar(Bar bar);
+    [[nodiscard]] std::string_view sentence_of(Bar bar) const;
     bool chord(std::int32_t symbol, std::uint16_t modifiers);
 
     Window window_;
@@ -88,6 +95,7 @@ private:
     std::function<void(Window&)> face_;
     std::int64_t looked_ns_ = 0;  ///< when the queue was last seen empty
     protocols::OperatorDesk* desk_;
+    bool desk_closed_ = false;
     Bar bar_ = Bar::none;
     std::int64_t bar_until_ns_ = 0;
 };

@@ -36,7 +36,7 @@ Signal SubjectScreen::wait_for_go(bool space_only, bool heeds_desk) {
             return Signal::abort;
         }
         if (heeds_desk && options_.desk != nullptr && options_.desk->wants()) {
-            return Signal::go_on;
+            return Signal::held_up;
         }
         if (input.kind == Input::Kind::go || (input.kind == Input::Kind::enter && !space_only)) {
             return Signal::go_on;
@@ -76,9 +76,12 @@ Signal SubjectScreen::ready(const protocols::TrialView& trial) {
                           .intervals = trial.intervals});
     const bool first = trial.interval == 1;  // a trial that has begun goes on to its answer
     const Signal signal = wait_for_go(options_.dead_man, first);
-    const bool held_up = first && options_.desk != nullptr && options_.desk->wants();
-    hold(signal == Signal::go_on && !held_up);
+    hold(signal == Signal::go_on);
     return signal;
+}
+
+PointerMap SubjectScreen::pointer_map() {
+    return {stage_.window().size(), stage_.window().scale()};
 }
 
 void SubjectScreen::begin_exploring() {
@@ -92,7 +95,7 @@ void SubjectScreen::begin_exploring() {
         stop();
     }
     if (options_.on_pointer) {
-        stage_.warp_pointer(PointerMap{stage_.window().size()}.to_pixel(options_.start));
+        stage_.warp_pointer(pointer_map().to_pixel(options_.start));
         options_.on_pointer(options_.start);
     }
 }
@@ -100,7 +103,7 @@ void SubjectScreen::begin_exploring() {
 /// To the apparatus: where the pointer is, whether someone holds the key, whether to stop.
 void SubjectScreen::pass_on(const Input& input) {
     if (input.kind == Input::Kind::motion && options_.on_pointer) {
-        options_.on_pointer(PointerMap{stage_.window().size()}.to_object(input.pixel));
+        options_.on_pointer(pointer_map().to_object(input.pixel));
     } else if (input.kind == Input::Kind::release) {
         hold(false);
     } else if (input.kind == Input::Kind::stop) {
@@ -275,18 +278,11 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
 }
 
 Signal SubjectScreen::pause(const protocols::TrialView& /*next*/) {
-    stage_.drop_bar();  // it has come
-    stage_.show(PauseFace{});
-    while (options_.desk != nullptr && !options_.desk->take_pause()) {
-        if (stage_.next(kIdleWaitMs).kind == Input::Kind::abort) {
-            return Signal::abort;
-        }
-    }
-    stage_.drop_bar();
-    return Signal::go_on;
+    return stage_.pause_or_abort() ? Signal::abort : Signal::go_on;
 }
 
 void SubjectScreen::finish(const protocols::SessionView& /*session*/) {
+    stage_.close_desk();
     stage_.show(EndFace{});
     static_cast<void>(wait_for_go());
 }

@@ -63,6 +63,7 @@ private:
     [[nodiscard]] protocols::Choice pick(
         const std::vector<Card>& cards,
         const std::function<std::int64_t(std::optional<std::size_t>)>& show);
+    [[nodiscard]] PointerMap pointer_map();
     void begin_exploring();
     void pass_on(const Input& input);
     void hold(bool held);

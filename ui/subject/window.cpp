@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <stdexcept>
@@ -11,6 +10,8 @@
 #include <SDL_image.h>
 #include <SDL_ttf.h>
 #include <fmt/format.h>
+
+#include "ui/subject/display.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -39,6 +40,56 @@ T* checked(T* made, std::string_view what) {
             fmt::format("{} failed: {}; without a display use --headless", what, SDL_GetError()));
     }
     return made;
+}
+
+/// Smallest window that suits the faces, units of the display.
+constexpr int kWidth = 1280;
+constexpr int kHeight = 800;
+
+/// What panels leave of the display.
+SDL_Rect usable_bounds() {
+    SDL_Rect usable{0, 0, kWidth, kHeight};
+    if (SDL_GetDisplayUsableBounds(0, &usable) != 0) {
+        SDL_GetDisplayBounds(0, &usable);
+    }
+    return usable;
+}
+
+/// Where the window stands, units of the display: all of it, or three quarters in its middle, but not
+/// less than the faces want, and not more than there is.
+SDL_Rect place_of(const WindowOptions& options) {
+    SDL_Rect whole{0, 0, kWidth, kHeight};
+    if (options.fullscreen) {
+        SDL_GetDisplayBounds(0, &whole);
+        return whole;
+    }
+    const SDL_Rect usable = usable_bounds();
+    const int width =
+        options.width > 0 ? options.width : std::min(usable.w, std::max(kWidth, 3 * usable.w / 4));
+    const int height = options.height > 0 ? options.height
+                                          : std::min(usable.h, std::max(kHeight, 3 * usable.h / 4));
+    return {usable.x + std::max(0, (usable.w - width) / 2),
+            usable.y + std::max(0, (usable.h - height) / 2), width, height};
+}
+
+/// Title bar and frame need their place too, which nobody knows before the window is there.
+void keep_inside(SDL_Window* window) {
+    SDL_Rect inside = usable_bounds();
+    int top = 0;
+    int left = 0;
+    int bottom = 0;
+    int right = 0;
+    if (SDL_GetWindowBordersSize(window, &top, &left, &bottom, &right) != 0) {
+        return;
+    }
+    inside = {inside.x + left, inside.y + top, inside.w - left - right, inside.h - top - bottom};
+    int width = 0;
+    int height = 0;
+    SDL_GetWindowSize(window, &width, &height);
+    if (width > inside.w || height > inside.h) {
+        SDL_SetWindowSize(window, std::min(width, inside.w), std::min(height, inside.h));
+        SDL_SetWindowPosition(window, inside.x, inside.y);
+    }
 }
 
 }  // namespace
@@ -77,6 +128,10 @@ struct Window::Parts {
         }
         return font.get();
     }
+    void forget() {
+        static_cast<void>(renderer.release());
+        static_cast<void>(window.release());
+    }
     [[nodiscard]] Own<SDL_Surface> snapshot() const {
         int width = 0;
         int height = 0;
@@ -99,22 +154,28 @@ Window::Window(const WindowOptions& options)
     parts_->font_file = find_font(options.font);
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");
     SDL_SetHint(SDL_HINT_VIDEO_X11_NET_WM_BYPASS_COMPOSITOR, "0");
-    if (SDL_Init(SDL_INIT_VIDEO) != 0 || TTF_Init() != 0) {
+    if (!open_display() || TTF_Init() != 0) {
         throw std::runtime_error(
             fmt::format("no window can be opened: {}; use --headless", SDL_GetError()));
     }
-    const auto flags =
-        static_cast<Uint32>(SDL_WINDOW_SHOWN | SDL_WINDOW_RESIZABLE |
-                            (options.fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP : 0));
+    const SDL_Rect place = place_of(options);
+    // Without a window manager nobody makes the window as large as the screen: it already is.
+    const int whole =
+        options.fullscreen ? SDL_WINDOW_FULLSCREEN_DESKTOP | SDL_WINDOW_BORDERLESS : 0;
     parts_->window.reset(
-        checked(SDL_CreateWindow("palpate", SDL_WINDOWPOS_CENTERED, SDL_WINDOWPOS_CENTERED,
-                                 options.width, options.height, flags),
+        checked(SDL_CreateWindow("palpate", place.x, place.y, place.w, place.h,
+                                 static_cast<Uint32>(SDL_WINDOW_SHOWN | SDL_WINDOW_RESIZABLE |
+                                                     SDL_WINDOW_ALLOW_HIGHDPI | whole)),
                 "opening the window"));
+    if (!options.fullscreen && options.width == 0) {
+        keep_inside(parts_->window.get());
+    }
     SDL_Renderer* renderer = SDL_CreateRenderer(parts_->window.get(), -1, 0);
     if (renderer == nullptr) {
         renderer = SDL_CreateRenderer(parts_->window.get(), -1, SDL_RENDERER_SOFTWARE);
     }
     parts_->renderer.reset(checked(renderer, "drawing into the window"));
+    watch_display(parts_->window.get());  // SDL may have made it anew for its renderer
     SDL_SetRenderDrawBlendMode(renderer, SDL_BLENDMODE_BLEND);
     SDL_RendererInfo info{};
     SDL_GetRendererInfo(renderer, &info);
@@ -122,6 +183,10 @@ Window::Window(const WindowOptions& options)
 }
 
 Window::~Window() {
+    if (display_lost()) {  // SDL would ask the server for what went with it
+        parts_->forget();
+        return;
+    }
     SDL_ShowCursor(SDL_ENABLE);
     parts_.reset();
     TTF_Quit();
@@ -135,7 +200,14 @@ engine::Vec2 Window::size() const {
     return {static_cast<double>(width), static_cast<double>(height)};
 }
 
+double Window::scale() const {
+    int width = 0;
+    SDL_GetWindowSize(parts_->window.get(), &width, nullptr);
+    return width > 0 ? size().x / width : 1.0;
+}
+
 void Window::clear(Colour colour) {
+    written_.clear();
     SDL_SetRenderDrawColor(parts_->renderer.get(), colour.r, colour.g, colour.b, 255);
     SDL_RenderClear(parts_->renderer.get());
 }
@@ -211,6 +283,9 @@ void Window::text(
                          static_cast<int>(std::lround(at.y - 0.5 * surface->h)), surface->w,
                          surface->h};
     SDL_RenderCopy(parts_->renderer.get(), texture.get(), nullptr, &where);
+    written_.push_back({std::string(line),
+                        {static_cast<double>(where.x), static_cast<double>(where.y)},
+                        {static_cast<double>(where.w), static_cast<double>(where.h)}});
 }
 
 double Window::text_width(std::string_view line, double height) {
@@ -228,6 +303,9 @@ void Window::name_screen(std::string_view name) {
 }
 
 void Window::show_pointer(bool shown) {
+    if (display_lost()) {
+        return;
+    }
     SDL_ShowCursor(shown ? SDL_ENABLE : SDL_DISABLE);
 }
 
@@ -242,19 +320,6 @@ void Window::save_png(const std::string& file) const {
     if (IMG_SavePNG(surface.get(), file.c_str()) != 0) {
         throw std::runtime_error(fmt::format("{} cannot be written: {}", file, SDL_GetError()));
     }
-}
-
-bool display_available() {
-    const auto names = [](const char* variable) {
-        const char* value = std::getenv(variable);
-        return value != nullptr && *value != '\0';
-    };
-    if (!names("DISPLAY") && !names("WAYLAND_DISPLAY") && !names("SDL_VIDEODRIVER")) {
-        return false;
-    }
-    const bool available = SDL_Init(SDL_INIT_VIDEO) == 0;
-    SDL_Quit();
-    return available;
 }
 
 }  // namespace palpate::ui

@@ -31,17 +31,25 @@ struct Corner {
 
 enum class Align { left, centre, right };
 
+/// A line of text that stands in the window.
+struct Written {
+    std::string text;
+    engine::Vec2 corner{};  ///< top left, pixels
+    engine::Vec2 size{};
+};
+
 struct WindowOptions {
     bool fullscreen = false;
-    int width = 1280;
-    int height = 800;
+    int width = 0;     ///< of a window that is not full screen; 0: what suits the display, within
+    int height = 0;    ///< what panels and title bars leave of it
     std::string font;  ///< TrueType file; empty: DejaVu Sans where Debian keeps it
     protocols::Language language = protocols::Language::en;
     protocols::InstructionTexts instructions{};  ///< in that language; empty: the words' sentence
 };
 
 /// The subject's window: a canvas with triangles and text. Anti-aliasing is the caller's: a corner of
-/// cover 0 makes an edge fade out. Works on any SDL video driver, "dummy" included.
+/// cover 0 makes an edge fade out. Works on any SDL video driver, "dummy" included. Once the display is
+/// lost (display.hpp) nothing may be drawn.
 class Window {
 public:
     /// @throws std::runtime_error if there is no display, no renderer or no font: what, and the remedy
@@ -51,6 +59,9 @@ public:
     ~Window();
 
     [[nodiscard]] engine::Vec2 size() const;  ///< pixels
+    /// Pixels of the canvas for one of the display's units, in which pointers are told: > 1 where the
+    /// desktop scales small pixels up.
+    [[nodiscard]] double scale() const;
     [[nodiscard]] const Words& words() const noexcept { return *words_; }
     /// What the protocol says in place of some of the words.
     [[nodiscard]] const protocols::InstructionTexts& instructions() const noexcept {
@@ -71,6 +82,8 @@ public:
               double height,
               Colour colour,
               Align align = Align::centre);
+    /// All lines since the last clear().
+    [[nodiscard]] const std::vector<Written>& written() const noexcept { return written_; }
     /// Pixels that the line would take.
     [[nodiscard]] double text_width(std::string_view line, double height);
     void present();
@@ -86,6 +99,7 @@ public:
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
+    std::vector<Written> written_;
     const Words* words_;
     protocols::InstructionTexts instructions_;
 };
@@ -93,8 +107,5 @@ private:
 /// `asked` if it is there; for an empty one DejaVu Sans where Linux systems keep it.
 /// @throws std::runtime_error with the remedy
 [[nodiscard]] std::string find_font(const std::string& asked);
-
-/// A real display is there to open a window on (SDL_VIDEODRIVER=dummy counts as one when set).
-[[nodiscard]] bool display_available();
 
 }  // namespace palpate::ui

@@ -17,7 +17,8 @@ struct Words {
     std::string_view trial, practice_trial;  ///< {0} of {1}
     std::string_view first_of_two, second_of_two;
     std::string_view ready, hold_handle, press_to_feel, hold_to_feel;
-    std::string_view feel, both_sides, decide_soon, keep_down, space_when_known, enter_when_known;
+    std::string_view feel, along_surface, decide_soon, keep_down, space_when_known,
+        enter_when_known;
     std::string_view space_when_felt, enter_when_felt;
     std::string_view which, choose, observer_chooses;  ///< choose: keys 1 to {0}
     std::string_view first_or_second, first, second, no, yes, least, most;
@@ -27,7 +28,7 @@ struct Words {
     std::string_view rest, let_go, next_trial, wait, go_on;  ///< next: {0} of {1}; wait: {0} s
     std::string_view moment, can_go_on, help_comes, thank_you_for_waiting, for_experimenter;
     std::string_view end, tell_experimenter;
-    std::string_view stop_question, mark_question, pause_comes;
+    std::string_view stop_question, mark_question, pause_comes, no_pause, session_over;
     std::string_view pause, please_wait, end_of_pause;
 };
 

@@ -1,0 +1,250 @@
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "tests/support/adaptive_text.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/slurp.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+using tests::TemporaryFolder;
+using tests::WindowSession;
+
+// The experimenter's desk while the shipped program runs a session in a window: what its chords leave in
+// the database, and that nothing begins without a press.
+
+namespace {
+
+void pause(double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, what.size(), by);
+}
+
+/// A session in which every key is pressed as often as it takes, and never while another screen comes.
+class Desk {
+public:
+    Desk(const TemporaryFolder& folder, const std::string& protocol, const std::string& device)
+        : session_({"run", write(folder, protocol), "--participant", "P1", "--db",
+                    folder.file("d.sqlite"), "--device", device, "--kind", "pilot"},
+                   folder.file("d.sqlite")) {}
+
+    void at(const std::string& screen, const std::string& key) {
+        session_.wait_for_screen(screen);
+        for (int tries = 0; tries < 20; ++tries) {
+            pause(0.35);
+            session_.hand().key(key);
+            for (int i = 0; i < 100; ++i) {
+                if (!session_.program().running() || session_.screen_name() != screen) {
+                    return;
+                }
+                pause(0.03);
+            }
+        }
+        FAIL("the screen \"" << screen << "\" stays");
+    }
+    void pause_at(const std::string& screen) {
+        session_.wait_for_screen(screen);
+        pause(0.3);
+        session_.hand().chord("p");
+    }
+    void mark_at(const std::string& screen) {
+        session_.wait_for_screen(screen);
+        pause(0.3);
+        session_.hand().chord("m");
+        pause(0.2);
+        session_.hand().key("y");
+        pause(0.2);
+    }
+    /// The pause has come for the `nth` time; ends it, and Ready waits for a press.
+    void end_pause(int nth) {
+        session_.wait_for_screen("pause");
+        session_.wait_until(count("event WHERE kind = 'pause'"), std::to_string(nth));
+        session_.hand().key("space");  // nobody but the experimenter goes on
+        pause(0.3);
+        CHECK(session_.screen_name() == "pause");
+        session_.hand().chord("p");
+        session_.wait_until(count("event WHERE kind = 'go on' AND text LIKE 'after a pause%'"),
+                            std::to_string(nth));
+        stays_ready();
+    }
+    /// No force without a press.
+    void stays_ready() {
+        session_.wait_for_screen("ready");
+        const std::string begun = session_.ask(count("trial"));
+        pause(0.7);
+        CHECK(session_.screen_name() == "ready");
+        CHECK(session_.ask(count("trial")) == begun);
+    }
+    void wait_for(const std::string& rows, int n) {
+        session_.wait_until(count(rows), std::to_string(n));
+    }
+    /// The experimenter ends the session.
+    void stop() {
+        session_.hand().chord("q");
+        pause(0.3);
+        session_.hand().key("y");
+        const tests::Finished end = session_.finish();
+        CAPTURE(end.out, end.error);
+        CHECK(end.code == 3);
+    }
+    [[nodiscard]] WindowSession& session() { return session_; }
+
+    static std::string count(const std::string& rows) { return "SELECT count(*) FROM " + rows; }
+
+private:
+    static std::string write(const TemporaryFolder& folder, const std::string& text) {
+        std::ofstream(folder.file("p.toml")) << text;
+        return folder.file("p.toml");
+    }
+    WindowSession session_;
+};
+
+/// Two intervals, as the board can render them, on a machine that has other things to do.
+std::string board_study() {
+    std::string text = tests::adaptive_text(tests::kStaircaseRule);
+    text = replaced(text, "start_mm = [0, 45]",
+                    "start_mm = [0, 60]\nstiffness_n_per_m = 200\nforce_limit_n = 1.5\n[safety]\n"
+                    "late_in_a_row = 0\nlate_of_100 = 0");
+    text = replaced(text, "path_min_mm = 0", "path_min_mm = 0\nlate_share = 1");
+    return replaced(text, "explore_prompt_s = 0.2\nexplore_timeout_s = 0.3",
+                    "explore_prompt_s = 30\nexplore_timeout_s = 60");
+}
+
+constexpr const char* kMarked = "trial WHERE invalid LIKE 'marked by the experimenter%'";
+
+}  // namespace
+
+TEST_CASE("pauses and marks on every screen of a session with the pointer are heeded",
+          "[window][desk][law]") {
+    const TemporaryFolder folder;
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    text = replaced(text, "break_every = 0", "break_every = 1");
+    text = replaced(text, "explore_min_s = 0.5", "explore_min_s = 0.1");
+    Desk desk(folder, text, "mouse");
+    desk.pause_at("welcome");
+    desk.at("welcome", "space");
+    desk.end_pause(1);
+    desk.pause_at("ready");
+    desk.end_pause(2);
+    desk.mark_at("ready");
+    desk.wait_for("event WHERE kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.stays_ready();
+
+    desk.at("ready", "space");
+    desk.mark_at("explore");
+    desk.pause_at("explore");
+    desk.at("explore", "space");
+    desk.at("question", "1");
+    desk.end_pause(3);
+    desk.wait_for(kMarked, 1);
+
+    desk.at("ready", "space");
+    desk.at("explore", "space");
+    desk.mark_at("question");
+    desk.pause_at("question");
+    desk.pause_at("question");  // not after all
+    desk.at("question", "1");
+    desk.wait_for(kMarked, 2);
+    desk.stays_ready();
+
+    desk.at("ready", "space");
+    desk.at("explore", "space");
+    desk.at("question", "2");
+    desk.mark_at("break");
+    desk.pause_at("break");
+    desk.at("break", "space");
+    desk.end_pause(4);
+    desk.wait_for(kMarked, 3);
+
+    while (desk.session().screen_name() == "ready") {  // each position, until it counts
+        desk.at("ready", "space");
+        desk.at("explore", "space");
+        desk.at("question", "1");
+        desk.session().wait_past("gap");
+        if (desk.session().screen_name() == "break") {
+            desk.at("break", "space");
+        }
+        desk.session().wait_past("gap");
+    }
+    desk.mark_at("end");
+    desk.at("end", "space");
+    const tests::Finished end = desk.session().finish();
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 0);
+    CHECK(desk.session().ask(Desk::count("trial")) == "7");
+    CHECK(desk.session().ask(Desk::count(kMarked)) == "3");
+    CHECK(desk.session().ask(Desk::count("event WHERE kind = 'pause'")) == "4");
+    CHECK(desk.session().ask("SELECT count(DISTINCT position) FROM trial WHERE invalid IS NULL AND "
+                             "outcome = 'complete'") == "4");
+    CHECK(tests::palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+}
+
+TEST_CASE("so are those between two intervals, at the confidence and in trouble",
+          "[window][desk][law]") {
+    const TemporaryFolder folder;
+    Desk desk(folder, board_study(), "sim");
+    desk.at("welcome", "space");
+    desk.pause_at("ready");
+    desk.end_pause(1);
+
+    desk.at("ready", "space");
+    desk.at("explore", "space");
+    desk.session().wait_for_screen("ready");  // of the second interval: the trial has begun
+    desk.pause_at("ready");
+    pause(0.7);
+    CHECK(desk.session().screen_name() == "ready");
+    desk.at("ready", "space");
+    desk.at("explore", "space");
+    desk.at("question", "1");
+    desk.mark_at("confidence");
+    desk.at("confidence", "2");
+    desk.end_pause(2);
+    desk.wait_for(kMarked, 1);
+    desk.wait_for("presentation", 2);
+
+    desk.at("ready", "space");
+    desk.at("explore", "Escape");
+    desk.mark_at("trouble");
+    desk.wait_for("event WHERE kind = 'reconnect'", 1);
+    pause(0.5);
+    desk.session().hand().key("space");
+    pause(0.3);
+    CHECK(desk.session().screen_name() == "trouble");
+    desk.session().hand().chord("p");
+    desk.wait_for("event WHERE kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.stays_ready();
+    desk.wait_for("event WHERE kind = 'pause'", 2);
+
+    desk.stop();
+    CHECK(tests::palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+}
+
+TEST_CASE("on a board a pause and a mark before the first trial begin no force",
+          "[window][desk][haply][law]") {
+    const TemporaryFolder folder;
+    const bool at_a_port = GENERATE(true, false);
+    tests::Process board(
+        {tests::palpate_program(), "haply-emulator", "--link", folder.file("board")});
+    REQUIRE(tests::eventually([&] { return std::filesystem::exists(folder.file("board")); }));
+    Desk desk(folder, board_study(),
+              at_a_port ? "haply:" + folder.file("board") : "haply-emulator");
+    desk.at("welcome", "space");
+    desk.pause_at("ready");
+    desk.end_pause(1);
+    desk.mark_at("ready");
+    desk.wait_for("event WHERE kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.stays_ready();
+    CHECK(desk.session().ask(Desk::count("trial")) == "0");
+    desk.at("ready", "space");
+    desk.wait_for("trial", 1);
+    desk.stop();
+}

@@ -1,0 +1,170 @@
+#include <csignal>
+#include <fstream>
+#include <thread>
+
+#include "data/store/reader.hpp"
+#include "ui/subject/picture_row.hpp"
+#include "ui/subject/pointer_map.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/slurp.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using engine::Vec2;
+using tests::Finished;
+using tests::TemporaryFolder;
+using tests::WindowSession;
+using tests::XHand;
+
+// The display of a session: one that a person sees, all of it in a real session, and what remains when
+// it dies.
+
+namespace {
+
+constexpr const char* kFourTrials = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
+
+std::vector<std::string> words(const TemporaryFolder& folder,
+                               const std::string& protocol = kFourTrials) {
+    return {"run",      protocol, "--participant", "P1", "--db", folder.file("d.sqlite"),
+            "--device", "mouse"};
+}
+
+Finished without_display(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), tests::palpate_program());
+    return tests::Process(arguments, {"DISPLAY=:999", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}).wait();
+}
+
+Vec2 size_of(const XHand::Window& window) {
+    return {static_cast<double>(window.width), static_cast<double>(window.height)};
+}
+
+void move(WindowSession& session, const XHand::Window& window, const Vec2& pixel) {
+    session.hand().move(window.x + static_cast<int>(pixel.x), window.y + static_cast<int>(pixel.y));
+}
+
+/// Largest and last commanded force of a trial, N.
+struct Forces {
+    double largest = 0.0;
+    double last = 1.0;
+};
+
+Forces forces_of(const std::string& file, std::int64_t trial) {
+    const Finished sql = tests::palpate_command(
+        {"sql", file, "--csv", "-c",
+         "SELECT max(abs(fy_n)), (SELECT abs(fx_n) + abs(fy_n) FROM sample WHERE trial_id = " +
+             std::to_string(trial) +
+             " ORDER BY tick DESC LIMIT 1) FROM sample WHERE trial_id = " + std::to_string(trial)});
+    CAPTURE(sql.out, sql.error);
+    REQUIRE(sql.code == 0);
+    const std::string row = sql.out.substr(sql.out.find('\n') + 1);
+    return {std::stod(row), std::stod(row.substr(row.find(',') + 1))};
+}
+
+}  // namespace
+
+TEST_CASE("a display that cannot be opened is said before anything is made, and fails the doctor",
+          "[cli][window][law]") {
+    const TemporaryFolder folder;
+    std::vector<std::string> sim = words(folder);
+    sim.back() = "sim";
+    for (const auto& arguments :
+         {words(folder), sim, std::vector<std::string>{"demo", "--db", folder.file("d.sqlite")}}) {
+        const Finished run = without_display(arguments);
+        CAPTURE(run.out, run.error);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error, ContainsSubstring("DISPLAY is :999, and no display can be opened") &&
+                                  ContainsSubstring("--headless"));
+        CHECK(folder.names().empty());
+    }
+    const Finished doctor =
+        without_display({"doctor", "--seconds", "0.05", "--db", folder.file("d.sqlite")});
+    CHECK_THAT(doctor.out, ContainsSubstring("fail  display"));
+    CHECK(doctor.code == 1);
+    sim.emplace_back("--headless");
+    CHECK(without_display(sim).code == 0);
+}
+
+TEST_CASE("a real session fills the smallest screen, a window stays inside it, answers are clicked",
+          "[window][law]") {
+    const TemporaryFolder folder;
+    std::string text = tests::slurp(kFourTrials);
+    text.insert(text.find("[apparatus]\n") + 12, "device = \"mouse\"\n");
+    std::ofstream(folder.file("p.toml")) << text;
+    const bool windowed = GENERATE(false, true);
+    std::vector<std::string> run = words(folder, folder.file("p.toml"));
+    run.insert(run.end(), {"--kind", "real"});
+    if (windowed) {
+        run.emplace_back("--windowed");
+    }
+    const WindowSession::Screen small{800, 600};
+    const WindowSession::Screen large{3840, 2160};
+    WindowSession session(run, folder.file("d.sqlite"), {}, windowed ? large : small);
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    const XHand::Window window = session.wait_for_screen("question");
+    CHECK(window.x == (windowed ? 480 : 0));
+    CHECK(window.y == (windowed ? 270 : 0));
+    CHECK(window.width == (windowed ? 2880 : 800));
+    CHECK(window.height == (windowed ? 1620 : 600));
+    const ui::Card card = ui::lay_out_cards(2, size_of(window)).back();
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    move(session, window, card.corner + card.size - Vec2{3.0, 3.0});
+    session.hand().click();
+    session.wait_until("SELECT input || place FROM response", "mouse1");
+    session.program().signal(SIGTERM);
+    CHECK(session.finish().code == 3);
+}
+
+TEST_CASE("when the display dies the force ends, the trial is kept, and the same command goes on",
+          "[window][fault][law]") {
+    const std::string where = GENERATE("explore", "question", "break");
+    CAPTURE(where);
+    const TemporaryFolder folder;
+    std::string text = tests::slurp(kFourTrials);
+    const std::string none = "break_every = 0";
+    text.replace(text.find(none), none.size(), "break_every = 1");
+    std::ofstream(folder.file("p.toml")) << text;
+    std::vector<std::string> run = words(folder, folder.file("p.toml"));
+    run.insert(run.end(), {"--kind", "pilot"});
+    const std::string file = folder.file("d.sqlite");
+    {
+        WindowSession session(run, file);
+        session.press_at("welcome", "space");
+        session.press_at("ready", "space");
+        const XHand::Window window = session.wait_for_screen("explore");
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        for (const double y : {0.050, 0.045, 0.041, 0.039, 0.0385, 0.038}) {  // onto the vertex
+            move(session, window, ui::PointerMap{size_of(window)}.to_pixel({0.0, y}));
+            std::this_thread::sleep_for(std::chrono::milliseconds(60));
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        if (where != "explore") {
+            session.press_at("explore", "space");
+        }
+        if (where == "break") {
+            session.press_at("question", "1");
+        }
+        session.wait_for_screen(where);
+        session.screen().server().signal(SIGKILL);
+        const Finished end = session.finish();
+        CAPTURE(end.out, end.error);
+        CHECK(end.code == 1);
+        CHECK_THAT(end.error, ContainsSubstring("the display is gone. The force is off") &&
+                                  ContainsSubstring("the same command goes on at trial"));
+        CHECK(session.ask("SELECT outcome FROM trial") ==
+              (where == "break" ? "complete" : "aborted"));
+        CHECK(session.ask("SELECT count(*) FROM event WHERE kind = 'display lost'") == "1");
+    }
+    const Forces forces = forces_of(file, 1);
+    CHECK(forces.largest > 0.5);
+    CHECK(forces.last == 0.0);
+    CHECK(tests::palpate_command({"verify", file}).code == 0);
+    WindowSession again(run, file);
+    again.wait_for_text("Resuming at trial");
+    again.press_at("welcome", "space");
+    again.wait_for_screen("ready");
+    again.program().signal(SIGTERM);
+    CHECK(again.finish().code == 3);
+}

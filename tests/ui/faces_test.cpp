@@ -1,0 +1,212 @@
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "stimuli/two_curve.hpp"
+#include "protocols/format/keys.hpp"
+#include "ui/subject/answer_row.hpp"
+#include "ui/subject/faces.hpp"
+#include "ui/subject/paragraph.hpp"
+#include "ui/subject/style.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/dummy_window.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using namespace palpate::ui;
+using engine::Vec2;
+
+namespace {
+
+const std::vector<Vec2> kSizes{{800.0, 600.0},   {1024.0, 768.0},  {1280.0, 720.0},
+                               {1920.0, 1080.0}, {3440.0, 1440.0}, {3840.0, 2160.0},
+                               {600.0, 800.0},   {1080.0, 1920.0}};
+
+/// As much as a protocol may say, in words and in rows.
+std::string longest(const std::string& words) {
+    std::string text;
+    while (text.size() + words.size() <= kMostInstruction) {
+        text += words;
+    }
+    return text;
+}
+
+struct Shown {
+    std::string name;
+    std::function<void(Window&)> draw;
+    std::string_view Words::*to_press =
+        nullptr;                ///< must be there; none: the face asks for nothing
+    std::vector<Card> cards{};  ///< that stand on it
+};
+
+template <class Face>
+Shown shown(Face face, std::string_view Words::*to_press = nullptr) {
+    return {std::string(Face::kName), [face](Window& window) { draw(window, face); }, to_press};
+}
+
+std::vector<Picture> five_pictures() {
+    std::vector<Picture> all;
+    for (const double curvature : {-10.0, -5.0, 0.0, 5.0, 10.0}) {
+        all.push_back({stimuli::silhouette({.curvature = curvature})});
+    }
+    return all;
+}
+
+/// Every face with whatever makes its text longer.
+std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& size) {
+    std::vector<Shown> all;
+    for (const ResponseKind asks :
+         {ResponseKind::identification, ResponseKind::two_interval, ResponseKind::yes_no}) {
+        all.push_back(shown(WelcomeFace{1114, true, true, asks}, &Words::begin));
+        all.push_back(shown(WelcomeFace{1, false, false, asks}, &Words::begin));
+    }
+    all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &Words::press_to_feel));
+    all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &Words::hold_to_feel));
+    for (const bool shape : {false, true}) {
+        all.push_back(shown(ExploreFace{1027, 1114, true, true, true, true, 2, 2, shape},
+                            shape ? &Words::enter_when_known : &Words::enter_when_felt));
+        all.push_back(shown(ExploreFace{1027, 1114, true, false, true, false, 2, 2, shape},
+                            shape ? &Words::space_when_known : &Words::space_when_felt));
+    }
+    const auto ask = [&](Question question) {
+        const bool slow = question.kind == ResponseKind::identification && size.x * size.y > 2e6;
+        for (const bool worded : {false, true}) {
+            if (slow && !worded) {  // the pictures are drawn once
+                continue;
+            }
+            question.text = worded ? longest("Hangisi daha pürüzlüydü? ") : "";
+            Shown face = shown(ChooseFace{question, question.answers - 1, false});
+            face.cards = lay_out_answers(question, size);
+            all.push_back(face);
+        }
+    };
+    ask(which_of(pictures));
+    for (const ResponseKind kind : {ResponseKind::two_interval, ResponseKind::yes_no}) {
+        ask({.kind = kind, .text = {}, .pictures = {}, .answers = 2, .labels = {}});
+    }
+    for (const std::size_t levels : {2U, 9U}) {
+        ask({.kind = ResponseKind::rating,
+             .text = {},
+             .pictures = {},
+             .answers = levels,
+             .labels = {"not rough at all, like glass", "as rough as it can be"}});
+    }
+    all.push_back(shown(ConfidenceFace{2}));
+    all.back().cards = lay_out_scale(kMostConfidence, size);
+    all.push_back(shown(FeedbackFace{true}));
+    all.push_back(shown(FeedbackFace{false}));
+    all.push_back(shown(BreakFace{0, 1031, 1114}, &Words::go_on));
+    all.push_back(shown(BreakFace{120, 1031, 1114}));
+    const std::string sentence =
+        "/dev/serial/by-id/usb-Haply_Robotics_2diy_0123456789-if00: the device stopped answering "
+        "17 s ago: check its cable and its power, then wait until it is found again";
+    all.push_back(shown(TroubleFace{sentence, false, false}));
+    all.push_back(shown(TroubleFace{sentence, true, false}, &Words::go_on));
+    all.push_back(shown(TroubleFace{sentence, true, true}, &Words::end_of_pause));
+    all.push_back(shown(PauseFace{}, &Words::end_of_pause));
+    all.push_back(shown(EndFace{}, &Words::tell_experimenter));
+    return all;
+}
+
+bool apart(const Vec2& corner, const Vec2& size, const Written& line) {
+    return line.corner.x >= corner.x + size.x || line.corner.y >= corner.y + size.y ||
+           line.corner.x + line.size.x <= corner.x || line.corner.y + line.size.y <= corner.y;
+}
+
+bool within(const Vec2& corner, const Vec2& size, const Written& line) {
+    const Vec2 end = line.corner + line.size;
+    return line.corner.x >= corner.x && line.corner.y >= corner.y && end.x <= corner.x + size.x &&
+           end.y <= corner.y + size.y;
+}
+
+/// @param lowest  share of the height that text must not go below
+void check_layout(const Window& window, const Shown& face, double lowest = kBarTop) {
+    const std::vector<Written>& lines = window.written();
+    const Vec2 place{window.size().x, lowest * window.size().y};
+    std::string words;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        CAPTURE(lines[i].text);
+        words += lines[i].text;
+        words += ' ';
+        CHECK(within({0.0, 0.0}, place, lines[i]));
+        CHECK(lines[i].size.y >= kSmallestType);
+        for (std::size_t k = 0; k < i; ++k) {
+            CAPTURE(lines[k].text);
+            CHECK(apart(lines[k].corner, lines[k].size, lines[i]));
+        }
+        for (const Card& card : face.cards) {
+            CHECK((within(card.corner, card.size, lines[i]) ||
+                   apart(card.corner, card.size, lines[i])));
+        }
+    }
+    if (face.to_press != nullptr) {
+        CHECK_THAT(words, Catch::Contains(std::string(window.words().*face.to_press)));
+    }
+}
+
+/// Small letters of DejaVu Sans are 0.547 of the type high, a line 1.164 (its font file). Minutes of arc
+/// from 1 m, on a screen 0.30 m high.
+double minutes_of_arc(const Window& window, const Written& line) {
+    const double metres = 0.30 * (line.size.y / 1.164) * 0.547 / window.size().y;
+    return metres / 1.0 * 180.0 / M_PI * 60.0;
+}
+
+}  // namespace
+
+TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of every size",
+          "[screen][faces][law]") {
+    tests::draw_into_memory();
+    const Vec2 size = GENERATE(from_range(kSizes));
+    const Language language = GENERATE(Language::en, Language::tr);
+    std::vector<std::string> texts{""};
+    if (size.x * size.y < 1e6 && language == Language::tr) {  // where there is least room
+        texts.push_back(longest("nesneleri hissedin "));
+        texts.emplace_back("1\n2\n3\n4\n5\n6\n7\n8");
+    }
+    const std::vector<Picture> pictures = five_pictures();
+    for (const std::string& said : texts) {
+        Window window({.width = static_cast<int>(size.x),
+                       .height = static_cast<int>(size.y),
+                       .font = {},
+                       .language = language,
+                       .instructions = {said, said, said, said, said, said}});
+        REQUIRE(window.size() == size);
+        for (const Shown& face : all_faces(pictures, size)) {
+            CAPTURE(size.x, size.y, face.name, said.size());
+            window.clear(kBackground);
+            draw_watermark(window, "SIMULATED");
+            face.draw(window);
+            check_layout(window, face);
+        }
+    }
+}
+
+TEST_CASE("what the experimenter reads is 16 minutes of arc high from 1 m, and inside the window",
+          "[screen][faces][law]") {
+    tests::draw_into_memory();
+    const Vec2 size = GENERATE(from_range(kSizes));
+    const Language language = GENERATE(Language::en, Language::tr);
+    Window window({.width = static_cast<int>(size.x),
+                   .height = static_cast<int>(size.y),
+                   .font = {},
+                   .language = language});
+    const Words& words = window.words();
+    for (const auto sentence : {words.stop_question, words.mark_question, words.pause_comes,
+                                words.no_pause, words.session_over}) {
+        window.clear(kBackground);
+        draw_bar(window, sentence);
+        check_layout(window, {}, 1.0);
+        CHECK(window.written().front().corner.y >= kBarTop * size.y);
+        for (const Written& line : window.written()) {
+            CAPTURE(size.x, size.y, line.text);
+            CHECK((size.x < size.y || minutes_of_arc(window, line) >= 16.0));
+        }
+    }
+    window.clear(kBackground);
+    draw(window,
+         TroubleFace{"the device stopped answering: check its cable and power", true, true});
+    for (const Written& line : window.written()) {
+        CAPTURE(size.x, size.y, line.text);
+        CHECK((size.x < size.y || minutes_of_arc(window, line) >= 16.0));
+    }
+}
