@@ -39,17 +39,23 @@ engine::MakeHand hand_on(const engine::Calibration& machine) {
 
 }  // namespace
 
+engine::EmulatedHaply emulated_haply(const engine::Calibration& machine,
+                                     double period,
+                                     const std::string& link) {
+    return {as_emulated(machine),
+            hand_on(machine),
+            {.period = period, .silence = kSilence},
+            kGuard,
+            link};
+}
+
 EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
                                                DrawnHand hand,
                                                const engine::Calibration& machine,
                                                double spin_share,
                                                const std::string& link)
     : hand_(std::move(hand)),
-      haply_(as_emulated(machine),
-             hand_on(machine),
-             {.period = 1.0 / protocol.apparatus.rate_hz, .silence = kSilence},
-             kGuard,
-             link),
+      haply_(emulated_haply(machine, 1.0 / protocol.apparatus.rate_hz, link)),
       servo_(haply_.device(), patient(servo_spec(protocol, haply_.device(), spin_share))) {}
 
 void EmulatedHaplyApparatus::begin(const engine::Scene& scene,

@@ -8,6 +8,14 @@
 
 namespace palpate::protocols {
 
+/// An emulated board of `machine` with a simulated hand on it, and its driver, patient as a machine that is
+/// busy needs it.
+/// @param period  s between ticks   @param link  see engine::PtyBoard
+/// @throws as engine::EmulatedHaply
+[[nodiscard]] engine::EmulatedHaply emulated_haply(const engine::Calibration& machine,
+                                                   double period,
+                                                   const std::string& link = {});
+
 /// An emulated Haply board with a simulated hand on it, in real time over a serial port: everything
 /// that a session on a real board does, without one. Board and guard are processes of their own; make it
 /// before threads.

@@ -47,6 +47,36 @@ TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
     CHECK((away || bench.guard.releases > 0));
 }
 
+TEST_CASE("an answer on its way at a rest is never taken for another: no garbage, no old reading",
+          "[haply][law]") {
+    const auto seed = GENERATE(range(0U, 60U));
+    CAPTURE(seed);
+    Random random(seed);
+    Bench bench;
+    bench.open();
+    const double delay = random.in(0.0, 9e-3);
+    bench.board.set_faults({.delay = delay});
+    int asked_anew = 0;
+    for (int i = 0; i < 60; ++i) {
+        for (int left = random.below(4); left > 0; --left) {  // nobody reads: a desk, a doctor
+            static_cast<void>(bench.device->write({}));
+        }
+        bench.cable.pass(static_cast<std::int64_t>(random.decade(4.0, 8.5)));
+        if (random.coin()) {
+            const Vec2 hip{random.in(-0.03, 0.03), random.in(0.01, 0.05)};
+            bench.plant.lead(hip);
+            bench.device->expect_move();
+            const Reading reading = bench.tick({});
+            REQUIRE(reading.ok());
+            asked_anew += reading.fresh ? 1 : 0;
+            CHECK((!reading.fresh || glm::length(reading.hip - hip) < 3e-4));
+        } else {
+            REQUIRE(bench.ticks({}, random.below(5)).ok());
+        }
+    }
+    CHECK(asked_anew > 10);
+}
+
 TEST_CASE("a late answer is no fault but not fresh, and one that stays away is", "[haply][law]") {
     Bench bench;
     bench.open();

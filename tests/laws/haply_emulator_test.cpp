@@ -11,6 +11,7 @@
 
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
 namespace engine = palpate::engine;
 namespace protocols = palpate::protocols;
 
@@ -35,6 +36,47 @@ TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is 
     CHECK(finished.code == 0);
     CHECK(finished.out == link + "\n");
     CHECK_FALSE(std::filesystem::is_symlink(link));
+}
+
+TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how long answers take",
+          "[laws][haply][doctor]") {
+    const TemporaryFolder folder;
+    const std::string link = folder.file("board");
+    const std::string delay = GENERATE("0", "0.3", "1", "2");
+    CAPTURE(delay);
+    const Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset",
+                            "2diy_gen3", "--delay-ms", delay});
+    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    bool well = false;
+    for (int i = 0; i < 20 && !well; ++i) {  // a busy machine may keep the board silent for 20 ms
+        const Finished doctor = palpate_command({"doctor", "--device", "haply:" + link, "--seconds",
+                                                 "0.05", "--db", folder.file("d.sqlite")});
+        CAPTURE(doctor.out);
+        REQUIRE_THAT(doctor.out, !ContainsSubstring("sent what cannot be"));
+        well = doctor.out.find("ok    device ") == 0;
+        const auto said = doctor.out.find("answers after ");
+        REQUIRE((!well || said != std::string::npos));
+        CHECK((!well || std::stod(doctor.out.substr(said + 14)) >= std::stod(delay)));
+    }
+    CHECK(well);
+}
+
+TEST_CASE("the doctor looks at the emulated board, and refuses answers that come too late",
+          "[laws][haply][doctor]") {
+    const TemporaryFolder folder;
+    const auto look = [&](const std::string& device) {
+        return palpate_command({"doctor", "--device", device, "--seconds", "0.05", "--db",
+                                folder.file("d.sqlite")})
+            .out;
+    };
+    CHECK_THAT(look("haply-emulator"),
+               StartsWith("ok    device ") && ContainsSubstring("answers after "));
+    const std::string link = folder.file("board");
+    const Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset",
+                            "2diy_gen3", "--delay-ms", "40"});
+    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    CHECK_THAT(look("haply:" + link),
+               StartsWith("fail  device ") && !ContainsSubstring("sent what cannot be"));
 }
 
 TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply]") {

@@ -10,6 +10,7 @@
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/format/calibration_file.hpp"
 #include "protocols/library/shipped.hpp"
+#include "protocols/running/emulated_haply_apparatus.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/device_choice.hpp"
 #include "ui/cli/load_study.hpp"
@@ -38,12 +39,13 @@ Plan plan_of(const DoctorOptions& options) {
         plan.protocol = load_study(options.protocol).protocol;
         plan.demand.start = plan.protocol->apparatus.start;  // its force is check_feasible's
         plan.rate_hz = plan.protocol->apparatus.rate_hz;
+        plan.demand.period = 1.0 / plan.rate_hz;
     }
     return plan;
 }
 
 /// @throws what opening a device throws
-std::unique_ptr<engine::Device> open_device(const Plan& plan) {
+std::shared_ptr<engine::Device> open_device(const Plan& plan) {
     const double period = 1.0 / plan.rate_hz;
     switch (plan.device.kind) {
         case DeviceChoice::Kind::replay: {
@@ -61,11 +63,11 @@ std::unique_ptr<engine::Device> open_device(const Plan& plan) {
             model.plant.machine = plan.calibration.pantograph;
             return std::make_unique<engine::SimulatedPantograph>(model, period);
         }
-        case DeviceChoice::Kind::haply_emulator:
-            throw std::invalid_argument(
-                "it lives inside a demo: run palpate haply-emulator and look at the haply:PORT "
-                "that "
-                "it prints");
+        case DeviceChoice::Kind::haply_emulator: {
+            const std::shared_ptr<engine::EmulatedHaply> rig(
+                new engine::EmulatedHaply(protocols::emulated_haply(plan.calibration, period)));
+            return {rig, &rig->device()};  // the board lives as long as its device
+        }
         case DeviceChoice::Kind::mouse:
         case DeviceChoice::Kind::haply:
         case DeviceChoice::Kind::comedi:

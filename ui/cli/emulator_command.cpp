@@ -14,6 +14,7 @@ namespace palpate::ui {
 namespace {
 
 constexpr int kStepUs = 250;
+constexpr int kDelayStepUs = 50;  ///< a delayed answer goes out at the end of a step
 
 }  // namespace
 
@@ -27,13 +28,14 @@ int emulator_command(const EmulatorOptions& options) {
     }
     engine::DeskHand hand(machine);
     engine::HaplyBoard board(hand, machine.pantograph, *machine.haply);
+    board.set_faults({.delay = 1e-3 * options.delay_ms});
     catch_signals();
     engine::run_like_a_board();
     engine::PtyBoard terminal(board, options.link);
     fmt::print("{}\n", terminal.path());
     std::fflush(stdout);
     while (!interrupted()) {
-        terminal.step(kStepUs);
+        terminal.step(options.delay_ms > 0.0 ? kDelayStepUs : kStepUs);
     }
     return 0;
 }

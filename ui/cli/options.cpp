@@ -151,6 +151,11 @@ void add_emulator(CLI::App& app, Options& chosen) {
         ->add_option("--preset", emulator.preset,
                      "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
         ->capture_default_str();
+    command
+        ->add_option("--delay-ms", emulator.delay_ms,
+                     "How long after a packet its answer goes out, ms; a USB port needs about 1")
+        ->check(CLI::Range(0.0, 1000.0))
+        ->capture_default_str();
 }
 
 void add_screenshots(CLI::App& app, Options& chosen) {

@@ -171,6 +171,7 @@ struct DoctorOptions {
 struct EmulatorOptions {
     std::string link;                  ///< a symbolic link to the terminal; empty: none
     std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
+    double delay_ms = 0.0;             ///< from a packet to its answer
 };
 
 /// The offline tools: a scene and a table of points.

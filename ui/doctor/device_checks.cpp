@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "engine/device/drivers/haply_device.hpp"
 #include "engine/realtime/clock.hpp"
 #include "protocols/running/feasibility.hpp"
 #include "ui/doctor/checks.hpp"
@@ -38,6 +40,71 @@ Readings read_for_a_while(engine::Device& device) {
         engine::sleep_until(due);
     }
     return readings;
+}
+
+/// How long answers of a board took, ms; both 0 if none came.
+struct Answers {
+    double median_ms = 0.0;
+    double slowest_ms = 0.0;
+};
+
+/// Milliseconds until something new can be read; none if nothing comes.
+std::optional<double> wait_for_answer(engine::Device& device) {
+    constexpr std::int64_t kPatienceNs = 100'000'000;
+    const std::int64_t asked = engine::monotonic_ns();
+    while (engine::monotonic_ns() - asked < kPatienceNs) {
+        const engine::Reading reading = device.read();
+        if (!reading.ok()) {
+            return std::nullopt;
+        }
+        if (reading.fresh) {
+            return static_cast<double>(engine::monotonic_ns() - asked) * 1e-6;
+        }
+    }
+    return std::nullopt;
+}
+
+/// One question at a time, and the next one when the answer is there.
+Answers time_answers(engine::Device& device) {
+    constexpr int kExchanges = 101;
+    std::vector<double> took;
+    bool answered = wait_for_answer(device).has_value();  // what is owed from before
+    while (answered && took.size() < kExchanges) {
+        device.write(Vec2{});
+        const auto one = wait_for_answer(device);
+        answered = one.has_value();
+        if (one) {
+            took.push_back(*one);
+        }
+    }
+    if (took.empty()) {
+        return {};
+    }
+    std::sort(took.begin(), took.end());
+    return {.median_ms = took[took.size() / 2], .slowest_ms = took.back()};
+}
+
+/// Adds to `check` what a board's answers were like.
+void tell_answers(Check& check, const Answers& answers, const Readings& readings, double period) {
+    constexpr double kPatience = engine::HaplyTiming{}.patience;
+    if (readings.good == kReadings && readings.fresh == 0) {
+        check.status = CheckStatus::fail;
+        check.remedy =
+            "its answers come so late that no reading was new: check the cable, and use a "
+            "port of the computer itself";
+        return;
+    }
+    check.detail += fmt::format("; {} new, answers after {:.2f} ms, slowest {:.2f} ms",
+                                readings.fresh, answers.median_ms, answers.slowest_ms);
+    check.numbers.emplace_back("answer_ms", answers.median_ms);
+    check.numbers.emplace_back("slowest_answer_ms", answers.slowest_ms);
+    if (answers.median_ms > 1e3 * kPatience * period) {
+        check.detail += fmt::format(
+            "; a session waits {:.2f} ms for one, takes later ones a tick too late, and ends "
+            "trials "
+            "in which there are many",
+            1e3 * kPatience * period);
+    }
 }
 
 /// Worst errors over a workspace.
@@ -102,7 +169,7 @@ Check check_device(const std::string& word,
                    const DeviceDemand& demand,
                    const LookAgain& then) {
     Check check{.name = "device", .detail = word, .remedy = "", .numbers = {}, .picture = {}};
-    std::unique_ptr<engine::Device> device;
+    std::shared_ptr<engine::Device> device;
     try {
         device = open();
     } catch (const std::exception& e) {
@@ -112,8 +179,10 @@ Check check_device(const std::string& word,
     }
     device->write(Vec2{});
     const Readings readings = read_for_a_while(*device);
-    device->write(Vec2{});
     const engine::DeviceTraits traits = device->traits();
+    const bool board = traits.delay_ticks > 0.0;
+    const Answers answers = board && readings.good == kReadings ? time_answers(*device) : Answers{};
+    device->write(Vec2{});
     check.detail = fmt::format(
         "{} ({}): {} of {} readings good, slowest {:.0f} us, handle at "
         "({:.1f}, {:.1f}) mm",
@@ -145,6 +214,9 @@ Check check_device(const std::string& word,
             "the protocol allows {:.1f} N: forces above {:.1f} N will be "
             "weaker than rendered; lower the protocol's force limit",
             demand.force_n, *weakest);
+    }
+    if (board) {
+        tell_answers(check, answers, readings, demand.period);
     }
     if (then && readings.good > 0) {
         then(*device);

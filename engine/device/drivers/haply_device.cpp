@@ -138,8 +138,15 @@ Reading HaplyDevice::take(const HaplyReply& reply) noexcept {
     return reading;
 }
 
-/// The answer still to come is from before a rest, or there is none.
+/// What came before a rest is old, so it is asked for once more. First the answers that may still be on
+/// their way are waited for: forgotten ones would come as answers to the new question.
 HaplyLine::Answer HaplyDevice::prime() noexcept {
+    if (line_.awaiting() && link_->now_ns() - line_.asked_ns() <= kStale) {
+        const auto answer = line_.hear(kFirstWait);
+        if (answer != HaplyLine::Answer::complete) {
+            return answer;
+        }
+    }
     ask_anew_ = false;
     line_.forget();
     return send_zero() ? line_.hear(kFirstWait) : HaplyLine::Answer::lost;

@@ -41,8 +41,9 @@ bool HaplyLine::ask(const std::array<double, 2>& torque) noexcept {
     if (!set_up_ || !packet) {
         return false;
     }
+    asked_ns_ = link_->now_ns();
     if (owed_ == 0) {
-        owed_since_ns_ = link_->now_ns();
+        owed_since_ns_ = asked_ns_;
     }
     if (!link_->send(packet->view())) {
         return false;

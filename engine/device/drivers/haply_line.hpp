@@ -38,7 +38,8 @@ public:
     /// Collects what was asked for, waiting at most `wait_ns`. What has come so far is kept.
     [[nodiscard]] Answer hear(std::int64_t wait_ns) noexcept;
 
-    /// Throws away answers that are still to come or have come.
+    /// Throws away what has come, and expects nothing more: an answer that is still on its way would be
+    /// taken for that to the next question.
     void forget() noexcept;
 
     [[nodiscard]] const HaplyReply& reply() const noexcept { return reply_; }
@@ -46,6 +47,8 @@ public:
     [[nodiscard]] bool awaiting() const noexcept { return owed_ > 0; }
     /// Since when the next answer is due, ns on the link's clock.
     [[nodiscard]] std::int64_t owed_since_ns() const noexcept { return owed_since_ns_; }
+    /// When the latest question was asked, ns on the link's clock.
+    [[nodiscard]] std::int64_t asked_ns() const noexcept { return asked_ns_; }
     [[nodiscard]] bool is_set_up() const noexcept { return set_up_; }
     /// The link was opened anew: nothing is known of the board behind it.
     void start_over() noexcept;
@@ -67,6 +70,7 @@ private:
     std::size_t held_size_ = 0;
     std::size_t owed_ = 0;  ///< answers still to come
     std::int64_t owed_since_ns_ = 0;
+    std::int64_t asked_ns_ = 0;
     bool set_up_ = false;
 };
 
