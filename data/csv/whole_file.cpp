@@ -50,10 +50,13 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
     const std::string target = file.string();
     const std::string name = special ? target : fmt::format("{}.{}.part", target, ::getpid());
     constexpr mode_t kMode = 0666;
-    const int fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kMode);
+    // A pipe that nobody reads is an error, not a long wait.
+    const int fd = ::open(name.c_str(),
+                          O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, kMode);
     if (fd < 0) {
         fail(target, errno);
     }
+    ::fcntl(fd, F_SETFL, O_WRONLY);
     int error = write_all(fd, text);
     if (error == 0 && !special && ::fsync(fd) != 0) {
         error = errno;
@@ -95,6 +98,16 @@ void write_new(const std::filesystem::path& file, std::string_view text) {
         fail(file.string(), error);
     }
     static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+        throw std::invalid_argument(
+            fmt::format("{}: this folder cannot be made: {}; give another name", folder.string(),
+                        error.message()));
+    }
 }
 
 }  // namespace palpate::data

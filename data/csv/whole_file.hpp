@@ -14,4 +14,8 @@ void write_whole(const std::filesystem::path& file, std::string_view text);
 ///         whole: it is gone then
 void write_new(const std::filesystem::path& file, std::string_view text);
 
+/// Makes a folder and those around it, as far as they are not there.
+/// @throws std::invalid_argument if that cannot be done
+void make_folder(const std::filesystem::path& folder);
+
 }  // namespace palpate::data

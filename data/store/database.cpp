@@ -67,6 +67,29 @@ std::string immutable_uri(const std::string& file) {
     return uri + "?immutable=1";
 }
 
+/// SQLite would wait for ever at a pipe, and take a device for an empty database.
+/// @throws WrongFile if there is something else than a file under the name of the database, or of the log,
+///         index and journal that SQLite keeps beside it
+void require_plain_files(const std::string& file) {
+    std::error_code unknown;
+    const std::filesystem::path there = std::filesystem::canonical(plain_name(file), unknown);
+    const std::string name = unknown ? plain_name(file) : there.string();
+    for (const char* beside : {"", "-wal", "-shm", "-journal"}) {
+        struct stat status {};
+        if (stat((name + beside).c_str(), &status) != 0 || S_ISREG(status.st_mode)) {
+            continue;
+        }
+        const mode_t kind = status.st_mode & S_IFMT;
+        throw WrongFile(fmt::format(
+            "{}{}: this is a {}, no file: {}", file, beside,
+            kind == S_IFDIR    ? "folder"
+            : kind == S_IFIFO  ? "pipe"
+            : kind == S_IFSOCK ? "socket"
+                               : "device",
+            *beside == '\0' ? "give the name of a file" : "SQLite needs that name, move it away"));
+    }
+}
+
 /// A database that nobody writes, where nobody can: SQLite could not lay its index of the log beside
 /// it, and with no log and no index there, it needs none. A live or a killed rig leaves both, beside the
 /// file itself, wherever a link to it is.
@@ -169,10 +192,7 @@ void Database::open(Access access) {
     if (file_.empty()) {
         throw WrongFile("the name of the database is empty; give a file name");
     }
-    std::error_code unknown;
-    if (std::filesystem::is_directory(plain_name(file_), unknown)) {
-        throw WrongFile(fmt::format("{}: this is a folder: give the name of a file", file_));
-    }
+    require_plain_files(file_);
     if (access == Access::write) {
         make_private_file(plain_name(file_));
     } else if (::access(plain_name(file_).c_str(), R_OK) != 0) {

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/math/number_text.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -14,7 +16,7 @@ double checked_chord(const Vec2& from, const Vec2& to) {
         throw std::invalid_argument(
             "a curve needs two finite end points apart from one another; the "
             "distance given is " +
-            std::to_string(chord) + " m");
+            number_text(chord) + " m");
     }
     return chord;
 }
@@ -30,10 +32,10 @@ RationalBezier<2> make_arc(const Vec2& from, const Vec2& to, double curvature) {
     const double chord = checked_chord(from, to);
     const double sine = 0.5 * curvature * chord;
     if (!(std::fabs(sine) <= kMaxArcSine)) {
-        throw std::invalid_argument("curvature " + std::to_string(curvature) +
-                                    " 1/m is too strong for a chord of " + std::to_string(chord) +
+        throw std::invalid_argument("curvature " + number_text(curvature) +
+                                    " 1/m is too strong for a chord of " + number_text(chord) +
                                     " m: keep |curvature| below " +
-                                    std::to_string(2.0 * kMaxArcSine / chord) + " 1/m");
+                                    number_text(2.0 * kMaxArcSine / chord) + " 1/m");
     }
     if (curvature == 0.0) {
         return make_line(from, to);

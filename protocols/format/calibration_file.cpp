@@ -279,7 +279,7 @@ std::vector<Calibration> parse_calibrations(std::string_view text, std::string_v
 Calibration load_calibration(const std::string& name_or_file) {
     std::error_code ignored;
     if (std::filesystem::exists(name_or_file, ignored)) {
-        auto found = parse_calibrations(read_text(name_or_file), name_or_file);
+        auto found = parse_calibrations(read_text(name_or_file, kMostDocument), name_or_file);
         if (found.size() != 1) {
             throw ProtocolError(
                 fmt::format("{}:1:1: the file holds {} machines: leave one, or name a shipped one",

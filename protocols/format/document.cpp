@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <string>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -56,6 +58,104 @@ Value value_of(const toml::node& node) {
     return value;
 }
 
+/// How deep a text goes, found without the library, whose trees are taken down level by level. As far as the
+/// text is TOML this sees strings, keys and brackets as the library does, and the library stops at the first
+/// place where it is not.
+class DepthScan {
+public:
+    explicit DepthScan(std::string_view text) : text_(text) {}
+
+    /// The first place that is too deep.
+    std::optional<Position> too_deep() {
+        while (at_ < text_.size()) {
+            const char c = text_[at_];
+            if (c == '"' || c == '\'') {
+                skip_string(c);
+                continue;
+            }
+            if (c == '#') {
+                at_ = std::min(text_.find('\n', at_), text_.size());
+                continue;
+            }
+            if (take(c)) {
+                return position();
+            }
+            ++at_;
+        }
+        return std::nullopt;
+    }
+
+private:
+    /// @return whether that is one too many
+    bool take(char c) {
+        if (c == '\n') {
+            line_start_ = at_ + 1;
+            ++line_;
+        }
+        if (c == '\n' && open_.empty()) {
+            begin_key();
+        } else if (in_key_ && c == '.') {
+            return ++parts_ > kMostLevels;
+        } else if (in_key_ && c == '=') {
+            in_key_ = false;
+        } else if (!in_key_ && (c == '[' || c == '{')) {
+            open_.push_back(c);
+            if (c == '{') {
+                begin_key();
+            }
+            return open_.size() > kMostLevels;
+        } else if ((c == ']' || c == '}') && !open_.empty()) {
+            open_.pop_back();
+            in_key_ = false;
+        } else if (c == ',' && !open_.empty() && open_.back() == '{') {
+            begin_key();
+        }
+        return false;
+    }
+
+    void begin_key() {
+        in_key_ = true;
+        parts_ = 1;
+    }
+
+    /// A string of one line ends with the line, as an error or not; one of three quotes with three.
+    void skip_string(char quote) {
+        const std::string three(3, quote);
+        const bool lines = text_.substr(at_, 3) == three;
+        at_ += lines ? 3 : 1;
+        while (at_ < text_.size()) {
+            const char c = text_[at_];
+            if (c == '\n' && !lines) {
+                return;
+            }
+            if (lines ? text_.substr(at_, 3) == three : c == quote) {
+                at_ += lines ? 3 : 1;
+                while (lines && at_ < text_.size() && text_[at_] == quote) {
+                    ++at_;  // a quote or two before the last three belong to the string
+                }
+                return;
+            }
+            if (c == '\n') {
+                line_start_ = at_ + 1;
+                ++line_;
+            }
+            at_ += c == '\\' && quote == '"' && at_ + 1 < text_.size() && text_[at_ + 1] != '\n'
+                     ? 2
+                     : 1;
+        }
+    }
+
+    [[nodiscard]] Position position() const { return {line_, at_ - line_start_ + 1}; }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+    std::size_t line_ = 1;
+    std::size_t line_start_ = 0;
+    bool in_key_ = true;
+    std::size_t parts_ = 1;
+    std::string open_;  ///< brackets of arrays and inline tables
+};
+
 }  // namespace
 
 std::string_view kind_of(const Value& value) {
@@ -103,6 +203,16 @@ std::string shown(const Value& value) {
 }
 
 Table parse_document(std::string_view text, std::string_view file_name) {
+    if (text.size() > kMostDocument) {
+        throw ProtocolError(fmt::format("{}:1:1: the text has {} bytes: give at most {}", file_name,
+                                        text.size(), kMostDocument));
+    }
+    if (const auto deep = DepthScan(text).too_deep()) {
+        throw ProtocolError(fmt::format(
+            "{}:{}:{}: more than {} levels in one another: no key of a file lies so deep, take the "
+            "dots or brackets away",
+            file_name, deep->line, deep->column, kMostLevels));
+    }
     try {
         return table_of(toml::parse(text, std::string_view{}));
     } catch (const toml::parse_error& error) {

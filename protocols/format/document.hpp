@@ -44,7 +44,14 @@ struct Entry {
 [[nodiscard]] std::string shown(const Value& value);
 [[nodiscard]] std::string shown(std::string_view text);
 
-/// Parses TOML. @throws ProtocolError at the first error of syntax. @param file_name  for messages
+/// The largest text that is parsed, bytes: hundreds of times what a protocol says.
+inline constexpr std::size_t kMostDocument = 4U << 20U;
+/// The most parts of a dotted key or table's name, and the most arrays and tables in one another. TOML has
+/// no bound, and a tree of 15,000 levels would use up the stack.
+inline constexpr std::size_t kMostLevels = 16;
+
+/// Parses TOML; everything that is TOML enters here. @param file_name  for messages
+/// @throws ProtocolError at the first error of syntax, or at what is too long or too deep
 [[nodiscard]] Table parse_document(std::string_view text, std::string_view file_name);
 
 }  // namespace palpate::protocols

@@ -202,8 +202,15 @@ void Problems::throw_if_any(std::string_view file_name) const {
     if (none()) {
         return;
     }
+    constexpr std::size_t kMost = 100;  // who sees so many mends one and looks again
     std::string text;
+    std::size_t told = 0;
     for (const auto& [at, what] : found_) {
+        if (++told > kMost) {
+            text += fmt::format("\n{}:{}:{}: {} more are not told", file_name, at.line, at.column,
+                                found_.size() - kMost);
+            break;
+        }
         text += fmt::format("{}{}:{}:{}: {}", text.empty() ? "" : "\n", file_name, at.line,
                             at.column, what);
     }

@@ -157,7 +157,7 @@ SceneFile parse_scene(std::string_view text, std::string_view file_name) {
 }
 
 SceneFile load_scene(const std::filesystem::path& file) {
-    return parse_scene(read_text(file), file.string());
+    return parse_scene(read_text(file, kMostDocument), file.string());
 }
 
 engine::Outline outline_of(const SceneFile& scene) {

@@ -167,6 +167,17 @@ std::vector<double> TableView::list_in(std::string_view key, const Value& value)
     return list;
 }
 
+std::vector<double> TableView::place_in(std::string_view key, const Value& value) {
+    std::vector<double> place = list_in(key, value);
+    for (const double x : place) {
+        if (std::fabs(x) > kFarthest) {
+            add(value.at, fmt::format("{} holds {}: give metres from {} to {}", key, x, -kFarthest,
+                                      kFarthest));
+        }
+    }
+    return place;
+}
+
 std::vector<double> TableView::numbers(std::string_view key) {
     const Entry* entry = require(key, "an array of numbers");
     return entry == nullptr ? std::vector<double>{} : list_in(key, entry->value);
@@ -188,7 +199,7 @@ PointList TableView::points(std::string_view key) {
         return points;
     }
     for (std::size_t i = 0; i < array->size(); ++i) {
-        const std::vector<double> xyz = list_in(key, (*array)[i]);
+        const std::vector<double> xyz = place_in(key, (*array)[i]);
         if (i == 0) {
             points.dimension = xyz.size() == 3 ? 3 : 2;
         }
@@ -209,7 +220,7 @@ PointList TableView::point(std::string_view key) {
     if (entry == nullptr) {
         return point;
     }
-    const std::vector<double> xyz = list_in(key, entry->value);
+    const std::vector<double> xyz = place_in(key, entry->value);
     if (xyz.size() != 2 && xyz.size() != 3) {
         add(entry->value.at, fmt::format("{} has {} coordinates: give [x, y]", key, xyz.size()));
         return point;
@@ -238,7 +249,7 @@ std::vector<std::vector<engine::Vec3>> TableView::point_grid(std::string_view ke
             continue;
         }
         for (const Value& point : *points) {
-            const std::vector<double> xyz = list_in(key, point);
+            const std::vector<double> xyz = place_in(key, point);
             if (xyz.size() != 3) {
                 add(point.at, fmt::format("a point of {} has {} coordinates: give [x, y, z]", key,
                                           xyz.size()));

@@ -23,6 +23,9 @@ struct Range {
     bool above = false;  ///< `lowest` itself is refused
 };
 
+/// The largest coordinate, m: the squares of distances to farther places would overflow or round away.
+inline constexpr double kFarthest = 1e6;
+
 template <int D>
 using Positions = std::vector<engine::Vec<D>>;
 
@@ -87,6 +90,7 @@ private:
     [[nodiscard]] double in_range(const Entry& entry, double value, const Range& range);
     [[nodiscard]] std::optional<double> number_in(std::string_view key, const Value& value);
     [[nodiscard]] std::vector<double> list_in(std::string_view key, const Value& value);
+    [[nodiscard]] std::vector<double> place_in(std::string_view key, const Value& value);
 
     const Table* table_;
     std::string name_;

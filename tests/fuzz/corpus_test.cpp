@@ -7,6 +7,7 @@
 
 #include "tests/fuzz/entries.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
 
 using namespace palpate::fuzz;
 
@@ -33,7 +34,46 @@ std::vector<std::uint8_t> bytes_of(const std::filesystem::path& file) {
     return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+/// Pieces of `good` and of TOML and CSV, some of them repeated until they are deep or long.
+std::vector<std::uint8_t> nonsense(std::uint64_t seed, const std::vector<std::uint8_t>& good) {
+    const std::vector<std::string> parts{
+        "[",  "]",  "{",      "}", ".", "=",  ",",    "\n", "\"",   "'",       "a", "\\",
+        "[[", "]]", "\"\"\"", "#", "-", "1,", "a = ", "a.", "\xff", "[[a]]\n", "0", "nan,1\n"};
+    palpate::tests::Random random(seed);
+    const auto size = static_cast<std::size_t>(random.decade(3.0, 6.0));
+    std::string text;
+    while (text.size() < size) {
+        if (random.below(4) == 0 && !good.empty()) {
+            const auto from = static_cast<std::size_t>(random.below(static_cast<int>(good.size())));
+            const auto length = static_cast<std::size_t>(random.decade(0.0, 3.0));
+            text.append(
+                good.begin() + static_cast<std::ptrdiff_t>(from),
+                good.begin() + static_cast<std::ptrdiff_t>(std::min(from + length, good.size())));
+            continue;
+        }
+        const auto which = static_cast<std::size_t>(random.below(static_cast<int>(parts.size())));
+        for (int n = random.below(5) == 0 ? static_cast<int>(random.decade(0.0, 5.0)) : 1; n > 0;
+             --n) {
+            text += parts[which];
+        }
+    }
+    text.resize(std::min(text.size(), std::size_t{1} << 20U));
+    return {text.begin(), text.end()};
+}
+
 }  // namespace
+
+TEST_CASE("texts of up to a megabyte, however deep, are read or refused", "[fuzz][law]") {
+    const Target target = GENERATE(Target{"scene", read_scene}, Target{"csv", read_csv},
+                                   Target{"protocol", read_protocol});
+    const auto files = files_of(target.corpus);
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        INFO(target.corpus << " " << seed);
+        const std::vector<std::uint8_t> bytes =
+            nonsense(seed, bytes_of(files[seed % files.size()]));
+        target.entry(bytes);
+    }
+}
 
 TEST_CASE("what the fuzzers were fed and found is read without harm", "[fuzz][law]") {
     const Target target = GENERATE(Target{"geometry", feel_geometry}, Target{"scene", read_scene},

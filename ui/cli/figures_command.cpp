@@ -10,7 +10,7 @@ namespace palpate::ui {
 
 int figures_command(const FigureOptions& options) {
     const std::filesystem::path directory(options.directory);
-    std::filesystem::create_directories(directory);
+    data::make_folder(directory);
     for (const data::NamedFigure& figure : data::thesis_figures()) {
         for (const data::FigureFile& file : data::files_of(figure)) {
             const std::filesystem::path path = directory / file.name;

@@ -1,9 +1,11 @@
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "protocols/format/protocol_file.hpp"
+#include "protocols/format/table_view.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
@@ -19,7 +21,17 @@ data::NumberTable read_points(const std::string& file, int dimension, bool with_
     const std::span<const std::string_view> all(kColumns);
     const std::size_t first = with_time ? 0 : 1;
     const auto last = static_cast<std::size_t>(dimension) + 1;
-    return data::read_numbers(file, all.subspan(first, last - first));
+    data::NumberTable points = data::read_numbers(file, all.subspan(first, last - first));
+    for (std::size_t row = 0; row < points.rows(); ++row) {
+        for (std::size_t column = with_time ? 1 : 0; column < points.columns.size(); ++column) {
+            if (const double x = points.at(row, column); std::fabs(x) > protocols::kFarthest) {
+                throw data::CsvError(fmt::format("{}:{}: {} is {}: give metres from {} to {}", file,
+                                                 points.lines[row], points.columns[column], x,
+                                                 -protocols::kFarthest, protocols::kFarthest));
+            }
+        }
+    }
+    return points;
 }
 
 }  // namespace

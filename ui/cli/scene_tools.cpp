@@ -22,6 +22,8 @@ using protocols::SceneFile;
 /// Tick periods that differ by less than this share are the same: t_s in decimals is rounded.
 constexpr double kSamePeriod = 1e-6;
 
+constexpr double kLongestPeriod = 3600.0;  ///< s
+
 /// Tick period of a path of a single row, s.
 constexpr double kUsualPeriod = 0.001;
 
@@ -35,6 +37,11 @@ std::vector<double> periods_of(const data::NumberTable& path, const std::string&
     const double mean = (path.at(last, 0) - path.at(0, 0)) / static_cast<double>(last);
     for (std::size_t i = 1; i <= last; ++i) {
         const double period = path.at(i, 0) - path.at(i - 1, 0);
+        if (period > kLongestPeriod) {
+            throw data::CsvError(
+                fmt::format("{}:{}: t_s is {} after {}: give ticks of at most {} s", file,
+                            path.lines[i], path.at(i, 0), path.at(i - 1, 0), kLongestPeriod));
+        }
         if (!(period > 0.0)) {
             throw data::CsvError(
                 fmt::format("{}:{}: t_s is {} after {}: time has to grow from row to row", file,

@@ -4,6 +4,7 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/running/trial_scene.hpp"
+#include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/load_study.hpp"
 #include "ui/subject/screenshots.hpp"
@@ -15,7 +16,7 @@ int screenshots_command(const ScreenshotOptions& options) {
     const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
     const auto language =
         options.language == "tr" ? protocols::Language::tr : protocols::Language::en;
-    std::filesystem::create_directories(options.directory);
+    data::make_folder(options.directory);
     for (const std::string& file : write_screenshots(
              options.directory, pictures,
              {.width = options.width,

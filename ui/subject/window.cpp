@@ -96,8 +96,8 @@ void keep_inside(SDL_Window* window) {
 
 std::string find_font(const std::string& asked) {
     if (!asked.empty()) {
-        if (!std::filesystem::exists(asked)) {
-            throw std::runtime_error(fmt::format("--font {}: there is no such file", asked));
+        if (std::error_code no; !std::filesystem::is_regular_file(asked, no)) {
+            throw std::invalid_argument(fmt::format("--font {}: there is no such file", asked));
         }
         return asked;
     }

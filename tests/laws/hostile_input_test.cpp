@@ -1,0 +1,305 @@
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include "protocols/library/shipped.hpp"
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::Matches;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+using Words = std::vector<std::string>;
+
+std::string times(std::size_t n, const std::string& text) {
+    std::string all;
+    for (std::size_t i = 0; i < n; ++i) {
+        all += text;
+    }
+    return all;
+}
+
+/// A TOML text of `levels` in one another, in one of the ways that TOML has.
+std::string deep(int way, std::size_t levels) {
+    switch (way) {
+        case 0:
+            return "a" + times(levels, ".a") + " = 1\n";
+        case 1:
+            return "[a" + times(levels, ".a") + "]\n";
+        case 2:
+            return "[[a" + times(levels, ".'a'") + "]]\n";
+        case 3:
+            return "a = " + times(levels, "[") + times(levels, "]") + "\n";
+        case 4:
+            return "a = " + times(levels, "{a = ") + "1" + times(levels, "}") + "\n";
+        default:  // after strings that look as if they did not end
+            return "a = \"\\\"\" # \"\nb = '''\n'\"\"\"'''\n\"c\\\"\" = \"\"\"\n\"\\\"\"\"\"\n" +
+                   deep(0, levels);
+    }
+}
+
+void write(const std::string& file, const std::string& text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
+/// Every command that reads TOML of its user.
+std::vector<Words> readers(const std::string& toml, const std::string& csv) {
+    return {{"check", toml},
+            {"render", toml, csv},
+            {"closest", toml, csv},
+            {"procedure", toml, csv},
+            {"calibrate", "--preset", toml, "-o", toml + ".out"},
+            {"haply-emulator", "--preset", toml},
+            {"screenshots", "--protocol", toml, "-o", toml + ".out"},
+            {"sequence", toml, "--participant", "P1"}};
+}
+
+}  // namespace
+
+TEST_CASE("TOML of any depth is refused at its place by every command that reads some",
+          "[cli][law]") {
+    const int way = GENERATE(range(0, 6));
+    CAPTURE(way);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.toml");
+    write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0,0\n");
+    write(file, deep(way, 15'000));
+    const std::string place = way == 5 ? "6" : "1";
+    for (const Words& words : readers(file, folder.file("p.csv"))) {
+        CAPTURE(words);
+        const Finished read = palpate_command(words);
+        CHECK(read.code == 2);
+        CHECK_THAT(read.error, Matches(".*p\\.toml:" + place + ":[0-9]+: more than 16 levels.*\n",
+                                       Catch::CaseSensitive::Yes));
+    }
+    CHECK(folder.names() == std::vector<std::string>{"p.csv", "p.toml"});
+    write(file, deep(way, 14));  // which is only not what the file may say
+    CHECK_THAT(palpate_command({"check", file}).error, !ContainsSubstring("levels"));
+}
+
+TEST_CASE("a database whose protocol is deep or long ends no command by a signal", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string db = folder.file("d.sqlite");
+    REQUIRE(palpate_command(
+                {"run", "shape_friction_demo", "--participant", "P1", "--db", db, "--headless"})
+                .code == 0);
+    const std::string text = GENERATE(deep(0, 15'000), "a = '" + times(5'000'000, "x") + "'\n");
+    {
+        data::Database database(db, data::Access::write);
+        for (const char* trigger : {"study_is_kept", "study_stays"}) {
+            database.execute(fmt::format("DROP TRIGGER IF EXISTS {}", trigger).c_str());
+        }
+        auto change = database.prepare("UPDATE study SET protocol_toml = ?1");
+        change.bind(1, text);
+        change.step();
+    }
+    int number = 0;
+    for (Words words : {Words{"verify", db},
+                        {"summary", db},
+                        {"sql", db, "-c", "SELECT avg(fn_n) FROM sample"},
+                        {"trace", db, "1"},
+                        {"export", db, "--kind", "all", "--traces", "-o"},
+                        {"merge", "", db},
+                        {"run", "shape_friction_demo", "--participant", "P2", "--headless",
+                         "--device", "replay:" + db, "--db"},
+                        {"note", db, "seen", "--participant", "P1"}}) {
+        const std::string other = folder.file(fmt::format("other{}", ++number));
+        words = words[0] == "merge" ? Words{"merge", other, db} : words;
+        if (words.back() == "-o" || words.back() == "--db") {
+            words.push_back(other);
+        }
+        CAPTURE(words);
+        const Finished done = palpate_command(words);
+        CAPTURE(done.error);
+        CHECK(done.code <= 2);
+        CHECK((done.code == 0 || done.error.size() + done.out.size() > 10));
+        CHECK(done.error.size() < 1'000);
+    }
+    CHECK(palpate_command({"verify", db}).code == 1);
+}
+
+TEST_CASE("what is no file is refused as a database by every command, at once", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string pipe = folder.file("pipe");
+    const std::string plug = folder.file("plug");
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    plug.copy(address.sun_path, sizeof address.sun_path - 1);
+    const int socket_of = socket(AF_UNIX, SOCK_DGRAM, 0);
+    REQUIRE(bind(socket_of, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0);
+    const std::string out = folder.file("out");
+    for (const std::string& db : {pipe, plug, std::string("/dev/zero"), folder.path().string()}) {
+        for (const Words& words : std::vector<Words>{
+                 {"verify", db},
+                 {"summary", db},
+                 {"sql", db, "-c", ".tables"},
+                 {"trace", db, "1"},
+                 {"note", db, "seen", "--participant", "P1"},
+                 {"mark", db, "1", "--invalid", "late"},
+                 {"participant", db, "P1", "--new"},
+                 {"export", db, "-o", out},
+                 {"merge", out, db},
+                 {"demo", "--headless", "--db", db},
+                 {"sequence", "shape_friction_demo", "--participant", "P1", "--db", db},
+                 {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", db},
+                 {"run", "shape_friction_demo", "--participant", "P1", "--headless", "--db", out,
+                  "--device", "replay:" + db}}) {
+            CAPTURE(words);
+            const Finished done = palpate_command(words);
+            CHECK(done.code == 2);
+            CHECK_THAT(done.error, Matches(".*: this is a (folder|pipe|socket|device), no file: .*"
+                                           "\n",
+                                           Catch::CaseSensitive::Yes));
+        }
+    }
+    close(socket_of);
+    CHECK(folder.names() == std::vector<std::string>{"pipe", "plug"});
+}
+
+TEST_CASE("a pipe beside a database, as an output or as a font makes nobody wait", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string db = folder.file("d.sqlite");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", db}).code == 0);
+    CHECK_THAT(palpate_command({"merge", "/dev/zero", db}).error,
+               ContainsSubstring("this is a device, no file"));
+    for (const std::string& beside : {db + "-wal", db + "-journal", folder.file("pipe")}) {
+        std::filesystem::remove(beside);
+        REQUIRE(mkfifo(beside.c_str(), 0600) == 0);
+    }
+    CHECK_THAT(palpate_command({"summary", db}).error,
+               ContainsSubstring("this is a pipe, no file"));
+    const std::string pipe = folder.file("pipe");
+    const Finished written =
+        palpate_command({"check", "shape_friction_demo", "--svg", folder.file("pipe")});
+    CHECK(written.code == 1);
+    CHECK_THAT(written.error, ContainsSubstring("cannot be written"));
+    const Finished shown = palpate_command({"screenshots", "--font", pipe, "-o", folder.file("o")});
+    CHECK(shown.code == 2);
+    CHECK_THAT(shown.error, ContainsSubstring("there is no such file"));
+    // What comes through a pipe is read: <(...) of a shell is one. What never ends is not.
+    const Finished through =
+        tests::Process({"bash", "-c",
+                        tests::palpate_program() + " check <(cat " PALPATE_SOURCE_DIR
+                                                   "/protocols/library/stress.toml)"})
+            .wait();
+    CHECK(through.code == 0);
+    CHECK_THAT(palpate_command({"check", "/dev/zero"}).error, ContainsSubstring("is longer than"));
+    const Finished never = palpate_command({"check", pipe});  // takes its 10 s of patience
+    CHECK(never.code == 2);
+    CHECK_THAT(never.error, ContainsSubstring("pipe:1:1: cannot be read: nothing has come out"));
+}
+
+TEST_CASE("a hand that is too far away is refused at its place, whatever the scene", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string scene = folder.file("s.toml");
+    const bool plane = GENERATE(true, false);
+    write(scene, plane ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
+                       : "[surface]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = "
+                         "[0, 0, 1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, "
+                         "0.1, 0]]]\n");
+    const std::string z = plane ? "" : ",0";
+    for (const char* far : {"1e155", "-1e155", "1e308", "1.7976931348623157e308", "1000001"}) {
+        CAPTURE(far);
+        write(folder.file("q.csv"), fmt::format("x_m,y_m{0}\n0.05,{1}{2}\n{3},0.001{2}\n",
+                                                plane ? "" : ",z_m", "0.01", z, far));
+        const Finished closest = palpate_command({"closest", scene, folder.file("q.csv")});
+        CHECK(closest.code == 2);
+        CHECK_THAT(closest.error,
+                   ContainsSubstring("q.csv:3: x_m is ") && ContainsSubstring("give metres from"));
+        write(folder.file("t.csv"), fmt::format("t_s,x_m,y_m{0}\n0,0.05,0.01{1}\n0.001,0.05,{2}{1}"
+                                                "\n",
+                                                plane ? "" : ",z_m", z, far));
+        const Finished render = palpate_command({"render", scene, folder.file("t.csv")});
+        CHECK(render.code == 2);
+        CHECK_THAT(render.error, ContainsSubstring("t.csv:3: y_m is "));
+    }
+    // The farthest that is let in, and numbers too small to be squared, get the right answer.
+    for (const char* far : {"1e6", "1e-300", "5e-324", "-5e-324", "-1e6"}) {
+        CAPTURE(far);
+        write(folder.file("q.csv"),
+              fmt::format("x_m,y_m{}\n{},0.05{}\n", plane ? "" : ",z_m", far, z));
+        const Finished closest = palpate_command({"closest", scene, folder.file("q.csv")});
+        REQUIRE(closest.code == 0);
+        const double x = std::strtod(far, nullptr) > 1.0 ? 0.1 : 0.0;
+        const double distance = std::hypot(std::strtod(far, nullptr) - x, plane ? 0.05 : 0.0);
+        const std::string row = closest.out.substr(closest.out.find('\n') + 1);
+        CHECK(std::stod(row.substr(row.rfind(',') + 1)) == Approx(distance).margin(1e-12));
+    }
+    write(scene, "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 1e155]\n");
+    CHECK_THAT(palpate_command({"closest", scene, folder.file("q.csv")}).error,
+               ContainsSubstring("s.toml:4:8: to_m holds 1e+155"));
+}
+
+TEST_CASE("seeded nonsense of up to a megabyte ends in a sentence, never in a signal",
+          "[cli][fuzz][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.toml");
+    write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0,0\n");
+    const Words parts{"[",
+                      "]",
+                      "{",
+                      "}",
+                      ".",
+                      "=",
+                      ",",
+                      "\n",
+                      "\"",
+                      "'",
+                      "a",
+                      "\\",
+                      "#",
+                      "[[",
+                      "]]",
+                      "\"\"\"",
+                      "'''",
+                      "1e9",
+                      "-",
+                      "nan",
+                      "[design]\n",
+                      "a.",
+                      "\xff",
+                      "\x1b[",
+                      "\r\n",
+                      "a = ",
+                      "[[object]]\n",
+                      "points_m = [[0, 0]]\n"};
+    for (std::uint64_t seed = 0; seed < 12; ++seed) {
+        CAPTURE(seed);
+        tests::Random random(seed);
+        std::string text = seed % 2 == 0
+                             ? std::string()
+                             : std::string(protocols::shipped_protocols()[seed % 3].text);
+        const auto size = static_cast<std::size_t>(random.decade(2.0, 6.0));
+        while (text.size() < size) {
+            const std::string& part =
+                parts[static_cast<std::size_t>(random.below(static_cast<int>(parts.size())))];
+            text += random.below(6) == 0
+                      ? times(static_cast<std::size_t>(random.decade(0.0, 4.5)), part)
+                      : part;
+        }
+        write(file, text);
+        const auto all = readers(file, folder.file("p.csv"));
+        for (const std::size_t which : {std::size_t{0}, 1 + seed % (all.size() - 1)}) {
+            CAPTURE(all[which]);
+            const Finished done = palpate_command(all[which]);
+            CAPTURE(done.error);
+            CHECK((done.code == 2 || (done.code == 0 && text.size() < 20'000)));
+            CHECK((done.code == 0 || !done.error.empty()));
+            CHECK(done.error.find('\x1b') == std::string::npos);
+        }
+    }
+}
