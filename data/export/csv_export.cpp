@@ -75,7 +75,10 @@ std::string words(const Selection& selection, const ExportOptions& options) {
         "are\n"
         "subject, study, session, trial. Text is UTF-8; an empty field: not known or not so. "
         "Numbers read\n"
-        "back to the same bits in C, Python and R.\n{}{}",
+        "back to the same bits in C, Python and R. A text that a spreadsheet would take for a "
+        "formula "
+        "has\n"
+        "' in front.\n{}{}",
         protocols::counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
                           "not know them.\n"

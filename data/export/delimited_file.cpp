@@ -7,28 +7,13 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "data/csv/csv_text.hpp"
 #include "data/export/number_text.hpp"
 
 namespace palpate::data {
 namespace {
 
 constexpr std::size_t kPending = std::size_t{1} << 16U;
-
-std::string in_quotes(std::string_view value) {
-    std::string out = "\"";
-    for (const char c : value) {
-        out += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return out + '"';
-}
-
-std::string one_line(std::string_view value) {
-    std::string out(value);
-    for (char& c : out) {
-        c = c == '\t' || c == '\n' || c == '\r' ? ' ' : c;
-    }
-    return out;
-}
 
 }  // namespace
 
@@ -61,14 +46,7 @@ void DelimitedFile::raw(std::string_view value) {
 }
 
 void DelimitedFile::text(std::string_view value) {
-    if (style_ == Delimited::tsv) {
-        const std::string line = value.empty() ? "n/a" : one_line(value);
-        raw(line.find('"') == std::string::npos ? line : in_quotes(line));
-    } else if (value.find_first_of(",\"\r\n") != std::string_view::npos || value.empty()) {
-        raw(in_quotes(value));
-    } else {
-        raw(value);
-    }
+    raw(style_ == Delimited::tsv ? tsv_field(value) : csv_field(value));
 }
 
 void DelimitedFile::integer(std::int64_t value) {

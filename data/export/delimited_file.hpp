@@ -9,9 +9,8 @@
 
 namespace palpate::data {
 
-/// How a table is written. csv: RFC 4180 with "\n", nothing for what is not there. tsv: BIDS' (common
-/// principles, tabular files), n/a for what is not there, tabs and line ends of texts become spaces, and
-/// a text with quotation marks is quoted as in csv.
+/// How a table is written: texts as csv_field() or tsv_field() has them, lines end in "\n". csv: nothing for
+/// what is not there; tsv: n/a.
 enum class Delimited : std::uint8_t { csv, tsv };
 
 /// A table of text, row by row. A name that ends in .gz is compressed, the same bytes for the same rows.

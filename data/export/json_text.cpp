@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/plain_text.hpp"
 #include "data/export/number_text.hpp"
 
 namespace palpate::data {
@@ -22,15 +23,22 @@ std::string indented(std::string_view value) {
 
 std::string json_string(std::string_view text) {
     std::string out = "\"";
-    for (const char c : text) {
-        const auto code = static_cast<unsigned char>(c);
-        if (c == '"' || c == '\\') {
-            out += fmt::format("\\{}", c);
-        } else if (code < 0x20) {
-            out += fmt::format("\\u{:04x}", static_cast<unsigned>(code));
+    while (!text.empty()) {
+        const auto [code, length] = protocols::first_character(text);
+        if (length == 0) {
+            out += "\\ufffd";  // RFC 8259 knows no other bytes than UTF-8
+        } else if (code == U'"' || code == U'\\') {
+            out += fmt::format("\\{}", text[0]);
+        } else if (!protocols::is_order(code)) {
+            out += text.substr(0, length);
+        } else if (code < 0x10000) {
+            out += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(code));
         } else {
-            out += c;
+            const auto rest = static_cast<std::uint32_t>(code) - 0x10000U;
+            out += fmt::format("\\u{:04x}\\u{:04x}", 0xD800U + (rest >> 10U),
+                               0xDC00U + (rest & 0x3FFU));
         }
+        text.remove_prefix(length == 0 ? 1 : length);
     }
     return out + '"';
 }

@@ -29,16 +29,24 @@ std::string type_of(std::string_view type) {
 }
 
 void convert(DuckDb& duck, const std::string& from, const fs::path& to, const Types& types) {
+    constexpr std::string_view kMarked = "'^''(''*[-=+@\t\r])'";
     std::string columns;
+    std::string texts;
     for (const auto& [name, type] : types) {
         columns +=
             fmt::format("{}{}: {}", columns.empty() ? "" : ", ", sql_text(name), sql_text(type));
+        if (type == "VARCHAR") {  // no spreadsheet opens it: the mark of csv_field() goes again
+            texts += fmt::format("{}regexp_replace(\"{}\", {}, '\\1') AS \"{}\"",
+                                 texts.empty() ? "" : ", ", name, kMarked, name);
+        }
     }
     duck.run(fmt::format(
-        "COPY (SELECT * FROM read_csv({}, header = true, delim = ',', quote = '\"', escape = '\"',"
+        "COPY (SELECT *{} FROM read_csv({}, header = true, delim = ',', quote = '\"', escape = "
+        "'\"',"
         " auto_detect = false, allow_quoted_nulls = false, columns = {{{}}})) TO {} (FORMAT "
         "parquet, COMPRESSION zstd)",
-        sql_text(from), columns, sql_text(to.string())));
+        texts.empty() ? "" : " REPLACE (" + texts + ")", sql_text(from), columns,
+        sql_text(to.string())));
 }
 
 Types tick_types() {

@@ -6,25 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "data/csv/csv_text.hpp"
 #include "data/csv/whole_file.hpp"
 
 namespace palpate::data {
-namespace {
-
-/// Quoted when it holds a comma, a quote or a line end.
-std::string field(const std::string& text) {
-    if (text.find_first_of(",\"\r\n") == std::string::npos) {
-        return text;
-    }
-    std::string quoted = "\"";
-    for (const char c : text) {
-        quoted += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return quoted + "\"";
-}
-
-}  // namespace
-
 std::string csv(std::span<const CsvColumn> columns) {
     if (columns.empty()) {
         throw std::invalid_argument("a CSV text needs at least one column");
@@ -40,7 +25,7 @@ std::string csv(std::span<const CsvColumn> columns) {
         if (&column != columns.data()) {
             text += ',';
         }
-        text += field(column.name);
+        text += csv_field(column.name);
     }
     text += '\n';
     for (std::size_t row = 0; row < rows; ++row) {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "data/report/utf8.hpp"
+#include "protocols/format/plain_text.hpp"
 
 namespace palpate::data {
 namespace {
@@ -12,8 +12,9 @@ namespace {
 /// Bytes of the character at `at`, 0 if there is none: U+FFFE and U+FFFF are none of XML.
 std::size_t character_length(std::string_view text, std::size_t at) {
     const std::string_view rest = text.substr(at);
-    return rest.starts_with("\xEF\xBF\xBE") || rest.starts_with("\xEF\xBF\xBF") ? 0
-                                                                                : utf8_length(rest);
+    return rest.starts_with("\xEF\xBF\xBE") || rest.starts_with("\xEF\xBF\xBF")
+             ? 0
+             : protocols::utf8_length(rest);
 }
 
 /// Advance of one ASCII letter, as a share of the font size.

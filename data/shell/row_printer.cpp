@@ -7,6 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/plain_text.hpp"
+#include "data/csv/csv_text.hpp"
+#include "data/export/json_text.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -21,7 +25,7 @@ std::string hexadecimal(const std::string& bytes) {
     return text;
 }
 
-std::string plain(const Cell& cell) {
+std::string bare(const Cell& cell) {
     struct Visitor {
         std::string operator()(std::monostate) const { return {}; }
         std::string operator()(std::int64_t value) const { return fmt::format("{}", value); }
@@ -43,33 +47,9 @@ std::size_t width_of(std::string_view text) {
     }));
 }
 
-std::string csv_field(const Cell& cell) {
-    std::string text = plain(cell);
-    const bool quote = std::holds_alternative<std::string>(cell) &&
-                       (text.empty() || text.find_first_of("\",\r\n") != std::string::npos);
-    if (!quote) {
-        return text;
-    }
-    std::string quoted = "\"";
-    for (const char c : text) {
-        quoted += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return quoted + '"';
-}
-
-std::string json_text(std::string_view text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') {
-            out += '\\';
-            out += c;
-        } else if (static_cast<unsigned char>(c) < 0x20) {
-            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-        } else {
-            out += c;
-        }
-    }
-    return out + '"';
+std::string csv_of(const Cell& cell) {
+    const auto* text = std::get_if<std::string>(&cell);
+    return text == nullptr ? bare(cell) : csv_field(*text);
 }
 
 std::string json_value(const Cell& cell) {
@@ -79,7 +59,7 @@ std::string json_value(const Cell& cell) {
     if (std::holds_alternative<std::monostate>(cell)) {
         return "null";
     }
-    return is_number(cell) ? plain(cell) : json_text(plain(cell));
+    return is_number(cell) ? bare(cell) : json_string(bare(cell));
 }
 
 template <class Fields, class Text>
@@ -94,17 +74,6 @@ std::string joined(const Fields& fields, const Text& text) {
 
 }  // namespace
 
-std::string harmless(std::string_view text, bool keep_lines) {
-    std::string out(text);
-    for (char& c : out) {
-        const auto byte = static_cast<unsigned char>(c);
-        if ((byte < 0x20 && !(keep_lines && c == '\n')) || byte == 0x7F) {
-            c = ' ';
-        }
-    }
-    return out;
-}
-
 RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string> names)
     : out_(out), format_(format), names_(std::move(names)) {
     if (format_ == RowFormat::csv) {
@@ -116,7 +85,7 @@ RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string
 void RowPrinter::row(std::vector<Cell> cells) {
     ++rows_;
     if (format_ == RowFormat::csv) {
-        fmt::print(out_, "{}\n", joined(cells, csv_field));
+        fmt::print(out_, "{}\n", joined(cells, csv_of));
     } else if (format_ == RowFormat::json) {
         print_json_row(cells);
     } else if (head_printed_) {
@@ -141,9 +110,9 @@ void RowPrinter::print_table_rows() {
     head_printed_ = true;
     widths_.resize(names_.size());
     for (std::size_t i = 0; i < names_.size(); ++i) {
-        widths_[i] = width_of(names_[i]);
+        widths_[i] = width_of(protocols::plain(names_[i]));
         for (const auto& cells : waiting_) {
-            widths_[i] = std::max(widths_[i], width_of(plain(cells[i])));
+            widths_[i] = std::max(widths_[i], width_of(protocols::plain(bare(cells[i]))));
         }
     }
     std::vector<Cell> head(names_.begin(), names_.end());
@@ -161,7 +130,7 @@ void RowPrinter::print_table_rows() {
 void RowPrinter::print_table_row(const std::vector<Cell>& cells) const {
     std::string line;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        const std::string text = harmless(plain(cells[i]));
+        const std::string text = protocols::plain(bare(cells[i]));
         const std::size_t width = width_of(text);
         const std::string space(widths_[i] > width ? widths_[i] - width : 0, ' ');
         line += i > 0 ? "  " : "";
@@ -174,8 +143,8 @@ void RowPrinter::print_table_row(const std::vector<Cell>& cells) const {
 void RowPrinter::print_json_row(const std::vector<Cell>& cells) {
     std::string text = rows_ == 1 ? "[{" : ",\n{";
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        text +=
-            fmt::format("{}{}: {}", i > 0 ? ", " : "", json_text(names_[i]), json_value(cells[i]));
+        text += fmt::format("{}{}: {}", i > 0 ? ", " : "", json_string(names_[i]),
+                            json_value(cells[i]));
     }
     fmt::print(out_, "{}}}", text);
 }

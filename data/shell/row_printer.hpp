@@ -16,7 +16,7 @@ using Cell = std::variant<std::monostate, std::int64_t, double, std::string, Blo
 
 enum class RowFormat : std::uint8_t {
     table,  ///< aligned by the first 1,000 rows, for people; NULL is empty
-    csv,    ///< RFC 4180, "\n"; NULL is empty, an empty text ""; a blob is hexadecimal
+    csv,    ///< texts by csv_field(), "\n"; NULL is empty; a blob is hexadecimal
     json,  ///< one array of objects; NULL and what is no finite number are null; a blob is hexadecimal
 };
 
@@ -40,8 +40,5 @@ private:
     bool head_printed_ = false;
     std::size_t rows_ = 0;
 };
-
-/// What a terminal can show: control characters as spaces, new lines kept on request.
-[[nodiscard]] std::string harmless(std::string_view text, bool keep_lines = false);
 
 }  // namespace palpate::data

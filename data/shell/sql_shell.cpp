@@ -1,12 +1,15 @@
 #include "data/shell/sql_shell.hpp"
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "protocols/format/did_you_mean.hpp"
+#include "protocols/format/plain_text.hpp"
 #include "data/extension/sample_columns.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/store/schema.hpp"
@@ -131,7 +134,7 @@ bool SqlShell::run(std::string_view text, std::size_t first_line) {
 void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t first_line) {
     const char* why = sqlite3_errmsg(database_.handle());
     if (offset > all.size()) {  // it failed while it ran, or SQLite does not know where
-        fmt::print(error_, "palpate: {}\n", harmless(why));
+        fmt::print(error_, "palpate: {}\n", protocols::plain(why));
         return;
     }
     const std::string_view before = all.substr(0, offset);
@@ -140,7 +143,7 @@ void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t fi
     const std::string_view line =
         all.substr(begin, std::min(all.find('\n', begin), all.size()) - begin);
     fmt::print(error_, "palpate: {}:{}: {}\n  {}\n  {}^\n", first_line + lines, offset - begin + 1,
-               harmless(why), harmless(line), std::string(offset - begin, ' '));
+               protocols::plain(why), protocols::plain(line), std::string(offset - begin, ' '));
 }
 
 bool SqlShell::statement(std::string_view& text, std::string_view all, std::size_t first_line) {
@@ -167,7 +170,7 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
         fmt::print(error_,
                    "palpate: palpate sql only reads, and this would write: {}\n"
                    "  To change something take a copy of the file and sqlite3.\n",
-                   harmless(std::string_view(sqlite3_sql(raw)).substr(0, 60)));
+                   protocols::plain(std::string_view(sqlite3_sql(raw)).substr(0, 60)));
         return false;
     }
     const int columns = sqlite3_column_count(raw);
@@ -216,7 +219,10 @@ bool SqlShell::word(std::string_view line) {
     if (name == ".schema") {
         return schema(rest);
     }
-    fmt::print(error_, "palpate: there is no word {}; .help lists them\n", harmless(name));
+    constexpr std::array<std::string_view, 6> kWords{".help",   ".tables", ".columns",
+                                                     ".schema", ".quit",   ".exit"};
+    fmt::print(error_, "palpate: there is no word {}{}; .help lists them\n", protocols::plain(name),
+               protocols::suggestion(name, kWords, ""));
     return false;
 }
 
@@ -234,6 +240,15 @@ void SqlShell::tables() {
     printer.end();
 }
 
+void SqlShell::no_such(std::string_view table) {
+    std::vector<std::string> names;
+    for (const TableManual& one : manual_of(database_)) {
+        names.push_back(one.name);
+    }
+    fmt::print(error_, "palpate: there is no table or view {}{}; .tables lists them\n",
+               protocols::plain(table), protocols::suggestion(table, names, ""));
+}
+
 bool SqlShell::columns(std::string_view table) {
     RowPrinter printer(out_, format_, {"table", "column", "unit", "meaning"});
     bool found = false;
@@ -247,8 +262,7 @@ bool SqlShell::columns(std::string_view table) {
         }
     }
     if (!found) {
-        fmt::print(error_, "palpate: there is no table or view {}; .tables lists them\n",
-                   harmless(table));
+        no_such(table);
         return false;
     }
     printer.end();
@@ -258,7 +272,7 @@ bool SqlShell::columns(std::string_view table) {
 bool SqlShell::schema(std::string_view table) {
     bool found = false;
     const auto print = [&](std::string_view sql) {
-        fmt::print(out_, "{};\n", harmless(sql, true));
+        fmt::print(out_, "{};\n", protocols::plain(sql, protocols::Lines::kept));
         found = true;
     };
     Statement row = database_.prepare(
@@ -272,8 +286,7 @@ bool SqlShell::schema(std::string_view table) {
         print(sample_declaration());
     }
     if (!found) {
-        fmt::print(error_, "palpate: there is no table or view {}; .tables lists them\n",
-                   harmless(table));
+        no_such(table);
     }
     return found;
 }

@@ -30,6 +30,7 @@ private:
     bool statement(std::string_view& text, std::string_view all, std::size_t first_line);
     bool word(std::string_view line);
     void tables();
+    void no_such(std::string_view table);
     bool columns(std::string_view table);
     bool schema(std::string_view table);
     void complain(std::string_view all, std::size_t offset, std::size_t first_line);

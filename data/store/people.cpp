@@ -9,6 +9,43 @@
 
 namespace palpate::data {
 
+namespace {
+
+/// The code without what people write now so, now so: cases, - and _, leading zeros of its numbers.
+std::string heard(std::string_view code) {
+    std::string out;
+    for (const char c : code) {
+        const bool digit = c >= '0' && c <= '9';
+        if (c == '-' || c == '_') {
+            continue;
+        }
+        if (digit && out.ends_with('0') &&
+            (out.size() < 2 || out[out.size() - 2] < '0' || out[out.size() - 2] > '9')) {
+            out.back() = c;  // a number does not begin with 0
+            continue;
+        }
+        out += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    }
+    return out;
+}
+
+}  // namespace
+
+std::optional<std::string> similar_participant(Database& database, std::string_view code) {
+    Statement row = database.prepare("SELECT code FROM participant ORDER BY id");
+    std::optional<std::string> found;
+    while (row.step()) {
+        const std::string other = row.text(0);
+        if (other == code) {
+            return std::nullopt;
+        }
+        if (!found && heard(other) == heard(code)) {
+            found = other;
+        }
+    }
+    return found;
+}
+
 std::optional<Participant> find_participant(Database& database, std::string_view code) {
     Statement row = database.prepare(
         "SELECT id, handedness, consent, coalesce(consent_utc, ''),"

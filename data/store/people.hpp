@@ -29,6 +29,11 @@ struct Participant {
 [[nodiscard]] std::optional<Participant> find_participant(Database& database,
                                                           std::string_view code);
 
+/// Somebody known whose code could be meant by `code`: it differs in upper and lower case, in - and _, or in
+/// leading zeros only, as P03 and p-3. Nobody where `code` itself is known.
+[[nodiscard]] std::optional<std::string> similar_participant(Database& database,
+                                                             std::string_view code);
+
 /// Registers the participant if need be and notes what is given. What was noted before and is not
 /// given stays; the time of a consent is that of its last change.
 void note_participant(Database& database, std::string_view code, const ParticipantNotes& notes);

@@ -144,26 +144,11 @@ private:
     }
 
     void design() {
-        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
-            const std::string path = fmt::format("design.{}", key.name);
-            if (key.name != "break_every" && places_.has(path) && left_as_default(key) == false) {
-                add(path,
-                    fmt::format("{} is given, but [procedure] decides what is felt: delete it",
-                                key.name));
-            }
-        }
         const std::size_t trials = spec_.practice_trials + spec_.trials * protocol_.runs.size();
         if (trials > kMaxTrials) {
             add("procedure.kind",
                 fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
         }
-    }
-
-    /// The canonical text has the whole table.
-    [[nodiscard]] bool left_as_default(const Key<DesignSpec>& key) const {
-        const DesignSpec defaults;
-        return std::visit([&](auto member) { return protocol_.design.*member == defaults.*member; },
-                          key.member);
     }
 
     void curvatures() {

@@ -288,15 +288,18 @@ Calibration load_calibration(const std::string& name_or_file) {
         return found.front();
     }
     std::string names;
+    std::vector<std::string> known;
     for (const Calibration& shipped :
          parse_calibrations(shipped_pantographs(), "pantographs.toml")) {
         if (shipped.pantograph.name == name_or_file) {
             return shipped;
         }
+        known.push_back(shipped.pantograph.name);
         names += (names.empty() ? "" : ", ") + shipped.pantograph.name;
     }
-    throw ProtocolError(fmt::format(
-        "{}:1:1: there is no such calibration: give a file, or one of {}", name_or_file, names));
+    throw ProtocolError(
+        fmt::format("{}:1:1: there is no such calibration: give a file, or one of {}{}",
+                    name_or_file, names, suggestion(name_or_file, known, "")));
 }
 
 std::string to_toml(const Calibration& calibration) {

@@ -57,6 +57,7 @@ public:
         const Entry* procedure = find("procedure");
         table("design", protocol.design, procedure == nullptr);
         if (procedure != nullptr) {
+            breaks_alone(procedure->at);
             read_adaptive(*procedure, reader_, problems_, places_, protocol);
             tables("run", [&](const Table& found, const Position& at) {
                 const std::string path = fmt::format("run.{}", protocol.runs.size() + 1);
@@ -110,6 +111,24 @@ private:
             problems_.add(run->at,
                           "there are runs, but no rule for them: add the table "
                           "[procedure], or delete [[run]]");
+        }
+    }
+
+    /// Where a rule chooses, it says how often, too: of the design only the breaks are left.
+    void breaks_alone(const Position& procedure) {
+        std::string keys;
+        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+            if (key.name != "break_every" && places_.has(fmt::format("design.{}", key.name))) {
+                keys += (keys.empty() ? "" : ", ") + std::string(key.name);
+            }
+        }
+        if (!keys.empty()) {
+            problems_.add(places_.of("design"),
+                          fmt::format("[design] says {}, and the rule of [procedure] in line {} "
+                                      "decides that: keep [procedure] and of [design] no more than "
+                                      "break_every, or keep [design] and delete [procedure] and "
+                                      "[[run]]",
+                                      keys, procedure.line));
         }
     }
 

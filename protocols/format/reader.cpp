@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <type_traits>
 
@@ -13,22 +12,6 @@
 
 namespace palpate::protocols {
 namespace {
-
-/// Levenshtein's distance, an exchange of two neighbours counted as two.
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i + 1;
-        for (std::size_t j = 0; j < b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-            diagonal = row[j + 1];
-            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-        }
-    }
-    return row.back();
-}
 
 bool is_name(std::string_view text) {
     constexpr std::size_t kLongest = 64;
@@ -232,27 +215,6 @@ Position Places::of(std::string path) const {
         }
         path.resize(dot);
     }
-}
-
-std::string suggestion(std::string_view unknown,
-                       std::span<const std::string_view> known,
-                       std::string_view otherwise) {
-    constexpr std::size_t kLongest = 64;  // beyond any key: no need to measure
-    if (unknown.size() > kLongest) {
-        return std::string(otherwise);
-    }
-    std::string_view nearest;
-    std::size_t least = std::max<std::size_t>(2, unknown.size() / 3) + 1;
-    for (const std::string_view key : known) {
-        // A forgotten unit is the commonest slip: stiffness for stiffness_n_per_m.
-        const bool unit_forgotten = unknown.size() >= 3 && key.starts_with(unknown);
-        const std::size_t distance = unit_forgotten ? 1 : edit_distance(unknown, key);
-        if (distance < least) {
-            least = distance;
-            nearest = key;
-        }
-    }
-    return nearest.empty() ? std::string(otherwise) : fmt::format(": did you mean {}?", nearest);
 }
 
 Position spoken_of(const Table& table, std::string_view sentence, const Position& otherwise) {

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "protocols/format/did_you_mean.hpp"
 #include "protocols/format/document.hpp"
 
 /// Private to protocols/format: turns a document's tables into structs and notes every problem.
@@ -36,12 +37,6 @@ public:
 private:
     std::map<std::string, Position> places_;
 };
-
-/// ": did you mean ...?" for the nearest of `known`, or `otherwise` if none is near: a key may be deleted,
-/// of a value what may stand there is said.
-[[nodiscard]] std::string suggestion(std::string_view unknown,
-                                     std::span<const std::string_view> known,
-                                     std::string_view otherwise = ": delete it");
 
 /// The place of the value that a sentence such as "lowest is 3: ..." begins with, else `otherwise`.
 [[nodiscard]] Position spoken_of(const Table& table,

@@ -76,7 +76,11 @@ std::string to_toml(const Protocol& protocol) {
     if (protocol.exclusion != ExclusionSpec{}) {
         append(text, "[exclusion]", protocol.exclusion);
     }
-    append(text, "[design]", protocol.design);
+    if (protocol.procedure) {  // which decides all but the breaks
+        text += fmt::format("\n[design]\nbreak_every = {}\n", protocol.design.break_every);
+    } else {
+        append(text, "[design]", protocol.design);
+    }
     append(text, "[timing]", protocol.timing);
     if (protocol.response != ResponseSpec{}) {
         append(text, "[response]", protocol.response);

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
+
+#include "protocols/format/did_you_mean.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -44,14 +47,17 @@ std::string id_of(std::string_view name) {
 
 const ShippedProtocol& shipped_protocol(std::string_view name) {
     std::string known;
+    std::vector<std::string_view> names;
     for (const ShippedProtocol& shipped : shipped_protocols()) {
         if (shipped.name == name) {
             return shipped;
         }
+        names.push_back(shipped.name);
         known += fmt::format("{}{}", known.empty() ? "" : ", ", shipped.name);
     }
     throw std::invalid_argument(
-        fmt::format("no protocol \"{}\" ships with palpate: give one of {}", name, known));
+        fmt::format("no protocol \"{}\" ships with palpate: give one of {}{}", name, known,
+                    suggestion(name, names, "")));
 }
 
 std::string new_protocol(const ShippedProtocol& from, const std::string& id) {

@@ -206,3 +206,108 @@ TEST_CASE(
     std::getline(in, line);
     CHECK(line == "Dear participant, thank you for coming.");
 }
+
+TEST_CASE("a word that nobody knows is named, with the one that is meant, and nothing is made",
+          "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string db = folder.file("d.sqlite");
+    struct Wrong {
+        std::vector<std::string> words;
+        const char *says, *means;
+    };
+    for (const Wrong& wrong : {
+             Wrong{{"rnu", "shape_friction"}, "no command \"rnu\"", "run"},
+             Wrong{{"sumary", db}, "no command \"sumary\"", "summary"},
+             Wrong{{"--hlep"}, "no option --hlep", "--help"},
+             Wrong{{"run", "shape_friction", "--partcipant", "P01", "--db", db},
+                   "run has no option --partcipant",
+                   "--participant"},
+             Wrong{{"run", "--partcipant=P01", "shape_friction", "--db", db},
+                   "run has no option --partcipant",
+                   "--participant"},
+             Wrong{{"summary", "--jsn", db}, "summary has no option --jsn", nullptr},
+             Wrong{{"run", "shape_fricton", "--participant", "P1", "--db", db},
+                   "shape_fricton:1:1: there is no such protocol",
+                   "shape_friction"},
+             Wrong{{"check", "SHAPE_FRICTION_DEMO"}, "no such protocol", "shape_friction_demo"},
+             Wrong{{"new", folder.file("x.toml"), "--from", "pilto"}, "\"pilto\"", "pilot"},
+             Wrong{{"run", "pilot", "--participant", "P1", "--db", db, "--kind", "reel"},
+                   "--kind: \"reel\"",
+                   "real"},
+             Wrong{{"run", "pilot", "--participant", "P1", "--db", db, "--resume", "redo-blok"},
+                   "--resume: \"redo-blok\"",
+                   "redo-block"},
+             Wrong{{"run", "pilot", "--participant", "P1", "--db", db, "--device", "muose"},
+                   "--device muose",
+                   "mouse"},
+             Wrong{{"doctor", "--device", "hapley:/dev/ttyACM0"}, "hapley", "haply"},
+             Wrong{{"check", "pilot", "--calibration", "mk3"}, "mk3", "mk2"},
+             Wrong{{"screenshots", "--language", "tur"}, "--language: \"tur\"", "tr"},
+             Wrong{{"export", db, "--format", "cvs", "-o", db}, "--format: \"cvs\"", "csv"},
+         }) {
+        CAPTURE(wrong.words);
+        const Finished run = palpate_command(wrong.words);
+        CAPTURE(run.error);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error, ContainsSubstring(wrong.says));
+        if (wrong.means != nullptr) {
+            CHECK_THAT(run.error,
+                       ContainsSubstring(std::string("did you mean ") + wrong.means + "?"));
+        }
+        CHECK_THAT(run.error, !ContainsSubstring("is required"));
+        CHECK(folder.names().empty());
+    }
+    std::ofstream(folder.file("mine.toml")) << "format = 1\n";
+    CHECK_THAT(palpate_command({"check", folder.file("mien.toml")}).error,
+               ContainsSubstring("did you mean mine.toml?"));
+    REQUIRE(palpate_command({"demo", "--headless", "--db", db}).code == 0);
+    CHECK_THAT(palpate_command({"sql", db, "-c", ".tabels"}).error,
+               ContainsSubstring("no word .tabels: did you mean .tables?"));
+    CHECK_THAT(palpate_command({"sql", db, "-c", ".columns trail"}).error,
+               ContainsSubstring("no table or view trail: did you mean trial?"));
+}
+
+TEST_CASE("a code much like one that is there is asked about, and nobody is made of a slip",
+          "[cli][people][law]") {
+    const TemporaryFolder folder;
+    const std::string db = folder.file("d.sqlite");
+    const auto run = [&](std::vector<std::string> words) {
+        words.insert(words.begin(),
+                     {"run", "shape_friction_demo", "--headless", "--db", db, "--participant"});
+        return palpate_command(words);
+    };
+    const auto people = [&] {
+        return palpate_command(
+                   {"sql", db, "--csv", "-c", "SELECT group_concat(code) FROM participant"})
+            .out;
+    };
+    REQUIRE(run({"P03"}).code == 0);
+    for (const char* code : {"p03", "P3", "P-03", "P_3", "p0-03"}) {
+        CAPTURE(code);
+        const Finished asked = run({code});
+        CHECK(asked.code == 2);
+        CHECK_THAT(asked.error, ContainsSubstring(std::string("nobody is called ") + code +
+                                                  ", and P03 is there") &&
+                                    ContainsSubstring("--another"));
+        const Finished registered = palpate_command({"participant", db, code, "--new"});
+        CHECK(registered.code == 2);
+        CHECK_THAT(registered.error, ContainsSubstring("P03 is there"));
+        CHECK_THAT(palpate_command({"participant", db, code}).error,
+                   ContainsSubstring("P03 is there"));
+        CHECK_THAT(palpate_command({"note", db, "seen", "--participant", code}).error,
+                   ContainsSubstring("did you mean P03?"));
+        CHECK_THAT(
+            palpate_command({"sequence", "shape_friction_demo", "--db", db, "--participant", code})
+                .error,
+            ContainsSubstring("P03 is there"));
+    }
+    CHECK_THAT(people(), ContainsSubstring("\nP03\n"));
+    for (const char* other : {"P04", "P30", "P031", "P13"}) {  // plainly somebody else
+        CAPTURE(other);
+        CHECK(palpate_command({"participant", db, other, "--new"}).code == 0);
+    }
+    CHECK(run({"p03", "--another"}).code == 0);
+    CHECK(palpate_command({"participant", db, "P3", "--new", "--another"}).code == 0);
+    CHECK(run({"p03", "--session", "2"}).code == 0);  // known by now
+    CHECK_THAT(people(), ContainsSubstring("p03") && ContainsSubstring("P3"));
+}

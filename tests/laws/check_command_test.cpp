@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -67,7 +68,7 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
           "[cli][law]") {
     const TemporaryFolder folder;
     const Finished check =
-        palpate_command({"check", "shape_friction", "--svg", folder.file("objects.svg")});
+        palpate_command({"check", "shape_friction", "--long", "--svg", folder.file("objects.svg")});
     CHECK(check.code == 0);
     // 114 trials at 36.9 s and 6 breaks of 30 s: 73.1 min, see the test of the duration.
     CHECK_THAT(check.out,
@@ -117,8 +118,67 @@ TEST_CASE("blocks and the first-order order of a file reach the plan that is run
     replace(file, "blocks = 5 ", "blocks = 1 ");
     replace(file, "catch_trials = 4", "catch_trials = 0");
     replace(file, "order = \"random\"", "order = \"first_order\"");
-    const Finished check = palpate_command({"check", file});
+    const Finished check = palpate_command({"check", file, "--long"});
     CHECK(check.code == 0);
     CHECK_THAT(check.out, ContainsSubstring("first-order balanced") &&
                               ContainsSubstring("111 trials: 11 practice, 100 main"));
+}
+
+TEST_CASE("check says first how long it takes, where the breaks are and what to think of",
+          "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.toml");
+    REQUIRE(palpate_command({"new", file}).code == 0);
+    const Finished before = palpate_command({"check", file});
+    CHECK_THAT(before.out, !ContainsSubstring("without a break: give") &&
+                               !ContainsSubstring("there is no practice") &&
+                               ContainsSubstring("friction is compared without masking noise"));
+    replace(file, "break_every = 20", "break_every = 0");
+    replace(file, "practice_repetitions = 1", "practice_repetitions = 0");
+    replace(file, "catch_trials = 4", "catch_trials = 0");
+    const Finished check = palpate_command({"check", file});
+    CAPTURE(check.out);
+    CHECK(check.code == 0);
+    // 100 trials at 36.9 s (see the test of the duration) are 61.5 minutes.
+    std::size_t last = 0;
+    for (const char* sentence :
+         {"p: P\nprotocol ", "\nduration 62 min", "\nbreaks before trials: none",
+          "\nlongest stretch without a break: 100 trials, 62 min",
+          "warning: trials 1 to 100 take some 62 minutes without a break", "there is no practice",
+          "there are no catch trials", "friction is compared without masking noise",
+          "on simulated pantograph", "100 trials: 0 practice", "--long"}) {
+        CAPTURE(sentence);
+        const std::size_t at = check.out.find(sentence);
+        REQUIRE(at != std::string::npos);
+        CHECK(at >= last);
+        last = at;
+    }
+    CHECK(std::count(check.out.begin(), check.out.end(), '\n') < 30);
+    CHECK_THAT(palpate_command({"check", file, "--long"}).out,
+               ContainsSubstring("trials of each condition") &&
+                   ContainsSubstring("from one main trial to the next"));
+    std::ofstream(file, std::ios::app) << "\n[masking]\nnoise = \"pink\"\nlevel_db = -20\n";
+    CHECK_THAT(palpate_command({"check", file}).out, !ContainsSubstring("without masking noise"));
+}
+
+TEST_CASE("a rule beside a design is answered at its place, with which to keep", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("p.toml");
+    REQUIRE(palpate_command({"new", file, "--from", "curvature_2afc"}).code == 0);
+    CHECK(palpate_command({"check", file}).code == 0);
+    // Also where the design says no more than what it would be anyway.
+    replace(file, "[design]\n", "[design]\nrepetitions = 10\ncatch_trials = 4\n");
+    const std::string text = text_of(file);
+    const auto line =
+        std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("[design]")),
+                   '\n') +
+        1;
+    const Finished check = palpate_command({"check", file});
+    CHECK(check.code == 2);
+    CHECK_THAT(check.error,
+               ContainsSubstring("p.toml:" + std::to_string(line) +
+                                 ":2: [design] says repetitions, catch_trials, and the rule of "
+                                 "[procedure] in line ") &&
+                   ContainsSubstring("keep [procedure]") && ContainsSubstring("or keep [design]"));
+    CHECK(std::count(check.error.begin(), check.error.end(), '\n') == 1);
 }

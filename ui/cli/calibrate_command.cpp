@@ -16,6 +16,7 @@
 #include "data/csv/whole_file.hpp"
 #include "ui/cli/calibration_device.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -101,7 +102,7 @@ engine::MarkReading read_mark(engine::Device& device, const Vec2& place) {
 
 /// @return false at the end of standard input
 bool wait_for_enter(const Vec2& place) {
-    fmt::print("Bring the handle to ({}, {}) mm and press Enter. ", place.x * 1e3, place.y * 1e3);
+    say("Bring the handle to ({}, {}) mm and press Enter. ", place.x * 1e3, place.y * 1e3);
     std::fflush(stdout);
     std::string line;
     return static_cast<bool>(std::getline(std::cin, line));
@@ -111,18 +112,18 @@ void print_found(const engine::Calibration& found,
                  const engine::Homing& homing,
                  const std::vector<engine::MarkReading>& readings) {
     constexpr double kDegree = 180.0 / engine::kPi;
-    fmt::print("\n");
+    say("\n");
     for (std::size_t i = 0; i < readings.size(); ++i) {
-        fmt::print("mark ({}, {}) mm: missed by {:.3f} mm\n", readings[i].place.x * 1e3,
-                   readings[i].place.y * 1e3, homing.residuals[i] * 1e3);
+        say("mark ({}, {}) mm: missed by {:.3f} mm\n", readings[i].place.x * 1e3,
+            readings[i].place.y * 1e3, homing.residuals[i] * 1e3);
     }
     for (std::size_t i = 0; i < 2; ++i) {
         const engine::Axis& axis = found.pantograph.axes[i];
-        fmt::print("axis {}: zero {:.4f} deg, {:.2f} counts a turn\n", i + 1, axis.zero * kDegree,
-                   axis.counts_per_turn);
+        say("axis {}: zero {:.4f} deg, {:.2f} counts a turn\n", i + 1, axis.zero * kDegree,
+            axis.counts_per_turn);
     }
     if (readings.size() == 1) {
-        fmt::print("One mark is always met: a second one would tell whether the lengths fit.\n");
+        say("One mark is always met: a second one would tell whether the lengths fit.\n");
     }
 }
 
@@ -132,13 +133,13 @@ int calibrate_command(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
     const std::vector<Vec2> marks = marks_of(options, calibration);
     const auto device = open_for_calibration(options.device, calibration);
-    fmt::print("{}: {} with the numbers of {}, {}\n", options.output, device->name(),
-               calibration.pantograph.name, protocols::counted(marks.size(), "mark"));
+    say("{}: {} with the numbers of {}, {}\n", options.output, device->name(),
+        calibration.pantograph.name, protocols::counted(marks.size(), "mark"));
 
     std::vector<engine::MarkReading> readings;
     for (const Vec2& mark : marks) {
         if (!wait_for_enter(mark)) {
-            fmt::print(stderr, "\npalpate: standard input ended; nothing was written\n");
+            say_to(stderr, "\npalpate: standard input ended; nothing was written\n");
             return kExitStopped;
         }
         readings.push_back(read_mark(*device, mark));
@@ -150,8 +151,8 @@ int calibrate_command(const CalibrateOptions& options) {
 
     const std::string text = protocols::to_toml(calibration);
     data::write_whole(options.output, text);
-    fmt::print("Calibration {} written to {}\n",
-               protocols::calibration_id(calibration).substr(0, kShownId), options.output);
+    say("Calibration {} written to {}\n",
+        protocols::calibration_id(calibration).substr(0, kShownId), options.output);
     return 0;
 }
 

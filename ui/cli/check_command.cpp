@@ -15,6 +15,7 @@
 #include "ui/cli/commands.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/plan_text.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/study_advice.hpp"
 
 namespace palpate::ui {
@@ -39,46 +40,55 @@ std::string minutes(double seconds) {
                            : fmt::format("{:.0f} min", std::ceil(seconds / 60.0));
 }
 
-void print_design(const Study& study, const Plan& plan) {
-    const Protocol& protocol = study.protocol;
-    const protocols::PlanSummary summary = summarise(plan);
-    fmt::print("{}: {}\nprotocol {}\n", protocol.id, protocol.title, study.hash);
-    fmt::print("{}, handedness {}, screen in {}\n", counted(protocol.participants, "participant"),
-               protocols::word_of(protocol.handedness), protocols::word_of(protocol.language));
-    fmt::print("{} of which {} pictured, {}\n", counted(protocol.objects.size(), "object"),
-               objects_of(protocol, true).size(), counted(protocol.frictions.size(), "friction"));
-    fmt::print("{}: {} practice, {} main in {}, {} catch\n", counted(plan.trials.size(), "trial"),
-               trials_of(plan, Phase::practice), trials_of(plan, Phase::main),
-               counted(block_count(protocol), "block"), trials_of(plan, Phase::catch_trial));
-    if (protocol.procedure) {
-        fmt::print("{}\n{}", breaks_text(summary), rule_text(protocol, plan));
-        return;
-    }
-    fmt::print("{}\n{}\nin the order of a participant named {}, other orders differ:\n{}\n{}",
-               breaks_text(summary), counts_text(protocol, summary), kExample,
-               limits_text(protocol, plan, summary), steps_text(protocol, summary));
+void print_title(const Study& study) {
+    say("{}: {}\nprotocol {}\n", study.protocol.id, study.protocol.title, study.hash);
 }
 
 void print_duration(const Protocol& protocol, const Plan& plan) {
     const protocols::Duration duration = duration_of(plan, protocol);
-    fmt::print(
-        "\nduration {} if every trial is felt until the prompt at {:g} s, with {:g} s to get ready "
+    say("\nduration {} if every trial is felt until the prompt at {:g} s, with {:g} s to get ready "
         "and {:g} s\n  to choose, and every break takes {:g} s; {} if all are as quick as they may "
         "be, {} if all are felt\n  until the time-out. Instructions and trials that are run again "
         "come on top.\n",
         minutes(duration.prompted), protocol.timing.explore_prompt, protocols::kReadySeconds,
         protocols::kChoiceSeconds, protocol.timing.break_min, minutes(duration.shortest),
         minutes(duration.longest));
+    const Stretch stretch = longest_stretch(protocol, plan);
+    say("{}longest stretch without a break: {}, {}\n", breaks_text(summarise(plan)),
+        counted(stretch.trials, "trial"), minutes(stretch.seconds));
 }
 
-void print_advice(const Protocol& protocol) {
+void print_advice(const Protocol& protocol, const Plan& plan) {
+    for (const std::string& sentence : advice_on(protocol, plan)) {
+        say("  warning: {}\n", sentence);
+    }
+}
+
+void print_design(const Study& study, const Plan& plan) {
+    const Protocol& protocol = study.protocol;
+    say("\n{}, handedness {}, screen in {}\n", counted(protocol.participants, "participant"),
+        protocols::word_of(protocol.handedness), protocols::word_of(protocol.language));
+    say("{} of which {} pictured, {}\n", counted(protocol.objects.size(), "object"),
+        objects_of(protocol, true).size(), counted(protocol.frictions.size(), "friction"));
+    say("{}: {} practice, {} main in {}, {} catch\n", counted(plan.trials.size(), "trial"),
+        trials_of(plan, Phase::practice), trials_of(plan, Phase::main),
+        counted(block_count(protocol), "block"), trials_of(plan, Phase::catch_trial));
     if (protocol.masking.noise != protocols::Noise::none) {
-        fmt::print("masking noise: {} at {:g} dB re full scale\n",
-                   protocols::word_of(protocol.masking.noise), protocol.masking.level_db);
+        say("masking noise: {} at {:g} dB re full scale\n",
+            protocols::word_of(protocol.masking.noise), protocol.masking.level_db);
     }
-    for (const std::string& sentence : advice_on(protocol)) {
-        fmt::print("  warning: {}\n", sentence);
+}
+
+/// What nobody reads twice.
+void print_tables(const Protocol& protocol, const Plan& plan) {
+    const protocols::PlanSummary summary = summarise(plan);
+    if (protocol.procedure) {
+        say("\n{}", rule_text(protocol, plan));
+        return;
     }
+    say("\n{}\nin the order of a participant named {}, other orders differ:\n{}\n{}",
+        counts_text(protocol, summary), kExample, limits_text(protocol, plan, summary),
+        steps_text(protocol, summary));
 }
 
 /// @return whether it can be run
@@ -93,17 +103,16 @@ bool print_feasibility(const Study& study,
     spec.calibration = options.calibration;
     spec.recordings = load_recordings(spec.device);
     const OpenedApparatus opened = open_apparatus(spec);
-    fmt::print("\non {}", opened.port->device_name());
+    say("\non {}", opened.port->device_name());
     const bool refused = std::any_of(
         opened.findings.begin(), opened.findings.end(),
         [](const auto& finding) { return finding.verdict == protocols::Verdict::refuse; });
-    fmt::print(": {}\n", refused                   ? "it cannot be run"
-                         : opened.findings.empty() ? "nothing stands against it"
-                                                   : "it can be run, and this should be known");
+    say(": {}\n", refused                   ? "it cannot be run"
+                  : opened.findings.empty() ? "nothing stands against it"
+                                            : "it can be run, and this should be known");
     for (const protocols::Finding& finding : opened.findings) {
-        fmt::print("  {}: {}\n",
-                   finding.verdict == protocols::Verdict::refuse ? "refused" : "warning",
-                   finding.text);
+        say("  {}: {}\n", finding.verdict == protocols::Verdict::refuse ? "refused" : "warning",
+            finding.text);
     }
     return !refused;
 }
@@ -117,13 +126,18 @@ int check_command(const CheckOptions& options) {
     if (!options.svg.empty()) {
         data::write_whole(options.svg, data::object_sheet(study.protocol, study.hash));
     }
-    print_design(study, plan);
+    print_title(study);
     print_duration(study.protocol, plan);
-    print_advice(study.protocol);
-    std::fflush(stdout);
+    print_advice(study.protocol, plan);
     const bool feasible = print_feasibility(study, key, options);
+    print_design(study, plan);
+    if (options.tables) {
+        print_tables(study.protocol, plan);
+    } else {
+        say("Trials of each condition, limits, what follows what: --long\n");
+    }
     if (!options.svg.empty()) {
-        fmt::print("objects drawn in {}\n", options.svg);
+        say("objects drawn in {}\n", options.svg);
     }
     return feasible ? 0 : kExitFailure;
 }

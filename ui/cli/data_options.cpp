@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <memory>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "data/report/utf8.hpp"
+#include "protocols/format/did_you_mean.hpp"
+#include "protocols/format/plain_text.hpp"
 #include "ui/cli/options_of.hpp"
 
 namespace palpate::ui {
@@ -28,8 +31,13 @@ void add_participant(CLI::App& app, Options& chosen) {
         ->add_option("--handedness", who.handedness, "Edinburgh score, -100 (left) to 100 (right)")
         ->check(CLI::Range(-100, 100));
     command->add_option("--consent", who.consent, "yes or no: consent to take part")
-        ->check(CLI::IsMember({"yes", "no"}));
-    command->add_flag("--new", who.registers, "Registers somebody who is not in the file yet");
+        ->check(one_of({"yes", "no"}));
+    CLI::Option* registers =
+        command->add_flag("--new", who.registers, "Registers somebody who is not in the file yet");
+    command
+        ->add_flag("--another", who.another,
+                   "With --new, although a code in the file is much like it")
+        ->needs(registers);
     command->add_option("--set", who.details, "KEY=VALUE, e.g. age=31; once for each")
         ->allow_extra_args(false)
         ->check(kept_text);
@@ -104,11 +112,11 @@ void add_export(CLI::App& app, Options& chosen) {
         ->add_option(
             "--format", words.format,
             "csv, bids, psych-ds, parquet, or procedure: runs of a rule for palpate procedure")
-        ->check(CLI::IsMember({"csv", "bids", "psych-ds", "parquet", "procedure"}))
+        ->check(one_of({"csv", "bids", "psych-ds", "parquet", "procedure"}))
         ->capture_default_str();
     command->add_option("-o,--output", words.directory, "A new folder")->required();
     command->add_option("--kind", words.kind, "Which sessions: real, pilot, simulated or all")
-        ->check(CLI::IsMember({"real", "pilot", "simulated", "all"}))
+        ->check(one_of({"real", "pilot", "simulated", "all"}))
         ->capture_default_str();
     command->add_flag("--with-details", words.details,
                       "Operators, wall clock, notes, details of participants, provenance as well");
@@ -138,9 +146,20 @@ void add_push(CLI::App& app, Options& chosen) {
 }  // namespace
 
 std::string kept_text(const std::string& words) {
-    return data::is_utf8(words) ? ""
-                                : "these words are not UTF-8: set the terminal's encoding to UTF-8 "
-                                  "and give them again";
+    return protocols::is_utf8(words)
+             ? ""
+             : "these words are not UTF-8: set the terminal's encoding to UTF-8 "
+               "and give them again";
+}
+
+WordCheck one_of(std::vector<std::string> words) {
+    return [words = std::move(words)](const std::string& given) -> std::string {
+        if (std::find(words.begin(), words.end(), given) != words.end()) {
+            return {};
+        }
+        return fmt::format("\"{}\" is none of {}{}", given, fmt::join(words, ", "),
+                           protocols::suggestion(given, words, ""));
+    };
 }
 
 void add_data_commands(CLI::App& app, Options& chosen) {

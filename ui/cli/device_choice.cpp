@@ -1,9 +1,12 @@
 #include "ui/cli/device_choice.hpp"
 
+#include <array>
 #include <charconv>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "protocols/format/did_you_mean.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -55,8 +58,11 @@ DeviceChoice parse_device(std::string_view text) {
     if (auto file = after(text, "comedi")) {
         return {.kind = Kind::comedi, .file = *std::move(file)};
     }
-    throw std::invalid_argument(
-        fmt::format("--device {}: no such device; give {}", text, kDeviceWords));
+    constexpr std::array<std::string_view, 6> kNames{"sim",    "mouse", "haply", "haply-emulator",
+                                                     "comedi", "replay"};
+    const std::string_view name = text.substr(0, text.find(':'));
+    throw std::invalid_argument(fmt::format("--device {}: no such device{}; give {}", text,
+                                            protocols::suggestion(name, kNames, ""), kDeviceWords));
 }
 
 bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {

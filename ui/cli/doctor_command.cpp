@@ -16,6 +16,7 @@
 #include "ui/cli/load_study.hpp"
 #include "ui/cli/open_device.hpp"
 #include "ui/cli/rig.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/version.hpp"
 #include "ui/doctor/checks.hpp"
 #include "ui/doctor/report.hpp"
@@ -98,7 +99,7 @@ public:
 
     void add(Check check) {
         if (print_) {
-            fmt::print("{}", as_text(check));
+            say("{}", as_text(check));
             std::fflush(stdout);
         }
         checks_.push_back(std::move(check));
@@ -163,9 +164,9 @@ int doctor_command(const DoctorOptions& options) {
     report.look("font", [&] { return check_font(options.font); });
     report.look("disk", [&] { return check_disk(options.database); });
     if (options.json) {
-        fmt::print("{}", as_json(kVersion, report.checks()));
+        say("{}", as_json(kVersion, report.checks()));
     } else {
-        fmt::print("{}", verdict(report.checks()));
+        say("{}", verdict(report.checks()));
     }
     return any_fails(report.checks()) ? kExitFailure : 0;
 }

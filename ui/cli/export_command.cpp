@@ -3,6 +3,7 @@
 #include "protocols/design/counted.hpp"
 #include "data/export/export.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
@@ -14,14 +15,13 @@ int export_command(const ExportCommandOptions& options) {
                            .traces = options.traces,
                            .keep_codes = options.keep_codes},
                           options.directory);
-    fmt::print("{}: {} as {}{}.\n", options.directory, protocols::counted(done.sessions, "session"),
-               options.format,
-               options.details      ? ", with details"
-               : options.keep_codes ? ", with the participants' codes"
-                                    : ", de-identified");
+    say("{}: {} as {}{}.\n", options.directory, protocols::counted(done.sessions, "session"),
+        options.format,
+        options.details      ? ", with details"
+        : options.keep_codes ? ", with the participants' codes"
+                             : ", de-identified");
     if (done.without_consent > 0) {
-        fmt::print("{} left out: no consent.\n",
-                   protocols::counted(done.without_consent, "participant"));
+        say("{} left out: no consent.\n", protocols::counted(done.without_consent, "participant"));
     }
     return 0;
 }

@@ -5,6 +5,7 @@
 #include "data/csv/whole_file.hpp"
 #include "data/report/figures/figure_list.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
@@ -15,7 +16,7 @@ int figures_command(const FigureOptions& options) {
         for (const data::FigureFile& file : data::files_of(figure)) {
             const std::filesystem::path path = directory / file.name;
             data::write_whole(path, file.text);
-            fmt::print("{}\n", path.string());
+            say("{}\n", path.string());
         }
     }
     return 0;

@@ -3,19 +3,21 @@
 #include "protocols/design/counted.hpp"
 #include "data/sync/merge.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
 int merge_command(const MergeOptions& options) {
     const data::MergeReport done = data::merge_files(options.database, options.inputs);
-    fmt::print("{}: {} new, {} went on, {} as before.\n", options.database,
-               protocols::counted(done.added, "session"), done.extended, done.same);
+    say("{}: {} new, {} went on, {} as before.\n", options.database,
+        protocols::counted(done.added, "session"), done.extended, done.same);
     for (const data::MergeConflict& conflict : done.conflicts) {
-        fmt::print(stderr, "conflict: {}\n  in {}\n", conflict.what, conflict.first);
+        say_to(stderr, fmt::format("conflict: {}\n  in {}\n", protocols::plain(conflict.what),
+                                   conflict.first));
         if (!conflict.second.empty()) {
-            fmt::print(stderr, "  in {}\n", conflict.second);
+            say_to(stderr, fmt::format("  in {}\n", conflict.second));
         }
-        fmt::print(stderr, "  not merged\n");
+        say_to(stderr, "  not merged\n");
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
 }

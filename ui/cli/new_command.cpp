@@ -7,18 +7,19 @@
 #include "protocols/library/new_protocol.hpp"
 #include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
 int new_command(const NewOptions& options) {
     if (options.keys) {
-        fmt::print("{}", protocols::key_reference());
+        say("{}", protocols::key_reference());
         return 0;
     }
     const std::string id = protocols::id_of(std::filesystem::path(options.file).stem().string());
     data::write_new(options.file, new_protocol(protocols::shipped_protocol(options.from), id));
-    fmt::print("{}: a study with the id {}, made from {}\nNext: palpate check {}\n", options.file,
-               id, options.from, options.file);
+    say("{}: a study with the id {}, made from {}\nNext: palpate check {}\n", options.file, id,
+        options.from, options.file);
     return 0;
 }
 

@@ -5,6 +5,7 @@
 
 #include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
@@ -29,6 +30,11 @@ data::SessionRow session_of(data::Database& database, const NoteOptions& options
         return !options.study.empty() && row.study != options.study;
     });
     if (all.empty()) {
+        const auto other = data::similar_participant(database, options.participant);
+        if (other) {
+            throw std::invalid_argument(fmt::format("{}: nobody is called {}: did you mean {}?",
+                                                    options.database, options.participant, *other));
+        }
         throw std::invalid_argument(
             fmt::format("{}: {} has no such session", options.database, options.participant));
     }
@@ -51,8 +57,8 @@ int note_command(const NoteOptions& options) {
     data::Database database = open_there(options.database);
     const data::SessionRow session = session_of(database, options);
     data::add_note(database, session.id, options.text);
-    fmt::print("Noted in session {} of {}, study {}.\n", session.number, options.participant,
-               session.study);
+    say("Noted in session {} of {}, study {}.\n", session.number, options.participant,
+        protocols::plain(session.study));
     return 0;
 }
 
@@ -60,9 +66,9 @@ int mark_command(const MarkOptions& options) {
     require_text(options.reason, "the reason of --invalid");
     data::Database database = open_there(options.database);
     const bool finished = data::mark_invalid(database, options.trial, options.reason);
-    fmt::print("Trial {} does not count any more; its answer is kept. {}\n", options.trial,
-               finished ? "Its session is finished: it is not run again."
-                        : "It is run again when its session is resumed.");
+    say("Trial {} does not count any more; its answer is kept. {}\n", options.trial,
+        finished ? "Its session is finished: it is not run again."
+                 : "It is run again when its session is resumed.");
     return 0;
 }
 

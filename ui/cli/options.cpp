@@ -2,13 +2,16 @@
 
 #include <cstdio>
 #include <memory>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "protocols/format/did_you_mean.hpp"
 #include "data/store/resume_policy.hpp"
 #include "ui/cli/device_choice.hpp"
 #include "ui/cli/options_of.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/version.hpp"
 
 namespace palpate::ui {
@@ -50,12 +53,15 @@ void add_run(CLI::App& app, Options& chosen) {
     command
         ->add_option("--kind", run.kind,
                      "pilot or real; what is simulated is recorded as simulated")
-        ->check(CLI::IsMember({"pilot", "real"}));
+        ->check(one_of({"pilot", "real"}));
     command->add_option("--session", run.session, "Session number; without it the last one goes on")
         ->check(CLI::PositiveNumber);
     command->add_flag("--elsewhere", run.elsewhere,
                       "The sessions before that number are in another file; which order of "
                       "pictures they had is not known here");
+    command->add_flag(
+        "--another", run.another,
+        "The participant is somebody new, although a code in the file is much like it");
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
     command->add_option("--operator", run.operator_name, "Who runs it, kept with the session")
         ->check(kept_text);
@@ -63,8 +69,7 @@ void add_run(CLI::App& app, Options& chosen) {
         ->add_option("--resume", run.resume,
                      "A session that was broken off goes on with the next trial, with the first of "
                      "its block, or with the practice; answers of what is begun again do not count")
-        ->check(CLI::IsMember(
-            std::vector<std::string>(data::kResumeWords.begin(), data::kResumeWords.end())))
+        ->check(one_of({data::kResumeWords.begin(), data::kResumeWords.end()}))
         ->capture_default_str();
     command->add_flag(
         "--durable", run.durable,
@@ -91,7 +96,7 @@ void add_demo(CLI::App& app, Options& chosen) {
             "--device", demo.device,
             "sim, or haply-emulator: in real time over a serial port, with board and guard "
             "as processes of their own")
-        ->check(CLI::IsMember({"sim", "haply-emulator"}))
+        ->check(one_of({"sim", "haply-emulator"}))
         ->capture_default_str();
     command->add_option("--seed", demo.seed, "Study seed instead of the protocol's");
     add_screen(*command, demo.screen);
@@ -176,7 +181,7 @@ void add_screenshots(CLI::App& app, Options& chosen) {
         ->capture_default_str();
     command->add_option("--font", shots.font, "A TrueType font");
     command->add_option("--language", shots.language, "Of the sentences: en or tr")
-        ->check(CLI::IsMember({"en", "tr"}))
+        ->check(one_of({"en", "tr"}))
         ->capture_default_str();
 }
 
@@ -218,6 +223,8 @@ void add_check(CLI::App& app, Options& chosen) {
     command->add_option("--device", check.device, std::string(kDeviceWords))->capture_default_str();
     command->add_option("--calibration", check.calibration, kCalibrationWords);
     command->add_option("--svg", check.svg, "Draw the objects into this file");
+    command->add_flag("--long", check.tables,
+                      "The tables as well: trials of each condition, limits, what follows what");
 }
 
 void add_new(CLI::App& app, Options& chosen) {
@@ -274,6 +281,52 @@ void add_scene_command(CLI::App& app,
                         "Where to write; standard output without it");
 }
 
+/// What CLI11 says of `e`, to where it belongs. @return its exit code
+int said(const CLI::App& app, const CLI::Error& e) {
+    std::ostringstream out;
+    std::ostringstream error;
+    const int code = app.exit(e, out, error);
+    say_to(stdout, out.str());
+    say_to(stderr, error.str());
+    return code;
+}
+
+/// The first word that is no command or no option of it, as a sentence: it is the reason of whatever else is
+/// missing. Empty if all are known.
+std::string unknown_word(const CLI::App& app, int argc, const char* const* argv) {
+    const auto chosen = app.get_subcommands();
+    std::vector<std::string> known;
+    if (chosen.empty()) {
+        if (argc < 2) {
+            return {};
+        }
+        if (argv[1][0] == '-') {
+            return fmt::format("palpate has no option {}{}; palpate --help lists them", argv[1],
+                               protocols::suggestion(
+                                   argv[1], std::vector<std::string>{"--help", "--version"}, ""));
+        }
+        for (const CLI::App* command : app.get_subcommands({})) {
+            known.push_back(command->get_name());
+        }
+        return fmt::format("there is no command \"{}\"{}; palpate --help lists them", argv[1],
+                           protocols::suggestion(argv[1], known, ""));
+    }
+    const CLI::App& command = *chosen.front();
+    for (const CLI::Option* option : command.get_options()) {
+        for (const std::string& name : option->get_lnames()) {
+            known.push_back("--" + name);
+        }
+    }
+    for (std::string word : command.remaining()) {
+        word = word.substr(0, word.find('='));
+        if (word.starts_with("-") && word != "--") {
+            return fmt::format("palpate {0} has no option {1}{2}; palpate {0} --help lists them",
+                               command.get_name(), word, protocols::suggestion(word, known, ""));
+        }
+    }
+    return {};
+}
+
 }  // namespace
 
 Options parse_command_line(int argc, const char* const* argv) {
@@ -306,16 +359,16 @@ Options parse_command_line(int argc, const char* const* argv) {
 
     try {
         app.parse(argc, argv);
-    } catch (const CLI::RequiredError& e) {
-        if (argc > 1 && argv[1][0] != '-' &&
-            app.get_subcommands().empty()) {  // CLI11 does not say which word
-            fmt::print(stderr, "palpate: there is no command \"{}\"; palpate --help lists them\n",
-                       argv[1]);
+    } catch (const CLI::Success& e) {  // help, version
+        return Exit{said(app, e)};
+    } catch (const CLI::ParseError& e) {
+        const std::string unknown = unknown_word(app, argc, argv);
+        if (!unknown.empty()) {
+            warn("{}", unknown);
             return Exit{kWrongWords};
         }
-        return Exit{app.exit(e) == 0 ? 0 : kWrongWords};
-    } catch (const CLI::ParseError& e) {
-        return Exit{app.exit(e) == 0 ? 0 : kWrongWords};
+        said(app, e);
+        return Exit{kWrongWords};
     }
     return chosen;
 }

@@ -30,6 +30,7 @@ struct RunOptions {
     std::string kind;  ///< pilot, real; empty: real
     std::optional<std::size_t> session;
     bool elsewhere = false;  ///< the sessions before that one are in another file
+    bool another = false;    ///< somebody new, although a code in the file is much like this one
     std::optional<std::uint64_t> seed;
     std::string resume = "continue";
     std::string operator_name;  ///< kept with the session; empty: not given
@@ -59,6 +60,7 @@ struct CheckOptions {
     std::string device = "sim";  ///< as RunOptions::device
     std::string calibration;     ///< as RunOptions::calibration
     std::string svg;             ///< where to draw the objects; empty: nowhere
+    bool tables = false;         ///< counts, limits and successions as well
 };
 
 struct NewOptions {
@@ -77,6 +79,7 @@ struct ParticipantOptions {
     std::optional<std::int64_t> handedness;  ///< -100 to 100
     std::string consent;                     ///< yes, no; empty: nothing new
     bool registers = false;                  ///< somebody who is not in the file yet
+    bool another = false;                    ///< although a code in the file is much like this one
     std::vector<std::string> details;        ///< KEY=VALUE
 };
 

@@ -5,6 +5,7 @@
 
 #include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
@@ -23,17 +24,16 @@ std::pair<std::string, std::string> detail_of(const std::string& word) {
 }
 
 void print(const std::string& id, const data::Participant& person) {
-    fmt::print("participant  {}\n", id);
-    fmt::print("sessions     {}\n", person.sessions);
-    fmt::print("handedness   {}\n",
-               person.notes.handedness ? fmt::format("{}", *person.notes.handedness) : "not noted");
-    fmt::print(
-        "consent      {}\n",
+    say("participant  {}\n", id);
+    say("sessions     {}\n", person.sessions);
+    say("handedness   {}\n",
+        person.notes.handedness ? fmt::format("{}", *person.notes.handedness) : "not noted");
+    say("consent      {}\n",
         person.notes.consent
             ? fmt::format("{}, noted {}", *person.notes.consent ? "yes" : "no", person.consent_utc)
             : "not noted");
     for (const auto& [key, value] : person.notes.details) {
-        fmt::print("{:<12} {}\n", key, value);
+        say("{:<12} {}\n", protocols::plain(key), protocols::plain(value));
     }
 }
 
@@ -53,6 +53,9 @@ int participant_command(const ParticipantOptions& options) {
     }
     data::Database database(options.database, data::Access::write);  // of an older schema, too
     const bool known = data::find_participant(database, options.participant).has_value();
+    if (!known) {
+        check_known(database, options.participant, options.registers && options.another);
+    }
     if (known == options.registers) {
         throw std::invalid_argument(fmt::format(
             "{}: {}", options.database,

@@ -11,6 +11,7 @@
 #include "data/csv/number_table.hpp"
 #include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -145,7 +146,7 @@ std::string replayed(Procedure procedure,
 
 int procedure_command(const ProcedureOptions& options) {
     if (options.keys) {
-        fmt::print("{}", protocols::procedure_key_reference());
+        say("{}", protocols::procedure_key_reference());
         return 0;
     }
     const protocols::ProcedureFile file = protocols::load_procedure(options.config);

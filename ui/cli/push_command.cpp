@@ -5,22 +5,23 @@
 #include "protocols/design/counted.hpp"
 #include "data/sync/push.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
 int push_command(const PushOptions& options) {
     if (options.roles) {
-        fmt::print("{}", data::push_setup());
+        say("{}", data::push_setup());
         return 0;
     }
     if (options.database.empty() || options.url.empty()) {
         throw std::invalid_argument("push needs FILE and --to postgresql://..., or --roles");
     }
     const data::PushReport done = data::push_file(options.database, options.url);
-    fmt::print("{}: {}, {} new on the server.\n", options.database,
-               protocols::counted(done.sessions, "session"), protocols::counted(done.rows, "row"));
+    say("{}: {}, {} new on the server.\n", options.database,
+        protocols::counted(done.sessions, "session"), protocols::counted(done.rows, "row"));
     for (const std::string& conflict : done.conflicts) {
-        fmt::print(stderr, "conflict: {}; not pushed\n", conflict);
+        say_to(stderr, fmt::format("conflict: {}; not pushed\n", protocols::plain(conflict)));
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
 }

@@ -144,6 +144,7 @@ int run_command(const RunOptions& options) {
     spec.recordings =
         load_recordings(spec.device);  // what is missing is said before a file is made
     data::Database database(options.database, data::Access::write);
+    check_known(database, options.participant, options.another);
     const SessionChoice choice =
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;

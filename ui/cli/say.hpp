@@ -6,16 +6,20 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/plain_text.hpp"
+
 namespace palpate::ui {
 
-/// Writes at once. That nobody reads it any more, or that a log's disk is full, is no error here: a session
-/// goes on without listeners.
+/// The one way to a terminal: all that people read goes out here, and nothing in it is an order to the terminal
+/// (protocols/format/plain_text.hpp). Writes at once. That nobody reads it any more, or that a log's disk is
+/// full, is no error here: a session goes on without listeners.
 inline void say_to(std::FILE* file, const std::string& text) noexcept {
-    static_cast<void>(std::fwrite(text.data(), 1, text.size(), file));
+    const std::string shown = protocols::plain(text, protocols::Lines::kept);
+    static_cast<void>(std::fwrite(shown.data(), 1, shown.size(), file));
     static_cast<void>(std::fflush(file));
 }
 
-/// What a session says, to standard output.
+/// What a command says, to standard output.
 template <class... Values>
 void say(fmt::format_string<Values...> text, Values&&... values) {
     say_to(stdout, fmt::format(text, std::forward<Values>(values)...));

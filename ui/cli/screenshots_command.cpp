@@ -7,6 +7,7 @@
 #include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/load_study.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/subject/screenshots.hpp"
 
 namespace palpate::ui {
@@ -24,7 +25,7 @@ int screenshots_command(const ScreenshotOptions& options) {
              .font = options.font,
              .language = language,
              .instructions = study.protocol.instructions.at(static_cast<std::size_t>(language))})) {
-        fmt::print("{}\n", file);
+        say("{}\n", file);
     }
     return 0;
 }

@@ -11,8 +11,10 @@
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "data/store/counterbalance_query.hpp"
+#include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/plan_text.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
@@ -44,6 +46,10 @@ Sequence make_sequence(const SequenceOptions& options) {
         return made;
     }
     data::Database database(options.database, data::Access::read);
+    if (const auto other = data::similar_participant(database, options.participant)) {
+        warn("{}: nobody is called {}, and {} is there", options.database, options.participant,
+             *other);
+    }
     const SessionChoice choice =
         choose_session(database, made.study, options.participant, options.session, options.seed);
     made.key = choice.key;
@@ -60,28 +66,26 @@ Sequence make_sequence(const SequenceOptions& options) {
 void print_csv(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     if (protocol.procedure) {
-        fmt::print(
-            "position,phase,block,run,comparison,object,friction,standard_friction,"
+        say("position,phase,block,run,comparison,object,friction,standard_friction,"
             "break_before\n");
         for (const PlannedTrial& trial : sequence.plan.trials) {
-            fmt::print("{},{},{},{},{},{},{},{},{}\n", trial.position, to_string(trial.phase),
-                       trial.block, protocol.runs.at(trial.adaptive->run).name,
-                       trial.adaptive->comparison, protocol.objects.at(trial.condition.object).name,
-                       protocol.frictions.at(trial.condition.friction).name,
-                       protocol.frictions.at(trial.adaptive->standard_friction).name,
-                       trial.break_before ? 1 : 0);
+            say("{},{},{},{},{},{},{},{},{}\n", trial.position, to_string(trial.phase), trial.block,
+                protocol.runs.at(trial.adaptive->run).name, trial.adaptive->comparison,
+                protocol.objects.at(trial.condition.object).name,
+                protocol.frictions.at(trial.condition.friction).name,
+                protocol.frictions.at(trial.adaptive->standard_friction).name,
+                trial.break_before ? 1 : 0);
         }
         return;
     }
-    fmt::print("position,phase,block,object,curvature_per_m,friction,mu_s,mu_d,break_before\n");
+    say("position,phase,block,object,curvature_per_m,friction,mu_s,mu_d,break_before\n");
     for (const PlannedTrial& trial : sequence.plan.trials) {
         const auto& object = protocol.objects.at(trial.condition.object);
         const auto& friction = protocol.frictions.at(trial.condition.friction);
         const auto curvature = curvature_of(object);
-        fmt::print("{},{},{},{},{},{},{},{},{}\n", trial.position, to_string(trial.phase),
-                   trial.block, object.name,
-                   curvature ? fmt::format("{}", *curvature) : std::string(), friction.name,
-                   friction.mu_s, friction.mu_d, trial.break_before ? 1 : 0);
+        say("{},{},{},{},{},{},{},{},{}\n", trial.position, to_string(trial.phase), trial.block,
+            object.name, curvature ? fmt::format("{}", *curvature) : std::string(), friction.name,
+            friction.mu_s, friction.mu_d, trial.break_before ? 1 : 0);
     }
 }
 
@@ -92,27 +96,27 @@ void print_row(std::string_view what,
                const protocols::RowHistory& history) {
     const auto row = static_cast<std::size_t>(
         std::distance(rows.begin(), std::find(rows.begin(), rows.end(), order)));
-    fmt::print("  {}: row {} of {} of the Williams design", what, row + 1, rows.size());
+    say("  {}: row {} of {} of the Williams design", what, row + 1, rows.size());
     if (history.own) {
-        fmt::print(", as in this participant's earlier sessions");
+        say(", as in this participant's earlier sessions");
     } else if (row < history.uses.size()) {
-        fmt::print(", used by {}; used so far:",
-                   protocols::counted(history.uses[row], "other participant"));
+        say(", used by {}; used so far:",
+            protocols::counted(history.uses[row], "other participant"));
         for (const std::size_t uses : history.uses) {
-            fmt::print(" {}", uses);
+            say(" {}", uses);
         }
     }
-    fmt::print("\n");
+    say("\n");
 }
 
 void print_pictures(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     const auto rows = picture_rows(protocol);
-    fmt::print("pictures, left to right:");
+    say("pictures, left to right:");
     for (const std::size_t object : sequence.plan.picture_order) {
-        fmt::print(" {}", protocol.objects.at(object).name);
+        say(" {}", protocol.objects.at(object).name);
     }
-    fmt::print("\n");
+    say("\n");
     print_row("pictures", rows, sequence.plan.picture_order, sequence.history);
     if (in_friction_blocks(protocol.design)) {
         print_row("friction blocks", friction_rows(protocol), first_round(protocol, sequence.plan),
@@ -122,41 +126,39 @@ void print_pictures(const Sequence& sequence) {
 
 void print_trials(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
-    fmt::print("\n");
+    say("\n");
     for (const PlannedTrial& trial : sequence.plan.trials) {
         if (trial.adaptive) {
-            fmt::print("trial {:>3}  {:<8}  {:<11} comparison in interval {}{}\n",
-                       trial.position + 1, to_string(trial.phase),
-                       protocol.runs.at(trial.adaptive->run).name, trial.adaptive->comparison,
-                       trial.break_before ? "  (after a break)" : "");
+            say("trial {:>3}  {:<8}  {:<11} comparison in interval {}{}\n", trial.position + 1,
+                to_string(trial.phase), protocol.runs.at(trial.adaptive->run).name,
+                trial.adaptive->comparison, trial.break_before ? "  (after a break)" : "");
             continue;
         }
-        fmt::print("trial {:>3}  {:<8}  {:<11} friction {}{}\n", trial.position + 1,
-                   to_string(trial.phase), protocol.objects.at(trial.condition.object).name,
-                   protocol.frictions.at(trial.condition.friction).name,
-                   trial.break_before ? "  (after a break)" : "");
+        say("trial {:>3}  {:<8}  {:<11} friction {}{}\n", trial.position + 1,
+            to_string(trial.phase), protocol.objects.at(trial.condition.object).name,
+            protocol.frictions.at(trial.condition.friction).name,
+            trial.break_before ? "  (after a break)" : "");
     }
 }
 
 void print_text(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     const PlanSummary summary = summarise(sequence.plan);
-    fmt::print("{}: participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
-               sequence.key.participant, sequence.key.session, sequence.seed,
-               protocols::counted(sequence.plan.trials.size(), "trial"),
-               session_code(sequence.plan));
-    fmt::print("plan {}\nprotocol {}\n", sequence.plan.hash, sequence.study.hash);
+    say("{}: participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
+        sequence.key.participant, sequence.key.session, sequence.seed,
+        protocols::counted(sequence.plan.trials.size(), "trial"), session_code(sequence.plan));
+    say("plan {}\nprotocol {}\n", sequence.plan.hash, sequence.study.hash);
     if (!sequence.plan.picture_order.empty()) {
         print_pictures(sequence);
     }
     if (protocol.procedure) {
-        fmt::print("{}{}", rule_text(protocol, sequence.plan), breaks_text(summary));
+        say("{}{}", rule_text(protocol, sequence.plan), breaks_text(summary));
         print_trials(sequence);
         return;
     }
-    fmt::print("{}", limits_text(protocol, sequence.plan, summary));
-    fmt::print("{}\n{}\n{}", breaks_text(summary), counts_text(protocol, summary),
-               steps_text(protocol, summary));
+    say("{}", limits_text(protocol, sequence.plan, summary));
+    say("{}\n{}\n{}", breaks_text(summary), counts_text(protocol, summary),
+        steps_text(protocol, summary));
     print_trials(sequence);
 }
 

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "data/store/people.hpp"
+
 namespace palpate::ui {
 
 void check_participant(const std::string& id, std::string_view word) {
@@ -12,6 +14,17 @@ void check_participant(const std::string& id, std::string_view word) {
     if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
         throw std::invalid_argument(fmt::format(
             "{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", word, id));
+    }
+}
+
+void check_known(data::Database& database, const std::string& id, bool insists) {
+    const auto other = insists ? std::nullopt : data::similar_participant(database, id);
+    if (other) {
+        throw std::invalid_argument(
+            fmt::format("{}: nobody is called {}, and {} is there: give that code if you mean the "
+                        "same person, or "
+                        "--another as well if {} is somebody else",
+                        database.file(), id, *other, id));
     }
 }
 

@@ -14,6 +14,11 @@ namespace palpate::ui {
 /// @throws std::invalid_argument unless the id is 1 to 64 letters, digits, - or _
 void check_participant(const std::string& id, std::string_view word = "--participant");
 
+/// Of a participant whom the file does not know, beside one whose code could be meant.
+/// @param insists  --another was given: it is somebody else
+/// @throws std::invalid_argument with both codes, and how to insist
+void check_known(data::Database& database, const std::string& id, bool insists);
+
 /// Which session of which seed is meant.
 struct SessionChoice {
     protocols::SessionKey key;

@@ -9,6 +9,7 @@
 
 #include "data/shell/sql_shell.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -17,7 +18,7 @@ namespace {
 int read_input(data::SqlShell& shell, const std::string& file) {
     const bool person = isatty(STDIN_FILENO) != 0;
     if (person) {
-        fmt::print("palpate sql {}: it only reads. .help lists what there is.\n", file);
+        say("palpate sql {}: it only reads. .help lists what there is.\n", file);
     }
     bool good = true;
     std::string text;
@@ -25,7 +26,7 @@ int read_input(data::SqlShell& shell, const std::string& file) {
     std::size_t lines = 0;
     const auto prompt = [&] {
         if (person) {
-            fmt::print("{}", text.empty() ? "palpate> " : "    ...> ");
+            say("{}", text.empty() ? "palpate> " : "    ...> ");
         }
         std::fflush(stdout);
     };
@@ -46,7 +47,7 @@ int read_input(data::SqlShell& shell, const std::string& file) {
         good = shell.run(text, first) && good;
     }
     if (person && !shell.quit()) {
-        fmt::print("\n");
+        say("\n");
     }
     return good || person ? 0 : kExitFailure;
 }
@@ -70,8 +71,7 @@ int extension_command() {
     const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
     const auto module = program.parent_path() / "palpate_sample.so";
     if (unknown || !std::filesystem::exists(module)) {
-        fmt::print(stderr, "palpate: {} is not there: build the target palpate_sample\n",
-                   module.string());
+        warn("{} is not there: build the target palpate_sample", module.string());
         return kExitFailure;
     }
     fmt::print("{}\n", module.string());

@@ -1,7 +1,10 @@
 #include "ui/cli/study_advice.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
+#include "protocols/design/duration.hpp"
 #include "protocols/format/keys.hpp"
 
 namespace palpate::ui {
@@ -12,10 +15,78 @@ using protocols::InstructionTexts;
 /// From here on more than 1 in 16,000 samples of Gaussian noise are beyond full scale, dB.
 constexpr double kCutsPeaks = -12.0;
 
+/// Longer without a break, s, and attention falls.
+constexpr double kLongStretch = 20.0 * 60.0;
+constexpr double kLongSession = 90.0 * 60.0;  ///< s
+
+/// Of times, breaks and trials.
+void advise_on_plan(const protocols::Protocol& protocol,
+                    const protocols::Plan& plan,
+                    std::vector<std::string>& all) {
+    const Stretch stretch = longest_stretch(protocol, plan);
+    if (stretch.seconds > kLongStretch) {
+        all.push_back(fmt::format(
+            "trials {} to {} take some {:.0f} minutes without a break: give [design] a smaller "
+            "break_every",
+            stretch.first + 1, stretch.first + stretch.trials, stretch.seconds / 60.0));
+    }
+    if (const double all_of_it = duration_of(plan, protocol).prompted; all_of_it > kLongSession) {
+        all.push_back(fmt::format("a session of {:.0f} minutes tires people: part it into several",
+                                  all_of_it / 60.0));
+    }
+    const auto has = [&plan](protocols::Phase phase) {
+        return std::any_of(plan.trials.begin(), plan.trials.end(),
+                           [phase](const auto& trial) { return trial.phase == phase; });
+    };
+    if (!has(protocols::Phase::practice)) {
+        all.push_back(fmt::format(
+            "there is no practice: the first answers that count are given by "
+            "people who learn; give {}",
+            protocol.procedure ? "[procedure] practice_trials" : "[design] practice_repetitions"));
+    }
+    if (!protocol.procedure && protocol.design.order == protocols::OrderRule::random &&
+        !has(protocols::Phase::catch_trial)) {
+        all.push_back(
+            "there are no catch trials, so who only guesses is not told apart from who "
+            "cannot feel it; give [design] catch_trials");
+    }
+}
+
+/// Motors and links sound otherwise on another friction.
+bool compares_friction(const protocols::Protocol& protocol) {
+    return protocol.frictions.size() > 1 ||
+           (protocol.procedure && protocol.procedure->varies == protocols::Varies::mu);
+}
+
 }  // namespace
 
-std::vector<std::string> advice_on(const protocols::Protocol& protocol) {
+Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Plan& plan) {
+    Stretch longest;
+    Stretch now;
+    for (const protocols::PlannedTrial& trial : plan.trials) {
+        if (trial.break_before) {
+            now = {.first = trial.position};
+        }
+        ++now.trials;
+        longest = now.trials > longest.trials ? now : longest;
+    }
+    if (longest.trials > 0) {
+        protocols::Plan alone;
+        alone.trials.assign(longest.trials, protocols::PlannedTrial{});
+        longest.seconds = duration_of(alone, protocol).prompted;
+    }
+    return longest;
+}
+
+std::vector<std::string> advice_on(const protocols::Protocol& protocol,
+                                   const protocols::Plan& plan) {
     std::vector<std::string> all;
+    advise_on_plan(protocol, plan, all);
+    if (compares_friction(protocol) && protocol.masking.noise == protocols::Noise::none) {
+        all.push_back(
+            "friction is compared without masking noise, and motors can be heard: give "
+            "[masking] noise = \"pink\"");
+    }
     const auto chosen = static_cast<std::size_t>(protocol.language);
     const InstructionTexts& shown = protocol.instructions.at(chosen);
     for (const auto& key : protocols::keys_of<InstructionTexts>()) {

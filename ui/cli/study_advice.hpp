@@ -3,12 +3,24 @@
 #include <string>
 #include <vector>
 
+#include "protocols/design/plan.hpp"
 #include "protocols/design/protocol.hpp"
 
 namespace palpate::ui {
 
-/// What may be meant otherwise in a protocol that is right, a sentence each: instructions that the chosen
-/// language lacks, noise so loud that its peaks are cut.
-[[nodiscard]] std::vector<std::string> advice_on(const protocols::Protocol& protocol);
+/// What may be meant otherwise in a protocol that is right, a sentence each: long stretches without a break, no
+/// practice, no catch trials, friction that can be heard, instructions that the chosen language lacks, noise so
+/// loud that its peaks are cut.
+[[nodiscard]] std::vector<std::string> advice_on(const protocols::Protocol& protocol,
+                                                 const protocols::Plan& plan);
+
+/// Trials between two breaks, the most of them, and how long they take, s, each felt until the prompt.
+struct Stretch {
+    std::size_t first = 0;  ///< position of its first trial
+    std::size_t trials = 0;
+    double seconds = 0.0;
+};
+[[nodiscard]] Stretch longest_stretch(const protocols::Protocol& protocol,
+                                      const protocols::Plan& plan);
 
 }  // namespace palpate::ui

@@ -2,12 +2,13 @@
 
 #include "data/analysis/summary.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
 int summary_command(const SummaryOptions& options) {
     data::Database database(options.database, data::Access::read);
-    fmt::print("{}", data::summary_text(database));
+    say("{}", data::summary_text(database));
     return 0;
 }
 

@@ -5,6 +5,7 @@
 
 #include "data/store/reader.hpp"
 #include "ui/cli/commands.hpp"
+#include "ui/cli/say.hpp"
 
 namespace palpate::ui {
 
@@ -27,14 +28,15 @@ int trace_command(const TraceOptions& options) {
             reader.column(options.trial, static_cast<data::Stored>(i), options.interval));
         line += fmt::format("{}{}", i == 0 ? "" : ",", data::stored_columns()[i].name);
     }
-    fmt::print("{}\n", line);
+    std::string text = line + '\n';
     for (std::size_t tick = 0; tick < columns.front().size(); ++tick) {
         line.clear();
         for (const auto& column : columns) {
             line += fmt::format("{}{}", line.empty() ? "" : ",", column[tick]);
         }
-        fmt::print("{}\n", line);
+        text += line + '\n';
     }
+    say_to(stdout, text);
     return 0;
 }
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "data/report/utf8.hpp"
+#include "data/export/json_text.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -37,39 +37,16 @@ std::string wrapped(std::string_view text, std::size_t indent) {
     return out;
 }
 
-std::string in_quotes(std::string_view text) {
-    std::string out = "\"";
-    while (!text.empty()) {
-        const std::size_t length = data::utf8_length(text);
-        const char c = text.front();
-        if (length == 0) {
-            out += '?';
-        } else if (c == '"' || c == '\\') {
-            out += fmt::format("\\{}", c);
-        } else if (static_cast<unsigned char>(c) < 0x20U) {
-            out += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-        } else {
-            out += text.substr(0, length);
-        }
-        text.remove_prefix(std::max<std::size_t>(1, length));
-    }
-    return out + '"';
-}
-
-std::string number(double value) {
-    return std::isfinite(value) ? fmt::format("{}", value) : "null";
-}
-
 std::string object(const Check& check) {
     std::string numbers;
     for (const auto& [name, value] : check.numbers) {
-        numbers +=
-            fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", in_quotes(name), number(value));
+        numbers += fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", data::json_string(name),
+                               data::json_number(value));
     }
     return fmt::format(
         "{{\"name\": {}, \"status\": {}, \"detail\": {}, \"remedy\": {}, \"numbers\": {{{}}}}}",
-        in_quotes(check.name), in_quotes(to_string(check.status)), in_quotes(check.detail),
-        in_quotes(check.remedy), numbers);
+        data::json_string(check.name), data::json_string(to_string(check.status)),
+        data::json_string(check.detail), data::json_string(check.remedy), numbers);
 }
 
 }  // namespace
@@ -130,7 +107,8 @@ std::string as_json(std::string_view version, const std::vector<Check>& checks) 
     for (const Check& check : checks) {
         list += (list.empty() ? "\n  " : ",\n  ") + object(check);
     }
-    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", in_quotes(version), list);
+    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", data::json_string(version),
+                       list);
 }
 
 }  // namespace palpate::ui

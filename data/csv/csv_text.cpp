@@ -1,0 +1,51 @@
+#include "data/csv/csv_text.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+namespace palpate::data {
+namespace {
+
+bool is_number(std::string_view text) {
+    if (text.starts_with('+') || text.starts_with('-')) {
+        text.remove_prefix(1);
+    }
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc{} && end == text.data() + text.size() &&
+           text.find_first_not_of("0123456789.eE+-") == std::string_view::npos &&
+           text.find_first_of("+-") != 0;
+}
+
+std::string no_formula(std::string_view text) {
+    const std::string_view start = text.substr(std::min(text.find_first_not_of('\''), text.size()));
+    const bool formula = !start.empty() &&
+                         std::string_view("=+-@\t\r").find(start.front()) != std::string_view::npos;
+    return (formula && !is_number(text) ? "'" : "") + std::string(text);
+}
+
+std::string in_quotes(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        out += c == '"' ? "\"\"" : std::string(1, c);
+    }
+    return out + '"';
+}
+
+}  // namespace
+
+std::string csv_field(std::string_view text) {
+    const std::string field = no_formula(text);
+    return field.empty() || field.find_first_of(",\"\r\n") != std::string::npos ? in_quotes(field)
+                                                                                : field;
+}
+
+std::string tsv_field(std::string_view text) {
+    std::string field = no_formula(text);
+    std::replace_if(
+        field.begin(), field.end(), [](char c) { return c == '\t' || c == '\n' || c == '\r'; },
+        ' ');
+    return field.empty() ? "n/a" : field.find('"') == std::string::npos ? field : in_quotes(field);
+}
+
+}  // namespace palpate::data
