@@ -101,7 +101,7 @@ TEST_CASE("sequence and check show friction blocks and free forms",
           "[free_forms][friction_blocks]") {
     const TemporaryFolder folder;
     const std::string sheet = folder.file("o.svg");
-    const Finished check = palpate_command({"check", kForms, "--svg", sheet});
+    const Finished check = palpate_command({"check", kForms, "--svg", sheet, "--long"});
     CAPTURE(check.error);
     CHECK(check.code == 0);
     CHECK_THAT(check.out, ContainsSubstring("16 main in 4 blocks") &&
