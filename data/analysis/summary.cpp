@@ -149,7 +149,8 @@ std::string estimates_text(Database& database, const Group& group) {
     }
     Statement row = database.prepare(
         "SELECT participant, session, run_name, n, (SELECT group_concat(printf('%s %s', key,"
-        " ifnull(printf('%.4g', json_extract(value, '$.mean')), 'unknown')), ', ')"
+        " iif(json_extract(value, '$.mean') IS NULL, 'unknown', printf('%.4g', json_extract(value,"
+        " '$.mean')))), ', ')"
         " FROM json_each(estimates)), (SELECT count(*) FROM adaptive_trial WHERE NOT counts AND"
         " study = last.study AND kind = last.kind AND participant = last.participant"
         " AND session = last.session AND run = last.run), (SELECT session FROM trial WHERE id = "

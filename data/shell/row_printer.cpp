@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include "protocols/format/plain_text.hpp"
 #include "data/csv/csv_text.hpp"
@@ -85,7 +86,10 @@ RowPrinter::RowPrinter(std::FILE* out, RowFormat format, std::vector<std::string
 void RowPrinter::row(std::vector<Cell> cells) {
     ++rows_;
     if (format_ == RowFormat::csv) {
-        fmt::print(out_, "{}\n", joined(cells, csv_of));
+        const std::string line = joined(cells, csv_of);
+        const bool looked_at =
+            isatty(fileno(out_)) != 0;  // a program gets every byte, a person none that acts
+        fmt::print(out_, "{}\n", looked_at ? protocols::plain(line, protocols::Lines::kept) : line);
     } else if (format_ == RowFormat::json) {
         print_json_row(cells);
     } else if (head_printed_) {

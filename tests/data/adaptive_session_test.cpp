@@ -359,7 +359,8 @@ TEST_CASE("the summary counts answers without pictures, and says what each run o
                ContainsSubstring(staircase ? "answers: staircase_1 " : "answers: threshold "));
     const auto estimate = [&](int n) {
         data::Statement row = database.prepare(
-            "SELECT ifnull(printf('%.4g', estimate), 'unknown'), trial FROM adaptive_trial"
+            "SELECT iif(estimate IS NULL, 'unknown', printf('%.4g', estimate)), trial FROM "
+            "adaptive_trial"
             " WHERE run = 1 AND n = ?1");
         REQUIRE(row.bind(1, std::int64_t{n}).step());
         return std::pair(row.text(0), row.integer(1));

@@ -66,7 +66,7 @@ TEST_CASE("what is not a curve is refused with the value and the remedy", "[geom
     const Vec2 b{0.1, 0.0};
     CHECK_THROWS_WITH(make_line(a, a), ContainsSubstring("apart"));
     CHECK_THROWS_WITH(make_arc(a, b, 20.0),
-                      ContainsSubstring("20.0") && ContainsSubstring("below 19.8"));
+                      ContainsSubstring("curvature 20 1/m") && ContainsSubstring("below 19.8"));
     CHECK_THROWS_WITH(make_arc(a, b, std::numeric_limits<double>::quiet_NaN()),
                       ContainsSubstring("nan"));
     const std::vector<Vec2> points{a, b};

@@ -150,7 +150,7 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
     CHECK_THAT(says("practice_stimulus = 13", "practice_stimulus = 14"),
                ContainsSubstring("-3 to 13"));
     CHECK_THAT(says("break_every = 5", "break_every = 5\nrepetitions = 3"),
-               ContainsSubstring("[procedure] decides"));
+               ContainsSubstring("[design] says repetitions, and the rule of [procedure]"));
     CHECK_THAT(says("varies = \"curvature_per_m\"", "varies = \"mu\""),
                ContainsSubstring("above 0 and at most 10"));
     CHECK_THAT(says("[[run]]\nname = \"equal\"", "[[run]]\nname = \"different\""),
