@@ -6,10 +6,11 @@
 
 namespace palpate::data {
 
-/// What a person wants to see first, for a terminal: by study and run kind the confusion matrix, the
-/// share correct by friction with 95 % Wilson intervals, and what the file is called. Simulated and
-/// pilot data are never added to real ones, and say so in their title. Where the protocol has rules of
-/// exclusion the shares come twice: of everybody, and without those whom the rules leave out.
+/// What a person wants to see first, for a terminal: by study and run kind the confusion matrix; the
+/// share correct person by person, its mean over people, and friction as a difference within a person
+/// (people_text.hpp); what a rule estimates; and what the file is called. Simulated and pilot data are never
+/// added to real ones, and say so in their title. Where the protocol has rules of exclusion what is said over
+/// people comes twice: of everybody, and without those whom the rules leave out.
 [[nodiscard]] std::string summary_text(Database& database);
 
 /// Two queries to try, as they may be pasted into a shell; `file` is quoted.

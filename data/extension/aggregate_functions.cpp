@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include <sqlite3ext.h>
 
 #include "data/analysis/information.hpp"
+#include "data/analysis/over_people.hpp"
 #include "data/extension/functions.hpp"
 
 SQLITE_EXTENSION_INIT3
@@ -29,35 +31,56 @@ double number(const char* name, sqlite3_value* value) {
     return sqlite3_value_double(value);
 }
 
+/// The values of a group, or of a window's frame: what came first leaves first. A frame is computed anew for
+/// each of its rows, so that a window says to the bit what the same rows say as a group.
+class Rows {
+public:
+    void add(double x) { values_.push_back(x); }
+    void remove() {
+        if (++first_ > values_.size() / 2) {
+            values_.erase(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(first_));
+            first_ = 0;
+        }
+    }
+    [[nodiscard]] std::span<const double> all() const { return std::span(values_).subspan(first_); }
+
+private:
+    std::vector<double> values_;
+    std::size_t first_ = 0;
+};
+
 /// What a quantile is taken of.
 class Quantile {
 public:
     void add(int count, sqlite3_value** values) {
-        values_.push_back(number(count == 1 ? "median" : "quantile", values[0]));
+        const double x = number(count == 1 ? "median" : "quantile", values[0]);
         const double share = count == 1 ? 0.5 : number("quantile", values[1]);
-        if (!(share >= 0.0 && share <= 1.0) || (values_.size() > 1 && share != share_)) {
+        if (!(share >= 0.0 && share <= 1.0) || (!rows_.all().empty() && share != share_)) {
             throw Refused{"quantile: give one share from 0 to 1 for all rows, as quantile(x, 0.9)"};
         }
+        rows_.add(x);
         share_ = share;
     }
-    [[nodiscard]] std::optional<double> value() {
-        if (values_.empty()) {
-            return std::nullopt;  // its first row was refused
+    void remove(int /*count*/, sqlite3_value** /*values*/) { rows_.remove(); }
+    [[nodiscard]] std::optional<double> value() const {
+        std::vector<double> values(rows_.all().begin(), rows_.all().end());
+        if (values.empty()) {
+            return std::nullopt;
         }
-        const double place = share_ * static_cast<double>(values_.size() - 1);
+        const double place = share_ * static_cast<double>(values.size() - 1);
         const auto below = static_cast<std::ptrdiff_t>(std::floor(place));
-        const auto at = values_.begin() + below;
-        std::nth_element(values_.begin(), at, values_.end());
+        const auto at = values.begin() + below;
+        std::nth_element(values.begin(), at, values.end());
         const double part = place - static_cast<double>(below);
         if (part == 0.0) {
             return *at;
         }
-        const double next = *std::min_element(at + 1, values_.end());
+        const double next = *std::min_element(at + 1, values.end());
         return *at + part * (next - *at);
     }
 
 private:
-    std::vector<double> values_;
+    Rows rows_;
     double share_ = 0.5;
 };
 
@@ -68,33 +91,42 @@ public:
         if (!(x > 0.0)) {
             throw Refused{fmt::format("geometric_mean: {} is not above 0: leave such rows out", x)};
         }
-        sum_ += std::log(x);
-        n_ += 1.0;
+        logs_.add(std::log(x));
     }
-    [[nodiscard]] std::optional<double> value() const { return std::exp(sum_ / n_); }
+    void remove(int /*count*/, sqlite3_value** /*values*/) { logs_.remove(); }
+    [[nodiscard]] std::optional<double> value() const {
+        double sum = 0.0;
+        for (const double log : logs_.all()) {
+            sum += log;
+        }
+        return logs_.all().empty()
+                 ? std::nullopt
+                 : std::optional(std::exp(sum / static_cast<double>(logs_.all().size())));
+    }
 
 private:
-    double sum_ = 0.0;
-    double n_ = 0.0;
+    Rows logs_;
 };
 
 class StandardDeviation {
 public:
-    void add(int /*count*/, sqlite3_value** values) {
-        const double x = number("stddev_samp", values[0]);
-        n_ += 1.0;
-        const double before = x - mean_;
-        mean_ += before / n_;
-        squares_ += before * (x - mean_);
-    }
+    void add(int /*count*/, sqlite3_value** values) { rows_.add(number("stddev_samp", values[0])); }
+    void remove(int /*count*/, sqlite3_value** /*values*/) { rows_.remove(); }
     [[nodiscard]] std::optional<double> value() const {
-        return n_ < 2.0 ? std::nullopt : std::optional(std::sqrt(squares_ / (n_ - 1.0)));
+        double n = 0.0;
+        double mean = 0.0;
+        double squares = 0.0;
+        for (const double x : rows_.all()) {
+            n += 1.0;
+            const double before = x - mean;
+            mean += before / n;
+            squares += before * (x - mean);
+        }
+        return n < 2.0 ? std::nullopt : std::optional(std::sqrt(squares / (n - 1.0)));
     }
 
 private:
-    double n_ = 0.0;
-    double mean_ = 0.0;
-    double squares_ = 0.0;
+    Rows rows_;
 };
 
 class ShareOf {
@@ -103,27 +135,73 @@ public:
         hits_ += number("share", values[0]) != 0.0 ? 1.0 : 0.0;
         n_ += 1.0;
     }
-    [[nodiscard]] std::optional<double> value() const { return hits_ / n_; }
+    void remove(int /*count*/, sqlite3_value** values) {
+        hits_ -= number("share", values[0]) != 0.0 ? 1.0 : 0.0;
+        n_ -= 1.0;
+    }
+    [[nodiscard]] std::optional<double> value() const {
+        return n_ > 0.0 ? std::optional(hits_ / n_) : std::nullopt;
+    }
 
 private:
     double hits_ = 0.0;
     double n_ = 0.0;
 };
 
+/// An end of the interval over people; a row is a person.
+template <bool Share, double Interval::*End>
+class OverPeople {
+public:
+    void add(int /*count*/, sqlite3_value** values) {
+        const double x = number(kName, values[0]);
+        if (Share ? !(x >= 0.0 && x <= 1.0) : !std::isfinite(x)) {
+            throw Refused{fmt::format("{}: {} is no {}", kName, x,
+                                      Share ? "share from 0 to 1" : "finite number")};
+        }
+        people_.add(x);
+    }
+    void remove(int /*count*/, sqlite3_value** /*values*/) { people_.remove(); }
+    [[nodiscard]] std::optional<double> value() const {
+        if (people_.all().empty()) {
+            return std::nullopt;
+        }
+        const PeopleMean mean =
+            Share ? mean_share_over_people(people_.all()) : mean_over_people(people_.all());
+        return mean.interval ? std::optional((*mean.interval).*End) : std::nullopt;
+    }
+
+private:
+    static constexpr const char* kName = Share ? "people_share" : "people_mean";
+    Rows people_;
+};
+
 template <double Information::*Kind>
 class Transmitted {
 public:
     void add(int count, sqlite3_value** values) {
+        ++rows_;
+        counts_[{text(values[0]), text(values[1])}] += often(count, values);
+    }
+    void remove(int count, sqlite3_value** values) {
+        --rows_;
+        const auto cell = counts_.find({text(values[0]), text(values[1])});
+        if (cell != counts_.end() && (cell->second -= often(count, values)) == 0) {
+            counts_.erase(cell);
+        }
+    }
+    [[nodiscard]] std::optional<double> value() const {
+        return rows_ > 0 ? std::optional(mutual_information(counts_).*Kind) : std::nullopt;
+    }
+
+private:
+    static std::int64_t often(int count, sqlite3_value** values) {
         const double n = count == 3 ? number("mutual_information", values[2]) : 1.0;
         if (!(n >= 0.0 && n < 1e15 && std::floor(n) == n)) {
             throw Refused{fmt::format(
                 "mutual_information: n is {}: give how often, a whole number from 0", n)};
         }
-        counts_[{text(values[0]), text(values[1])}] += static_cast<std::int64_t>(n);
+        return static_cast<std::int64_t>(n);
     }
-    [[nodiscard]] std::optional<double> value() const { return mutual_information(counts_).*Kind; }
-
-private:
     static std::string text(sqlite3_value* value) {
         const auto* bytes = static_cast<const char*>(sqlite3_value_blob(value));
         const auto size = static_cast<std::size_t>(sqlite3_value_bytes(value));
@@ -131,6 +209,7 @@ private:
     }
 
     ConfusionCounts counts_;
+    std::int64_t rows_ = 0;
 };
 
 /// SQLite keeps one pointer a group; the first row makes what it points to.
@@ -139,12 +218,17 @@ Aggregate** state(sqlite3_context* context, int bytes) {
     return static_cast<Aggregate**>(sqlite3_aggregate_context(context, bytes));
 }
 
-template <class Aggregate>
+bool any_null(int count, sqlite3_value** values) {
+    return std::any_of(values, values + count, [](sqlite3_value* value) {
+        return sqlite3_value_type(value) == SQLITE_NULL;
+    });
+}
+
+/// A row comes (`change` is add) or, out of a window's frame, goes.
+template <class Aggregate, void (Aggregate::*change)(int, sqlite3_value**)>
 void step(sqlite3_context* context, int count, sqlite3_value** values) {
-    for (int i = 0; i < count; ++i) {
-        if (sqlite3_value_type(values[i]) == SQLITE_NULL) {
-            return;
-        }
+    if (any_null(count, values)) {
+        return;
     }
     auto** aggregate = state<Aggregate>(context, sizeof(Aggregate*));
     if (aggregate == nullptr) {
@@ -155,7 +239,7 @@ void step(sqlite3_context* context, int count, sqlite3_value** values) {
         if (*aggregate == nullptr) {
             *aggregate = new Aggregate;
         }
-        (*aggregate)->add(count, values);
+        ((*aggregate)->*change)(count, values);
     } catch (const Refused& refused) {
         sqlite3_result_error(context, refused.why.c_str(), static_cast<int>(refused.why.size()));
     } catch (const std::exception&) {
@@ -164,22 +248,34 @@ void step(sqlite3_context* context, int count, sqlite3_value** values) {
 }
 
 template <class Aggregate>
-void finish(sqlite3_context* context) {
+void value(sqlite3_context* context) {
     auto** aggregate = state<Aggregate>(context, 0);
     if (aggregate == nullptr || *aggregate == nullptr) {
         return;
     }
-    if (const auto value = (*aggregate)->value()) {
-        sqlite3_result_double(context, *value);
+    try {
+        if (const auto result = (*aggregate)->value()) {
+            sqlite3_result_double(context, *result);
+        }
+    } catch (const std::exception&) {
+        sqlite3_result_error_nomem(context);
     }
-    delete *aggregate;
+}
+
+template <class Aggregate>
+void finish(sqlite3_context* context) {
+    value<Aggregate>(context);
+    if (auto** aggregate = state<Aggregate>(context, 0)) {
+        delete *aggregate;
+    }
 }
 
 template <class Aggregate>
 int add(sqlite3* db, const char* name, int arguments) {
-    return sqlite3_create_function_v2(
+    return sqlite3_create_window_function(
         db, name, arguments, SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS, nullptr,
-        nullptr, step<Aggregate>, finish<Aggregate>, nullptr);
+        step<Aggregate, &Aggregate::add>, finish<Aggregate>, value<Aggregate>,
+        step<Aggregate, &Aggregate::remove>, nullptr);
 }
 
 /// R's SQLite brings a median of its own, the same one. SQLite says busy there, since the statement that
@@ -200,6 +296,10 @@ int add_aggregate_functions(sqlite3* db) {
         add<GeometricMean>(db, "geometric_mean", 1),
         add<StandardDeviation>(db, "stddev_samp", 1),
         add<ShareOf>(db, "share", 1),
+        add<OverPeople<true, &Interval::low>>(db, "people_share_low", 1),
+        add<OverPeople<true, &Interval::high>>(db, "people_share_high", 1),
+        add<OverPeople<false, &Interval::low>>(db, "people_mean_low", 1),
+        add<OverPeople<false, &Interval::high>>(db, "people_mean_high", 1),
         add<PlugIn>(db, "mutual_information", 2),
         add<PlugIn>(db, "mutual_information", 3),
         add<MillerMadow>(db, "mutual_information_miller_madow", 2),

@@ -30,10 +30,15 @@ constexpr std::string_view kHelp =
     "trial: SELECT avg(fn_n) FROM sample WHERE trial_id = 1 AND mode <> 'free';\n"
     "Functions: wilson_low, wilson_high, clopper_pearson_low, clopper_pearson_high (k, n [, "
     "confidence]),\n"
-    "d_prime(hits, n, alternatives), probit(p), normal_cdf(z); aggregates median(x), quantile(x, "
+    "d_prime(hits, n, alternatives) (n of n hits count as n - 1/2, none as 1/2, so that it is "
+    "finite), probit(p)\n"
+    "(infinite at 0 and 1), normal_cdf(z). Aggregates, also OVER a window: median(x), quantile(x, "
     "p),\n"
     "geometric_mean(x), stddev_samp(x), share(x), mutual_information(stimulus, response [, n]),\n"
-    "mutual_information_miller_madow(stimulus, response [, n]).\n";
+    "mutual_information_miller_madow(stimulus, response [, n]); where a row is a person, their 95 "
+    "% "
+    "interval:\n"
+    "people_share_low(share), people_share_high, people_mean_low(x), people_mean_high.\n";
 
 struct Finalize {
     void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }

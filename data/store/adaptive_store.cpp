@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/format/protocol_file.hpp"
 #include "data/store/people.hpp"
 
 namespace palpate::data {
@@ -165,6 +166,29 @@ protocols::AdaptiveRuns rebuilt_runs(Database& database,
         }
     }
     forget_before(std::nullopt);
+    return runs;
+}
+
+protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT protocol_toml, protocol_sha256, code, number, seed FROM session"
+        " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
+        " WHERE session.id = ?1");
+    row.bind(1, session).step();
+    SessionSpec spec;
+    spec.protocol = protocols::stored_protocol(row.text(0));
+    spec.protocol_hash = row.text(1);
+    spec.key = {row.text(2), static_cast<std::size_t>(row.integer(3))};
+    spec.seed = std::stoull(row.text(4));
+    protocols::AdaptiveRuns runs(spec.protocol, session_stream(spec));
+    Statement step = database.prepare(
+        "SELECT run, stimulus, adaptive_trial.outcome, trial.id FROM adaptive_trial JOIN trial ON"
+        " trial.id = adaptive_trial.trial WHERE trial.session = ?1 AND counts ORDER BY trial.id");
+    step.bind(1, session);
+    while (step.step()) {
+        runs.update(static_cast<std::size_t>(step.integer(0)), step.real(1),
+                    static_cast<std::size_t>(step.integer(2)), step.integer(3));
+    }
     return runs;
 }
 

@@ -34,4 +34,9 @@ void write_step(Database& database, std::int64_t trial, const protocols::Adaptiv
                                                    std::int64_t session,
                                                    const SessionSpec& spec);
 
+/// The rules of a session by the answers that count at the end, stored states unchecked: what is stored beside
+/// an answer took in those that were marked after it.
+/// @throws std::exception if the session, its protocol or an answer is not what a rule takes
+[[nodiscard]] protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session);
+
 }  // namespace palpate::data

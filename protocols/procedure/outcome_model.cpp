@@ -11,18 +11,6 @@
 namespace palpate::protocols {
 namespace {
 
-double slope_of(SlopeAs as, double value) {
-    switch (as) {
-        case SlopeAs::slope:
-            return value;
-        case SlopeAs::log10_slope:
-            return power_of_ten(value);
-        case SlopeAs::sd:
-            return 1.0 / value;
-    }
-    return value;
-}
-
 std::vector<std::string> parameter_names(LapseForm form, SlopeAs slope_as, bool tilted) {
     std::vector<std::string> names;
     names.reserve(5);
@@ -80,8 +68,22 @@ double between(const Sides& left, const Sides& right) {
 
 }  // namespace
 
+double slope_of(SlopeAs as, double value) {
+    switch (as) {
+        case SlopeAs::slope:
+            return value;
+        case SlopeAs::log10_slope:
+            return power_of_ten(value);
+        case SlopeAs::sd:
+            return 1.0 / value;
+    }
+    return value;
+}
+
 OutcomeModel psychometric_model(Family family, LapseForm form, SlopeAs slope_as) {
-    return two_outcomes(family, form, slope_as, false);
+    OutcomeModel model = two_outcomes(family, form, slope_as, false);
+    model.shape = OutcomeModel::Shape{family, form, slope_as};
+    return model;
 }
 
 OutcomeModel covariate_model(Family family, LapseForm form, SlopeAs slope_as) {

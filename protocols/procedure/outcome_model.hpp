@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,14 @@
 /// all outcomes. Any number of stimulus dimensions, parameters and outcomes.
 namespace palpate::protocols {
 
+/// What the parameter of steepness in a model's grid means; its name says it.
+enum class SlopeAs : std::uint8_t {
+    slope,        ///< b of Family
+    log10_slope,  ///< log10 b, as Kontsevich & Tyler 1999 space it
+    sd            ///< 1 / b: the standard deviation of the family "normal"
+};
+inline constexpr std::array<std::string_view, 3> kSlopeWords{"slope", "log10_slope", "sd"};
+
 struct OutcomeModel {
     std::vector<std::string> stimulus;    ///< names of the dimensions of x, in order
     std::vector<std::string> parameters;  ///< names of s, in order
@@ -24,15 +33,14 @@ struct OutcomeModel {
     std::function<void(
         std::span<const double> x, std::span<const double> s, std::span<double> chances)>
         chances{};
+    /// Of a psychometric_model.
+    struct Shape {
+        Family family = Family::normal;
+        LapseForm form = LapseForm::upper;
+        SlopeAs slope_as = SlopeAs::slope;
+    };
+    std::optional<Shape> shape{};
 };
-
-/// What the parameter of steepness in a model's grid means; its name says it.
-enum class SlopeAs : std::uint8_t {
-    slope,        ///< b of Family
-    log10_slope,  ///< log10 b, as Kontsevich & Tyler 1999 space it
-    sd            ///< 1 / b: the standard deviation of the family "normal"
-};
-inline constexpr std::array<std::string_view, 3> kSlopeWords{"slope", "log10_slope", "sd"};
 
 /// A yes/no or correct/wrong answer: outcome 1 with the chance of a psychometric function of
 /// (threshold, slope, guess, lapse); with the two-sided form (threshold, slope, lapse). Stimulus: one
@@ -40,6 +48,9 @@ inline constexpr std::array<std::string_view, 3> kSlopeWords{"slope", "log10_slo
 [[nodiscard]] OutcomeModel psychometric_model(Family family,
                                               LapseForm form,
                                               SlopeAs slope_as = SlopeAs::slope);
+
+/// b of Family for a value of the parameter of steepness.
+[[nodiscard]] double slope_of(SlopeAs as, double value);
 
 /// As psychometric_model, with a threshold that depends on a second stimulus dimension, "covariate"
 /// (such as a friction coefficient):  threshold + tilt * covariate. Parameters (threshold, tilt, ...).

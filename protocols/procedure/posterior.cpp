@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/procedure/estimate.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
@@ -111,6 +112,30 @@ std::vector<double> Posterior::mode(const Grid& grid) const {
     const auto first = std::find_if(weights_.begin(), weights_.end(),
                                     [most](double w) { return w >= most * (1.0 - kSame); });
     return grid.point(static_cast<std::size_t>(first - weights_.begin()));
+}
+
+Estimate belief(std::string name, std::span<const Weighed> values) {
+    constexpr double kTail = 0.025;
+    Estimate made{.name = std::move(name), .mean = 0.0, .mode = std::nullopt};
+    double below = 0.0;
+    for (const auto& [value, share] : values) {
+        *made.mean += share * value;
+        below += share;
+        if (!made.low && below >= kTail) {
+            made.low = value;
+        }
+        if (!made.high && below >= 1.0 - kTail) {
+            made.high = value;
+        }
+    }
+    double square = 0.0;
+    for (const auto& [value, share] : values) {
+        square += share * (value - *made.mean) * (value - *made.mean);
+    }
+    made.sd = std::sqrt(square);
+    made.high = made.high.value_or(values.back().first);
+    made.cut = made.low == values.front().first || made.high == values.back().first;
+    return made;
 }
 
 }  // namespace palpate::protocols

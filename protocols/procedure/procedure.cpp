@@ -53,6 +53,11 @@ std::vector<Estimate> Procedure::estimates() const {
     return std::visit([](const auto& s) { return s.estimates(); }, state_);
 }
 
+std::optional<Estimate> Procedure::jnd() const {
+    const auto* quest_plus = std::get_if<QuestPlus>(&state_);
+    return quest_plus != nullptr ? quest_plus->jnd() : std::nullopt;
+}
+
 std::optional<double> Procedure::entropy() const {
     if (const auto* quest = std::get_if<Quest>(&state_)) {
         return quest->entropy();

@@ -53,6 +53,8 @@ public:
     [[nodiscard]] std::string_view track() const;
     /// None for constant stimuli.
     [[nodiscard]] std::vector<Estimate> estimates() const;
+    /// QuestPlus::jnd(), of Psi too; none of other rules: they assume a slope, or none.
+    [[nodiscard]] std::optional<Estimate> jnd() const;
     /// Of the posterior, bits; none for constant stimuli and staircases.
     [[nodiscard]] std::optional<double> entropy() const;
     /// SHA-256 of all that the next choice and the estimates depend on beside the spec: 64 hexadecimal

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -178,7 +179,14 @@ double Quest::quantile(double order) const noexcept {
 }
 
 std::vector<Estimate> Quest::estimates() const {
-    return {{"threshold", mean(), mode()}};
+    std::vector<Weighed> values;
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+        values.emplace_back(at(i), weights_[i]);
+    }
+    Estimate threshold = belief("threshold", values);
+    threshold.mean = mean();
+    threshold.mode = mode();
+    return {std::move(threshold)};
 }
 
 double Quest::entropy() const noexcept {

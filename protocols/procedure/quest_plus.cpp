@@ -1,14 +1,18 @@
 #include "protocols/procedure/quest_plus.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
 #include "protocols/procedure/state_bytes.hpp"
+#include "protocols/psychometric/psychometric_function.hpp"
 
 namespace palpate::protocols {
+
 QuestPlus::QuestPlus(const QuestPlusSpec& spec)
     : table_(std::make_shared<const LikelihoodTable>(spec.model, spec.stimuli, spec.parameters)),
+      shape_(spec.model.shape),
       posterior_(spec.parameters, spec.prior),
       most_trials_(spec.trials),
       entropy_bits_(spec.entropy_bits) {
@@ -58,10 +62,38 @@ std::vector<Estimate> QuestPlus::estimates() const {
     std::vector<Estimate> free;
     for (std::size_t k = 0; k < grid.dimensions(); ++k) {
         if (grid.axis(k).values.size() > 1 || grid.size() == 1) {
-            free.push_back({grid.axis(k).name, means[k], modes[k]});
+            const std::vector<double> shares = posterior_.marginal(grid, k);
+            std::vector<Weighed> values;
+            for (std::size_t i = 0; i < shares.size(); ++i) {
+                values.emplace_back(grid.axis(k).values[i], shares[i]);
+            }
+            free.push_back(belief(grid.axis(k).name, values));
+            free.back().mean = means[k];
+            free.back().mode = modes[k];
         }
     }
     return free;
+}
+
+std::optional<Estimate> QuestPlus::jnd() const {
+    const Grid& grid = table_->parameters();
+    if (!shape_ || grid.axis(0).values.size() * grid.axis(1).values.size() == 1) {
+        return std::nullopt;
+    }
+    const std::vector<double>& slopes = grid.axis(1).values;
+    std::vector<Weighed> values(grid.axis(0).values.size() * slopes.size());
+    for (std::size_t cell = 0; cell < values.size(); ++cell) {
+        const double threshold = grid.axis(0).values[cell / slopes.size()];
+        const double slope = slope_of(shape_->slope_as, slopes[cell % slopes.size()]);
+        values[cell].first = 0.5 * (core_inverse(shape_->family, 0.75, threshold, slope) -
+                                    core_inverse(shape_->family, 0.25, threshold, slope));
+    }
+    for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+        values[grid.index(cell, 0) * slopes.size() + grid.index(cell, 1)].second +=
+            posterior_.weights()[cell];
+    }
+    std::ranges::sort(values);
+    return belief("JND", values);
 }
 
 std::string QuestPlus::state_hash() const {

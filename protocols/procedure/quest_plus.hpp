@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -53,6 +54,14 @@ public:
     [[nodiscard]] std::vector<std::string> stimulus_names() const;
     /// Of the parameters that have more than one value (of all, if none has).
     [[nodiscard]] std::vector<Estimate> estimates() const;
+    /// The just-noticeable difference of a psychometric_model, half the way from where the curve F without
+    /// guesses and lapses is 1/4 to where it is 3/4:
+    ///
+    ///     JND = (F^-1(3/4) - F^-1(1/4)) / 2      normal: 0.674 standard deviations; logistic: ln 3 / b
+    ///
+    /// on the stimulus' axis, by the posterior of threshold and slope. None of another model, and where the
+    /// grid has a single threshold and slope.
+    [[nodiscard]] std::optional<Estimate> jnd() const;
     [[nodiscard]] double entropy() const noexcept { return posterior_.entropy(); }
     [[nodiscard]] std::string state_hash() const;
 
@@ -64,6 +73,7 @@ public:
 private:
     std::shared_ptr<const LikelihoodTable> table_;
     std::shared_ptr<const CellGroups> groups_;  ///< none: all parameters count
+    std::optional<OutcomeModel::Shape> shape_;
     Posterior posterior_;
     std::size_t most_trials_;
     double entropy_bits_;

@@ -101,17 +101,28 @@ bool Staircase::finished() const noexcept {
            (spec_.reversals > 0 && reversals_.size() >= spec_.reversals);
 }
 
-std::optional<double> Staircase::estimate() const {
+Estimate Staircase::estimate() const {
+    Estimate made{.name = spec_.name, .mean = std::nullopt, .mode = std::nullopt};
     if (reversals_.empty()) {
-        return std::nullopt;
+        return made;
     }
-    const std::size_t count =
+    made.reversals =
         spec_.average == 0 ? reversals_.size() : std::min(spec_.average, reversals_.size());
+    const std::span last = std::span(reversals_).last(made.reversals);
+    const auto count = static_cast<double>(made.reversals);
     double sum = 0.0;
-    for (std::size_t i = reversals_.size() - count; i < reversals_.size(); ++i) {
-        sum += reversals_[i];
+    for (const double level : last) {
+        sum += level;
     }
-    return sum / static_cast<double>(count);
+    made.mean = sum / count;
+    if (made.reversals > 1) {
+        double square = 0.0;
+        for (const double level : last) {
+            square += (level - *made.mean) * (level - *made.mean);
+        }
+        made.sd = std::sqrt(square / (count - 1.0));
+    }
+    return made;
 }
 
 }  // namespace palpate::protocols

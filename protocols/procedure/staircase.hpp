@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "protocols/procedure/estimate.hpp"
+
 namespace palpate::protocols {
 
 /// How a step moves the level.
@@ -77,8 +79,9 @@ public:
     [[nodiscard]] const std::vector<std::size_t>& reversal_trials() const noexcept {
         return reversal_trials_;
     }
-    /// Mean of the last reversals; none before the first.
-    [[nodiscard]] std::optional<double> estimate() const;
+    /// Mean of the last reversals, none before the first; with their standard deviation (n - 1 below, none
+    /// of one) and number.
+    [[nodiscard]] Estimate estimate() const;
     [[nodiscard]] int direction() const noexcept { return direction_; }
     [[nodiscard]] std::size_t in_a_row() const noexcept { return in_a_row_; }
 

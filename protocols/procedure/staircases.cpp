@@ -65,7 +65,7 @@ bool Staircases::finished() const noexcept {
 std::vector<Estimate> Staircases::estimates() const {
     std::vector<Estimate> estimates;
     for (const Staircase& track : tracks_) {
-        estimates.push_back({track.spec().name, track.estimate(), std::nullopt});
+        estimates.push_back(track.estimate());
     }
     return estimates;
 }

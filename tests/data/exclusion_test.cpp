@@ -135,24 +135,24 @@ TEST_CASE("the summary shows the shares of all and without those left out, by ha
         run(database, protocol, std::string("P").append(std::to_string(i)),
             {.correct = random.below(25) / 24.0});
     }
-    // Counted apart: from the rows of the view, participant by participant.
-    std::int64_t all[2] = {0, 0};
-    std::int64_t kept[2] = {0, 0};
+    // Counted apart: from the rows of the view, participant by participant, all alike in number.
+    double all[2] = {0.0, 0.0};
+    double kept[2] = {0.0, 0.0};
     int left_out = 0;
     data::Statement row = database.prepare(
         "SELECT participant, sum(friction = 'off' AND correct), sum(friction = 'on' AND correct),"
         " avg(correct) FROM trial_result WHERE phase = 'main' GROUP BY participant");
     while (row.step()) {
         for (int k = 0; k < 2; ++k) {
-            all[k] += row.integer(1 + k);
-            kept[k] += row.real(3) >= 0.5 ? row.integer(1 + k) : 0;
+            all[k] += row.real(1 + k) / 12.0;
+            kept[k] += row.real(3) >= 0.5 ? row.real(1 + k) / 12.0 : 0.0;
         }
         left_out += row.real(3) >= 0.5 ? 0 : 1;
     }
     const std::string text = data::summary_text(database);
     CAPTURE(text);
-    const auto line = [](const char* friction, std::int64_t n, int people) {
-        return fmt::format("friction {:<4} {:>3} of {:>3} correct", friction, n, 12 * people);
+    const auto line = [](const char* friction, double sum, int people) {
+        return fmt::format("friction {:<3}   {:.3f}   ", friction, sum / people);
     };
     CHECK_THAT(text, ContainsSubstring(line("off", all[0], 6)));
     CHECK_THAT(text, ContainsSubstring(line("on", all[1], 6)));

@@ -103,7 +103,7 @@ TEST_CASE("a one-up-one-down staircase runs a published sequence", "[staircase][
                          .average = 4});
     check_same(levels(staircase, "1101101101"), {0.8, 0.7, 0.6, 0.7, 0.6, 0.5, 0.6, 0.5, 0.4, 0.5});
     CHECK(staircase.reversal_trials() == std::vector<std::size_t>{2, 3, 5, 6, 8, 9});
-    CHECK(staircase.estimate().value() == Approx((0.5 + 0.6 + 0.4 + 0.5) / 4.0));
+    CHECK(staircase.estimate().mean.value() == Approx((0.5 + 0.6 + 0.4 + 0.5) / 4.0));
 }
 
 TEST_CASE("the targets are Levitt's and Kaernbach's", "[staircase]") {
@@ -164,8 +164,8 @@ TEST_CASE("a staircase never leaves its bounds, and ends by reversals", "[stairc
             REQUIRE(staircase.trials() < 10'000);
         }
         CHECK(staircase.reversals().size() == spec.reversals);
-        CHECK(staircase.estimate().value() >= 0.5);
-        CHECK(staircase.estimate().value() <= 4.0);
+        CHECK(staircase.estimate().mean.value() >= 0.5);
+        CHECK(staircase.estimate().mean.value() <= 4.0);
     }
 }
 

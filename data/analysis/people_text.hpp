@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "data/store/database.hpp"
+
+/// What a summary says of people: each for themselves, all together, and differences within a person.
+namespace palpate::data {
+
+/// The sessions of a study (the protocol's id) of one run kind.
+struct Group {
+    std::string study;
+    std::string kind;  ///< real, pilot, simulated
+};
+
+/// What a person has under a condition.
+struct Own {
+    double mean = 0.0;
+    std::int64_t sum = 0;  ///< of a share: how many were correct, or yes
+    std::int64_t n = 0;    ///< answers that count
+};
+
+struct PeopleTable {
+    std::string what;                       ///< "share correct"
+    std::string factor;                     ///< "friction", "run"
+    bool share = true;                      ///< the means are shares of answers, from 0 to 1
+    std::vector<std::string> conditions{};  ///< differences are from the first
+    std::map<std::string, std::map<std::string, Own>> people{};  ///< by pseudonym, then condition
+};
+
+/// The mean over people of each condition with a 95 % interval over people, and each condition against
+/// the first: the difference within a person, its interval, and an exact sign-flip p. With one person the
+/// difference is that of their own trials, and it says that nothing follows for others.
+[[nodiscard]] std::string table_text(const PeopleTable& table,
+                                     const std::set<std::string>& left_out);
+
+/// Of main trials without a rule, by friction: the share correct; of yes/no answers the share of yes and of
+/// ratings the mean level, object by object. Person by person (unless somebody is left out: then it stands
+/// above), then over people. Empty without such an answer.
+[[nodiscard]] std::string answers_text(Database& database,
+                                       const Group& group,
+                                       const std::set<std::string>& left_out = {});
+
+/// What the rule of a study came to in each run, person by person: thresholds, JNDs, sd and 95 % interval of
+/// the posterior, by the answers that count; then over people. Empty without a rule.
+[[nodiscard]] std::string runs_text(Database& database,
+                                    const Group& group,
+                                    const std::set<std::string>& left_out = {});
+
+/// How many answers of main trials are neither right nor wrong; empty where all are.
+[[nodiscard]] std::string no_correct_text(Database& database, const Group& group);
+
+}  // namespace palpate::data

@@ -1,0 +1,320 @@
+#include <fstream>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "data/store/sqlite_recorder.hpp"
+#include "tests/support/adaptive_text.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// What `script` prints of the rows of `query`, in R without any package; line by line.
+std::vector<std::string> by_r(const std::string& file,
+                              const std::string& query,
+                              const std::string& script) {
+    const TemporaryFolder folder;
+    const Finished rows = palpate_command({"sql", file, "--csv", "-c", query});
+    REQUIRE(rows.code == 0);
+    std::ofstream(folder.file("rows.csv")) << rows.out;
+    std::ofstream(folder.file("script.R")) << "d <- read.csv(commandArgs(TRUE)[1])\n" + script;
+    const Finished r =
+        Process({"Rscript", folder.file("script.R"), folder.file("rows.csv")}).wait();
+    CAPTURE(r.error);
+    REQUIRE(r.code == 0);
+    std::vector<std::string> lines;
+    std::istringstream text(r.out);
+    for (std::string line; std::getline(text, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+bool no_r() {
+    const bool none = Process({"Rscript", "-e", "1"}).wait().code != 0;
+    if (none) {
+        WARN("R is not installed: not checked");
+    }
+    return none;
+}
+
+std::string summary_of(const std::string& file) {
+    const Finished summary = palpate_command({"summary", file});
+    REQUIRE(summary.code == 0);
+    return summary.out;
+}
+
+/// Made-up people of a factorial study, each with a share of their own; the first is cut short.
+void answer(const std::string& file, const protocols::Protocol& protocol, int people) {
+    data::Database database(file, data::Access::write);
+    database.execute("PRAGMA synchronous = OFF");
+    tests::Random random(11);
+    for (int person = 0; person < people; ++person) {
+        auto spec = tests::session_spec(protocol, fmt::format("P{:02}", person + 1));
+        spec.kind = data::RunKind::real;
+        const auto opened = data::open_session(database, spec);
+        data::SqliteRecorder recorder(database, spec.protocol, opened.id);
+        const double share = random.in(0.3, 0.9);
+        std::size_t n = 0;
+        for (const auto& planned : spec.plan.trials) {
+            const bool right =
+                random.in(0.0, 1.0) < share - (planned.condition.friction == 1 ? 0.1 : 0.0);
+            const std::size_t felt = planned.condition.object;
+            auto result = tests::answered(right ? felt : (felt + 1) % 3, right);
+            if (protocol.response.kind != protocols::ResponseKind::identification) {
+                result.response->object = 0;
+                result.response->correct = std::nullopt;
+                result.response->place = right ? 1 : 0;
+            }
+            recorder.end_trial(recorder.begin_trial(planned, {}), result);
+            if (person == 0 && ++n == 20 && people > 1) {
+                break;
+            }
+        }
+    }
+}
+
+constexpr const char* kPeopleInR = R"R(
+w <- function(k, n) prop.test(k, n, correct = FALSE)$conf.int   # Wilson's
+p <- function(f) cat(f, '\n', sep = '')
+conditions <- sort(unique(d$friction))
+for (i in seq_len(nrow(d))) p(with(d[i, ], sprintf('%3d of %3d = %.2f (%.2f to %.2f)', k, n, k / n,
+    max(0, w(k, n)[1]), min(1, w(k, n)[2]))))
+s <- xtabs(k / n ~ person + friction, d)
+for (f in conditions) {
+    x <- s[, f]; m <- mean(x)
+    h <- qt(.975, length(x) - 1) * sd(x) / sqrt(length(x)) / (m * (1 - m))
+    p(sprintf('%.3f   %.3f to %.3f   %d people', m, plogis(qlogis(m) - h), plogis(qlogis(m) + h), length(x)))
+}
+x <- s[, 'on'] - s[, 'off']; t <- t.test(x)
+flips <- as.matrix(expand.grid(rep(list(c(-1, 1)), length(x)))) %*% x
+p(sprintf('%.3f   %.3f to %.3f   within person, %d people; sign-flip p = %.3g (all %d patterns of signs)',
+    mean(x), t$conf.int[1], t$conf.int[2], length(x), mean(abs(flips) >= abs(sum(x)) - 1e-9), 2^length(x)))
+)R";
+
+/// mean, sd and quantiles of a posterior on a grid; `post` has columns named as the summary names them.
+constexpr const char* kRulesInR = R"R(
+say <- function(name, v, w) {
+    o <- order(v); v <- v[o]; w <- w[o] / sum(w)
+    m <- sum(v * w); s <- sqrt(sum(w * (v - m)^2)); k <- cumsum(w)
+    cat(sprintf('%s~%-8.4g~sd %-8.4g~%.4g to %.4g\n', name, m, s, v[which(k >= .025)[1]],
+        v[which(k >= .975)[1]]))
+}
+normal <- function(g, b, lo, hi) {
+    w <- rep(1, nrow(g))
+    for (i in seq_len(nrow(d))) {
+        q <- lo(g) + (hi(g) - lo(g)) * pnorm(b(g) * (d$stimulus[i] - g$threshold))
+        w <- w * if (d$outcome[i] == 1) q else 1 - q
+    }
+    w
+}
+)R";
+
+struct RuleCase {
+    const char* name;
+    const char* rule;
+    const char* kind;
+    const char* script;
+};
+
+constexpr RuleCase kRules[] = {
+    {"quest_plus", tests::kQuestPlusRule, "two_interval",
+     R"R(g <- expand.grid(threshold = 1:9, sd = c(1, 2, 4, 8), lapse = c(0, .05))
+w <- normal(g, function(g) 1 / g$sd, function(g) g$lapse, function(g) 1 - g$lapse)
+say('threshold', g$threshold, w); say('JND', qnorm(.75) * g$sd, w); say('sd', g$sd, w); say('lapse', g$lapse, w)
+)R"},
+    {"psi", R"(kind = "psi"
+trials = 7
+[procedure.model]
+family = "normal"
+lapse_form = "upper"
+[procedure.stimuli]
+stimulus = { from = -3, to = 13, step = 2 }
+[procedure.parameters]
+threshold = { from = 1, to = 9, step = 1 }
+log10_slope = [-0.6, -0.3, 0.0, 0.3]
+guess = 0.02
+lapse = 0.02
+)",
+     "yes_no",
+     R"R(g <- expand.grid(threshold = 1:9, log10_slope = c(-.6, -.3, 0, .3))
+w <- normal(g, function(g) 10^g$log10_slope, function(g) .02, function(g) .98)
+say('threshold', g$threshold, w); say('JND', qnorm(.75) / 10^g$log10_slope, w); say('log10_slope', g$log10_slope, w)
+)R"},
+    {"quest", R"(kind = "quest"
+[procedure.quest]
+trials = 7
+guess = 8
+sd = 3
+p_threshold = 0.8
+beta = 1.5
+delta = 0.02
+gamma = 0.5
+grain = 0.05
+range = 10
+lowest = 5.5
+highest = 15
+)",
+     "two_interval",
+     R"R(x <- 8 + (-100:100) * .05; w <- dnorm(x, 8, 3)
+core <- function(u) .02 * .5 + .98 * (.5 + .5 * (1 - exp(-10^(1.5 * u))))
+e <- uniroot(function(u) core(u) - .8, c(-3, 3), tol = 1e-13)$root
+for (i in seq_len(nrow(d))) {
+    q <- core(8 + round((d$stimulus[i] - 8) / .05) * .05 - x + e); w <- w * if (d$outcome[i] == 1) q else 1 - q
+}
+say('threshold', x, w)
+)R"},
+    {"staircase", R"(kind = "staircase"
+[[procedure.staircase]]
+name = "down"
+start = 12
+down = 2
+step_up = [4, 2, 1]
+lowest = 5.5
+highest = 15
+trials = 24
+average = 4
+)",
+     "two_interval",
+     R"R(r <- c(); last <- 0; row <- 0; before <- -1
+for (i in seq_len(nrow(d))) {
+    row <- if (d$outcome[i] == before) row + 1 else 1; before <- d$outcome[i]
+    turn <- if (before == 0) 1 else if (row == 2) -1 else 0
+    if (turn != 0) { row <- 0; if (last != 0 && turn != last) r <- c(r, d$stimulus[i]); last <- turn }
+}
+r <- tail(r, 4); cat(sprintf('down~%-8.4g~sd %-8.4g~%d reversals\n', mean(r), sd(r), length(r)))
+)R"},
+};
+
+std::string without_spaces(const std::string& text) {
+    std::string out;
+    for (const char c : text) {
+        if (c != ' ' && c != '~') {
+            out += c;
+        }
+    }
+    return out;
+}
+
+}  // namespace
+
+TEST_CASE("palpate summary says of people what R says of the same answers", "[summary][law]") {
+    if (no_r()) {
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = folder.file("people.sqlite");
+    answer(file, tests::small_protocol(9), 12);
+    const std::string text = summary_of(file);
+    CAPTURE(text);
+    const auto lines =
+        by_r(file,
+             "SELECT participant AS person, friction, sum(correct) AS k, count(*) AS n"
+             " FROM trial_result WHERE phase = 'main' GROUP BY 1, 2",
+             kPeopleInR);
+    REQUIRE(lines.size() == 27);
+    for (const std::string& line : lines) {
+        CHECK_THAT(text, ContainsSubstring(line));
+    }
+    // The SQL functions say the same interval.
+    const Finished ours = palpate_command(
+        {"sql", file, "--csv", "-c",
+         "SELECT printf('%.3f   %.3f to %.3f   %d people', avg(share), people_share_low(share),"
+         " people_share_high(share), count(*)) FROM (SELECT friction, avg(correct) AS share FROM"
+         " trial_result WHERE phase = 'main' GROUP BY participant, 1) GROUP BY friction"});
+    CHECK_THAT(ours.out, ContainsSubstring(lines[24]) && ContainsSubstring(lines[25]));
+}
+
+TEST_CASE("with one person or two, palpate summary says what can be said and what cannot",
+          "[summary]") {
+    const TemporaryFolder folder;
+    answer(folder.file("one.sqlite"), tests::small_protocol(4), 1);
+    CHECK_THAT(summary_of(folder.file("one.sqlite")),
+               ContainsSubstring("no interval   one person: how people differ is not known") &&
+                   ContainsSubstring("of this person's own trials (Newcombe), not of people"));
+    answer(folder.file("two.sqlite"), tests::small_protocol(8), 2);
+    CHECK_THAT(summary_of(folder.file("two.sqlite")),
+               ContainsSubstring("within person, 2 people; sign-flip p = ") &&
+                   ContainsSubstring("2 people are too few to show a difference: no sign-flip p is "
+                                     "below 0.5"));
+}
+
+TEST_CASE("answers that are neither right nor wrong are summed up object by object", "[summary]") {
+    const bool rating = GENERATE(false, true);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    protocols::Protocol protocol = tests::small_protocol(4);
+    protocol.response.kind =
+        rating ? protocols::ResponseKind::rating : protocols::ResponseKind::yes_no;
+    protocol.response.question = "Was it convex?";
+    answer(file, protocol, 3);
+    const std::string text = summary_of(file);
+    CAPTURE(text);
+    const Finished mean = palpate_command(
+        {"sql", file, "--csv", "-c",
+         "SELECT printf('friction off   %.3f   ', avg(x)) FROM (SELECT avg(answer + " +
+             std::string(rating ? "1" : "0") +
+             ") AS x FROM trial_result JOIN response USING (trial) WHERE trial_result.object ="
+             " 'convex' AND friction = 'off' GROUP BY participant)"});
+    const std::size_t at = text.find(rating ? "mean level of convex, 1 the lowest, mean"
+                                            : "share of yes to convex, mean");
+    REQUIRE(at != std::string::npos);
+    const std::string line = mean.out.substr(mean.out.find('\n') + 1);
+    CHECK_THAT(text.substr(at), ContainsSubstring(line.substr(0, line.size() - 1)));
+    CHECK_THAT(text, ContainsSubstring("68 of 68 answers have no correct (NULL)"));
+    CHECK(text.find("share correct") == std::string::npos);
+}
+
+TEST_CASE("palpate summary says of an adaptive run what R computes from its answers",
+          "[summary][adaptive][law]") {
+    if (no_r()) {
+        return;
+    }
+    const auto index = GENERATE(range(0, 4));
+    const RuleCase& one = kRules[index];
+    CAPTURE(one.name);
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("p.toml")) << tests::adaptive_text(one.rule, one.kind);
+    const std::string file = folder.file("a.sqlite");
+    const Finished run = palpate_command(
+        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--device", "sim"});
+    CAPTURE(run.out, run.error);
+    REQUIRE(run.code == 0);
+    // A mark made later: its answer is left out here and there.
+    const Finished third = palpate_command(
+        {"sql", file, "--csv", "-c", "SELECT trial FROM adaptive_trial WHERE run = 1 AND n = 3"});
+    const std::string trial = third.out.substr(6, third.out.size() - 7);
+    if (index != 3) {  // a staircase goes on elsewhere without it
+        REQUIRE(palpate_command({"mark", file, trial, "--invalid", "bell"}).code == 0);
+    }
+    const std::string text = summary_of(file);
+    CAPTURE(text);
+    for (int number = 0; number < 2; ++number) {
+        const auto lines = by_r(
+            file,
+            fmt::format(
+                "SELECT stimulus, outcome FROM adaptive_trial WHERE run = {} AND counts ORDER BY n",
+                number),
+            std::string(kRulesInR) + one.script);
+        const std::size_t from = text.find(number == 0 ? "run equal: " : "run different: ");
+        const std::size_t to = number == 0 ? text.find("run different: ") : text.find("mean over");
+        REQUIRE(from < to);
+        const std::string part = text.substr(from, to - from);
+        CHECK(part.find("marked later") ==
+              (number == 1 && index != 3 ? part.find("marked later") : std::string::npos));
+        for (const std::string& line : lines) {
+            CHECK_THAT(without_spaces(part), ContainsSubstring(without_spaces(line)));
+        }
+    }
+    CHECK(text.find("share correct") == std::string::npos);
+    CHECK_THAT(text, ContainsSubstring(index == 1 ? " without correct" : "answers; "));
+}
