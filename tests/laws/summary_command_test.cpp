@@ -151,8 +151,8 @@ w <- normal(g, function(g) 10^g$log10_slope, function(g) .02, function(g) .98)
 say('threshold', g$threshold, w); say('JND', qnorm(.75) / 10^g$log10_slope, w); say('log10_slope', g$log10_slope, w)
 )R"},
     {"quest", R"(kind = "quest"
-[procedure.quest]
 trials = 7
+[procedure.quest]
 guess = 8
 sd = 3
 p_threshold = 0.8
