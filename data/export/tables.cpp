@@ -303,6 +303,7 @@ constexpr std::array kEvents{
                  " 'interrupted'), event.text, NULL)"},
     ExportColumn{"words", "text", "", "the same, with notes, names and versions", "event.text",
                  true},
+    ExportColumn{"operator", "text", "", "who noted it", "event.operator", true},
     ExportColumn{"since_first_ns", "integer", "ns", "as in trials; < 0: before the first attempt",
                  "event.at_ns - " PALPATE_FIRST},
     ExportColumn{"at_ns", "integer", "ns", "on the clock of the trials' started_ns", "event.at_ns",

@@ -55,7 +55,9 @@ std::string csv_of(const Cell& cell) {
 
 std::string json_value(const Cell& cell) {
     if (const auto* real = std::get_if<double>(&cell)) {
-        return std::isfinite(*real) ? fmt::format("{}", *real) : "null";
+        return std::isnan(*real) ? "null"
+             : std::isinf(*real) ? (*real > 0.0 ? "1e999" : "-1e999")
+                                 : fmt::format("{}", *real);
     }
     if (std::holds_alternative<std::monostate>(cell)) {
         return "null";

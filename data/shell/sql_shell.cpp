@@ -73,6 +73,37 @@ Cell cell_of(sqlite3_stmt* row, int column) {
     }
 }
 
+/// Words of a sentence in lines of at most 64 characters, so that a table fits a window. A word longer than
+/// that has a line of its own.
+std::vector<std::string> wrapped(std::string_view sentence, RowFormat format) {
+    constexpr std::size_t kWidth = 64;
+    std::vector<std::string> lines;
+    while (format == RowFormat::table && sentence.size() > kWidth) {
+        std::size_t end = sentence.rfind(' ', kWidth);
+        end = end == std::string_view::npos ? sentence.find(' ') : end;
+        if (end == std::string_view::npos) {
+            break;
+        }
+        lines.emplace_back(sentence.substr(0, end));
+        sentence.remove_prefix(end + 1);
+    }
+    lines.emplace_back(sentence);
+    return lines;
+}
+
+/// A row whose last cell is a sentence; what does not fit goes on below it.
+void print_row(RowPrinter& printer,
+               RowFormat format,
+               std::vector<Cell> cells,
+               std::string_view sentence) {
+    for (const std::string& line : wrapped(sentence, format)) {
+        std::vector<Cell> row = cells;
+        row.emplace_back(line);
+        printer.row(std::move(row));
+        std::fill(cells.begin(), cells.end(), Cell(std::string()));
+    }
+}
+
 /// What the file says of itself, and the program of what an older one did not say.
 std::vector<TableManual> manual_of(Database& database) {
     std::string sql;
@@ -239,8 +270,8 @@ void SqlShell::tables() {
         " SELECT 'sample', 'virtual table' ORDER BY type, name");
     while (row.step()) {
         const auto said = std::ranges::find(manual, row.text(0), &TableManual::name);
-        printer.row(
-            {row.text(0), row.text(1), said == manual.end() ? std::string() : said->meaning});
+        print_row(printer, format_, {row.text(0), row.text(1)},
+                  said == manual.end() ? std::string() : said->meaning);
     }
     printer.end();
 }
@@ -263,7 +294,7 @@ bool SqlShell::columns(std::string_view table) {
         }
         found = true;
         for (const ColumnManual& column : one.columns) {
-            printer.row({one.name, column.name, column.unit, column.meaning});
+            print_row(printer, format_, {one.name, column.name, column.unit}, column.meaning);
         }
     }
     if (!found) {

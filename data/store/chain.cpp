@@ -7,14 +7,15 @@
 
 #include <fmt/format.h>
 
+#include "engine/realtime/clock.hpp"
 #include "protocols/design/sha256.hpp"
 #include "data/store/people.hpp"
 
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kNotOfSession[] = {"id",    "study",        "participant", "finished",
-                                              "chain", "finished_utc", "chain_events"};
+constexpr std::string_view kNotOfSession[] = {"id",    "study",        "participant",  "finished",
+                                              "chain", "finished_utc", "chain_events", "head"};
 constexpr std::string_view kNotOfTrial[] = {"id", "session", "chain", "trial"};
 
 /// "table;column:type:length:value;..." of the row that `row` is at.
@@ -75,40 +76,15 @@ std::vector<std::string> tables_of_trials(Database& database) {
     return names;
 }
 
-/// The session's events from the first to the last of these numbers, by their order.
-std::string events_between(Database& database,
-                           std::int64_t session,
-                           std::int64_t before,
-                           std::int64_t last) {
-    Statement row = database.prepare(
-        "SELECT event.*, position, attempt FROM event LEFT JOIN trial ON trial.id = trial"
-        " WHERE event.session = ?1 ORDER BY event.id LIMIT ?3 OFFSET ?2");
-    row.bind(1, session).bind(2, before).bind(3, std::max<std::int64_t>(0, last - before));
-    std::string text;
-    while (row.step()) {
-        text += line_of("event", row, kNotOfTrial);
-    }
-    return text;
-}
-
 std::int64_t events_now(Database& database, std::int64_t session) {
     Statement row = database.prepare("SELECT count(*) FROM event WHERE session = ?1");
     row.bind(1, session).step();
     return row.integer(0);
 }
 
-struct Link {
-    std::string head;
-    std::int64_t events = 0;  ///< of the session that it covers
-};
-
-/// The link of a trial whose row says how many events it covers.
-std::string trial_head(Database& database,
-                       std::int64_t session,
-                       std::int64_t trial,
-                       const Link& before,
-                       std::int64_t events) {
-    std::string text = before.head + '\n';
+/// The link of a trial whose row says how many events came before.
+std::string trial_head(Database& database, std::int64_t trial, const std::string& before) {
+    std::string text = before + '\n';
     // A mark came later: at the end of the trial its answer counted.
     const bool marked = find_mark(database, trial).has_value();
     std::vector<std::string_view> without(std::begin(kNotOfTrial), std::end(kNotOfTrial));
@@ -121,31 +97,142 @@ std::string trial_head(Database& database,
                          fmt::format("SELECT * FROM {} WHERE trial = ?1 ORDER BY 1, 2, 3", table),
                          trial, kNotOfTrial);
     }
-    return protocols::sha256_hex(text + events_between(database, session, before.events, events));
+    return protocols::sha256_hex(text);
 }
 
-std::string session_head(Database& database,
-                         std::int64_t session,
-                         const Link& before,
-                         std::int64_t events) {
-    const std::string text =
-        before.head + '\n' +
+std::string event_head(Database& database, std::int64_t event, const std::string& before) {
+    return protocols::sha256_hex(
+        before + '\n' +
+        lines_of(database, "event",
+                 "SELECT event.*, position, attempt FROM event LEFT JOIN trial ON trial.id = trial"
+                 " WHERE event.id = ?1",
+                 event, kNotOfTrial));
+}
+
+std::string session_head(Database& database, std::int64_t session, const std::string& before) {
+    return protocols::sha256_hex(
+        before + '\n' +
         lines_of(database, "session",
                  "SELECT finished, finished_utc, chain_events FROM session WHERE id = ?1", session,
-                 {});
-    return protocols::sha256_hex(text + events_between(database, session, before.events, events));
+                 {}));
 }
 
-Link last_link(Database& database, std::int64_t session) {
-    Statement row = database.prepare(
-        "SELECT chain, chain_events FROM trial WHERE session = ?1 AND chain IS NOT NULL"
-        " ORDER BY id DESC LIMIT 1");
-    row.bind(1, session);
-    if (row.step()) {
-        return {.head = row.text(0), .events = row.integer(1)};
-    }
-    return {.head = first_head(database, session)};
+/// What the next link begins with.
+std::string head_now(Database& database, std::int64_t session) {
+    const std::string head = chain_head(database, session);
+    return head.empty() ? first_head(database, session) : head;
 }
+
+/// A row of `table` has a new head, and the session with it.
+void keep_head(Database& database,
+               std::string_view table,
+               std::int64_t row,
+               std::int64_t session,
+               const std::string& head) {
+    database.prepare(fmt::format("UPDATE {} SET chain = ?2 WHERE id = ?1", table))
+        .bind(1, row)
+        .bind(2, std::string_view(head))
+        .run();
+    database.prepare("UPDATE session SET head = ?2 WHERE id = ?1")
+        .bind(1, session)
+        .bind(2, std::string_view(head))
+        .run();
+}
+
+void keep_events(Database& database,
+                 std::string_view table,
+                 std::int64_t row,
+                 std::int64_t session) {
+    database.prepare(fmt::format("UPDATE {} SET chain_events = ?2 WHERE id = ?1", table))
+        .bind(1, row)
+        .bind(2, events_now(database, session))
+        .run();
+}
+
+/// Follows the links of a session in their order, and notes where one does not follow.
+class ChainWalk {
+public:
+    ChainWalk(Database& database, std::int64_t session)
+        : database_(database),
+          session_(session),
+          head_(first_head(database, session)),
+          events_(database.prepare("SELECT event.id, chain, kind, coalesce(trial, 0) FROM event"
+                                   " WHERE session = ?1 ORDER BY id")) {
+        events_.bind(1, session);
+    }
+
+    std::vector<ChainBreak> all() {
+        Statement trial = database_.prepare(
+            "SELECT id, chain, chain_events, outcome, invalid FROM trial WHERE session = ?1 ORDER"
+            " BY id");
+        trial.bind(1, session_);
+        while (trial.step()) {
+            const std::int64_t id = trial.integer(0);
+            check_mark(id, trial.text(4));
+            if (trial.null(1)) {
+                if (trial.text(3) != "running") {
+                    breaks_.push_back({id, "trial.chain", "NULL", "the head after this trial"});
+                }
+                continue;
+            }
+            events_until(trial.integer(2));
+            link(id, "trial.chain", trial.text(1), trial_head(database_, id, head_));
+        }
+        Statement end = database_.prepare(
+            "SELECT chain, chain_events, finished, head FROM session WHERE id = ?1");
+        end.bind(1, session_).step();
+        if (!end.null(0)) {
+            events_until(end.integer(1));
+            link(0, "session.chain", end.text(0), session_head(database_, session_, head_));
+        } else if (end.integer(2) != 0) {
+            breaks_.push_back({0, "session.chain", "NULL", "the head after the last trial"});
+        }
+        events_until(std::nullopt);
+        if (links_ > 0 ? end.text(3) != head_ : !end.null(3)) {
+            breaks_.push_back({0, "session.head", end.null(3) ? "NULL" : end.text(3),
+                               links_ > 0 ? head_ : "NULL"});
+        }
+        return std::move(breaks_);
+    }
+
+private:
+    void link(std::int64_t trial,
+              const std::string& what,
+              const std::string& stored,
+              const std::string& recomputed) {
+        if (stored != recomputed) {
+            breaks_.push_back({trial, what, stored, recomputed});
+        }
+        head_ = stored;
+        ++links_;
+    }
+
+    /// Those before the link that counted so many; none: all that are left.
+    void events_until(std::optional<std::int64_t> count) {
+        while ((!count || seen_ < *count) && events_.step()) {
+            ++seen_;
+            const std::string what = fmt::format("event.chain ({} {})", events_.text(2), seen_);
+            link(events_.integer(3), what, events_.null(1) ? "NULL" : events_.text(1),
+                 event_head(database_, events_.integer(0), head_));
+        }
+    }
+
+    void check_mark(std::int64_t trial, const std::string& invalid) {
+        const auto mark = find_mark(database_, trial);
+        if (mark && mark->reason != invalid) {
+            breaks_.push_back({trial, "trial.invalid", invalid.empty() ? "NULL" : invalid,
+                               mark->reason + ", as its mark says"});
+        }
+    }
+
+    Database& database_;
+    std::int64_t session_;
+    std::string head_;
+    Statement events_;
+    std::int64_t seen_ = 0;
+    std::size_t links_ = 0;
+    std::vector<ChainBreak> breaks_;
+};
 
 }  // namespace
 
@@ -154,71 +241,44 @@ void chain_trial(Database& database, std::int64_t trial) {
     whose.bind(1, trial).step();
     const std::int64_t session = whose.integer(0);
     whose.reset();
-    const Link before = last_link(database, session);
-    const std::int64_t events = events_now(database, session);
-    database.prepare("UPDATE trial SET chain_events = ?2 WHERE id = ?1")
-        .bind(1, trial)
-        .bind(2, events)
-        .run();
-    database.prepare("UPDATE trial SET chain = ?2 WHERE id = ?1")
-        .bind(1, trial)
-        .bind(2, trial_head(database, session, trial, before, events))
-        .run();
+    keep_events(database, "trial", trial, session);
+    keep_head(database, "trial", trial, session,
+              trial_head(database, trial, head_now(database, session)));
 }
 
 void chain_session(Database& database, std::int64_t session) {
-    const Link before = last_link(database, session);
-    const std::int64_t events = events_now(database, session);
-    database.prepare("UPDATE session SET chain_events = ?2 WHERE id = ?1")
-        .bind(1, session)
-        .bind(2, events)
+    keep_events(database, "session", session, session);
+    keep_head(database, "session", session, session,
+              session_head(database, session, head_now(database, session)));
+}
+
+std::string add_event(Database& database, const EventRow& event) {
+    const std::string before = head_now(database, event.session);
+    Statement row = database.prepare(
+        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns, operator)"
+        " VALUES (?1, ?2, ?3, ?4, ?5, ?6, nullif(?7, ''))");
+    row.bind(1, event.session)
+        .bind(2, event.trial)
+        .bind(3, event.kind)
+        .bind(4, event.text)
+        .bind(5, utc_now())
+        .bind(6, engine::monotonic_ns())
+        .bind(7, event.operator_name)
         .run();
-    database.prepare("UPDATE session SET chain = ?2 WHERE id = ?1")
-        .bind(1, session)
-        .bind(2, session_head(database, session, before, events))
-        .run();
+    const std::int64_t id = database.last_row();
+    std::string head = event_head(database, id, before);
+    keep_head(database, "event", id, event.session, head);
+    return head;
 }
 
 std::string chain_head(Database& database, std::int64_t session) {
-    Statement row = database.prepare(
-        "SELECT coalesce(chain, (SELECT chain FROM trial WHERE session = ?1 AND chain IS NOT NULL"
-        " ORDER BY id DESC LIMIT 1), '') FROM session WHERE id = ?1");
+    Statement row = database.prepare("SELECT coalesce(head, '') FROM session WHERE id = ?1");
     row.bind(1, session);
     return row.step() ? row.text(0) : std::string();
 }
 
 std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session) {
-    std::vector<ChainBreak> breaks;
-    Link link{.head = first_head(database, session)};
-    Statement row = database.prepare(
-        "SELECT id, chain, chain_events, outcome FROM trial WHERE session = ?1 ORDER BY id");
-    row.bind(1, session);
-    while (row.step()) {
-        const std::int64_t trial = row.integer(0);
-        if (row.null(1)) {
-            if (row.text(3) != "running") {
-                breaks.push_back({trial, "NULL", "the head after this trial"});
-            }
-            continue;
-        }
-        const std::string head = trial_head(database, session, trial, link, row.integer(2));
-        if (head != row.text(1)) {
-            breaks.push_back({trial, row.text(1), head});
-        }
-        link = {.head = row.text(1), .events = row.integer(2)};
-    }
-    Statement end =
-        database.prepare("SELECT chain, chain_events, finished FROM session WHERE id = ?1");
-    end.bind(1, session);
-    if (end.step() && !end.null(0)) {
-        const std::string head = session_head(database, session, link, end.integer(1));
-        if (head != end.text(0)) {
-            breaks.push_back({0, end.text(0), head});
-        }
-    } else if (end.integer(2) != 0) {
-        breaks.push_back({0, "NULL", "the head after the last trial"});
-    }
-    return breaks;
+    return ChainWalk(database, session).all();
 }
 
 }  // namespace palpate::data

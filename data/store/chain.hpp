@@ -1,21 +1,25 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "data/store/database.hpp"
 
-/// A chain of SHA-256 hashes through a session: each trial that ended carries the head that its end made.
-/// Who edits anything before a head has to recompute it and all later ones; a head noted in a lab book shows
-/// that too.
+/// A chain of SHA-256 hashes through a session: each trial that ended, each event and the session's end carry the
+/// head that they made. Who edits, removes or reorders anything before a head has to recompute it and all later
+/// ones; a head noted in a lab book shows that too. session.head is the newest: without it, or a later one, the
+/// last links could be taken away.
 ///
 /// The first link hashes what a session is before its first trial: its row without `finished` and the like,
 /// protocol hash and participant's pseudonym, provenance, plan and pictures. Each next one hashes the head
-/// before it, the trial's row, its rows in every other table (of a trace chunk's data their SHA-256), and the
-/// session's events since the head before. A last one, at the end of the session, its row and its events.
+/// before it and: of a trial its row and its rows in every other table (of a trace chunk's data their SHA-256);
+/// of an event its row, with position and attempt of its trial; of the end what was set then.
 /// Row numbers are in none of them: files may be merged. NULLs neither: a later schema may have more columns.
-/// What is noted of an answer later (`mark`) is an event, and trial.invalid goes in as it was at the end.
+/// What is noted later (`mark`, `note`, `participant`) is an event; trial.invalid goes in as it was at the end of
+/// the trial, and must be what the mark says.
 namespace palpate::data {
 
 /// Writes the head of a trial that has just got its outcome. In the caller's transaction, as its last words.
@@ -23,16 +27,29 @@ void chain_trial(Database& database, std::int64_t trial);
 /// The same for the end of a session.
 void chain_session(Database& database, std::int64_t session);
 
-/// The last head of a session; empty: it has none yet.
+struct EventRow {
+    std::int64_t session = 0;
+    std::optional<std::int64_t> trial{};
+    std::string_view kind;
+    std::string_view text;
+    std::string_view operator_name{};  ///< empty: nobody is named
+};
+
+/// Adds an event, now, and its head. In the caller's transaction.
+/// @return the new head
+std::string add_event(Database& database, const EventRow& event);
+
+/// The newest head of a session; empty: it has none yet.
 [[nodiscard]] std::string chain_head(Database& database, std::int64_t session);
 
 struct ChainBreak {
-    std::int64_t trial = 0;  ///< 0: of the session's own row
+    std::int64_t trial = 0;  ///< 0: of the session as a whole
+    std::string what;        ///< table.column; of an event which
     std::string stored;
     std::string recomputed;
 };
 
-/// Every head that is not what its session's rows give.
+/// Every head that is not what its session's rows give, and every mark whose answer says otherwise.
 [[nodiscard]] std::vector<ChainBreak> chain_breaks(Database& database, std::int64_t session);
 
 }  // namespace palpate::data

@@ -6,8 +6,15 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/clock.hpp"
+#include "data/store/chain.hpp"
 
 namespace palpate::data {
+namespace {
+
+/// The kind of event that says what was noted of a participant.
+constexpr std::string_view kNoted = "participant";
+
+}  // namespace
 
 namespace {
 
@@ -70,7 +77,34 @@ std::optional<Participant> find_participant(Database& database, std::string_view
     return found;
 }
 
-void note_participant(Database& database, std::string_view code, const ParticipantNotes& notes) {
+namespace {
+
+/// To each session of the participant.
+void tell_sessions(Database& database,
+                   std::string_view code,
+                   const std::string& text,
+                   std::string_view operator_name) {
+    for (const SessionRow& session : sessions_of(database, code, std::nullopt)) {
+        add_event(
+            database,
+            {.session = session.id, .kind = kNoted, .text = text, .operator_name = operator_name});
+    }
+}
+
+std::string handedness_text(std::int64_t score) {
+    return fmt::format("handedness {}", score);
+}
+
+std::string consent_text(bool given) {
+    return given ? "consent yes" : "consent no";
+}
+
+}  // namespace
+
+void note_participant(Database& database,
+                      std::string_view code,
+                      const ParticipantNotes& notes,
+                      std::string_view operator_name) {
     Transaction all(database);
     database.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING")
         .bind(1, code)
@@ -80,6 +114,7 @@ void note_participant(Database& database, std::string_view code, const Participa
             .bind(1, code)
             .bind(2, *notes.handedness)
             .run();
+        tell_sessions(database, code, handedness_text(*notes.handedness), operator_name);
     }
     if (notes.consent) {
         database
@@ -90,14 +125,56 @@ void note_participant(Database& database, std::string_view code, const Participa
             .bind(2, std::int64_t{*notes.consent ? 1 : 0})
             .bind(3, utc_now())
             .run();
+        tell_sessions(database, code, consent_text(*notes.consent), operator_name);
     }
     Statement detail = database.prepare(
         "INSERT INTO participant_detail SELECT id, ?2, ?3 FROM participant WHERE code = ?1"
         " ON CONFLICT (participant, key) DO UPDATE SET value = excluded.value");
     for (const auto& [key, value] : notes.details) {
         detail.bind(1, code).bind(2, key).bind(3, value).run();
+        tell_sessions(database, code, "detail " + key, operator_name);
     }
     all.commit();
+}
+
+void note_at_beginning(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT handedness, consent FROM participant JOIN session ON participant.id = participant"
+        " WHERE session.id = ?1");
+    row.bind(1, session).step();
+    std::vector<std::string> texts;
+    if (!row.null(0)) {
+        texts.push_back(handedness_text(row.integer(0)));
+    }
+    if (!row.null(1)) {
+        texts.push_back(consent_text(row.integer(1) != 0));
+    }
+    row.reset();
+    for (const std::string& text : texts) {
+        add_event(database, {.session = session, .kind = kNoted, .text = text});
+    }
+}
+
+std::vector<NoteBreak> note_breaks(Database& database) {
+    // A session's last word on each is what was noted last: a note goes to all sessions that are there.
+    Statement row = database.prepare(
+        "SELECT DISTINCT code, what, stored, text FROM (SELECT code, substr(text, 1, instr(text, ' "
+        "')"
+        " - 1) AS what, text, iif(text LIKE 'handedness %', coalesce('handedness ' || handedness,"
+        " 'NULL'), coalesce('consent ' || iif(consent, 'yes', 'no'), 'NULL')) AS stored,"
+        " row_number() OVER (PARTITION BY session, substr(text, 1, instr(text, ' ')) ORDER BY"
+        " event.id DESC) AS back FROM event JOIN session ON session.id = session JOIN participant "
+        "ON"
+        " participant.id = participant WHERE event.kind = ?1 AND text NOT LIKE 'detail %')"
+        " WHERE back = 1 AND stored <> text ORDER BY 1, 2");
+    row.bind(1, kNoted);
+    std::vector<NoteBreak> breaks;
+    while (row.step()) {
+        breaks.push_back({.what = fmt::format("participant {} {}", row.text(0), row.text(1)),
+                          .stored = row.text(2),
+                          .noted = row.text(3)});
+    }
+    return breaks;
 }
 
 std::vector<SessionRow> sessions_of(Database& database,
@@ -116,19 +193,28 @@ std::vector<SessionRow> sessions_of(Database& database,
     return all;
 }
 
-void add_note(Database& database, std::int64_t session, std::string_view text) {
-    database
-        .prepare(
-            "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, 'note', ?2, ?3, "
-            "?4)")
-        .bind(1, session)
-        .bind(2, text)
-        .bind(3, utc_now())
-        .bind(4, engine::monotonic_ns())
-        .run();
+std::string add_note(Database& database,
+                     std::int64_t session,
+                     std::string_view text,
+                     std::string_view operator_name) {
+    Transaction all(database);
+    std::string head = add_event(
+        database,
+        {.session = session, .kind = "note", .text = text, .operator_name = operator_name});
+    all.commit();
+    return head;
 }
 
-bool mark_invalid(Database& database, std::int64_t trial, std::string_view reason) {
+std::string after_attempts(Database& database, std::int64_t session, std::string_view what) {
+    Statement row = database.prepare("SELECT count(*) FROM trial WHERE session = ?1");
+    row.bind(1, session).step();
+    return fmt::format("after {} attempts: {}", row.integer(0), what);
+}
+
+Marked mark_invalid(Database& database,
+                    std::int64_t trial,
+                    std::string_view reason,
+                    std::string_view operator_name) {
     Transaction all(database);
     Statement row = database.prepare(
         "SELECT outcome, response.trial IS NOT NULL, invalid, finished, session.id FROM trial"
@@ -154,19 +240,14 @@ bool mark_invalid(Database& database, std::int64_t trial, std::string_view reaso
         .bind(1, trial)
         .bind(2, reason)
         .run();
-    database
-        .prepare(
-            "INSERT INTO event (session, trial, kind, text, at_utc, at_ns)"
-            " SELECT ?1, ?2, 'mark', 'after ' || count(*) || ' attempts: ' || ?3, ?4, ?5 FROM trial"
-            " WHERE session = ?1")
-        .bind(1, session)
-        .bind(2, trial)
-        .bind(3, reason)
-        .bind(4, utc_now())
-        .bind(5, engine::monotonic_ns())
-        .run();
+    Marked marked{.finished = finished,
+                  .head = add_event(database, {.session = session,
+                                               .trial = trial,
+                                               .kind = "mark",
+                                               .text = after_attempts(database, session, reason),
+                                               .operator_name = operator_name})};
     all.commit();
-    return finished;
+    return marked;
 }
 
 std::optional<Mark> read_mark(Database& database, std::int64_t session, std::string_view text) {

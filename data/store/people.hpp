@@ -35,8 +35,25 @@ struct Participant {
                                                              std::string_view code);
 
 /// Registers the participant if need be and notes what is given. What was noted before and is not
-/// given stays; the time of a consent is that of its last change.
-void note_participant(Database& database, std::string_view code, const ParticipantNotes& notes);
+/// given stays; the time of a consent is that of its last change. Each of the participant's sessions gets an
+/// event of each note: "handedness 80", "consent yes", and of a detail its key alone (events go where details
+/// do not).
+void note_participant(Database& database,
+                      std::string_view code,
+                      const ParticipantNotes& notes,
+                      std::string_view operator_name = {});
+
+/// Handedness and consent, as far as they are known, as events of a session that begins: who edits them later
+/// contradicts its chain. In the caller's transaction.
+void note_at_beginning(Database& database, std::int64_t session);
+
+/// Where what is noted of a participant is not what the events of their sessions say.
+struct NoteBreak {
+    std::string what;    ///< "participant P01 handedness"
+    std::string stored;  ///< in the participant's row
+    std::string noted;   ///< by the last such event
+};
+[[nodiscard]] std::vector<NoteBreak> note_breaks(Database& database);
 
 struct SessionRow {
     std::int64_t id = 0;
@@ -49,14 +66,29 @@ struct SessionRow {
                                                   std::string_view code,
                                                   std::optional<std::size_t> number);
 
-/// An event "note" of the session.
-void add_note(Database& database, std::int64_t session, std::string_view text);
+/// An event "note" of the session. @return the new head of its chain
+std::string add_note(Database& database,
+                     std::int64_t session,
+                     std::string_view text,
+                     std::string_view operator_name = {});
+
+struct Marked {
+    bool finished = false;  ///< the session
+    std::string head;       ///< of its chain, with the mark
+};
 
 /// The answer of a trial does not count, for this reason: it stays, and analyses leave it out. An event
 /// too; it says how many attempts the session had by then. Unless the session is finished, the position is run again when it is resumed.
-/// @return whether the session is finished
 /// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count already
-bool mark_invalid(Database& database, std::int64_t trial, std::string_view reason);
+Marked mark_invalid(Database& database,
+                    std::int64_t trial,
+                    std::string_view reason,
+                    std::string_view operator_name = {});
+
+/// "after 7 attempts: `what`", 7 being how many the session has.
+[[nodiscard]] std::string after_attempts(Database& database,
+                                         std::int64_t session,
+                                         std::string_view what);
 
 struct Mark {
     std::int64_t after = 0;  ///< the last trial that the session had then

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "engine/realtime/clock.hpp"
 #include "protocols/design/counted.hpp"
+#include "data/store/chain.hpp"
 #include "data/store/people.hpp"
 
 namespace palpate::data {
@@ -66,25 +66,21 @@ bool begin_again(Database& database,
         return false;
     }
     Statement mark = database.prepare("UPDATE trial SET invalid = ?2 WHERE id = ?1");
-    Statement event = database.prepare(
-        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns)"
-        " SELECT ?1, ?2, ?3, 'after ' || count(*) || ' attempts: ' || ?4, ?5, ?6 FROM trial"
-        " WHERE session = ?1");
+    const auto event = [&](std::string_view kind, std::optional<std::int64_t> trial,
+                           std::string_view what) {
+        add_event(database, {.session = session,
+                             .trial = trial,
+                             .kind = kind,
+                             .text = after_attempts(database, session, what)});
+    };
     for (const std::int64_t trial : trials) {
         mark.bind(1, trial).bind(2, reason).run();
-        event.bind(1, session).bind(2, trial).bind(3, "mark").bind(4, reason).bind(5, utc_now());
-        event.bind(6, engine::monotonic_ns());
-        event.run();
+        event("mark", trial, reason);
     }
-    event.bind(1, session)
-        .bind_null(2)
-        .bind(3, "redo")
-        .bind(4, fmt::format("part {}: {} is run again from its first trial, {} not count", part,
-                             part_name(part),
-                             protocols::counted(trials.size(), "answer does", "answers do")))
-        .bind(5, utc_now())
-        .bind(6, engine::monotonic_ns())
-        .run();
+    event("redo", std::nullopt,
+          fmt::format("part {}: {} is run again from its first trial, {} not count", part,
+                      part_name(part),
+                      protocols::counted(trials.size(), "answer does", "answers do")));
     pending.begin_again(part);
     return true;
 }

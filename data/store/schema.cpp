@@ -59,7 +59,8 @@ CREATE TABLE session (
     uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4)
                             CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),
     chain               TEXT CHECK (length(chain) = 64),   -- head of its chain of hashes when it was finished
-    chain_events        INTEGER,                    -- how many of its events that head covers
+    chain_events        INTEGER,                    -- how many of its events came before that
+    head                TEXT CHECK (length(head) = 64),    -- newest head: of its last trial, event or its end
     UNIQUE (study, participant, number)
 ) STRICT;
 )sql";
@@ -131,7 +132,7 @@ CREATE TABLE trial (
     stale_ticks         INTEGER,                    -- without a new reading
     invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
     chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
-    chain_events        INTEGER,                    -- how many of the session's events that head covers
+    chain_events        INTEGER,                    -- how many of the session's events came before that
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
     before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
@@ -149,7 +150,9 @@ CREATE TABLE event (
     kind    TEXT NOT NULL,                          -- break, abort, fault, resume, note, ...
     text    TEXT NOT NULL,                          -- a sentence
     at_utc  TEXT NOT NULL,                          -- wall clock, ISO 8601
-    at_ns   INTEGER                                 -- servo's clock (CLOCK_MONOTONIC of the rig), as trial.started_ns
+    at_ns   INTEGER,                                -- servo's clock (CLOCK_MONOTONIC of the rig), as trial.started_ns
+    operator TEXT,                                  -- who noted it, as given; NULL: nobody said
+    chain   TEXT CHECK (length(chain) = 64)         -- head of the session's chain of hashes with this event
 ) STRICT;
 )sql";
 

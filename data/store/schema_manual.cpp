@@ -31,7 +31,7 @@ public:
         const std::string_view rest = sql_.substr(at_);
         if (rest.starts_with("--")) {
             const std::string_view all = take(std::min(rest.find('\n'), rest.size()));
-            const std::size_t begin = std::min(all.find_first_not_of("- "), all.size());
+            const std::size_t begin = std::min(all.find_first_not_of(' ', 2), all.size());
             return {.kind = Kind::comment, .text = all.substr(begin), .line = line_};
         }
         if (rest.front() == '\'') {

@@ -10,6 +10,7 @@
 #include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/counterbalance_query.hpp"
+#include "data/store/people.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/stored_columns.hpp"
@@ -124,6 +125,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
     write_adaptive_plan(database, session, spec.protocol, spec.plan);
     write_provenance(database, session, spec);
     describe_columns(database);
+    note_at_beginning(database, session);
     return session;
 }
 
@@ -137,15 +139,7 @@ void note_event(Database& database,
                 std::int64_t session,
                 std::string_view kind,
                 std::string_view text) {
-    database
-        .prepare(
-            "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5)")
-        .bind(1, session)
-        .bind(2, kind)
-        .bind(3, text)
-        .bind(4, utc_now())
-        .bind(5, engine::monotonic_ns())
-        .run();
+    add_event(database, {.session = session, .kind = kind, .text = text});
 }
 
 /// What a session goes on with belongs to the trials from here on: the first trials keep theirs.
@@ -225,16 +219,12 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
         found.push_back(count.integer(0));
     }
     count.reset();
-    database
-        .prepare(
-            "INSERT INTO event (session, trial, kind, text, at_utc, at_ns) SELECT session, id, "
-            "'interrupted',"
-            " 'found running when the session was opened again', ?2, ?3 FROM trial"
-            " WHERE session = ?1 AND outcome = 'running'")
-        .bind(1, session)
-        .bind(2, utc_now())
-        .bind(3, engine::monotonic_ns())
-        .run();
+    for (const std::int64_t trial : found) {
+        add_event(database, {.session = session,
+                             .trial = trial,
+                             .kind = "interrupted",
+                             .text = "found running when the session was opened again"});
+    }
     database
         .prepare(
             "UPDATE trial SET outcome = 'interrupted' WHERE session = ?1 AND outcome = 'running'")

@@ -317,14 +317,11 @@ void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
 }
 
 void SqliteRecorder::event(std::string_view kind, std::string_view text) {
-    Statement row = database_.prepare(
-        "INSERT INTO event (session, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5)");
-    row.bind(1, session_)
-        .bind(2, kind)
-        .bind(3, text)
-        .bind(4, utc_now())
-        .bind(5, engine::monotonic_ns());
-    with_room([&row] { row.run(); });
+    with_room([&] {
+        Transaction all(database_);
+        add_event(database_, {.session = session_, .kind = kind, .text = text});
+        all.commit();
+    });
 }
 
 void SqliteRecorder::mark(protocols::TrialId trial, std::string_view reason) {

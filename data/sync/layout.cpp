@@ -67,7 +67,7 @@ Layout read_layout(Database& database) {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
     const std::set<std::string> at_end{"finished", "finished_utc", "chain", "chain_events"};
-    layout.session = without(database, "session", {"id", "study", "participant"});
+    layout.session = without(database, "session", {"id", "study", "participant", "head"});
     layout.session_end = layout.session;
     std::erase_if(layout.session.columns, [&](const auto& c) { return at_end.contains(c); });
     std::erase_if(layout.session_end.columns, [&](const auto& c) { return !at_end.contains(c); });

@@ -27,7 +27,7 @@ struct Layout {
     std::vector<OwnedTable> of_trial;        ///< response, trace_chunk, ...
     std::vector<OwnedTable> of_participant;  ///< participant_detail
     std::vector<OwnedTable> of_file;         ///< trace_column: nobody's, the same in every file
-    OwnedTable session;      ///< set before the first trial: without id, study, participant
+    OwnedTable session;      ///< set before the first trial: without id, study, participant, head
     OwnedTable session_end;  ///< set when it finished
     OwnedTable trial;        ///< without id, session, invalid
 };

@@ -77,6 +77,8 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
           {"kind", "text"},
           {"text", "text"},
           {"at_utc", "text"},
+          {"operator", "text"},
+          {"chain", "text"},
           {"content", "text"}},
          {"session", "event"}}};
     PostgresTable session = owned(database, layout.session, of_session, "");

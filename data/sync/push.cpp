@@ -283,17 +283,18 @@ private:
 
     void push_events(const SessionVersion& session) {
         Statement line = database_.prepare(
-            "SELECT trial, kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id");
+            "SELECT trial, kind, text, at_utc, operator, chain FROM event WHERE session = ?1"
+            " ORDER BY id");
         line.bind(1, session.id);
         for (std::int64_t number = 1; line.step(); ++number) {
             PostgresRow row;
             row.text(session.uuid).integer(number);
             const std::int64_t trial = place_of(session, line.integer(0));
             line.null(0) || trial == 0 ? row.none() : row.integer(trial);
-            row.text(line.text(1))
-                .text(line.text(2))
-                .text(line.text(3))
-                .text(session.events.at(static_cast<std::size_t>(number - 1)));
+            row.text(line.text(1)).text(line.text(2)).text(line.text(3));
+            line.null(4) ? row.none() : row.text(line.text(4));
+            line.null(5) ? row.none() : row.text(line.text(5));
+            row.text(session.events.at(static_cast<std::size_t>(number - 1)));
             send("event", row);
         }
         flush();

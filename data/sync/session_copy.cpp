@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "data/store/chain.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -111,24 +113,23 @@ void copy_events(const SessionVersion& from,
                  const Ids& trials,
                  std::size_t already) {
     Statement row = from.database->prepare(
-        "SELECT trial, kind, text, at_utc, at_ns FROM event WHERE session = ?1 ORDER BY id"
+        "SELECT trial, kind, text, at_utc, at_ns, operator, chain FROM event WHERE session = ?1"
+        " ORDER BY id"
         " LIMIT -1 OFFSET ?2");
     row.bind(1, from.id).bind(2, static_cast<std::int64_t>(already));
     Statement add = out.prepare(
-        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns) VALUES (?1, ?2, ?3, ?4, ?5, "
-        "?6)");
+        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns, operator, chain) VALUES (?1,"
+        " ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
     while (row.step()) {
-        add.bind(1, session).bind_null(2);
+        add.bind(1, session);
+        bind_row(row, add, 2);
+        add.bind_null(2);
         for (std::size_t i = 0; i < from.trials.size() && !row.null(0); ++i) {
             if (from.trials[i].id == row.integer(0)) {
                 add.bind(2, trials.at(i));
             }
         }
-        add.bind(3, std::string_view(row.text(1)))
-            .bind(4, std::string_view(row.text(2)))
-            .bind(5, std::string_view(row.text(3)))
-            .bind(6, row.null(4) ? std::nullopt : std::optional(row.integer(4)))
-            .run();
+        add.run();
     }
 }
 
@@ -148,6 +149,11 @@ void copy_end(const SessionVersion& from,
     write.bind(1, session);
     bind_row(row, write, 2);
     write.run();
+    const std::string head = chain_head(*from.database, from.id);
+    out.prepare("UPDATE session SET head = nullif(?2, '') WHERE id = ?1")
+        .bind(1, session)
+        .bind(2, std::string_view(head))
+        .run();
 }
 
 }  // namespace

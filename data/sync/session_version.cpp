@@ -79,13 +79,15 @@ std::size_t place_of(std::int64_t id, const std::vector<TrialVersion>& trials) {
 std::vector<std::string> events_of(Database& database, const SessionVersion& session) {
     std::vector<std::string> events;
     Statement row = database.prepare(
-        "SELECT coalesce(trial, 0), kind, text, at_utc FROM event WHERE session = ?1 ORDER BY id");
+        "SELECT coalesce(trial, 0), kind, text, at_utc, coalesce(operator, ''), coalesce(chain, '')"
+        " FROM event WHERE session = ?1 ORDER BY id");
     row.bind(1, session.id);
     while (row.step()) {
-        events.push_back(
-            sha256_hex(fmt::format("{} {}:{} {} ", place_of(row.integer(0), session.trials),
-                                   row.text(1).size(), row.text(1), row.text(3)) +
-                       row.text(2)));
+        events.push_back(sha256_hex(fmt::format("{} {}:{} {} {} {}:{} ",
+                                                place_of(row.integer(0), session.trials),
+                                                row.text(1).size(), row.text(1), row.text(3),
+                                                row.text(5), row.text(4).size(), row.text(4)) +
+                                    row.text(2)));
     }
     return events;
 }

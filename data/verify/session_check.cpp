@@ -175,7 +175,7 @@ void check_chain(Database& database,
     report.head = chain_head(database, session);
     for (const ChainBreak& at : chain_breaks(database, session)) {
         findings.look_at(at.trial == 0 ? std::nullopt : std::optional(at.trial));
-        findings.differs(at.trial == 0 ? "session.chain" : "trial.chain", at.stored, at.recomputed);
+        findings.differs(at.what, at.stored, at.recomputed);
     }
     findings.look_at({});
 }

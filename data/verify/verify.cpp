@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
 #include <string>
-#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
+#include <sqlite3.h>
 
 #include "protocols/design/counted.hpp"
+#include "data/store/people.hpp"
 #include "data/store/schema.hpp"
 #include "data/store/schema_manual.hpp"
-#include "data/store/views.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/verify/findings.hpp"
 #include "data/verify/session_check.hpp"
@@ -53,23 +55,56 @@ void check_columns(Database& database, Findings& findings) {
     }
 }
 
-/// The views of this palpate, word by word: a query of an edited one says something else. Those that
-/// somebody added are theirs.
-void check_views(Database& database, Findings& findings) {
-    constexpr std::string_view kCreate = "CREATE VIEW ";
-    const std::string_view text = views_sql();
-    for (std::size_t at = text.find(kCreate); at != std::string_view::npos;
-         at = text.find(kCreate, at + 1)) {
-        const std::size_t from = at + kCreate.size();
-        const std::string name(text.substr(from, text.find(' ', from) - from));
-        Statement row =
-            database.prepare("SELECT sql FROM sqlite_schema WHERE type = 'view' AND name = ?1");
-        const std::string stored =
-            row.bind(1, std::string_view(name)).step() ? row.text(0) : std::string();
-        if (stored.empty() || !text.substr(at).starts_with(stored + ';')) {
-            findings.differs("view " + name, stored.empty() ? "it is not there" : stored,
+/// SQLite's own list of what a database holds.
+using Schema = std::map<std::pair<std::string, std::string>, std::string>;  // type, name: its SQL
+
+Schema schema_of(Database& database, sqlite3* handle) {
+    sqlite3_stmt* row = nullptr;
+    if (sqlite3_prepare_v2(handle, "SELECT type, name, tbl_name, sql FROM sqlite_schema", -1, &row,
+                           nullptr) != SQLITE_OK) {
+        database.fail("reading the schema");
+    }
+    const auto text = [&row](int column) {
+        const auto* words = reinterpret_cast<const char*>(sqlite3_column_text(row, column));
+        return std::string(words == nullptr ? "" : words);
+    };
+    Schema all;
+    while (sqlite3_step(row) == SQLITE_ROW) {
+        all[{text(0), text(1)}] = text(3).empty() ? "of " + text(2) : text(3);
+    }
+    sqlite3_finalize(row);
+    return all;
+}
+
+/// What a database that this palpate makes holds.
+Schema shipped_schema(Database& database) {
+    sqlite3* empty = nullptr;
+    sqlite3_open(":memory:", &empty);
+    const bool made = sqlite3_exec(empty, std::string(schema_sql()).c_str(), nullptr, nullptr,
+                                   nullptr) == SQLITE_OK;
+    Schema all = made ? schema_of(database, empty) : Schema{};
+    sqlite3_close(empty);
+    return all;
+}
+
+/// Tables, indexes and views word by word: without its CHECK a table takes what it should not, and a query of
+/// an edited view says something else. What somebody added is theirs.
+void check_schema(Database& database, Findings& findings) {
+    const Schema stored = schema_of(database, database.handle());
+    for (const auto& [object, sql] : shipped_schema(database)) {
+        const auto there = stored.find(object);
+        if (there == stored.end() || there->second != sql) {
+            findings.differs(object.first + ' ' + object.second,
+                             there == stored.end() ? "it is not there" : there->second,
                              "as this palpate makes it");
         }
+    }
+}
+
+/// Handedness and consent against the events that noted them.
+void check_people(Database& database, Findings& findings) {
+    for (const NoteBreak& at : note_breaks(database)) {
+        findings.differs(at.what, at.stored, at.noted + ", as an event of the session says");
     }
 }
 
@@ -115,13 +150,14 @@ Verification verify(Database& database) {
     Verification found;
     Findings findings(found.file);
     try_to(findings, "integrity_check", [&] { ask_sqlite(database, findings); });
-    try_to(findings, "view", [&] { check_views(database, findings); });
+    try_to(findings, "sqlite_schema", [&] { check_schema(database, findings); });
     try_to(findings, "sqlite_schema", [&] { check_strangers(database, findings); });
     try_to(findings, "session", [&] {
         for (const StoredRow& session : rows_of(database, kSessions)) {
             found.sessions.push_back(check_session(database, session));
         }
     });
+    try_to(findings, "participant", [&] { check_people(database, findings); });
     if (!found.sessions.empty()) {
         try_to(findings, "trace_column", [&] { check_columns(database, findings); });
     }

@@ -8,8 +8,9 @@ namespace palpate::data {
 /// Recomputes all that a database says and that follows from something else in it, and says what differs.
 /// Changes nothing: give a database opened to read. Sees one moment of it, also while a session runs.
 ///
-/// - SQLite's integrity_check and foreign_key_check, the table trace_column, the views; that no trigger stands
-///   on a table of palpate and nothing called sample hides the ticks.
+/// - SQLite's integrity_check and foreign_key_check, the table trace_column; every table, index and view of
+///   palpate's word by word, CHECKs included; that no trigger stands on a table of palpate and nothing called
+///   sample hides the ticks.
 /// - The protocol's hash from its text, the plan from protocol, participant, session, seed and row of
 ///   pictures, the hashes of the objects' geometry, the calibration's hash from its text.
 /// - Every trial: its turn, attempt and outcome, every bit of its chunks, its ticks without a gap; every
@@ -17,14 +18,15 @@ namespace palpate::data {
 ///   heal_decay; the columns added up from its ticks; object and correct of the answer from its place;
 ///   fault_tick from the trace. Of a simulated answer place and reaction_s too.
 ///
-/// - The chain of hashes (data/store/chain.hpp): any edit of a session's rows that was not followed by
-///   making all later heads again.
+/// - The chain of hashes (data/store/chain.hpp): any edit of a session's rows, marks and notes made later
+///   included, that was not followed by making all later heads again; that what is noted of a participant's
+///   handedness and consent is what events of their sessions say.
 ///
 /// What cannot be noticed here, because nothing else in the file says it:
 /// - whatever was made again consistently, heads too: compare the last head with the one in the lab book;
-/// - the last trials, or a whole last session, removed together with what follows from them;
-/// - what was noted of a participant; events after the last head: a mark with its event set, changed or removed,
-///   a session made unfinished together with its head;
+/// - the last trials, marks or notes of a session removed, and session.head set back to the head before them; a
+///   whole session removed. The lab book shows the first;
+/// - a detail of a participant; handedness and consent of somebody without a session, or noted before them;
 /// - the sign of zero, a bit of an unused page of the file.
 /// Whoever can write the file can also write it consistently: a seal against that is a head kept elsewhere.
 [[nodiscard]] Verification verify(Database& database);

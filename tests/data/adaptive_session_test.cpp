@@ -210,7 +210,7 @@ TEST_CASE("an answer marked after a break is forgotten by the rule, and verify k
         return Killer(recorder, 40);
     };
     REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
-    CHECK_FALSE(data::mark_invalid(database, 5, "the phone rang"));
+    CHECK_FALSE(data::mark_invalid(database, 5, "the phone rang").finished);
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     CHECK(count(database, "adaptive_trial WHERE counts") == 14);
     CHECK(count(database, "adaptive_trial WHERE NOT counts") == 1);

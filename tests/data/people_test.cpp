@@ -141,7 +141,7 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
     }
     CHECK_THROWS_WITH(data::mark_invalid(database, 99, "x"), ContainsSubstring("no trial 99"));
     CHECK_THROWS_WITH(data::mark_invalid(database, 4, "x"), ContainsSubstring("aborted"));
-    CHECK_FALSE(data::mark_invalid(database, 2, "she sneezed"));
+    CHECK_FALSE(data::mark_invalid(database, 2, "she sneezed").finished);
     CHECK_THROWS_WITH(data::mark_invalid(database, 2, "again"), ContainsSubstring("she sneezed"));
     CHECK(lines(database, "SELECT trial FROM trial_result ORDER BY 1") == "1 \n3 \n");
     CHECK(lines(database, "SELECT trial, text FROM event WHERE kind = 'mark'") ==
@@ -154,7 +154,7 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
         CHECK(opened.next == 3);  // what was aborted comes first
     }
     run_on(database, spec, 1000, 1);
-    CHECK(data::mark_invalid(database, 1, "late"));
+    CHECK(data::mark_invalid(database, 1, "late").finished);
     CHECK(data::open_session(database, spec).finished);
 }
 

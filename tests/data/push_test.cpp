@@ -79,9 +79,14 @@ TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push
     // What the session became since is added, and nothing else.
     {
         Database mine(file, Access::write);
-        data::add_note(mine, 1, "seen by the other lab too");
+        data::add_note(mine, 1, "seen by the other lab too", "Ada");
     }
     CHECK(data::push_file(file, server->url()).rows == 1);
+    const auto later = there.rows(
+        "SELECT operator, chain FROM palpate.event WHERE text = 'seen by the other lab too'");
+    REQUIRE(later.size() == 1);
+    CHECK(*later[0][0] == "Ada");
+    CHECK(*later[0][1] == data::chain_head(database, 1));
 }
 
 TEST_CASE("a push cut off at random moments and repeated equals one whole push", "[push][law]") {

@@ -212,6 +212,48 @@ TEST_CASE("aggregates are those of sorted and added-up numbers", "[sql][function
     CHECK(ask("share(column1 > 4)") == Approx(above / n).epsilon(1e-14));
 }
 
+TEST_CASE("over any window a function says to the bit what the rows of its frame say as a group",
+          "[sql][functions][law]") {
+    const auto seed = GENERATE(range(0U, 25U));
+    tests::Random random(seed);
+    const int before = random.below(6);
+    const int after = random.below(6) - 2;
+    CAPTURE(seed, before, after);
+    Asked asked;
+    std::string values;
+    for (int i = 0; i < 60; ++i) {
+        values += fmt::format("{}({}, {}, {}, '{}')", i == 0 ? "" : ", ", i, i % 3,
+                              random.below(8) == 0 ? std::string("NULL")
+                                                   : fmt::format("{}", random.decade(-3.0, 3.0)),
+                              "abc"[random.below(3)]);
+    }
+    for (const std::string function :
+         {"median(x)", "quantile(x, 0.3)", "geometric_mean(x)", "stddev_samp(x)", "share(x > 1)",
+          "people_mean_low(x)", "people_mean_high(x)", "people_share_low(x / 1001)",
+          "people_share_high(x / 1001)", "mutual_information(c, x > 1)",
+          "mutual_information(c, x > 1, 2)", "mutual_information_miller_madow(c, x > 1)"}) {
+        CAPTURE(function);
+        const std::string frame =
+            fmt::format("ROWS BETWEEN {} PRECEDING AND {}", before,
+                        after < 0 ? fmt::format("{} PRECEDING", std::min(before, -after))
+                                  : fmt::format("{} FOLLOWING", after));
+        const std::string ends =
+            fmt::format("a.i >= o.i - {} AND a.i <= o.i + {}", before, std::max(after, -before));
+        const auto differing = [&](const std::string& over, const std::string& where) {
+            return asked.real(fmt::format(
+                "WITH t (n, p, x, c) AS (VALUES {}), r AS (SELECT *, row_number() OVER (PARTITION "
+                "BY"
+                " p ORDER BY n) AS i, {} OVER (PARTITION BY p ORDER BY n {}) AS w FROM t) SELECT"
+                " 1.0 * count(*) FROM r AS o WHERE w IS NOT (SELECT {} FROM (SELECT * FROM r AS a"
+                " WHERE a.p = o.p AND {} ORDER BY a.i))",
+                values, function, over, function, where));
+        };
+        CHECK(differing(frame, ends) == 0.0);
+        CHECK(differing(frame + " EXCLUDE CURRENT ROW", ends + " AND a.i <> o.i") == 0.0);
+        CHECK(differing("", "a.i <= o.i") == 0.0);
+    }
+}
+
 TEST_CASE("information is log2 of what is told apart, none where answers ignore the object",
           "[sql][functions]") {
     Asked asked;

@@ -60,6 +60,11 @@ const char* const kQueries[] = {
     "SELECT friction, median(path_length_m), stddev_samp(done_s), quantile(done_s, 0.9), "
     "share(correct)"
     " FROM trial_summary GROUP BY friction",
+    "SELECT trial, quantile(done_s, 0.5) OVER w, geometric_mean(done_s) OVER w, "
+    "stddev_samp(done_s) OVER"
+    " w, share(correct) OVER w, mutual_information(object, choice) OVER w, people_mean_low(done_s) "
+    "OVER"
+    " w FROM trial_summary WINDOW w AS (ORDER BY trial ROWS BETWEEN 3 PRECEDING AND 1 FOLLOWING)",
 };
 
 /// Lines of comma-separated values are the same: numbers to the last of 15 digits, texts to the letter.
@@ -104,7 +109,28 @@ TEST_CASE("palpate sql prints tables, CSV and JSON", "[sql]") {
           "[{\"t\": \"a\\\"\", \"x\": 0.1, \"n\": null, \"b\": \"0AFF\"},\n"
           "{\"t\": \"c\", \"x\": 1, \"n\": 2, \"b\": 3}]\n");
     CHECK(sql("SELECT 1 AS a WHERE 0", {"--json"}).out == "[]\n");
+    // JSON has no infinity: a number that is too large is read as one.
+    CHECK(sql("SELECT 9e999 AS x, -9e999 AS y, 9e999 - 9e999 AS z", {"--json"}).out ==
+          "[{\"x\": 1e999, \"y\": -1e999, \"z\": null}]\n");
     CHECK(sql("SELECT 1; SELECT 2 AS b -- and\n;", {"--csv"}).out == "1\n1\nb\n2\n");
+}
+
+TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost", "[sql]") {
+    std::istringstream table(sql(".tables").out);
+    std::string sentence;  // of trace_column
+    for (std::string line; std::getline(table, line);) {
+        CHECK(line.size() <= 110);
+        const bool first = line.starts_with("trace_column ");
+        if (first || (!sentence.empty() && line.starts_with("    "))) {
+            const std::size_t from = first ? line.find("Number") : line.find_first_not_of(' ');
+            sentence += (first ? "" : " ") + line.substr(from);
+        } else if (!sentence.empty()) {
+            break;
+        }
+    }
+    CHECK_THAT(sentence, ContainsSubstring(" -2147483648 in a column"));
+    CHECK_THAT(sql(".tables", {"--csv"}).out, ContainsSubstring("\"" + sentence + "\""));
+    CHECK_THAT(sql(".help").out, ContainsSubstring("n of n hits count as n - 1/2"));
 }
 
 TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") {

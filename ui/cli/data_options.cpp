@@ -38,6 +38,7 @@ void add_participant(CLI::App& app, Options& chosen) {
         ->add_flag("--another", who.another,
                    "With --new, although a code in the file is much like it")
         ->needs(registers);
+    command->add_option("--operator", who.operator_name, "Who notes it")->check(kept_text);
     command->add_option("--set", who.details, "KEY=VALUE, e.g. age=31; once for each")
         ->allow_extra_args(false)
         ->check(kept_text);
@@ -53,6 +54,7 @@ void add_note(CLI::App& app, Options& chosen) {
     command->add_option("--session", note.session, "Session number; without it the last one")
         ->check(CLI::PositiveNumber);
     command->add_option("--study", note.study, "The study's id, if there are several");
+    command->add_option("--operator", note.operator_name, "Who notes it")->check(kept_text);
 }
 
 void add_mark(CLI::App& app, Options& chosen) {
@@ -64,6 +66,7 @@ void add_mark(CLI::App& app, Options& chosen) {
     command->add_option("--invalid", mark.reason, "Why it does not count")
         ->required()
         ->check(kept_text);
+    command->add_option("--operator", mark.operator_name, "Who says so")->check(kept_text);
 }
 
 void add_verify(CLI::App& app, Options& chosen) {

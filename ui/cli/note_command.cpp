@@ -56,19 +56,24 @@ int note_command(const NoteOptions& options) {
     require_text(options.text, "TEXT");
     data::Database database = open_there(options.database);
     const data::SessionRow session = session_of(database, options);
-    data::add_note(database, session.id, options.text);
-    say("Noted in session {} of {}, study {}.\n", session.number, options.participant,
-        protocols::plain(session.study));
+    const std::string head =
+        data::add_note(database, session.id, options.text, options.operator_name);
+    say("Noted in session {} of {}, study {}.\nChain {}: note it in the lab book.\n",
+        session.number, options.participant, protocols::plain(session.study), head);
     return 0;
 }
 
 int mark_command(const MarkOptions& options) {
     require_text(options.reason, "the reason of --invalid");
     data::Database database = open_there(options.database);
-    const bool finished = data::mark_invalid(database, options.trial, options.reason);
-    say("Trial {} does not count any more; its answer is kept. {}\n", options.trial,
-        finished ? "Its session is finished: it is not run again."
-                 : "It is run again when its session is resumed.");
+    const data::Marked marked =
+        data::mark_invalid(database, options.trial, options.reason, options.operator_name);
+    say("Trial {} does not count any more; its answer is kept. {}\nChain {}: note it in the lab "
+        "book.\n",
+        options.trial,
+        marked.finished ? "Its session is finished: it is not run again."
+                        : "It is run again when its session is resumed.",
+        marked.head);
     return 0;
 }
 

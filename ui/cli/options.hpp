@@ -81,6 +81,7 @@ struct ParticipantOptions {
     bool registers = false;                  ///< somebody who is not in the file yet
     bool another = false;                    ///< although a code in the file is much like this one
     std::vector<std::string> details;        ///< KEY=VALUE
+    std::string operator_name{};             ///< empty: nobody is named
 };
 
 struct NoteOptions {
@@ -89,12 +90,14 @@ struct NoteOptions {
     std::string study;  ///< empty: the only one of the participant
     std::optional<std::size_t> session;
     std::string text;
+    std::string operator_name{};  ///< empty: nobody is named
 };
 
 struct MarkOptions {
     std::string database;
     std::int64_t trial = 0;
     std::string reason;
+    std::string operator_name{};  ///< empty: nobody is named
 };
 
 struct VerifyOptions {

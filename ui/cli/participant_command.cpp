@@ -65,7 +65,7 @@ int participant_command(const ParticipantOptions& options) {
                   : fmt::format("nobody is called {}: --new registers them", options.participant)));
     }
     if (options.registers || notes.handedness || notes.consent || !notes.details.empty()) {
-        data::note_participant(database, options.participant, notes);
+        data::note_participant(database, options.participant, notes, options.operator_name);
     }
     print(options.participant, data::find_participant(database, options.participant).value());
     return 0;

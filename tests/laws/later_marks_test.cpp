@@ -1,0 +1,234 @@
+#include <filesystem>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// "... Chain HEAD: note it ..."
+std::string head_in(const std::string& text) {
+    const std::size_t at = text.rfind("Chain ");
+    REQUIRE(at + 6 + 64 <= text.size());
+    return text.substr(at + 6, 64);
+}
+
+std::string verified_head(const std::string& file) {
+    const Finished verified = palpate_command({"verify", file});
+    CAPTURE(verified.out);
+    REQUIRE(verified.code == 0);
+    const std::size_t at = verified.out.find("  chain    ");
+    REQUIRE(at != std::string::npos);
+    return verified.out.substr(at + 11, 64);
+}
+
+std::string said(const std::vector<std::string>& words) {
+    const Finished done = palpate_command(words);
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    return done.out;
+}
+
+std::string rows(const std::string& file, const std::string& query) {
+    return said({"sql", file, "--csv", "-c", query});
+}
+
+/// A finished session, and a copy of it that was marked and noted since.
+class Marked {
+public:
+    Marked() {
+        REQUIRE(palpate_command({"demo", "--headless", "--db", before}).code == 0);
+        heads.push_back(verified_head(before));
+        data::Database(before, data::Access::write).checkpoint();
+        std::filesystem::copy_file(before, after);
+        for (const std::vector<std::string>& words :
+             {std::vector<std::string>{"note", after, "hand rested", "--participant", "demo"},
+              {"mark", after, "2", "--invalid", "bell rang", "--operator", "Ada"},
+              {"note", after, "left early", "--participant", "demo", "--operator", "Bo"},
+              {"mark", after, "5", "--invalid", "sneezed"}}) {
+            heads.push_back(head_in(said(words)));
+        }
+        said({"participant", after, "demo", "--handedness", "80", "--consent", "yes", "--operator",
+              "Ada"});
+        data::Database(after, data::Access::write).checkpoint();
+    }
+
+    [[nodiscard]] std::string copy(const std::string& name) const {
+        const std::string file = folder.file(name);
+        std::filesystem::copy_file(after, file, std::filesystem::copy_options::overwrite_existing);
+        return file;
+    }
+
+    TemporaryFolder folder;
+    std::string before = folder.file("before.sqlite");
+    std::string after = folder.file("after.sqlite");
+    std::vector<std::string> heads{};
+};
+
+}  // namespace
+
+TEST_CASE("marks and notes made later are under the seal, with operator and time",
+          "[verify][law]") {
+    const Marked study;
+    const std::set<std::string> different(study.heads.begin(), study.heads.end());
+    CHECK(different.size() == 5);
+    const std::string head = verified_head(study.after);
+    CHECK(!different.contains(head));  // handedness and consent came last
+    CHECK(
+        rows(study.after,
+             "SELECT kind, text, operator, trial FROM event WHERE kind IN ('note', 'mark',"
+             " 'participant') ORDER BY id") ==
+        "kind,text,operator,trial\nnote,hand rested,,\nmark,after 10 attempts: bell rang,Ada,2\n"
+        "note,left early,Bo,\nmark,after 10 attempts: sneezed,,5\nparticipant,handedness 80,Ada,\n"
+        "participant,consent yes,Ada,\n");
+    CHECK_THAT(said({"verify", study.after, "--json"}), ContainsSubstring(head));
+    struct Edit {
+        const char* sql;
+        const char* found;
+    };
+    for (const Edit& edit : {
+             Edit{"DELETE FROM event WHERE id = (SELECT max(id) FROM event)", "session.head"},
+             Edit{"DELETE FROM event WHERE kind = 'participant'; DELETE FROM event WHERE trial = 5;"
+                  " UPDATE trial SET invalid = NULL WHERE id = 5",
+                  "session.head"},
+             Edit{"DELETE FROM event WHERE trial = 2 AND kind = 'mark'; UPDATE trial SET invalid ="
+                  " NULL WHERE id = 2",
+                  "event.chain (note"},
+             Edit{"UPDATE event SET text = 'after 10 attempts: bored' WHERE trial = 2;"
+                  " UPDATE trial SET invalid = 'bored' WHERE id = 2",
+                  "trial 2, event.chain (mark"},
+             Edit{"UPDATE trial SET invalid = 'bored' WHERE id = 2", "trial 2, trial.invalid"},
+             Edit{"UPDATE trial SET invalid = NULL WHERE id = 5", "trial 5, trial.invalid"},
+             Edit{"UPDATE event SET operator = NULL WHERE text = 'left early'",
+                  "event.chain (note"},
+             Edit{"UPDATE event SET at_utc = '2020-01-01T00:00:00.000Z' WHERE kind = 'note'",
+                  "event.chain (note"},
+             Edit{"UPDATE event SET id = id + 1000 WHERE text = 'hand rested'",
+                  "event.chain (mark"},
+             Edit{"INSERT INTO event (session, kind, text, at_utc) VALUES (1, 'note', 'x', '')",
+                  "stored NULL"},
+             Edit{"UPDATE session SET head = NULL", "session.head"},
+             Edit{"UPDATE participant SET handedness = -80", "participant demo handedness"},
+             Edit{"UPDATE participant SET consent = NULL", "participant demo consent"},
+             Edit{"UPDATE session SET finished = 0, finished_utc = NULL, chain = NULL, chain_events"
+                  " = NULL",
+                  "event.chain (note"},
+         }) {
+        const std::string file = study.copy("edited.sqlite");
+        {
+            data::Database database(file, data::Access::write);
+            database.execute(edit.sql);
+            database.checkpoint();
+        }
+        const Finished verified = palpate_command({"verify", file});
+        CAPTURE(edit.sql, verified.out);
+        CHECK(verified.code == 1);
+        CHECK_THAT(verified.out, ContainsSubstring(edit.found));
+    }
+}
+
+TEST_CASE("a merge takes the file with the later marks, and calls two that differ a conflict",
+          "[merge][law]") {
+    const Marked study;
+    const std::string head = verified_head(study.after);
+    for (const bool first : {false, true}) {
+        const std::string all = study.folder.file(first ? "1.sqlite" : "2.sqlite");
+        said(
+            {"merge", all, first ? study.after : study.before, first ? study.before : study.after});
+        CHECK(verified_head(all) == head);
+        said({"merge", all, study.before});
+        CHECK(verified_head(all) == head);
+        CHECK(rows(all, "SELECT count(*), count(operator), max(at_utc) FROM event") ==
+              rows(study.after, "SELECT count(*), count(operator), max(at_utc) FROM event"));
+    }
+    const std::string other = study.folder.file("other.sqlite");
+    std::filesystem::copy_file(study.before, other);
+    said({"note", other, "another note", "--participant", "demo"});
+    const Finished merged =
+        palpate_command({"merge", study.folder.file("3.sqlite"), study.after, other});
+    CHECK(merged.code == 1);
+    CHECK_THAT(merged.out + merged.error, ContainsSubstring("what was recorded differs"));
+}
+
+TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resume]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    said({"participant", file, "P1", "--new", "--handedness", "80"});
+    const std::vector<std::string> run{
+        "run", "shape_friction_demo", "--participant", "P1", "--db", file, "--device", "sim"};
+    said(run);
+    const std::string event = "SELECT text FROM event WHERE kind = 'participant'";
+    CHECK(rows(file, event) == "text\nhandedness 80\n");
+    // As if it had been stopped after seven trials.
+    {
+        data::Database database(file, data::Access::write);
+        database.execute("PRAGMA foreign_keys = OFF");
+        for (const std::string table :
+             {"response", "presentation", "trace_chunk", "event", "fault_tick"}) {
+            database.execute(("DELETE FROM " + table + " WHERE trial > 7").c_str());
+        }
+        database.execute(
+            "DELETE FROM event WHERE id > (SELECT chain_events FROM trial WHERE id = 7);"
+            "DELETE FROM trial WHERE id > 7; UPDATE session SET finished = 0, finished_utc = NULL,"
+            " chain = NULL, chain_events = NULL, head = (SELECT chain FROM trial WHERE id = 7)");
+    }
+    const std::string seventh = verified_head(file);
+    const std::string marked = head_in(said({"mark", file, "3", "--invalid", "bell"}));
+    CHECK(marked != seventh);
+    CHECK(verified_head(file) == marked);
+    said(run);
+    CHECK(verified_head(file) != marked);
+    CHECK(rows(file, "SELECT count(*) FROM trial") == "count(*)\n11\n");
+}
+
+TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", "[verify][law]") {
+    const TemporaryFolder folder;
+    const std::string clean = folder.file("clean.sqlite");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", clean}).code == 0);
+    data::Database(clean, data::Access::write).checkpoint();
+    struct Edit {
+        const char* sql;
+        const char* found;
+    };
+    for (const Edit& edit : {
+             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, ' CHECK"
+                  " (correct IN (0, 1))', '') WHERE name = 'response'",
+                  "table response"},
+             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, "
+                  "'STRICT',"
+                  " '') WHERE name = 'trial'",
+                  "table trial"},
+             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, 'NOT"
+                  " NULL', '') WHERE name = 'event'",
+                  "table event"},
+             Edit{"PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE type = 'index' AND"
+                  " tbl_name = 'picture'",
+                  "index sqlite_autoindex_picture_1"},
+             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, 'IS"
+                  " NULL;', 'IS NOT NULL;') || ' ' WHERE name = 'trial_result'",
+                  "view trial_result"},
+             Edit{"DROP VIEW fault", "view fault: stored it is not there"},
+             Edit{"CREATE TRIGGER t AFTER INSERT ON response BEGIN SELECT 1; END", "trigger t"},
+         }) {
+        const std::string file = folder.file("edited.sqlite");
+        std::filesystem::copy_file(clean, file, std::filesystem::copy_options::overwrite_existing);
+        // By another program: nothing of palpate takes part.
+        const Finished edited =
+            tests::Process({"sqlite3", "-cmd", ".dbconfig defensive off", file, edit.sql}).wait();
+        CAPTURE(edit.sql, edited.out, edited.error);
+        REQUIRE(edited.code == 0);
+        const Finished verified = palpate_command({"verify", file});
+        CAPTURE(verified.out, verified.error);
+        CHECK(verified.code == 1);
+        CHECK_THAT(verified.out, ContainsSubstring(edit.found));
+    }
+}
