@@ -235,7 +235,8 @@ TEST_CASE("a disk without room for the session refuses it with what it needs", "
                       ContainsSubstring("a.sqlite") && ContainsSubstring("free some space"));
 }
 
-TEST_CASE("every edit of a chained session is evident, and a mark is none", "[store][chain][law]") {
+TEST_CASE("every edit of a chained session is evident, and a mark is a link of its own",
+          "[store][chain][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     const auto spec = tests::session_spec(tests::small_protocol());
@@ -249,15 +250,21 @@ TEST_CASE("every edit of a chained session is evident, and a mark is none", "[st
     }
     recorder.finish_session();
     REQUIRE(data::chain_breaks(database, session).empty());
-    const std::string head = data::chain_head(database, session);
-    CHECK(head.size() == 64);
-    static_cast<void>(data::mark_invalid(database, 2, "the bell rang"));
+    const std::string finished = data::chain_head(database, session);
+    CHECK(finished.size() == 64);
+    const std::string head = data::mark_invalid(database, 2, "the bell rang", "Ada").head;
+    CHECK(head != finished);
+    CHECK(data::chain_head(database, session) == head);
     CHECK(data::chain_breaks(database, session).empty());
     const char* edits[] = {
         "UPDATE trial SET started_utc = '' WHERE id = 1",
         "UPDATE response SET input = 'mouse' WHERE trial = 3",
         "UPDATE response SET place = 2, object = 'convex' WHERE trial = 4",
         "UPDATE event SET text = 'before it' WHERE id = 3",
+        "UPDATE event SET operator = 'Bo' WHERE kind = 'mark'",
+        "UPDATE event SET chain = NULL WHERE id = 2",
+        "UPDATE session SET head = NULL",
+        "DELETE FROM event WHERE kind = 'mark'; UPDATE trial SET invalid = NULL",
         "DELETE FROM event WHERE id = 1",
         "INSERT INTO event (id, session, kind, text, at_utc) VALUES (0, 1, 'a', 'b', '')",
         "UPDATE session SET device = 'another'",

@@ -205,7 +205,9 @@ TEST_CASE("every column of the file is exported or known to be left out", "[expo
                                          "trial.chain_events",
                                          "session.chain",
                                          "session.chain_events",
+                                         "session.head",
                                          "event.id",
+                                         "event.chain",
                                          "event.session",
                                          "participant_detail.participant"};
     std::string sql;
