@@ -6,18 +6,20 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/clock.hpp"
+#include "data/store/secret.hpp"
 
 namespace palpate::data {
 
 std::optional<Participant> find_participant(Database& database, std::string_view code) {
     Statement row = database.prepare(
         "SELECT id, handedness, consent, coalesce(consent_utc, ''),"
-        " (SELECT count(*) FROM session WHERE session.participant = participant.id)"
+        " (SELECT count(*) FROM session WHERE session.participant = participant.id), subject"
         " FROM participant WHERE code = ?1");
     if (!row.bind(1, code).step()) {
         return std::nullopt;
     }
-    Participant found{.consent_utc = row.text(3), .sessions = row.integer(4)};
+    Participant found{
+        .consent_utc = row.text(3), .sessions = row.integer(4), .subject = row.integer(5)};
     if (!row.null(1)) {
         found.notes.handedness = row.integer(1);
     }
@@ -35,9 +37,7 @@ std::optional<Participant> find_participant(Database& database, std::string_view
 
 void note_participant(Database& database, std::string_view code, const ParticipantNotes& notes) {
     Transaction all(database);
-    database.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING")
-        .bind(1, code)
-        .run();
+    participant_row(database, code, own_secret(database));
     if (notes.handedness) {
         database.prepare("UPDATE participant SET handedness = ?2 WHERE code = ?1")
             .bind(1, code)

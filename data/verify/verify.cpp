@@ -53,6 +53,13 @@ void check_columns(Database& database, Findings& findings) {
     }
 }
 
+/// One is made with the file; foreign_key_check says where a session's own is gone.
+void check_secrets(Database& database, Findings& findings) {
+    if (rows_of(database, "SELECT hex FROM secret").empty()) {
+        findings.differs("secret", "no row", "the one that was made with the file");
+    }
+}
+
 /// The views of this palpate, word by word: a query of an edited one says something else. Those that
 /// somebody added are theirs.
 void check_views(Database& database, Findings& findings) {
@@ -115,6 +122,7 @@ Verification verify(Database& database) {
     Verification found;
     Findings findings(found.file);
     try_to(findings, "integrity_check", [&] { ask_sqlite(database, findings); });
+    try_to(findings, "secret", [&] { check_secrets(database, findings); });
     try_to(findings, "view", [&] { check_views(database, findings); });
     try_to(findings, "sqlite_schema", [&] { check_strangers(database, findings); });
     try_to(findings, "session", [&] {

@@ -31,6 +31,7 @@ struct RunOptions {
     std::optional<std::size_t> session;
     bool elsewhere = false;  ///< the sessions before that one are in another file
     std::optional<std::uint64_t> seed;
+    std::optional<std::string> secret;  ///< for the file, if it has no session yet
     std::string resume = "continue";
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
@@ -48,7 +49,7 @@ struct DemoOptions {
 struct SequenceOptions {
     std::string protocol;  ///< a file, or the name of a shipped protocol
     std::string participant;
-    std::string database;  ///< empty: a study that nobody has run yet
+    std::string database;  ///< empty: an example
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
     bool csv = false;

@@ -25,6 +25,7 @@ std::pair<std::string, std::string> detail_of(const std::string& word) {
 void print(const std::string& id, const data::Participant& person) {
     fmt::print("participant  {}\n", id);
     fmt::print("sessions     {}\n", person.sessions);
+    fmt::print("in exports   sub-{:010}\n", person.subject);
     fmt::print("handedness   {}\n",
                person.notes.handedness ? fmt::format("{}", *person.notes.handedness) : "not noted");
     fmt::print(

@@ -13,6 +13,7 @@
 #include "data/store/counterbalance_query.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/plan_text.hpp"
+#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
 
 namespace palpate::ui {
@@ -141,6 +142,9 @@ void print_trials(const Sequence& sequence) {
 void print_text(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     const PlanSummary summary = summarise(sequence.plan);
+    if (sequence.key.secret.empty()) {
+        fmt::print("An example: each file draws its own orders, and --db FILE shows them.\n");
+    }
     fmt::print("{}: participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
                sequence.key.participant, sequence.key.session, sequence.seed,
                protocols::counted(sequence.plan.trials.size(), "trial"),
@@ -165,6 +169,9 @@ void print_text(const Sequence& sequence) {
 int sequence_command(const SequenceOptions& options) {
     const Sequence sequence = make_sequence(options);
     if (options.csv) {
+        if (sequence.key.secret.empty()) {
+            warn("this is an example: each file draws its own orders, and --db FILE shows them");
+        }
         print_csv(sequence);
     } else {
         print_text(sequence);
