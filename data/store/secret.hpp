@@ -27,6 +27,10 @@ void check_secret(std::string_view hex);
 /// @pre check_secret(). @throws std::invalid_argument if the file has another
 void set_secret(Database& database, std::string_view hex);
 
+/// A number for exports, 1 to 9999999999, by the first 60 bits of a hash: none is more likely by 1e-8.
+/// @param draw  0, 1, ...: another one where the one before is taken
+[[nodiscard]] std::int64_t subject_of(std::string_view code, std::string_view secret, int draw);
+
 /// The participant's row; one that is new gets a number for exports: drawn from secret and code, so that it says
 /// nothing of who came when, and rigs that share a secret agree; never one that is taken.
 /// @return participant.id

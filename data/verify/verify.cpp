@@ -10,6 +10,7 @@
 #include "protocols/design/counted.hpp"
 #include "data/store/schema.hpp"
 #include "data/store/schema_manual.hpp"
+#include "data/store/secret.hpp"
 #include "data/store/views.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/verify/findings.hpp"
@@ -53,10 +54,28 @@ void check_columns(Database& database, Findings& findings) {
     }
 }
 
-/// One is made with the file; foreign_key_check says where a session's own is gone.
+/// One secret is made with the file; foreign_key_check says where a session's own is gone. The number of a
+/// person in exports was drawn with one of them.
 void check_secrets(Database& database, Findings& findings) {
-    if (rows_of(database, "SELECT hex FROM secret").empty()) {
+    constexpr int kDraws = 10;
+    const auto secrets = rows_of(database, "SELECT hex FROM secret");
+    if (secrets.empty()) {
         findings.differs("secret", "no row", "the one that was made with the file");
+    }
+    for (const StoredRow& person : rows_of(database, "SELECT code, subject FROM participant")) {
+        const std::int64_t stored = person.integer("subject");
+        const bool drawn = std::ranges::any_of(secrets, [&](const StoredRow& secret) {
+            int draw = 0;
+            while (draw < kDraws &&
+                   subject_of(person.text("code"), secret.text("hex"), draw) != stored) {
+                ++draw;
+            }
+            return draw < kDraws;
+        });
+        if (!drawn) {
+            findings.differs("participant.subject", fmt::format("{}", stored),
+                             "a number drawn with a secret of the file");
+        }
     }
 }
 

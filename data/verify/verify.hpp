@@ -9,7 +9,8 @@ namespace palpate::data {
 /// Changes nothing: give a database opened to read. Sees one moment of it, also while a session runs.
 ///
 /// - SQLite's integrity_check and foreign_key_check, the table trace_column, the views; that no trigger stands
-///   on a table of palpate and nothing called sample hides the ticks.
+///   on a table of palpate and nothing called sample hides the ticks; that the file has its secret, and
+///   the numbers of people in exports follow from one.
 /// - The protocol's hash from its text, the plan from protocol, participant, session, seed and row of
 ///   pictures, the hashes of the objects' geometry, the calibration's hash from its text.
 /// - Every trial: its turn, attempt and outcome, every bit of its chunks, its ticks without a gap; every

@@ -237,6 +237,8 @@ TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the
         CHECK(with.find(secret) == std::string::npos);
         CHECK_THAT(with, ContainsSubstring("P01"));
     }
+    CHECK_THAT(palpate_command({"participant", file, "P04"}).out,
+               ContainsSubstring(late.at("P04")));
     const auto people = read_csv(plain + "/participants.csv");
     std::map<std::string, std::string> hands;
     for (const auto& line : people) {
