@@ -1,6 +1,7 @@
 #include "data/export/bids_export.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -45,17 +46,7 @@ const ExportColumn& trials_column(std::string_view name) {
                          [name](const ExportColumn& column) { return column.name == name; });
 }
 
-void write_participants(Database& database, const fs::path& folder) {
-    DelimitedFile file(folder / "participants.tsv", Delimited::tsv);
-    for (const char* name : {"participant_id", "handedness", "edinburgh_score"}) {
-        file.text(name);
-    }
-    file.end_row();
-    Statement row = database.prepare(
-        "SELECT DISTINCT subject, CASE WHEN handedness > 0 THEN 'right' WHEN handedness < 0 THEN"
-        " 'left' WHEN handedness = 0 THEN 'ambidextrous' END, handedness FROM chosen JOIN session"
-        " ON session.id = session JOIN participant ON participant.id = participant ORDER BY "
-        "subject");
+void write_rows(Statement row, DelimitedFile& file) {
     while (row.step()) {
         for (int column = 0; column < row.columns(); ++column) {
             file.value(row, column);
@@ -63,43 +54,64 @@ void write_participants(Database& database, const fs::path& folder) {
         file.end_row();
     }
     file.close();
-    write_json(
-        folder / "participants.json",
-        {{"participant_id", described("in an order that says nothing")},
-         {"handedness",
-          json_object({{"Description", json_string("the sign of the Edinburgh score")},
-                       {"Levels", json_object({{"right", json_string("score above 0")},
-                                               {"left", json_string("score below 0")},
-                                               {"ambidextrous", json_string("score 0")}})}})},
-         {"edinburgh_score", described("Edinburgh handedness score, -100 left to 100 right")}});
 }
 
-void write_sessions(Database& database, const std::string& subject, const fs::path& folder) {
-    DelimitedFile file(folder / (subject + "_sessions.tsv"), Delimited::tsv);
-    for (const char* name : {"session_id", "studies", "kind", "day"}) {
+void write_participants(Database& database, bool details, const fs::path& folder) {
+    DelimitedFile file(folder / "participants.tsv", Delimited::tsv);
+    JsonMembers sidecar{
+        {"participant_id", described("the same in every export; it says nothing")},
+        {"handedness",
+         json_object({{"Description", json_string("by the Edinburgh score")},
+                      {"Levels", json_object({{"left", json_string("-40 or less")},
+                                              {"right", json_string("40 or more")},
+                                              {"ambidextrous", json_string("between")}})}})}};
+    std::string score;
+    if (details) {
+        sidecar.emplace_back("edinburgh_score",
+                             described("Edinburgh handedness score, -100 left to 100 right"));
+        score = ", handedness";
+    }
+    for (const auto& [name, words] : sidecar) {
         file.text(name);
     }
     file.end_row();
-    Statement row = database.prepare(
-        "SELECT printf('ses-%02d', number), group_concat(label, ' '), group_concat(DISTINCT kind),"
-        " min(day) FROM chosen JOIN session ON session.id = session WHERE subject = ?1"
-        " GROUP BY number ORDER BY number");
-    row.bind(1, std::string_view(subject));
-    while (row.step()) {
-        for (int column = 0; column < row.columns(); ++column) {
-            file.value(row, column);
-        }
-        file.end_row();
+    // The standard's word for both.
+    write_rows(database.prepare(fmt::format(
+                   "SELECT DISTINCT chosen.subject, replace({}, 'both', 'ambidextrous'){} FROM "
+                   "chosen JOIN session ON session.id = session JOIN participant"
+                   " ON participant.id = participant ORDER BY chosen.subject",
+                   kHandednessSql, score)),
+               file);
+    write_json(folder / "participants.json", sidecar);
+}
+
+void write_sessions(Database& database,
+                    const std::string& subject,
+                    bool details,
+                    const fs::path& folder) {
+    DelimitedFile file(folder / (subject + "_sessions.tsv"), Delimited::tsv);
+    JsonMembers sidecar{{"session_id", described("the same number in every study of the session")},
+                        {"studies", described("the tasks of the session")},
+                        {"kind", described(trials_column("kind"))}};
+    if (details) {
+        sidecar.emplace_back(
+            "day",
+            json_object({{"Description", json_string("since the participant's first session here")},
+                         {"Units", json_string("d")}}));
     }
-    file.close();
-    write_json(
-        folder / (subject + "_sessions.json"),
-        {{"session_id", described("the same number in every study of the session")},
-         {"studies", described("the tasks of the session")},
-         {"kind", described(trials_column("kind"))},
-         {"day",
-          json_object({{"Description", json_string("since the participant's first session here")},
-                       {"Units", json_string("d")}})}});
+    for (const auto& [name, words] : sidecar) {
+        file.text(name);
+    }
+    file.end_row();
+    Statement row = database.prepare(fmt::format(
+        "SELECT printf('ses-%02d', chosen.number), group_concat(label, ' '),"
+        " group_concat(DISTINCT kind){} FROM (SELECT * FROM chosen ORDER BY label) AS chosen"
+        " JOIN session ON session.id = session WHERE subject = ?1 GROUP BY chosen.number"
+        " ORDER BY chosen.number",
+        details ? ", min(day)" : ""));
+    row.bind(1, std::string_view(subject));
+    write_rows(std::move(row), file);
+    write_json(folder / (subject + "_sessions.json"), sidecar);
 }
 
 /// The trials' columns but those that the name of the file says.
@@ -129,13 +141,7 @@ void write_beh(Database& database,
     Statement row =
         database.prepare(select_sql(export_table("trials"), columns, "chosen.session = ?1"));
     row.bind(1, session.id);
-    while (row.step()) {
-        for (int column = 0; column < row.columns(); ++column) {
-            file.value(row, column);
-        }
-        file.end_row();
-    }
-    file.close();
+    write_rows(std::move(row), file);
     write_json(folder / (stem + ".json"), sidecar);
 }
 
@@ -183,13 +189,13 @@ void export_bids(Database& database,
                 {"DatasetType", json_string("raw")},
                 {"GeneratedBy", json_array({json_object({{"Name", json_string("palpate")}})})}});
     write_whole(folder / "README", readme(selection, options));
-    write_participants(database, folder);
+    write_participants(database, options.details, folder);
     for (const ChosenSession& session : selection.sessions()) {
         const fs::path subject = folder / session.subject;
         const fs::path place = subject / fmt::format("ses-{:02}", session.number);
         write_beh(database, session, options.details, place / "beh");
         if (!fs::exists(subject / (session.subject + "_sessions.tsv"))) {
-            write_sessions(database, session.subject, subject);
+            write_sessions(database, session.subject, options.details, subject);
         }
         if (options.traces) {
             each_traced_trial(database, session, [&](std::int64_t trial, std::int64_t number) {

@@ -171,8 +171,8 @@ void write_codes(Database& database, const std::filesystem::path& path) {
     file.text("code");
     file.end_row();
     Statement row = database.prepare(
-        "SELECT DISTINCT subject, code FROM chosen JOIN session ON session.id = session"
-        " JOIN participant ON participant.id = participant ORDER BY subject");
+        "SELECT DISTINCT chosen.subject, code FROM chosen JOIN session ON session.id = session"
+        " JOIN participant ON participant.id = participant ORDER BY chosen.subject");
     while (row.step()) {
         file.text(row.text(0));
         file.text(row.text(1));

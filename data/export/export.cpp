@@ -54,7 +54,7 @@ Exported export_file(const std::string& file,
             export_parquet(database, selection, options, built.path());
             break;
         case ExportFormat::procedure:
-            export_procedures(database, selection, options, built.path());
+            export_procedures(database, selection, built.path());
             break;
     }
     built.keep(options.details || options.keep_codes);

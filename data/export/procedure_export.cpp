@@ -11,13 +11,7 @@ namespace palpate::data {
 
 void export_procedures(Database& database,
                        const Selection& selection,
-                       const ExportOptions& options,
                        const std::filesystem::path& folder) {
-    if (!options.keep_codes) {
-        throw std::invalid_argument(
-            "the random numbers of a rule follow from the participant's code, so each CONFIG.toml "
-            "names it: add --keep-codes, or take another format");
-    }
     int runs = 0;
     Statement row =
         database.prepare("SELECT DISTINCT run FROM adaptive_plan WHERE session = ?1 ORDER BY run");

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "protocols/design/counted.hpp"
-#include "protocols/design/sha256.hpp"
 
 namespace palpate::data {
 namespace {
@@ -51,17 +50,34 @@ Selection::Selection(Database& database, const ExportOptions& options)
     database_.execute(
         "PRAGMA temp_store = MEMORY;"
         "CREATE TEMP TABLE chosen (session INTEGER PRIMARY KEY, subject TEXT, label TEXT, day"
-        " INTEGER);"
-        "CREATE TEMP TABLE numbered (trial INTEGER PRIMARY KEY, number INTEGER NOT NULL);");
+        " INTEGER, number INTEGER);"
+        "CREATE TEMP TABLE numbered (trial INTEGER PRIMARY KEY, number INTEGER NOT NULL,"
+        " zero_ns INTEGER);"
+        "CREATE TEMP TABLE happened (event INTEGER PRIMARY KEY, since_ns INTEGER);");
     choose(options.kind);
+    number_sessions();
     name_subjects();
     database_.execute(
         "UPDATE chosen SET day = (SELECT CAST(julianday(date(mine.started_utc))"
         " - julianday(date(min(other.started_utc))) AS INTEGER) FROM session AS mine"
         " JOIN session AS other ON other.participant = mine.participant"
         " JOIN chosen AS too ON too.session = other.id WHERE mine.id = chosen.session);"
-        "INSERT INTO numbered SELECT id, row_number() OVER (PARTITION BY session ORDER BY id)"
-        " FROM trial WHERE session IN (SELECT session FROM chosen);");
+        // The servo's clock says when its machine was switched on, and so who came first: it counts from the
+        // first of attempts that follow each other within an hour.
+        "WITH begun AS (SELECT id, session, started_ns, started_ns - lag(started_ns) OVER "
+        "(PARTITION"
+        " BY session ORDER BY id) AS gap FROM trial WHERE session IN (SELECT session FROM chosen)),"
+        " part AS (SELECT *, sum(gap IS NULL OR gap NOT BETWEEN 0 AND 3600000000000) OVER "
+        "(PARTITION"
+        " BY session ORDER BY id) AS part FROM begun)"
+        " INSERT INTO numbered SELECT id, row_number() OVER (PARTITION BY session ORDER BY id),"
+        " first_value(started_ns) OVER (PARTITION BY session, part ORDER BY id) FROM part;"
+        "INSERT INTO happened SELECT event, since_ns FROM (SELECT event.id AS event, event.at_ns -"
+        " zero_ns AS since_ns, row_number() OVER (PARTITION BY event.id ORDER BY abs(event.at_ns -"
+        " begun.started_ns)) AS nearest FROM event JOIN chosen ON chosen.session = event.session"
+        " JOIN trial AS begun ON begun.session = event.session JOIN numbered"
+        " ON numbered.trial = begun.id WHERE abs(event.at_ns - begun.started_ns) < 3600000000000)"
+        " WHERE nearest = 1;");
 }
 
 std::string Selection::titles() const {
@@ -97,42 +113,39 @@ void Selection::choose(const std::string& kind) {
     }
 }
 
+/// A gap would say that somebody had a session of another kind before.
+void Selection::number_sessions() {
+    database_.execute(
+        "UPDATE chosen SET number = n FROM (SELECT session.id, dense_rank() OVER (PARTITION BY"
+        " participant, name ORDER BY session.number) AS n FROM chosen JOIN session"
+        " ON session.id = session JOIN study ON study.id = study) AS ranked"
+        " WHERE ranked.id = chosen.session");
+}
+
 void Selection::name_subjects() {
-    // The uuid of a participant's first session is random, and is exported with details only.
-    std::map<std::string, std::int64_t> by_hash;
-    Statement who = database_.prepare(
-        "SELECT participant, code, uuid, min(number || ' ' || uuid) FROM session"
-        " JOIN participant ON participant.id = participant GROUP BY participant.id");
-    while (who.step()) {
-        by_hash[protocols::sha256_hex("subject " + who.text(1) + ' ' + who.text(3))] =
-            who.integer(0);
-    }
     const auto labels = study_labels(database_);
     Statement session = database_.prepare(
-        "SELECT session.id, study, number, rate_hz, name, title FROM chosen"
-        " JOIN session ON session.id = session JOIN study ON study.id = study"
-        " WHERE participant = ?1 ORDER BY study, number");
+        "SELECT session.id, study, chosen.number, rate_hz, name, title, participant.subject"
+        " FROM chosen JOIN session ON session.id = session JOIN study ON study.id = study"
+        " JOIN participant ON participant.id = participant"
+        " ORDER BY participant.subject, protocol_sha256, chosen.number");
     Statement set =
         database_.prepare("UPDATE chosen SET subject = ?2, label = ?3 WHERE session = ?1");
-    int subjects = 0;
-    for (const auto& [hash, participant] : by_hash) {
-        session.bind(1, participant);
-        for (bool first = true; session.step(); first = false) {
-            subjects += first ? 1 : 0;
-            ChosenSession& one = sessions_.emplace_back();
-            one = {.id = session.integer(0),
-                   .subject = fmt::format("sub-{:03}", subjects),
-                   .label = labels.at(session.integer(1)),
-                   .study = session.text(4),
-                   .title = session.text(5),
-                   .number = session.integer(2),
-                   .rate_hz = session.real(3)};
-            set.bind(1, one.id)
-                .bind(2, std::string_view(one.subject))
-                .bind(3, std::string_view(one.label))
-                .run();
-        }
-        session.reset();
+    while (session.step()) {
+        ChosenSession& one = sessions_.emplace_back();
+        one = {.id = session.integer(0),
+               .subject = fmt::format("sub-{:010}", session.integer(6)),
+               .label = labels.at(session.integer(1)),
+               .study = session.text(4),
+               .title = session.text(5),
+               .number = session.integer(2),
+               .rate_hz = session.real(3)};
+    }
+    for (const ChosenSession& one : sessions_) {
+        set.bind(1, one.id)
+            .bind(2, std::string_view(one.subject))
+            .bind(3, std::string_view(one.label))
+            .run();
     }
 }
 

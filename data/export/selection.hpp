@@ -12,29 +12,30 @@ namespace palpate::data {
 /// What is exported, and how much is said of people.
 struct ExportOptions {
     std::string kind = "real";  ///< real, pilot, simulated or all
-    bool details = false;       ///< operator, wall clock, notes, participant_detail, provenance
-    bool traces = false;        ///< every servo tick as well
-    bool keep_codes = false;    ///< a table subject -> the code of the lab
+    bool details =
+        false;  ///< operator, wall clock, days, notes, handedness score, participant_detail, provenance
+    bool traces = false;      ///< every servo tick as well
+    bool keep_codes = false;  ///< a table subject -> the code of the lab
 };
 
 /// One session that is exported.
 struct ChosenSession {
     std::int64_t id = 0;
-    std::string subject;  ///< sub-001
+    std::string subject;  ///< sub-0123456789, for ever
     std::string label;    ///< of the study: letters and digits, no two studies the same
     std::string study;    ///< its name
     std::string title;
-    std::int64_t number = 0;
+    std::int64_t number = 0;  ///< of the participant's chosen sessions of the study
     double rate_hz = 0.0;
 };
 
-/// The sessions asked for, in the temporary tables `chosen (session, subject, label, day)` and
-/// `numbered (trial, number)` of this connection; one moment of the file.
+/// The sessions asked for, in the temporary tables `chosen (session, subject, label, day, number)` and
+/// `numbered (trial, number, zero_ns)` and `happened (event, since_ns)` of this connection; one moment of the file.
 ///
-/// Participants are called sub-001, sub-002, ... in the order of a hash that nobody can compute without the
-/// file: the same file gives the same names. Who noted that a participant does not consent (consent 0) has
-/// them left out. What the names do not hide: the plan of a session is drawn from the participant's code;
-/// somebody who knows protocol, seed and a list of codes can try which of them gives this order.
+/// A participant is called by the number that was drawn for them when they were registered, and keeps it in every
+/// export; rows come in the order of these numbers. Who noted that a participant does not consent (consent 0)
+/// has them left out. Orders follow from the file's secret (data/store/secret.hpp): who knows protocol, seed and a
+/// list of codes cannot say whose they are. Two exports of a file that grew do say who joined in between.
 class Selection {
 public:
     /// @throws std::invalid_argument if there is no such session
@@ -46,6 +47,7 @@ public:
 
 private:
     void choose(const std::string& kind);
+    void number_sessions();
     void name_subjects();
 
     Database& database_;

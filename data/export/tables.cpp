@@ -8,18 +8,14 @@
 namespace palpate::data {
 namespace {
 
-// The servo's clock runs since the machine was switched on: its reading would tell in which order people
-// came. The session's first attempt is its zero instead.
-#define PALPATE_FIRST                                                         \
-    "(SELECT started_ns FROM trial AS first WHERE first.session = session.id" \
-    " AND started_ns IS NOT NULL ORDER BY first.id LIMIT 1)"
-
 constexpr ExportColumn kSubject{"subject", "text", "",
-                                "the participant: sub-001 and on, in an order that says nothing",
+                                "the participant, in every export: a number that says nothing",
                                 "chosen.subject"};
 constexpr ExportColumn kStudy{"study", "text", "", "the study, as in sessions", "chosen.label"};
-constexpr ExportColumn kSession{"session", "integer", "1", "the participant's session of the study",
-                                "session.number"};
+constexpr ExportColumn kSession{"session", "integer", "1",
+                                "the participant's sessions of the study here, from 1",
+                                "chosen.number"};
+constexpr std::string_view kHands = "left = score -40 or less; right = 40 or more; both = between";
 constexpr std::string_view kYesNo = "0 = no; 1 = yes";
 constexpr std::string_view kPhases =
     "practice = before the main trials, not to be analysed; main = the study; catch = among the"
@@ -42,8 +38,9 @@ constexpr ExportColumn kComparison{"comparison", "integer", "1",
 
 constexpr std::array kParticipants{
     kSubject,
-    ExportColumn{"handedness", "integer", "1", "Edinburgh score, -100 left to 100 right",
-                 "participant.handedness"},
+    ExportColumn{"handedness", "text", "", "by the Edinburgh score", kHandednessSql, false, kHands},
+    ExportColumn{"handedness_score", "integer", "1", "Edinburgh score, -100 left to 100 right",
+                 "participant.handedness", true},
     ExportColumn{"sessions", "integer", "1", "sessions in this export", "count(*)"},
     ExportColumn{"consent", "integer", "1", "1: consent to take part was noted",
                  "participant.consent", false, kYesNo},
@@ -62,7 +59,8 @@ constexpr std::array kSessions{
     kSession,
     kKind,
     ExportColumn{"day", "integer", "d", "days since the participant's first session here",
-                 "chosen.day"},
+                 "chosen.day", true},
+    ExportColumn{"number", "integer", "1", "of the session in the lab", "session.number", true},
     ExportColumn{"finished", "integer", "1", "1: all planned trials were run", "session.finished",
                  false, kYesNo},
     ExportColumn{"study_name", "text", "", "the protocol's id", "study.name"},
@@ -70,7 +68,8 @@ constexpr std::array kSessions{
     ExportColumn{"protocol_sha256", "text", "", "SHA-256 of the protocol's canonical text",
                  "study.protocol_sha256"},
     ExportColumn{"device", "text", "", "kind of device",
-                 "substr(session.device, 1, instr(session.device || ':', ':') - 1)"},
+                 "iif(session.device LIKE 'replay of %', 'replay',"
+                 " substr(session.device, 1, instr(session.device || ':', ':') - 1))"},
     ExportColumn{"rate_hz", "real", "Hz", "servo ticks a second", "session.rate_hz"},
     ExportColumn{"stiffness_n_per_m", "real", "N/m", "stiffness of the object",
                  "session.stiffness_n_per_m"},
@@ -206,8 +205,8 @@ constexpr std::array kTrials{
                  "trial.heal_decay"},
     ExportColumn{
         "since_first_ns", "integer", "ns",
-        "begin, since the session's first attempt began; a restart of the rig sets the clock back",
-        "trial.started_ns - " PALPATE_FIRST},
+        "begin, since the first attempt of the session, or after a pause of more than an hour",
+        "trial.started_ns - numbered.zero_ns"},
     ExportColumn{"started_ns", "integer", "ns", "begin, on the servo's clock", "trial.started_ns",
                  true},
     ExportColumn{"started_utc", "text", "", "begin, wall clock", "trial.started_utc", true},
@@ -304,8 +303,9 @@ constexpr std::array kEvents{
     ExportColumn{"words", "text", "", "the same, with notes, names and versions", "event.text",
                  true},
     ExportColumn{"operator", "text", "", "who noted it", "event.operator", true},
-    ExportColumn{"since_first_ns", "integer", "ns", "as in trials; < 0: before the first attempt",
-                 "event.at_ns - " PALPATE_FIRST},
+    ExportColumn{"since_first_ns", "integer", "ns",
+                 "as in trials; empty: no attempt is within an hour of it",
+                 "(SELECT since_ns FROM happened WHERE happened.event = event.id)"},
     ExportColumn{"at_ns", "integer", "ns", "on the clock of the trials' started_ns", "event.at_ns",
                  true},
     ExportColumn{"at_utc", "text", "", "wall clock", "event.at_utc", true},
@@ -318,7 +318,7 @@ constexpr std::array kTickKeys{
 constexpr std::string_view kJoined =
     "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study"
     " JOIN participant ON participant.id = session.participant";
-constexpr std::string_view kSessionOrder = "chosen.subject, chosen.label, session.number";
+constexpr std::string_view kSessionOrder = "chosen.subject, chosen.label, chosen.number";
 
 // The same joins, spelled out: string literals cannot be joined at compile time.
 #define PALPATE_SESSIONS                                                                        \
@@ -337,13 +337,13 @@ constexpr std::array kTables{
     ExportTable{
         "provenance", "versions, machine, calibration",
         PALPATE_SESSIONS " JOIN session_provenance ON session_provenance.session = session.id",
-        "chosen.subject, chosen.label, session.number, session_provenance.key", kProvenance, true},
+        "chosen.subject, chosen.label, chosen.number, session_provenance.key", kProvenance, true},
     ExportTable{"plan", "the whole order, complete before the first trial",
                 PALPATE_SESSIONS " JOIN plan ON plan.session = session.id",
-                "chosen.subject, chosen.label, session.number, plan.position", kPlan},
+                "chosen.subject, chosen.label, chosen.number, plan.position", kPlan},
     ExportTable{"pictures", "which picture stood at which place",
                 PALPATE_SESSIONS " JOIN picture ON picture.session = session.id",
-                "chosen.subject, chosen.label, session.number, picture.place", kPictures},
+                "chosen.subject, chosen.label, chosen.number, picture.place", kPictures},
     ExportTable{"trials", "one row an attempt at a planned trial, with its answer",
                 PALPATE_SESSIONS
                 " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
@@ -351,17 +351,17 @@ constexpr std::array kTables{
                 " trial.position LEFT JOIN response ON response.trial = trial.id LEFT JOIN"
                 " adaptive_plan ON adaptive_plan.session = session.id AND adaptive_plan.position ="
                 " trial.position",
-                "chosen.subject, chosen.label, session.number, trial.id", kTrials},
+                "chosen.subject, chosen.label, chosen.number, trial.id", kTrials},
     ExportTable{"responses", "one row an answer",
                 PALPATE_SESSIONS
                 " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
                 " trial.id JOIN response ON response.trial = trial.id",
-                "chosen.subject, chosen.label, session.number, trial.id", kResponses},
+                "chosen.subject, chosen.label, chosen.number, trial.id", kResponses},
     ExportTable{"presentations", "one row an interval of an attempt: what was felt, and how",
                 PALPATE_SESSIONS
                 " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
                 " trial.id JOIN presentation ON presentation.trial = trial.id",
-                "chosen.subject, chosen.label, session.number, trial.id, presentation.interval",
+                "chosen.subject, chosen.label, chosen.number, trial.id, presentation.interval",
                 kPresentations},
     ExportTable{"adaptive_steps", "one row an answer that a rule took in",
                 PALPATE_SESSIONS
@@ -369,13 +369,12 @@ constexpr std::array kTables{
                 " trial.id JOIN adaptive_step ON adaptive_step.trial = trial.id JOIN adaptive_plan"
                 " ON adaptive_plan.session = session.id AND adaptive_plan.position ="
                 " trial.position",
-                "chosen.subject, chosen.label, session.number, trial.id", kSteps},
+                "chosen.subject, chosen.label, chosen.number, trial.id", kSteps},
     ExportTable{"events", "breaks, stops, resumes, faults",
                 PALPATE_SESSIONS " JOIN event ON event.session = session.id",
-                "chosen.subject, chosen.label, session.number, event.id", kEvents},
+                "chosen.subject, chosen.label, chosen.number, event.id", kEvents},
 };
 #undef PALPATE_SESSIONS
-#undef PALPATE_FIRST
 
 }  // namespace
 

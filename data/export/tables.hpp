@@ -26,6 +26,11 @@ struct ExportTable {
     bool detail = false;  ///< the whole table only with details
 };
 
+/// left, right or both: as run tells the clear from the unclear.
+inline constexpr std::string_view kHandednessSql =
+    "CASE WHEN participant.handedness <= -40 THEN 'left' WHEN participant.handedness >= 40 THEN"
+    " 'right' WHEN participant.handedness IS NOT NULL THEN 'both' END";
+
 /// What is exported, whatever the format. The SQL reads the tables of a Selection beside the file's own.
 [[nodiscard]] std::span<const ExportTable> export_tables() noexcept;
 [[nodiscard]] const ExportTable& export_table(std::string_view name);

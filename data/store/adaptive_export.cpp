@@ -2,13 +2,15 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/session_plan.hpp"
 #include "protocols/format/protocol_file.hpp"
 
 namespace palpate::data {
 
 ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run) {
     Statement row = database.prepare(
-        "SELECT protocol_toml, protocol_sha256, code, number, seed FROM session"
+        "SELECT protocol_toml, protocol_sha256, code, number, seed, secret FROM session"
         " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
         " WHERE session.id = ?1");
     const bool there = row.bind(1, session).step();
@@ -19,11 +21,13 @@ ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t 
                                      database.file(), run, session));
     }
     ExportedRun made;
-    made.procedure = protocol.procedure->rule +
-                     fmt::format(
-                         "\n[stream]\nseed = {}\nprotocol_hash = \"{}\"\nparticipant = \"{}\"\n"
-                         "session = {}\nrun = {}\n",
-                         row.text(4), row.text(1), row.text(2), row.integer(3), run);
+    const protocols::StreamKey session_key = protocols::session_stream(
+        row.text(1), {row.text(2), static_cast<std::size_t>(row.integer(3)), row.text(5)},
+        std::stoull(row.text(4)));
+    made.procedure =
+        protocol.procedure->rule +
+        fmt::format("\n[stream]\norigin = \"{}\"\n",
+                    stream_origin(run_key(session_key, static_cast<std::size_t>(run))));
     made.responses = "stimulus,response\n";
     Statement step = database.prepare(
         "SELECT presentation.stimulus, adaptive_step.outcome FROM adaptive_step"

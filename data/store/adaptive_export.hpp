@@ -9,7 +9,8 @@ namespace palpate::data {
 
 /// A run of a session as palpate procedure reads it.
 struct ExportedRun {
-    std::string procedure;  ///< a procedure file: the protocol's rule, and the run's stream
+    std::string
+        procedure;  ///< a procedure file: the protocol's rule, and where the run's stream begins
     std::string responses;  ///< CSV: stimulus,response, in the order of the answers
 };
 

@@ -171,14 +171,14 @@ protocols::AdaptiveRuns rebuilt_runs(Database& database,
 
 protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT protocol_toml, protocol_sha256, code, number, seed FROM session"
+        "SELECT protocol_toml, protocol_sha256, code, number, seed, secret FROM session"
         " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
         " WHERE session.id = ?1");
     row.bind(1, session).step();
     SessionSpec spec;
     spec.protocol = protocols::stored_protocol(row.text(0));
     spec.protocol_hash = row.text(1);
-    spec.key = {row.text(2), static_cast<std::size_t>(row.integer(3))};
+    spec.key = {row.text(2), static_cast<std::size_t>(row.integer(3)), row.text(5)};
     spec.seed = std::stoull(row.text(4));
     protocols::AdaptiveRuns runs(spec.protocol, session_stream(spec));
     Statement step = database.prepare(

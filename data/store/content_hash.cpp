@@ -26,7 +26,7 @@ std::vector<std::string> tables(Database& database) {
     std::vector<std::string> names;
     Statement row = database.prepare(
         "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
-        " AND name NOT IN ('session_provenance', 'trace_chunk') ORDER BY name");
+        " AND name NOT IN ('session_provenance', 'trace_chunk', 'secret') ORDER BY name");
     while (row.step()) {
         names.push_back(row.text(0));
     }

@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "data/store/schema.hpp"
+#include "data/store/secret.hpp"
 
 namespace palpate::data {
 namespace {
@@ -252,9 +253,12 @@ void Database::check_identity(Access access) {
 
 void Database::create() {
     Transaction all(*this);  // another program that makes the same file is waited for here
-    if (identity().blank && sqlite3_exec(handle_, std::string(schema_sql()).c_str(), nullptr,
-                                         nullptr, nullptr) != SQLITE_OK) {
-        fail("making the tables");
+    if (identity().blank) {
+        if (sqlite3_exec(handle_, std::string(schema_sql()).c_str(), nullptr, nullptr, nullptr) !=
+            SQLITE_OK) {
+            fail("making the tables");
+        }
+        prepare("INSERT INTO secret VALUES (?1)").bind(1, random_secret()).run();
     }
     all.commit();
 }

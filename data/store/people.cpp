@@ -7,6 +7,7 @@
 
 #include "engine/realtime/clock.hpp"
 #include "data/store/chain.hpp"
+#include "data/store/secret.hpp"
 
 namespace palpate::data {
 namespace {
@@ -56,12 +57,13 @@ std::optional<std::string> similar_participant(Database& database, std::string_v
 std::optional<Participant> find_participant(Database& database, std::string_view code) {
     Statement row = database.prepare(
         "SELECT id, handedness, consent, coalesce(consent_utc, ''),"
-        " (SELECT count(*) FROM session WHERE session.participant = participant.id)"
+        " (SELECT count(*) FROM session WHERE session.participant = participant.id), subject"
         " FROM participant WHERE code = ?1");
     if (!row.bind(1, code).step()) {
         return std::nullopt;
     }
-    Participant found{.consent_utc = row.text(3), .sessions = row.integer(4)};
+    Participant found{
+        .consent_utc = row.text(3), .sessions = row.integer(4), .subject = row.integer(5)};
     if (!row.null(1)) {
         found.notes.handedness = row.integer(1);
     }
@@ -106,9 +108,7 @@ void note_participant(Database& database,
                       const ParticipantNotes& notes,
                       std::string_view operator_name) {
     Transaction all(database);
-    database.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING")
-        .bind(1, code)
-        .run();
+    participant_row(database, code, own_secret(database));
     if (notes.handedness) {
         database.prepare("UPDATE participant SET handedness = ?2 WHERE code = ?1")
             .bind(1, code)

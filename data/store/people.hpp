@@ -23,6 +23,7 @@ struct Participant {
     ParticipantNotes notes{};
     std::string consent_utc;    ///< when consent was noted; empty: it was not
     std::int64_t sessions = 0;  ///< begun, of any study
+    std::int64_t subject = 0;   ///< the number in exports
 };
 
 /// Nobody of that pseudonym is known: nothing.

@@ -16,6 +16,14 @@ constexpr const char* kTables = R"sql(
 PRAGMA application_id = 1885432944;
 PRAGMA user_version = 1;
 
+CREATE TABLE secret (
+    -- Random numbers that enter every order and stream of a session beside protocol, participant, number and seed:
+    -- who has not this file cannot compute an order, and so not say whose an exported one is. Never exported
+    -- or pushed. One is made with the file; merged files bring theirs. New sessions take the first by its digits.
+    hex TEXT PRIMARY KEY                            -- 128 bits
+            CHECK (length(hex) = 32 AND hex NOT GLOB '*[^0-9a-f]*')
+) STRICT;
+
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
     id              INTEGER PRIMARY KEY,            -- of this file alone; its identity is protocol_sha256
@@ -32,7 +40,9 @@ CREATE TABLE participant (
                     CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*'),
     handedness  INTEGER CHECK (handedness BETWEEN -100 AND 100),  -- Edinburgh score: -100 left, 100 right
     consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it
-    consent_utc TEXT                                -- when that was noted
+    consent_utc TEXT,                               -- when that was noted
+    subject     INTEGER NOT NULL UNIQUE             -- the number in exports: drawn, and never changed
+                    CHECK (subject BETWEEN 1 AND 9999999999)
 ) STRICT;
 
 )sql";
@@ -58,6 +68,7 @@ CREATE TABLE session (
     operator            TEXT,                       -- who ran it, as given
     uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4)
                             CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),
+    secret              TEXT NOT NULL REFERENCES secret,   -- secret.hex with which its orders were drawn
     chain               TEXT CHECK (length(chain) = 64),   -- head of its chain of hashes when it was finished
     chain_events        INTEGER,                    -- how many of its events came before that
     head                TEXT CHECK (length(head) = 64),    -- newest head: of its last trial, event or its end

@@ -11,6 +11,7 @@
 #include "data/store/chain.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
+#include "data/store/secret.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/stored_columns.hpp"
@@ -33,15 +34,6 @@ std::int64_t study_row(Database& database, const SessionSpec& spec) {
         .run();
     Statement row = database.prepare("SELECT id FROM study WHERE protocol_sha256 = ?1");
     row.bind(1, spec.protocol_hash).step();
-    return row.integer(0);
-}
-
-std::int64_t participant_row(Database& database, const std::string& code) {
-    database.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING")
-        .bind(1, code)
-        .run();
-    Statement row = database.prepare("SELECT id FROM participant WHERE code = ?1");
-    row.bind(1, code).step();
     return row.integer(0);
 }
 
@@ -99,13 +91,16 @@ void write_provenance(Database& database, std::int64_t session, const SessionSpe
 
 std::int64_t create(Database& database, const SessionSpec& spec) {
     const std::int64_t study = study_row(database, spec);
-    const std::int64_t participant = participant_row(database, spec.key.participant);
+    const std::int64_t participant =
+        participant_row(database, spec.key.participant, spec.key.secret);
+    database.prepare("INSERT OR IGNORE INTO secret VALUES (?1)").bind(1, spec.key.secret).run();
     database
         .prepare(
             "INSERT INTO session (study, participant, number, kind, seed, plan_sha256, shuffles, "
             "device,"
-            " rate_hz, stiffness_n_per_m, started_utc, operator, uuid) VALUES (?1, ?2, ?3, ?4, ?5, "
-            "?6, ?7, ?8, ?9, ?10, ?11, nullif(?12, ''), ?13)")
+            " rate_hz, stiffness_n_per_m, started_utc, operator, uuid, secret) VALUES (?1, ?2, ?3, "
+            "?4, ?5, "
+            "?6, ?7, ?8, ?9, ?10, ?11, nullif(?12, ''), ?13, ?14)")
         .bind(1, study)
         .bind(2, participant)
         .bind(3, static_cast<std::int64_t>(spec.key.session))
@@ -119,6 +114,7 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .bind(11, utc_now())
         .bind(12, spec.operator_name)
         .bind(13, random_uuid())
+        .bind(14, spec.key.secret)
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);
@@ -309,11 +305,11 @@ std::optional<SessionState> state_of(Statement& row) {
         return std::nullopt;
     }
     return SessionState{static_cast<std::size_t>(row.integer(0)), std::stoull(row.text(1)),
-                        row.integer(2) != 0};
+                        row.integer(2) != 0, row.text(3)};
 }
 
 constexpr const char* kStates =
-    "SELECT number, seed, finished FROM session JOIN study ON study.id = study"
+    "SELECT number, seed, finished, secret FROM session JOIN study ON study.id = study"
     " JOIN participant ON participant.id = participant WHERE name = ?1 AND code = ?2";
 
 }  // namespace
@@ -335,11 +331,7 @@ protocols::RequeueRule requeue_rule(const SessionSpec& spec) {
 }
 
 protocols::StreamKey session_stream(const SessionSpec& spec) {
-    return {.protocol_hash = spec.protocol_hash,
-            .participant = spec.key.participant,
-            .session = spec.key.session,
-            .purpose = {},
-            .seed = spec.seed};
+    return session_stream(spec.protocol_hash, spec.key, spec.seed);
 }
 
 std::optional<SessionState> latest_session(Database& database,

@@ -55,6 +55,7 @@ struct SessionState {
     std::size_t number = 0;
     std::uint64_t seed = 0;
     bool finished = false;
+    std::string secret{};  ///< with which its orders were drawn
 };
 
 /// The participant's last session of a protocol (by the protocol's id), if there is one.

@@ -30,7 +30,8 @@ OwnedTable without(Database& database, const std::string& name, const std::set<s
 }
 
 void require_known_references(Database& database, const std::string& table) {
-    static const std::set<std::string> known{"study", "participant", "session", "trial", "plan"};
+    static const std::set<std::string> known{"study", "participant", "session",
+                                             "trial", "plan",        "secret"};
     for (const std::string& to :
          names(database, "SELECT \"table\" FROM pragma_foreign_key_list(?1)", table)) {
         if (!known.contains(to)) {

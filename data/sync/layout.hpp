@@ -26,7 +26,7 @@ struct Layout {
     std::vector<OwnedTable> of_session;      ///< plan, picture, ...: set before the first trial
     std::vector<OwnedTable> of_trial;        ///< response, trace_chunk, ...
     std::vector<OwnedTable> of_participant;  ///< participant_detail
-    std::vector<OwnedTable> of_file;         ///< trace_column: nobody's, the same in every file
+    std::vector<OwnedTable> of_file;  ///< trace_column: nobody's, the same in every file; secret
     OwnedTable session;      ///< set before the first trial: without id, study, participant, head
     OwnedTable session_end;  ///< set when it finished
     OwnedTable trial;        ///< without id, session, invalid

@@ -121,10 +121,15 @@ std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& fil
 
 MergeReport merge_files(const std::string& file, const std::vector<std::string>& files) {
     const auto inputs = open_all(files);  // before anything is made
+    std::error_code unknown;
+    const bool is_new = !std::filesystem::exists(file, unknown);
     Database out(file, Access::write);
     MergeReport report;
     Transaction all_or_nothing(out);
     out.execute("PRAGMA defer_foreign_keys = ON");
+    if (is_new) {
+        out.execute("DELETE FROM secret");  // it has those of the others
+    }
     const Layout layout = read_layout(out);
 
     PeopleMerge people;
@@ -140,6 +145,7 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
     for (const auto& input : inputs) {
         collect(input->database, input->name);
     }
+    people.number();
     report.conflicts = people.conflicts();
     people.write(out);
     const std::set<std::string> twice = doubled(all, report.conflicts);

@@ -30,7 +30,8 @@ struct MergeReport {
 /// - a session whose chain of hashes does not hold (data/store/chain.hpp): damaged, or edited by hand;
 /// - two sessions that are the same study, participant and number under two uuids;
 /// - all that `inputs` have of a participant whose handedness, consent or details two files tell differently.
-/// What `file` itself holds stays in any case. The inputs are only read, also while a rig writes them.
+/// Sessions keep the secrets with which they were drawn; of a person with two numbers for exports the lesser is
+/// kept, and two people with one number are a conflict. What `file` itself holds stays in any case. The inputs are only read, also while a rig writes them.
 /// @throws StoreError if a file cannot be read or written: nothing was merged
 [[nodiscard]] MergeReport merge_files(const std::string& file,
                                       const std::vector<std::string>& inputs);

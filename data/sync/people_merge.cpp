@@ -8,6 +8,7 @@ namespace {
 constexpr const char* kHandedness = "handedness";
 constexpr const char* kConsent = "consent";
 constexpr const char* kConsentTime = "consent_utc";
+constexpr const char* kSubject = "subject";
 constexpr std::string_view kDetail = "detail ";
 
 }  // namespace
@@ -18,7 +19,8 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Sai
     if (is_new || there->second.value == said.value) {
         return;
     }
-    if (key == kConsentTime) {  // the same answer noted twice: when it was noted first
+    // The same answer noted twice: when it was noted first. A number drawn twice: the lesser.
+    if (key == kConsentTime || key == kSubject) {
         if (said.value < there->second.value) {
             there->second = said;
         }
@@ -32,13 +34,13 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Sai
 }
 
 void PeopleMerge::read(Database& database, const std::string& file) {
-    Statement row =
-        database.prepare("SELECT code, handedness, consent, consent_utc FROM participant");
+    Statement row = database.prepare(
+        "SELECT code, handedness, consent, consent_utc, printf('%010d', subject) FROM participant");
     while (row.step()) {
         const std::string code = row.text(0);
         people_[code];
         int column = 0;
-        for (const char* key : {kHandedness, kConsent, kConsentTime}) {
+        for (const char* key : {kHandedness, kConsent, kConsentTime, kSubject}) {
             if (!row.null(++column)) {
                 say(code, key, {row.text(column), file});
             }
@@ -52,12 +54,30 @@ void PeopleMerge::read(Database& database, const std::string& file) {
     }
 }
 
+void PeopleMerge::number() {
+    std::map<std::string, std::pair<std::string, std::string>> taken;
+    for (const auto& [code, person] : people_) {
+        const Said& said = person.at(kSubject);
+        const auto [there, is_new] = taken.emplace(said.value, std::pair(code, said.file));
+        if (!is_new) {
+            in_conflict_.insert(code);
+            conflicts_.push_back(
+                {.what = fmt::format("participants {} and {}: both have the number "
+                                     "{} in exports",
+                                     there->second.first, code, said.value),
+                 .first = there->second.second,
+                 .second = said.file});
+        }
+    }
+}
+
 void PeopleMerge::write(Database& out) const {
-    Statement add =
-        out.prepare("INSERT INTO participant (code) VALUES (?1) ON CONFLICT (code) DO NOTHING");
+    Statement add = out.prepare(
+        "INSERT INTO participant (code, subject) VALUES (?1, CAST(?2 AS INTEGER))"
+        " ON CONFLICT (code) DO NOTHING");
     Statement note = out.prepare(
         "UPDATE participant SET handedness = CAST(?2 AS INTEGER), consent = CAST(?3 AS INTEGER),"
-        " consent_utc = ?4 WHERE code = ?1");
+        " consent_utc = ?4, subject = CAST(?5 AS INTEGER) WHERE code = ?1");
     Statement detail = out.prepare(
         "INSERT INTO participant_detail SELECT id, ?2, ?3 FROM participant WHERE code = ?1"
         " ON CONFLICT (participant, key) DO NOTHING");
@@ -65,10 +85,12 @@ void PeopleMerge::write(Database& out) const {
         if (in_conflict_.contains(code)) {
             continue;
         }
-        add.bind(1, std::string_view(code)).run();
+        add.bind(1, std::string_view(code))
+            .bind(2, std::string_view(person.at(kSubject).value))
+            .run();
         note.bind(1, std::string_view(code));
         int parameter = 1;
-        for (const char* key : {kHandedness, kConsent, kConsentTime}) {
+        for (const char* key : {kHandedness, kConsent, kConsentTime, kSubject}) {
             const auto said = person.find(key);
             ++parameter;
             said == person.end() ? note.bind_null(parameter)

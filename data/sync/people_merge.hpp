@@ -16,6 +16,8 @@ class PeopleMerge {
 public:
     /// @param file  how to call the database
     void read(Database& database, const std::string& file);
+    /// Sees that no two people have the same number in exports, when all is read.
+    void number();
     /// Of these codes two files say different things.
     [[nodiscard]] const std::set<std::string>& in_conflict() const { return in_conflict_; }
     [[nodiscard]] const std::vector<MergeConflict>& conflicts() const { return conflicts_; }

@@ -53,6 +53,13 @@ PostgresTable owned(Database& database,
 
 }  // namespace
 
+Layout pushed_layout(Database& database) {
+    Layout layout = read_layout(database);
+    std::erase(layout.session.columns, "secret");
+    std::erase_if(layout.of_file, [](const OwnedTable& table) { return table.name == "secret"; });
+    return layout;
+}
+
 std::vector<PostgresTable> postgres_tables(Database& database, const Layout& layout) {
     const PostgresTable of_session{{}, {{"session", "uuid"}}, {"session"}};
     const PostgresTable of_trial{

@@ -40,7 +40,7 @@ void add_values(const Statement& row, PostgresRow& to) {
 class Push {
 public:
     Push(Database& database, Postgres& server)
-        : database_(database), server_(server), layout_(read_layout(database)) {
+        : database_(database), server_(server), layout_(pushed_layout(database)) {
         for (PostgresTable& table : postgres_tables(database, layout_)) {
             insert_[table.name] = postgres_insert(table);
             tables_.push_back(std::move(table));
@@ -350,7 +350,7 @@ std::string push_setup() {
     {
         Database none(folder + "/none.sqlite", Access::write);
         sql = "SET client_min_messages = warning;\n" +
-              postgres_schema(postgres_tables(none, read_layout(none))) + postgres_roles();
+              postgres_schema(postgres_tables(none, pushed_layout(none))) + postgres_roles();
     }
     std::filesystem::remove_all(folder);
     return sql;

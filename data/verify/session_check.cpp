@@ -43,7 +43,8 @@ bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& fin
 /// @return false if it is no number of 64 bits
 bool read_key(const StoredRow& session, SessionFrame& frame, Findings& findings) {
     frame.protocol_hash = session.text("protocol_sha256");
-    frame.key = {session.text("code"), static_cast<std::size_t>(session.integer("number"))};
+    frame.key = {session.text("code"), static_cast<std::size_t>(session.integer("number")),
+                 session.text("secret")};
     frame.simulated = session.text("kind") == "simulated";
     frame.replayed = session.text("device").starts_with("replay of ");
     const std::string seed = session.text("seed");

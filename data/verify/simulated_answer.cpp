@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "protocols/design/session_plan.hpp"
 #include "protocols/observer/simulated_observer.hpp"
 #include "protocols/running/trial_scene.hpp"
 
@@ -29,13 +30,9 @@ void check_simulated_answer(const SessionFrame& frame,
         !std::all_of(intervals.begin(), intervals.end(), usable)) {
         return;
     }
-    protocols::SimulatedObserver observer(frame.protocol,
-                                          {.protocol_hash = frame.protocol_hash,
-                                           .participant = frame.key.participant,
-                                           .session = frame.key.session,
-                                           .purpose = {},
-                                           .seed = frame.seed},
-                                          frame.plan.picture_order, [] { return true; });
+    protocols::SimulatedObserver observer(
+        frame.protocol, session_stream(frame.protocol_hash, frame.key, frame.seed),
+        frame.plan.picture_order, [] { return true; });
     for (std::size_t i = 0; i < intervals.size(); ++i) {
         static_cast<void>(observer.ready({.interval = i + 1}));
         observer.feel(std::span(intervals[i].trace.ticks)

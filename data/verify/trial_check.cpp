@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/safety/trip.hpp"
+#include "protocols/design/session_plan.hpp"
 #include "protocols/running/presentation.hpp"
 #include "data/store/people.hpp"
 #include "data/verify/interval_check.hpp"
@@ -57,11 +58,7 @@ constexpr std::array kOfAnEnd{"done_s",
                               "after_vertex_ticks"};
 
 protocols::RequeueRule rule_of(const SessionFrame& frame) {
-    return {.key = {.protocol_hash = frame.protocol_hash,
-                    .participant = frame.key.participant,
-                    .session = frame.key.session,
-                    .purpose = {},
-                    .seed = frame.seed},
+    return {.key = session_stream(frame.protocol_hash, frame.key, frame.seed),
             .most = frame.protocol.invalid.requeue_most};
 }
 

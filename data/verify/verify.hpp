@@ -10,7 +10,8 @@ namespace palpate::data {
 ///
 /// - SQLite's integrity_check and foreign_key_check, the table trace_column; every table, index and view of
 ///   palpate's word by word, CHECKs included; that no trigger stands on a table of palpate and nothing called
-///   sample hides the ticks.
+///   sample hides the ticks; that the file has its secret, and the numbers of people in exports follow from
+///   one.
 /// - The protocol's hash from its text, the plan from protocol, participant, session, seed and row of
 ///   pictures, the hashes of the objects' geometry, the calibration's hash from its text.
 /// - Every trial: its turn, attempt and outcome, every bit of its chunks, its ticks without a gap; every

@@ -40,6 +40,7 @@ struct PlannedTrial {
 struct SessionKey {
     std::string participant;
     std::size_t session = 1;  ///< 1, 2, ...
+    std::string secret{};     ///< of the file, StreamKey::secret; empty: an example
 
     friend bool operator==(const SessionKey&, const SessionKey&) = default;
 };

@@ -55,10 +55,14 @@ std::string canonical_text(const Plan& plan,
                            std::string_view protocol_hash,
                            const SessionKey& key,
                            std::uint64_t seed) {
-    std::string text = fmt::format(
-        "palpate-plan-v2\nprotocol={}:{}\nparticipant={}:{}\nsession={}\nseed={}\npictures=",
-        protocol_hash.size(), protocol_hash, key.participant.size(), key.participant, key.session,
-        seed);
+    std::string text =
+        fmt::format("palpate-plan-v2\nprotocol={}:{}\nparticipant={}:{}\nsession={}\nseed={}\n",
+                    protocol_hash.size(), protocol_hash, key.participant.size(), key.participant,
+                    key.session, seed);
+    if (!key.secret.empty()) {
+        text += fmt::format("secret={}:{}\n", key.secret.size(), key.secret);
+    }
+    text += "pictures=";
     for (const std::size_t object : plan.picture_order) {
         text += fmt::format("{} ", object);
     }
@@ -252,11 +256,7 @@ Plan adaptive_plan(const Protocol& protocol,
                    const SessionKey& key,
                    std::uint64_t seed,
                    const RowHistory& pictures) {
-    const StreamKey of_session{.protocol_hash = std::string(protocol_hash),
-                               .participant = key.participant,
-                               .session = key.session,
-                               .purpose = {},
-                               .seed = seed};
+    const StreamKey of_session = session_stream(protocol_hash, key, seed);
     Plan plan;
     plan.trials = adaptive_trials(protocol, of_session, plan);
     choose_pictures(protocol, of_session, pictures, plan);
@@ -266,6 +266,17 @@ Plan adaptive_plan(const Protocol& protocol,
 }
 
 }  // namespace
+
+StreamKey session_stream(std::string_view protocol_hash,
+                         const SessionKey& key,
+                         std::uint64_t seed) {
+    return {.protocol_hash = std::string(protocol_hash),
+            .participant = key.participant,
+            .session = key.session,
+            .purpose = {},
+            .seed = seed,
+            .secret = key.secret};
+}
 
 Plan make_plan(const Protocol& protocol,
                std::string_view protocol_hash,
@@ -279,12 +290,11 @@ Plan make_plan(const Protocol& protocol,
     refuse(protocol);
     const auto stream_for = [&](std::size_t session, std::string_view purpose,
                                 std::size_t block = 0) {
-        return stream({.protocol_hash = std::string(protocol_hash),
-                       .participant = key.participant,
-                       .session = session,
-                       .block = block,
-                       .purpose = std::string(purpose),
-                       .seed = seed});
+        StreamKey one = session_stream(protocol_hash, key, seed);
+        one.session = session;
+        one.block = block;
+        one.purpose = purpose;
+        return stream(one);
     };
     const DesignSpec& design = protocol.design;
     Plan plan;

@@ -8,6 +8,7 @@
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/design/protocol.hpp"
+#include "protocols/design/streams.hpp"
 
 namespace palpate::protocols {
 
@@ -16,6 +17,11 @@ namespace palpate::protocols {
 
 /// Every pictured object with every friction, `repetitions` times, in file order.
 [[nodiscard]] std::vector<Condition> factorial(const Protocol& protocol, std::size_t repetitions);
+
+/// The key of a session's streams; purpose and block are to be set.
+[[nodiscard]] StreamKey session_stream(std::string_view protocol_hash,
+                                       const SessionKey& key,
+                                       std::uint64_t seed);
 
 /// The whole session of one participant. The same arguments give the same plan on every machine.
 ///

@@ -1,5 +1,6 @@
 #include "protocols/design/streams.hpp"
 
+#include <charconv>
 #include <span>
 
 #include <fmt/format.h>
@@ -20,11 +21,26 @@ std::uint64_t big_endian(std::span<const std::uint8_t, 8> bytes) {
 }  // namespace
 
 std::string canonical_text(const StreamKey& key) {
-    return fmt::format(
+    const std::string open = fmt::format(
         "palpate-stream-v1\nprotocol={}:{}\nparticipant={}:{}\nsession={}\nblock={}\n"
         "purpose={}:{}\nseed={}\n",
         key.protocol_hash.size(), key.protocol_hash, key.participant.size(), key.participant,
         key.session, key.block, key.purpose.size(), key.purpose, key.seed);
+    return key.secret.empty() ? open
+                              : open + fmt::format("secret={}:{}\n", key.secret.size(), key.secret);
+}
+
+std::string stream_origin(const StreamKey& key) {
+    return sha256_hex(canonical_text(key)).substr(0, 32);
+}
+
+Pcg32 stream_from(std::string_view origin) {
+    const auto word = [origin](std::size_t at) {
+        std::uint64_t value = 0;
+        std::from_chars(origin.data() + at, origin.data() + at + 16, value, 16);
+        return value;
+    };
+    return {word(0), word(16)};
 }
 
 Pcg32 stream(const StreamKey& key) {

@@ -19,6 +19,9 @@ struct StreamKey {
     std::size_t block = 0;    ///< e.g. the position of a trial
     std::string purpose;      ///< one of purpose::
     std::uint64_t seed = 0;   ///< the recorded study seed
+    /// Random, of the file that the session is in, and never handed on with its data: all else can be known
+    /// or guessed, and an order that anybody can compute says whose it is. Empty: an example, of no file.
+    std::string secret{};
 };
 
 /// Everything that is drawn at random in a session, and what its key says besides protocol, participant
@@ -44,9 +47,15 @@ inline constexpr std::array all = {practice_order,  main_order,  catch_trials, p
                                    masking,         second_hand, procedure};
 }  // namespace purpose
 
-/// The text that is hashed: one `name=value` a line. Texts carry their length in bytes, so that no
+/// The text that is hashed: one `name=value` a line, that of an empty secret left out. Texts carry their length in bytes, so that no
 /// participant's name can pass for another key.
 [[nodiscard]] std::string canonical_text(const StreamKey& key);
+
+/// Where a stream begins: the first 16 bytes of SHA-256(canonical text), as 32 hexadecimal digits. It gives
+/// this stream away and nothing else: no other one, nor whose it is.
+[[nodiscard]] std::string stream_origin(const StreamKey& key);
+/// The stream that begins there. @pre 32 hexadecimal digits
+[[nodiscard]] Pcg32 stream_from(std::string_view origin);
 
 /// The stream of `key`: bytes 0-7 of SHA-256(canonical text), big-endian, are the generator's
 /// initstate and bytes 8-15 its initseq.

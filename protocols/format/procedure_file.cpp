@@ -43,12 +43,12 @@ public:
     ProcedureFile read(std::string_view file_name) {
         check_format(file_name);
         std::optional<ProcedureSpec> spec = read_rule();
-        StreamKey key = read_stream();
+        const Pcg32 random = read_stream();
         problems_.throw_if_any(file_name);
         std::optional<Procedure> ready;
-        attempt([&] { ready.emplace(*spec, stream(key)); });
+        attempt([&] { ready.emplace(*spec, random); });
         problems_.throw_if_any(file_name);
-        return {std::move(key), std::move(*spec), std::move(ready.value())};
+        return {std::move(*spec), std::move(ready.value())};
     }
 
     /// The rule, tried once.
@@ -134,17 +134,24 @@ private:
         }
     }
 
-    StreamKey read_stream() {
+    Pcg32 read_stream() {
         Section section = this->section("stream");
-        StreamKey key;
-        key.protocol_hash = section.text("protocol_hash");
-        key.participant = section.text("participant");
-        key.session = section.count("session");
-        key.block = section.count("run");
-        key.purpose = purpose::procedure;
-        key.seed = section.seed("seed");
+        const std::uint64_t seed = section.seed("seed");
+        const std::string origin = section.text("origin");
+        const bool wanted = section.has("origin");
+        if (wanted && (origin.size() != 32 ||
+                       origin.find_first_not_of("0123456789abcdef") != std::string::npos)) {
+            section.refuse("origin",
+                           "origin is not 32 of the digits 0 to 9 and a to f: copy it "
+                           "whole, or give a seed");
+            return {0, 0};
+        }
         section.refuse_unknown();
-        return key;
+        return wanted ? stream_from(origin)
+                      : stream({.protocol_hash = {},
+                                .participant = {},
+                                .purpose = std::string(purpose::procedure),
+                                .seed = seed});
     }
 
     std::optional<ProcedureSpec> read_spec(Section& procedure) {

@@ -13,7 +13,6 @@ namespace palpate::protocols {
 
 struct ProcedureFile {
     /// Purpose "procedure"; empty texts unless a recorded run is replayed.
-    StreamKey stream;
     ProcedureSpec spec;
     Procedure procedure;  ///< of both
 };

@@ -34,15 +34,9 @@ constexpr std::array kKeys{
                  .meaning = "psi, quest_plus: parameters whose uncertainty does not count (psi-marginal)"},
 
     ProcedureKey{.table = "stream", .name = "seed", .kind = KeyKind::integer, .range = {.lowest = 0.0, .highest = kMostSeed}, .otherwise = 0.0,
-                 .meaning = "study seed of the random orders"},
-    ProcedureKey{.table = "stream", .name = "protocol_hash", .kind = KeyKind::text,
-                 .meaning = "of the run that is replayed; empty if left out"},
-    ProcedureKey{.table = "stream", .name = "participant", .kind = KeyKind::text,
-                 .meaning = "of the run that is replayed; empty if left out"},
-    ProcedureKey{.table = "stream", .name = "session", .kind = KeyKind::integer, .range = kCount, .otherwise = 1.0,
-                 .meaning = "of the run that is replayed"},
-    ProcedureKey{.table = "stream", .name = "run", .kind = KeyKind::integer, .range = {.lowest = 0.0, .highest = 100'000.0}, .otherwise = 0.0,
-                 .meaning = "which run of a session is replayed, from 0"},
+                 .meaning = "of the random orders"},
+    ProcedureKey{.table = "stream", .name = "origin", .kind = KeyKind::text,
+                 .meaning = "32 hexadecimal digits: the random numbers of a run that is replayed, instead of seed"},
 
     ProcedureKey{.table = "constant", .name = "stimuli", .kind = KeyKind::axis, .required = true,
                  .meaning = "every value that is shown"},

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "engine/math/elementary.hpp"
-#include "protocols/design/streams.hpp"
+#include "protocols/design/session_plan.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -26,13 +26,10 @@ DrawnHand::DrawnHand(const Protocol& protocol,
       seed_(seed) {}
 
 engine::Exploration DrawnHand::at(std::size_t position, std::size_t interval) const {
-    Pcg32 random =
-        stream({.protocol_hash = protocol_hash_,
-                .participant = key_.participant,
-                .session = key_.session,
-                .block = position,
-                .purpose = std::string(interval == 1 ? purpose::hand : purpose::second_hand),
-                .seed = seed_});
+    StreamKey own = session_stream(protocol_hash_, key_, seed_);
+    own.block = position;
+    own.purpose = interval == 1 ? purpose::hand : purpose::second_hand;
+    Pcg32 random = stream(own);
     engine::Exploration plan{
         .start = start_, .a = outline_.a, .vertex = outline_.vertex, .b = outline_.b};
     plan.speed = 0.065 + 0.030 * unit(random);          // 65 to 95 mm/s

@@ -110,7 +110,7 @@ TEST_CASE("a transaction that is not committed leaves nothing", "[store][law]") 
     Database database(folder.file("a.sqlite"), Access::write);
     {
         data::Transaction all(database);
-        database.execute("INSERT INTO participant (code) VALUES ('P1')");
+        database.execute("INSERT INTO participant (code, subject) VALUES ('P1', 1)");
     }
     auto count = database.prepare("SELECT count(*) FROM participant");
     count.step();
@@ -123,8 +123,8 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
     Database database(folder.file("a.sqlite"), Access::write);
     static_cast<void>(data::open_session(database, tests::session_spec(tests::small_protocol())));
     const char* nonsense[] = {
-        "INSERT INTO participant (code) VALUES ('Jane Doe')",
-        "INSERT INTO participant (code) VALUES ('')",
+        "INSERT INTO participant (code, subject) VALUES ('Jane Doe', 1)",
+        "INSERT INTO participant (code, subject) VALUES ('', 1)",
         "UPDATE session SET kind = 'maybe'",
         "UPDATE session SET rate_hz = 0",
         "UPDATE plan SET mu_s = 0.1, mu_d = 0.5",

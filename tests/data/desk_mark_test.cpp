@@ -135,14 +135,8 @@ public:
               std::uint64_t seed,
               OperatorDesk& desk,
               std::function<bool()> done)
-        : SimulatedObserver(spec.protocol,
-                            {.protocol_hash = spec.protocol_hash,
-                             .participant = spec.key.participant,
-                             .session = spec.key.session,
-                             .purpose = {},
-                             .seed = spec.seed},
-                            spec.plan.picture_order,
-                            std::move(done)),
+        : SimulatedObserver(
+              spec.protocol, session_stream(spec), spec.plan.picture_order, std::move(done)),
           random_(seed),
           desk_(desk) {}
     Signal ready(const TrialView& trial) override {

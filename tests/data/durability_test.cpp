@@ -210,7 +210,7 @@ TEST_CASE("ticks that come slowly are saved by the clock, not by their number", 
 TEST_CASE("the log and its index are as private as the file", "[store][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    database.execute("INSERT INTO participant (code) VALUES ('P1')");
+    database.execute("INSERT INTO participant (code, subject) VALUES ('P1', 1)");
     for (const char* name : {"a.sqlite", "a.sqlite-wal", "a.sqlite-shm"}) {
         CAPTURE(name);
         CHECK(std::filesystem::status(folder.file(name)).permissions() ==

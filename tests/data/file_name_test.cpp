@@ -109,7 +109,7 @@ TEST_CASE("a database has the name it was given, whatever that name means to SQL
     const WorkingFolder here(folder.path());
     {
         Database database(name, Access::write);
-        database.execute("INSERT INTO participant (code) VALUES ('P1')");
+        database.execute("INSERT INTO participant (code, subject) VALUES ('P1', 1)");
     }
     CHECK(folder.names() == std::vector<std::string>{name});
     Database again(name, Access::read);

@@ -1,6 +1,4 @@
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -8,6 +6,7 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -28,7 +27,7 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         REQUIRE(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     }
     const Finished done = palpate_command({"export", file, "--format", "procedure", "--kind", "all",
-                                           "--keep-codes", "-o", folder.file("out")});
+                                           "-o", folder.file("out")});
     CAPTURE(done.error);
     REQUIRE(done.code == 0);
     std::size_t replayed = 0;
@@ -39,10 +38,11 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
             {"procedure", run.path() / "CONFIG.toml", run.path() / "RESPONSES.csv", "--hashes"});
         CAPTURE(shown.error);
         REQUIRE(shown.code == 0);
-        // Which participant it is, by the one file that says so.
-        std::ifstream config(run.path() / "CONFIG.toml");
-        const std::string text{std::istreambuf_iterator<char>(config), {}};
-        const std::string who = text.find("\"P01\"") != std::string::npos ? "P01" : "P02";
+        CHECK_THAT(tests::slurp(run.path() / "CONFIG.toml"), !ContainsSubstring("P0"));
+        data::Statement person = database.prepare(
+            "SELECT code FROM participant WHERE instr(?1, printf('subject-%010d_', subject))");
+        REQUIRE(person.bind(1, std::string_view(name)).step());
+        const std::string who = person.text(0);
         data::Statement row = database.prepare(
             "SELECT stimulus, outcome, state_sha256 FROM adaptive_trial WHERE participant = ?1 AND"
             " run = ?2 ORDER BY n");
@@ -65,24 +65,17 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
     CHECK(replayed == 4);
 }
 
-TEST_CASE("runs are exported only by who wants the codes of the lab, and where there are runs",
-          "[export][adaptive]") {
+TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    const bool adaptive = GENERATE(true, false);
     {
         Database database(file, Access::write);
-        const auto spec =
-            tests::session_spec(adaptive ? tests::adaptive_protocol() : tests::small_protocol());
-        static_cast<void>(data::open_session(database, spec));
+        static_cast<void>(
+            data::open_session(database, tests::session_spec(tests::small_protocol())));
     }
-    std::vector<std::string> words{"export", file,  "--format", "procedure",
-                                   "--kind", "all", "-o",       folder.file("out")};
-    if (!adaptive) {
-        words.emplace_back("--keep-codes");
-    }
-    const Finished refused = palpate_command(words);
+    const Finished refused = palpate_command({"export", file, "--format", "procedure", "--kind",
+                                              "all", "-o", folder.file("out")});
     CHECK(refused.code == 2);
-    CHECK_THAT(refused.error, ContainsSubstring(adaptive ? "add --keep-codes" : "no session"));
+    CHECK_THAT(refused.error, ContainsSubstring("no session"));
     CHECK_FALSE(std::filesystem::exists(folder.file("out")));
 }

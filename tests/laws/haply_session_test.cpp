@@ -67,11 +67,7 @@ public:
            protocols::EmulatedHaplyApparatus& apparatus,
            bool clumsy)
         : SimulatedObserver(protocol,
-                            {.protocol_hash = spec.protocol_hash,
-                             .participant = spec.key.participant,
-                             .session = 1,
-                             .purpose = {},
-                             .seed = spec.seed},
+                            session_stream(spec),
                             spec.plan.picture_order,
                             [&apparatus] { return apparatus.hand_is_done(); }),
           apparatus_(&apparatus),

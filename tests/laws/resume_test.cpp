@@ -21,8 +21,17 @@ using tests::TemporaryFolder;
 namespace {
 
 std::vector<std::string> words(const std::string& file, const std::string& speed = "0") {
-    return {"run", "shape_friction_demo", "--participant", "P1", "--db",
-            file,  "--headless",          "--speed",       speed};
+    return {"run",
+            "shape_friction_demo",
+            "--participant",
+            "P1",
+            "--db",
+            file,
+            "--headless",
+            "--speed",
+            speed,
+            "--secret",
+            tests::kRunSecret};
 }
 
 /// Starts a slowed-down session and waits until trial `position` has stored some of its ticks.

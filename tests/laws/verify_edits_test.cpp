@@ -29,9 +29,10 @@ TEST_CASE("one changed value in any column of any table of results is reported",
         "trial.outcome",     "trace_chunk.codec", "response.input",
         "trace_column.type", "trace_column.rule", "trace_column.part"};
     const std::vector<std::string> tables{
-        "study",         "participant", "session",    "session_provenance", "plan",
-        "adaptive_plan", "picture",     "trial",      "presentation",       "response",
-        "adaptive_step", "event",       "fault_tick", "trace_chunk",        "trace_column"};
+        "secret",      "study",         "participant", "session",    "session_provenance",
+        "plan",        "adaptive_plan", "picture",     "trial",      "presentation",
+        "response",    "adaptive_step", "event",       "fault_tick", "trace_chunk",
+        "trace_column"};
     int columns = 0;
     for (const std::string& name : tests::result_columns(database, tables)) {
         const std::string table = name.substr(0, name.find('.'));

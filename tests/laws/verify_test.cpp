@@ -232,11 +232,11 @@ TEST_CASE(
     words.insert(words.begin(), tests::palpate_program());
     words.insert(words.end(), {"--speed", "10"});
     const std::vector<std::string> no_display{"DISPLAY", "WAYLAND_DISPLAY"};
-    const auto ticks_of = [&](std::int64_t trial) {
+    const auto ticks_from = [&](std::int64_t trial) {
         try {
             data::Database database(file, data::Access::read);
             auto row = database.prepare(
-                "SELECT coalesce(sum(ticks), 0) / 256 FROM trace_chunk WHERE trial = ?1");
+                "SELECT coalesce(sum(ticks), 0) / 256 FROM trace_chunk WHERE trial >= ?1");
             row.bind(1, trial).step();
             return row.integer(0);
         } catch (const data::StoreError&) {
@@ -257,7 +257,7 @@ TEST_CASE(
     };
     {
         tests::Process killed(words, no_display);
-        REQUIRE(tests::eventually([&] { return ticks_of(2) >= 2; }));
+        REQUIRE(tests::eventually([&] { return ticks_from(2) >= 2; }));
         verifies();
         REQUIRE(killed.running());  // and the reader did not disturb it
         killed.signal(SIGKILL);
@@ -266,8 +266,10 @@ TEST_CASE(
     CHECK(outcome("running") == 1);
     verifies();
     {
+        // On a slow machine verify may have taken the time of another trial.
+        const std::int64_t next = 1 + outcome("complete") + outcome("timed_out") + 1;
         tests::Process stopped(words, no_display);
-        REQUIRE(tests::eventually([&] { return ticks_of(3) >= 2; }));
+        REQUIRE(tests::eventually([&] { return ticks_from(next) >= 2; }));
         stopped.signal(SIGINT);
         CHECK(stopped.wait().code == 3);
     }

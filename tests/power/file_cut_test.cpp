@@ -73,9 +73,9 @@ std::string everything(const fs::path& folder) {
 
 std::string a_session(const std::string& file, const std::string& participant) {
     data::SessionSpec spec = tests::short_session(false);
-    spec.plan =
-        protocols::make_plan(spec.protocol, spec.protocol_hash, {participant, 1}, spec.seed);
-    spec.key = {participant, 1};
+    spec.plan = protocols::make_plan(spec.protocol, spec.protocol_hash,
+                                     {participant, 1, tests::kSecret}, spec.seed);
+    spec.key = {participant, 1, tests::kSecret};
     Database database(file, Access::write);
     CHECK(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     return file;

@@ -129,6 +129,12 @@ std::string palpate_program() {
 Finished palpate_command(const std::vector<std::string>& arguments) {
     std::vector<std::string> command{palpate_program()};
     command.insert(command.end(), arguments.begin(), arguments.end());
+    const auto file = std::find(command.begin(), command.end(), "--db");
+    const bool given = std::find(command.begin(), command.end(), "--secret") != command.end();
+    if (command.size() > 1 && command[1] == "run" && file < command.end() - 1 && !given &&
+        !std::filesystem::exists(file[1])) {
+        command.insert(command.end(), {"--secret", kRunSecret});
+    }
     return Process(command, {"DISPLAY", "WAYLAND_DISPLAY", "SDL_VIDEODRIVER"}).wait();
 }
 

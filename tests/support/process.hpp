@@ -64,7 +64,11 @@ private:
     bool done_ = false;
 };
 
-/// Runs the program under test, headless unless the arguments say otherwise.
+/// The secret of new files in tests, so that a failure comes again.
+inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
+
+/// Runs the program under test, headless unless the arguments say otherwise. `run` makes a new file with
+/// kRunSecret unless another --secret is given.
 [[nodiscard]] Finished palpate_command(const std::vector<std::string>& arguments);
 
 /// Path of the program under test.

@@ -9,6 +9,7 @@
 #include "protocols/running/object_hash.hpp"
 #include "protocols/running/recorder.hpp"
 #include "data/store/session_store.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
 
 /// Small studies and made-up ticks for tests.
@@ -34,13 +35,16 @@ inline protocols::Protocol small_protocol(std::size_t repetitions = 1) {
     return protocol;
 }
 
+/// Of sessions in tests.
+inline const std::string kSecret = kRunSecret;
+
 inline data::SessionSpec session_spec(const protocols::Protocol& protocol,
                                       std::string participant = "P01",
                                       std::size_t number = 1) {
     data::SessionSpec spec;
     spec.protocol = protocol;
     spec.protocol_hash = protocols::protocol_hash(protocol);
-    spec.key = {std::move(participant), number};
+    spec.key = {std::move(participant), number, kSecret};
     spec.seed = protocol.seed;
     spec.plan = protocols::make_plan(protocol, spec.protocol_hash, spec.key, spec.seed);
     spec.device = "test";

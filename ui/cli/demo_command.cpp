@@ -2,6 +2,7 @@
 
 #include "protocols/format/protocol_file.hpp"
 #include "data/analysis/summary.hpp"
+#include "data/store/secret.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
@@ -52,6 +53,7 @@ int demo_command(const DemoOptions& options) {
     if (last) {  // a finished demo is followed by another session, an unfinished one goes on
         spec.key.session = last->finished ? last->number + 1 : last->number;
     }
+    spec.key.secret = last && !last->finished ? last->secret : std::string(data::kDemoSecret);
     spec.seed =
         options.seed.value_or(last && !last->finished ? last->seed : spec.study.protocol.seed);
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/session_plan.hpp"
 #include "ui/cli/say.hpp"
 
 namespace palpate::ui {
@@ -27,11 +28,8 @@ OpenedMasking open_masking(const RigSpec& spec) {
     OpenedMasking opened{
         .player = nullptr, .note = {}, .required = spec.kind == data::RunKind::real};
     try {
-        opened.player = open_noise(asked, {.protocol_hash = spec.study.hash,
-                                           .participant = spec.key.participant,
-                                           .session = spec.key.session,
-                                           .purpose = {},
-                                           .seed = spec.seed});
+        opened.player =
+            open_noise(asked, protocols::session_stream(spec.study.hash, spec.key, spec.seed));
     } catch (const std::runtime_error& error) {
         if (opened.required) {
             throw;

@@ -63,6 +63,12 @@ void add_run(CLI::App& app, Options& chosen) {
         "--another", run.another,
         "The participant is somebody new, although a code in the file is much like it");
     command->add_option("--seed", run.seed, "Study seed instead of the protocol's");
+    command->add_option(
+        "--secret", run.secret,
+        "For a new file: what all its orders are drawn with, 32 hexadecimal digits, "
+        "instead of random ones. For rigs that share a study, or to repeat a "
+        "simulated session to the bit. Whoever knows it can tell whose an exported "
+        "order is");
     command->add_option("--operator", run.operator_name, "Who runs it, kept with the session")
         ->check(kept_text);
     command

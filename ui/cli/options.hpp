@@ -32,6 +32,7 @@ struct RunOptions {
     bool elsewhere = false;  ///< the sessions before that one are in another file
     bool another = false;    ///< somebody new, although a code in the file is much like this one
     std::optional<std::uint64_t> seed;
+    std::optional<std::string> secret;  ///< for the file, if it has no session yet
     std::string resume = "continue";
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
@@ -49,7 +50,7 @@ struct DemoOptions {
 struct SequenceOptions {
     std::string protocol;  ///< a file, or the name of a shipped protocol
     std::string participant;
-    std::string database;  ///< empty: a study that nobody has run yet
+    std::string database;  ///< empty: an example
     std::optional<std::size_t> session;
     std::optional<std::uint64_t> seed;
     bool csv = false;

@@ -26,6 +26,7 @@ std::pair<std::string, std::string> detail_of(const std::string& word) {
 void print(const std::string& id, const data::Participant& person) {
     say("participant  {}\n", id);
     say("sessions     {}\n", person.sessions);
+    say("in exports   sub-{:010}\n", person.subject);
     say("handedness   {}\n",
         person.notes.handedness ? fmt::format("{}", *person.notes.handedness) : "not noted");
     say("consent      {}\n",

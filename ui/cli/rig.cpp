@@ -38,12 +38,7 @@ using protocols::TrialResult;
 std::unique_ptr<protocols::Observer> make_simulated_observer(
     const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
     return std::make_unique<protocols::SimulatedObserver>(
-        spec.study.protocol,
-        protocols::StreamKey{.protocol_hash = spec.study.hash,
-                             .participant = spec.key.participant,
-                             .session = spec.key.session,
-                             .purpose = {},
-                             .seed = spec.seed},
+        spec.study.protocol, protocols::session_stream(spec.study.hash, spec.key, spec.seed),
         plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
 }
 

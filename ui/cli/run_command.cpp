@@ -7,6 +7,7 @@
 
 #include "protocols/format/keys.hpp"
 #include "data/store/people.hpp"
+#include "data/store/secret.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
@@ -124,6 +125,9 @@ void heed_number(const RunOptions& options, const std::string& study) {
 int run_command(const RunOptions& options) {
     catch_signals();
     check_participant(options.participant);
+    if (options.secret) {
+        data::check_secret(*options.secret);
+    }
     RigSpec spec;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
@@ -145,6 +149,9 @@ int run_command(const RunOptions& options) {
         load_recordings(spec.device);  // what is missing is said before a file is made
     data::Database database(options.database, data::Access::write);
     check_known(database, options.participant, options.another);
+    if (options.secret) {
+        data::set_secret(database, *options.secret);
+    }
     const SessionChoice choice =
         choose_session(database, spec.study, options.participant, options.session, options.seed);
     spec.key = choice.key;

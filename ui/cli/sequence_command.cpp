@@ -144,6 +144,9 @@ void print_trials(const Sequence& sequence) {
 void print_text(const Sequence& sequence) {
     const Protocol& protocol = sequence.study.protocol;
     const PlanSummary summary = summarise(sequence.plan);
+    if (sequence.key.secret.empty()) {
+        say("An example: each file draws its own orders, and --db FILE shows them.\n");
+    }
     say("{}: participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
         sequence.key.participant, sequence.key.session, sequence.seed,
         protocols::counted(sequence.plan.trials.size(), "trial"), session_code(sequence.plan));
@@ -167,6 +170,9 @@ void print_text(const Sequence& sequence) {
 int sequence_command(const SequenceOptions& options) {
     const Sequence sequence = make_sequence(options);
     if (options.csv) {
+        if (sequence.key.secret.empty()) {
+            warn("this is an example: each file draws its own orders, and --db FILE shows them");
+        }
         print_csv(sequence);
     } else {
         print_text(sequence);

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "data/store/people.hpp"
+#include "data/store/secret.hpp"
 
 namespace palpate::ui {
 
@@ -37,6 +38,7 @@ SessionChoice choose_session(data::Database& database,
     SessionChoice choice;
     choice.key = {participant, session.value_or(last ? last->number : 1)};
     const auto there = data::find_session(database, study.protocol.id, choice.key);
+    choice.key.secret = there ? there->secret : data::own_secret(database);
     choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
     choice.finished = there && there->finished;
     choice.last = last ? last->number : 0;

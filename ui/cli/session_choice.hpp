@@ -28,7 +28,8 @@ struct SessionChoice {
 };
 
 /// The session asked for, else the participant's last one, else the first. Its seed is the one asked for,
-/// else that with which it was begun, else the protocol's.
+/// else that with which it was begun, else the protocol's; its secret that with which it was begun,
+/// else the file's.
 [[nodiscard]] SessionChoice choose_session(data::Database& database,
                                            const Study& study,
                                            const std::string& participant,

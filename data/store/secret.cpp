@@ -1,0 +1,95 @@
+#include "data/store/secret.hpp"
+
+#include <array>
+#include <charconv>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <sodium.h>
+
+#include "protocols/design/sha256.hpp"
+
+namespace palpate::data {
+namespace {
+
+bool anybody_in(Database& database) {
+    return database.prepare("SELECT 1 FROM session UNION ALL SELECT 1 FROM participant").step();
+}
+
+}  // namespace
+
+std::int64_t subject_of(std::string_view code, std::string_view secret, int draw) {
+    const std::string hash = protocols::sha256_hex(fmt::format(
+        "palpate-subject-v1\ncode={}:{}\nsecret={}\ndraw={}\n", code.size(), code, secret, draw));
+    std::uint64_t number = 0;
+    std::from_chars(hash.data(), hash.data() + 15, number, 16);
+    return static_cast<std::int64_t>(number % 9'999'999'999U) + 1;
+}
+
+std::string random_secret() {
+    if (sodium_init() < 0) {
+        throw std::runtime_error("the kernel gives no random numbers: is /dev/urandom there?");
+    }
+    std::array<std::uint8_t, 16> bytes{};
+    randombytes_buf(bytes.data(), bytes.size());
+    std::string hex;
+    for (const std::uint8_t byte : bytes) {
+        hex += fmt::format("{:02x}", byte);
+    }
+    return hex;
+}
+
+std::string own_secret(Database& database) {
+    Statement row = database.prepare("SELECT min(hex) FROM secret");
+    row.step();
+    if (row.null(0)) {
+        throw StoreError(fmt::format(
+            "{}: its secret was removed, and without it no order can be drawn or checked; restore "
+            "a copy of the file",
+            database.file()));
+    }
+    return row.text(0);
+}
+
+void check_secret(std::string_view hex) {
+    if (hex.size() != 32 || hex.find_first_not_of("0123456789abcdef") != std::string::npos) {
+        throw std::invalid_argument(
+            "--secret is not 32 of the digits 0 to 9 and a to f; openssl rand -hex 16 prints one");
+    }
+}
+
+void set_secret(Database& database, std::string_view hex) {
+    Transaction all(database);
+    if (own_secret(database) == hex) {
+        return;
+    }
+    if (anybody_in(database)) {
+        throw std::invalid_argument(
+            fmt::format("{}: it has a secret of its own, with which people are numbered and their "
+                        "orders drawn: leave --secret out, or begin another file",
+                        database.file()));
+    }
+    database.execute("DELETE FROM secret");
+    database.prepare("INSERT INTO secret VALUES (?1)").bind(1, hex).run();
+    all.commit();
+}
+
+std::int64_t participant_row(Database& database, std::string_view code, std::string_view secret) {
+    Statement there = database.prepare("SELECT id FROM participant WHERE code = ?1");
+    if (there.bind(1, code).step()) {
+        return there.integer(0);
+    }
+    Statement taken = database.prepare("SELECT 1 FROM participant WHERE subject = ?1");
+    std::int64_t subject = subject_of(code, secret, 0);
+    for (int draw = 1; taken.bind(1, subject).step(); ++draw) {
+        subject = subject_of(code, secret, draw);
+        taken.reset();
+    }
+    database.prepare("INSERT INTO participant (code, subject) VALUES (?1, ?2)")
+        .bind(1, code)
+        .bind(2, subject)
+        .run();
+    return database.last_row();
+}
+
+}  // namespace palpate::data

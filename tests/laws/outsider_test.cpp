@@ -1,0 +1,415 @@
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "protocols/design/session_plan.hpp"
+#include "protocols/format/protocol_file.hpp"
+#include "data/store/content_hash.hpp"
+#include "data/store/secret.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+// What somebody outside the lab makes of an export: protocol, seed, the list of all codes and this program's own
+// code are known, the file is not.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr const char* kStudy = "shape_friction_demo";
+const std::vector<std::string> kCodes{"P01", "P02", "P03", "P04", "P05", "P06", "P07"};
+const std::string kDeclined = "P03";
+
+Finished run(const std::string& code, const std::string& file, std::vector<std::string> more = {}) {
+    std::vector<std::string> words{"run",  kStudy, "--participant", code,
+                                   "--db", file,   "--headless"};
+    words.insert(words.end(), more.begin(), more.end());
+    words.insert(words.begin(), tests::palpate_program());
+    return tests::Process(words, {"DISPLAY"}).wait();  // palpate_command() would give a secret
+}
+
+/// People who ran, one after the other, as if each hand had been a person's.
+void record(const std::string& file, std::size_t from, std::size_t to) {
+    for (std::size_t i = from; i < to; ++i) {
+        REQUIRE(run(kCodes[i], file).code == 0);
+        data::Database(file, data::Access::write).execute("UPDATE session SET kind = 'real'");
+    }
+}
+
+std::string exported(const std::string& file,
+                     const std::string& format,
+                     const std::string& out,
+                     std::vector<std::string> more = {}) {
+    std::vector<std::string> words{"export", file, "--format", format, "-o", out};
+    words.insert(words.end(), more.begin(), more.end());
+    const Finished done = palpate_command(words);
+    CAPTURE(format, done.error);
+    REQUIRE(done.code == 0);
+    return out;
+}
+
+using Lines = std::vector<std::map<std::string, std::string>>;
+
+Lines read_csv(const fs::path& path) {
+    std::ifstream in(path);
+    REQUIRE(in);
+    const auto words = [](const std::string& line) {
+        std::vector<std::string> all;
+        std::istringstream rest(line);
+        for (std::string word; std::getline(rest, word, ',');) {
+            all.push_back(word);
+        }
+        return all;
+    };
+    std::string line;
+    REQUIRE(std::getline(in, line));
+    const auto head = words(line);
+    Lines lines;
+    while (std::getline(in, line)) {
+        const auto values = words(line);
+        auto& one = lines.emplace_back();
+        for (std::size_t i = 0; i < std::min(head.size(), values.size()); ++i) {
+            one[head[i]] = values[i];
+        }
+    }
+    return lines;
+}
+
+using Order = std::vector<std::string>;  ///< object and friction of every trial
+
+/// By subject, from the exported plans.
+std::map<std::string, Order> orders_in(const fs::path& folder) {
+    std::map<std::string, Order> orders;
+    for (const auto& line : read_csv(folder / "plan.csv")) {
+        orders[line.at("subject")].push_back(line.at("object") + ' ' + line.at("friction"));
+    }
+    return orders;
+}
+
+/// By code, what the shipped program draws for it.
+std::map<std::string, std::set<Order>> computed(const std::string& secret) {
+    const protocols::Protocol protocol = protocols::load_protocol(
+        fmt::format(PALPATE_SOURCE_DIR "/protocols/library/{}.toml", kStudy));
+    std::map<std::string, std::set<Order>> orders;
+    for (const std::string& code : kCodes) {
+        for (const std::size_t session : {1U, 2U}) {
+            const protocols::Plan plan = make_plan(protocol, protocols::protocol_hash(protocol),
+                                                   {code, session, secret}, protocol.seed);
+            Order order;
+            for (const auto& trial : plan.trials) {
+                order.push_back(protocol.objects.at(trial.condition.object).name + ' ' +
+                                protocol.frictions.at(trial.condition.friction).name);
+            }
+            orders[code].insert(order);
+        }
+    }
+    return orders;
+}
+
+/// Subject -> code, wherever one order is that of one code.
+std::map<std::string, std::string> identified(const fs::path& folder, const std::string& secret) {
+    std::map<std::string, std::string> found;
+    const auto by_code = computed(secret);
+    for (const auto& [subject, order] : orders_in(folder)) {
+        for (const auto& [code, orders] : by_code) {
+            if (orders.contains(order)) {
+                found[subject] = code;
+            }
+        }
+    }
+    return found;
+}
+
+std::map<std::string, std::string> codes_in(const fs::path& file) {
+    std::map<std::string, std::string> codes;
+    for (const auto& line : read_csv(file)) {
+        codes[line.at("code")] = line.at("subject");
+    }
+    return codes;
+}
+
+/// Names and bytes of all that was exported.
+std::string everything(const fs::path& folder) {
+    std::string text;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        text += fs::relative(entry.path(), folder).string() + '\n';
+        text += entry.is_regular_file() ? tests::slurp(entry.path()) + '\n' : "";
+    }
+    return text;
+}
+
+std::vector<std::string> values(const std::string& file, const std::string& sql) {
+    data::Database database(file, data::Access::read);
+    data::Statement row = database.prepare(sql);
+    std::vector<std::string> all;
+    while (row.step()) {
+        if (!row.null(0)) {
+            all.push_back(row.text(0));
+        }
+    }
+    return all;
+}
+
+/// What no export without details may hold: names, clocks, hashes, secrets.
+std::vector<std::string> telling(const std::string& file) {
+    return values(
+        file,
+        "SELECT hex FROM secret UNION SELECT code FROM participant UNION SELECT uuid FROM"
+        " session UNION SELECT plan_sha256 FROM session UNION SELECT"
+        " substr(plan_sha256, 1, 4) || '-' || substr(plan_sha256, 5, 4) FROM session UNION"
+        " SELECT chain FROM trial UNION SELECT chain FROM session UNION"
+        " SELECT substr(started_utc, 1, 10) FROM session UNION"
+        " SELECT CAST(started_ns AS TEXT) FROM trial UNION SELECT CAST(at_ns AS TEXT) FROM"
+        " event UNION SELECT '2026-' UNION SELECT 'edinburgh'");
+}
+
+}  // namespace
+
+TEST_CASE("an outsider finds nobody in an export, nor who declined, and with the secret everybody",
+          "[export][secret][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("study.sqlite");
+    record(file, 0, 4);
+    REQUIRE(palpate_command({"participant", file, kDeclined, "--consent", "no"}).code == 0);
+    REQUIRE(palpate_command({"participant", file, "P01", "--handedness", "80"}).code == 0);
+    REQUIRE(palpate_command({"participant", file, "P02", "--handedness", "-30"}).code == 0);
+    const std::string early = exported(file, "csv", folder.file("early"), {"--keep-codes"});
+    record(file, 4, kCodes.size());
+
+    const std::string plain = exported(file, "csv", folder.file("plain"));
+    const auto orders = orders_in(plain);
+    REQUIRE(orders.size() == kCodes.size() - 1);
+    for (const std::string& guess :
+         {std::string(), std::string(data::kDemoSecret), std::string(32, '0')}) {
+        CHECK(identified(plain, guess).empty());
+    }
+    const std::string secret = values(file, "SELECT hex FROM secret").at(0);
+    const auto all = identified(plain, secret);  // so that finding nobody means something
+    CHECK(all.size() == kCodes.size() - 1);
+    for (const auto& [subject, code] : all) {
+        CHECK(code != kDeclined);
+    }
+
+    // The number of a person is theirs in every export, early and late and in every format.
+    const auto late =
+        codes_in(exported(file, "csv", folder.file("late"), {"--keep-codes"}) + "/codes.csv");
+    for (const auto& [code, subject] : codes_in(early + "/codes.csv")) {
+        CHECK(late.at(code) == subject);
+    }
+    for (const auto& [subject, code] : all) {
+        CHECK(late.at(code) == subject);
+    }
+    CHECK(late.size() == kCodes.size() - 1);
+    std::vector<std::string> joined;
+    for (const std::string& code : kCodes) {
+        if (code != kDeclined) {
+            joined.push_back(late.at(code));
+        }
+    }
+    CHECK_FALSE(std::is_sorted(joined.begin(), joined.end()));  // by chance 1 in 720
+
+    for (const std::string& format : std::vector<std::string>{"csv", "bids", "psych-ds"}) {
+        const std::string out =
+            format == "csv" ? plain : exported(file, format, folder.file(format));
+        const std::string text = everything(out);
+        CAPTURE(format);
+        for (const std::string& word : telling(file)) {
+            CAPTURE(word);
+            CHECK(text.find(word) == std::string::npos);
+        }
+        for (const auto& [code, subject] : late) {
+            CHECK_THAT(text, ContainsSubstring(subject.substr(4)));
+        }
+        const std::string with = everything(exported(file, format, folder.file(format + "-details"),
+                                                     {"--with-details", "--keep-codes"}));
+        CHECK(with.find(secret) == std::string::npos);
+        CHECK_THAT(with, ContainsSubstring("P01"));
+    }
+    CHECK_THAT(palpate_command({"participant", file, "P04"}).out,
+               ContainsSubstring(late.at("P04")));
+    const auto people = read_csv(plain + "/participants.csv");
+    std::map<std::string, std::string> hands;
+    for (const auto& line : people) {
+        CHECK_FALSE(line.contains("handedness_score"));
+        hands[line.at("subject")] = line.at("handedness");
+    }
+    CHECK(hands.at(late.at("P01")) == "right");
+    CHECK(hands.at(late.at("P02")) == "both");
+    CHECK(hands.at(late.at("P04")).empty());
+}
+
+TEST_CASE("what an export says of time tells no date, no pause and no restart", "[export][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("study.sqlite");
+    record(file, 0, 1);
+    {  // Goes on two days later; then the rig was switched on anew. A hand of P02's is replayed.
+        data::Database database(file, data::Access::write);
+        database.execute(
+            "UPDATE trial SET started_ns = 500000000000000 + 30000000000 * id + 172800000000000 *"
+            " (id > 3) - 672800000000000 * (id > 6);"
+            "UPDATE event SET at_ns = 88 + (SELECT max(started_ns) FROM trial);"
+            "UPDATE session SET device = 'replay of P02_2026.sqlite'; UPDATE session SET number = "
+            "4");
+    }
+    const std::string out = exported(file, "csv", folder.file("out"));
+    std::vector<std::string> since;
+    for (const auto& line : read_csv(out + "/trials.csv")) {
+        since.push_back(line.at("since_first_ns"));
+        CHECK(line.at("session") == "1");  // not the fourth: the ones before were of another kind
+    }
+    CHECK(since == std::vector<std::string>{"0", "30000000000", "60000000000", "0", "30000000000",
+                                            "60000000000", "0", "30000000000", "60000000000",
+                                            "90000000000"});
+    const std::string text = everything(out);
+    for (const char* word : {"P02", "sqlite"}) {
+        CAPTURE(word);
+        CHECK(text.find(word) == std::string::npos);
+    }
+}
+
+TEST_CASE("sequence prints the exact plan of a file, and an example without one", "[secret][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("study.sqlite");
+    const auto sequence = [&](const std::string& code, bool of_file) {
+        std::vector<std::string> words{"sequence", kStudy, "--participant", code, "--csv"};
+        if (of_file) {
+            words.insert(words.end(), {"--db", file});
+        }
+        return palpate_command(words);
+    };
+    REQUIRE(run("P01", file).code == 0);
+    const std::string next = sequence("P02", true).out;  // of the session that is not there yet
+    const Finished example = sequence("P02", false);
+    CHECK_THAT(example.error, ContainsSubstring("example"));
+    CHECK(example.out != next);
+    CHECK(sequence("P02", true).error.empty());
+    REQUIRE(run("P02", file).code == 0);
+    CHECK(sequence("P02", true).out == next);
+    const auto planned = values(
+        file, "SELECT position || ',' || phase || ',0,' || object FROM plan WHERE session = 2");
+    for (const std::string& line : planned) {
+        CHECK_THAT(next, ContainsSubstring('\n' + line));
+    }
+    CHECK_THAT(palpate_command({"sequence", kStudy, "--participant", "P02"}).out,
+               ContainsSubstring("An example"));
+}
+
+TEST_CASE(
+    "a given secret repeats a simulated session to the bit, and enters no file that has another",
+    "[secret][determinism][law]") {
+    const TemporaryFolder folder;
+    const std::string secret = "0123456789abcdef0123456789abcdef";
+    const auto content = [&](const std::string& name, std::vector<std::string> more) {
+        REQUIRE(run("P01", folder.file(name), std::move(more)).code == 0);
+        data::Database database(folder.file(name), data::Access::read);
+        return data::content_hash(database);
+    };
+    const std::string first = content("a.sqlite", {"--secret", secret});
+    CHECK(content("b.sqlite", {"--secret", secret}) == first);
+    CHECK(content("c.sqlite", {}) != first);
+    CHECK(content("d.sqlite", {"--secret", std::string(32, '1')}) != first);
+    CHECK(run("P02", folder.file("a.sqlite"), {"--secret", secret}).code == 0);  // the same
+    const std::string before = tests::slurp(folder.file("c.sqlite"));
+    const Finished refused = run("P02", folder.file("c.sqlite"), {"--secret", secret});
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.error, ContainsSubstring("a secret of its own"));
+    CHECK(tests::slurp(folder.file("c.sqlite")) == before);
+    for (const std::string& wrong : {std::string("12"), std::string(32, 'g')}) {
+        CHECK(run("P01", folder.file("none.sqlite"), {"--secret", wrong}).code == 2);
+    }
+    CHECK_FALSE(fs::exists(folder.file("none.sqlite")));
+    // The demo's is known to all: people in the same file get the file's own.
+    REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("demo.sqlite")}).code == 0);
+    REQUIRE(run("P01", folder.file("demo.sqlite")).code == 0);
+    const auto secrets =
+        values(folder.file("demo.sqlite"), "SELECT secret FROM session ORDER BY id");
+    CHECK(secrets.at(0) == data::kDemoSecret);
+    CHECK(secrets.at(1) != data::kDemoSecret);
+}
+
+TEST_CASE("merged files keep their secrets, in any order, and each person has one number",
+          "[secret][merge][law]") {
+    const TemporaryFolder folder;
+    const auto file = [&](const char* name) {
+        return folder.file(name);
+    };
+    REQUIRE(run("P01", file("a.sqlite")).code == 0);
+    REQUIRE(run("P02", file("a.sqlite")).code == 0);
+    REQUIRE(run("P03", file("b.sqlite")).code == 0);
+    REQUIRE(run("P01", file("b.sqlite"), {"--session", "2", "--elsewhere"}).code == 0);
+    REQUIRE(
+        palpate_command({"merge", file("ab.sqlite"), file("a.sqlite"), file("b.sqlite")}).code ==
+        0);
+    REQUIRE(
+        palpate_command({"merge", file("ba.sqlite"), file("b.sqlite"), file("a.sqlite")}).code ==
+        0);
+    const std::string people = "SELECT code || ' ' || subject FROM participant ORDER BY 1";
+    const std::string sessions = "SELECT uuid || secret FROM session UNION SELECT hex FROM secret";
+    CHECK(values(file("ab.sqlite"), people) == values(file("ba.sqlite"), people));
+    CHECK(values(file("ab.sqlite"), sessions) == values(file("ba.sqlite"), sessions));
+    CHECK(values(file("ab.sqlite"), "SELECT hex FROM secret").size() == 2);
+    const auto number = [&](const char* name) {
+        return values(file(name),
+                      "SELECT printf('%010d', subject) FROM participant WHERE code = 'P01'")
+            .at(0);
+    };
+    CHECK(number("ab.sqlite") == std::min(number("a.sqlite"), number("b.sqlite")));
+    REQUIRE(
+        palpate_command({"merge", file("ab.sqlite"), file("ab.sqlite"), file("b.sqlite")}).code ==
+        0);
+    CHECK(values(file("ab.sqlite"), sessions) == values(file("ba.sqlite"), sessions));
+    const Finished verified = palpate_command({"verify", file("ab.sqlite")});
+    CAPTURE(verified.out);
+    CHECK(verified.code == 0);
+    for (const char* session : {"1", "2"}) {
+        const std::vector<std::string> words{"sequence",  kStudy,  "--participant", "P01",
+                                             "--session", session, "--csv",         "--db"};
+        auto here = words;
+        here.push_back(file("ab.sqlite"));
+        auto there = words;
+        there.push_back(file(*session == '1' ? "a.sqlite" : "b.sqlite"));
+        CHECK(palpate_command(here).out == palpate_command(there).out);
+    }
+}
+
+TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret][verify][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("study.sqlite");
+    REQUIRE(run("P01", file).code == 0);
+    CHECK(palpate_command({"verify", file}).code == 0);
+    const char* edits[] = {
+        "DELETE FROM secret",
+        "UPDATE secret SET hex = '0123456789abcdef0123456789abcdef'",
+        "UPDATE secret SET hex = '0123456789abcdef0123456789abcdef';"
+        "UPDATE session SET secret = '0123456789abcdef0123456789abcdef'",
+    };
+    for (const char* edit : edits) {
+        CAPTURE(edit);
+        const std::string copy = folder.file("copy.sqlite");
+        fs::copy_file(file, copy, fs::copy_options::overwrite_existing);
+        data::Database(copy, data::Access::write)
+            .execute(fmt::format("PRAGMA foreign_keys = OFF; {}", edit).c_str());
+        const Finished wrong = palpate_command({"verify", copy});
+        CHECK(wrong.code == 1);
+        CHECK_THAT(wrong.out, ContainsSubstring("secret") || ContainsSubstring("plan_sha256"));
+    }
+    const std::string copy = folder.file("lost.sqlite");
+    fs::copy_file(file, copy);
+    data::Database(copy, data::Access::write)
+        .execute("PRAGMA foreign_keys = OFF; DELETE FROM secret");
+    const Finished refused = run("P02", copy);
+    CHECK(refused.code != 0);
+    CHECK_THAT(refused.error, ContainsSubstring("its secret was removed"));
+}
