@@ -312,6 +312,9 @@ Options parse_command_line(int argc, const char* const* argv) {
     } catch (const CLI::ParseError& e) {
         return Exit{app.exit(e) == 0 ? 0 : kWrongWords};
     }
+    if (auto* run = std::get_if<RunOptions>(&chosen)) {
+        run->words.assign(argv, argv + argc);
+    }
     return chosen;
 }
 
