@@ -271,6 +271,20 @@ std::string add_event(Database& database, const EventRow& event) {
     return head;
 }
 
+void chain_anew(Database& database, std::int64_t session) {
+    std::vector<std::int64_t> events;
+    Statement row = database.prepare("SELECT id FROM event WHERE session = ?1 ORDER BY id");
+    row.bind(1, session);
+    while (row.step()) {
+        events.push_back(row.integer(0));
+    }
+    std::string head = first_head(database, session);
+    for (const std::int64_t event : events) {
+        head = event_head(database, event, head);
+        keep_head(database, "event", event, session, head);
+    }
+}
+
 std::string chain_head(Database& database, std::int64_t session) {
     Statement row = database.prepare("SELECT coalesce(head, '') FROM session WHERE id = ?1");
     row.bind(1, session);

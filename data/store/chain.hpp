@@ -39,6 +39,10 @@ struct EventRow {
 /// @return the new head
 std::string add_event(Database& database, const EventRow& event);
 
+/// Links the events of a session that is planned anew, before its first trial, to what the session is now. In
+/// the caller's transaction.
+void chain_anew(Database& database, std::int64_t session);
+
 /// The newest head of a session; empty: it has none yet.
 [[nodiscard]] std::string chain_head(Database& database, std::int64_t session);
 

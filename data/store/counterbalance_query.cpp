@@ -1,5 +1,7 @@
 #include "data/store/counterbalance_query.hpp"
 
+#include "data/store/session_lock.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -28,17 +30,22 @@ LevelOrders orders_of(Database& database,
     const Snapshot view(database);
     LevelOrders orders;
     Statement other = database.prepare(
-        // SQLite takes the other columns from the row of the minimum.
-        "SELECT session.id, min(number) FROM session JOIN study ON study.id = study"
-        " JOIN participant ON participant.id = participant"
-        " WHERE name = ?1 AND code <> ?2 AND kind = 'real' GROUP BY code ORDER BY code");
+        "SELECT session.id, code, EXISTS (SELECT 1 FROM trial WHERE trial.session = session.id)"
+        " FROM session JOIN study ON study.id = study JOIN participant ON participant.id ="
+        " participant WHERE name = ?1 AND code <> ?2 AND kind = 'real' ORDER BY code, number");
     other.bind(1, study).bind(2, key.participant);
+    std::string last;
     while (other.step()) {
-        orders.others.push_back(order_of(database, sql, other.integer(0)));
+        const bool begun = other.integer(2) != 0;
+        if (other.text(1) != last && (begun || SessionLock::held(database, other.integer(0)))) {
+            last = other.text(1);
+            orders.others.push_back(order_of(database, sql, other.integer(0)));
+        }
     }
     Statement own = database.prepare(
         "SELECT session.id FROM session JOIN study ON study.id = study"
         " JOIN participant ON participant.id = participant WHERE name = ?1 AND code = ?2"
+        " AND EXISTS (SELECT 1 FROM trial WHERE trial.session = session.id)"
         " ORDER BY number = ?3 DESC, number, session.id LIMIT 1");
     own.bind(1, study).bind(2, key.participant).bind(3, static_cast<std::int64_t>(key.session));
     if (own.step()) {

@@ -21,6 +21,8 @@ struct LevelOrders {
 /// `others` counts each participant with a real session once, by the first of these; what is simulated
 /// or a pilot leaves the balance of the real ones alone. `own` is the order of the session itself if it
 /// is there, so that it goes on as it began, else that of the participant's first session of any kind.
+/// A session counts from its first trial on, and as long as a program runs it: whoever is at the welcome
+/// screen has taken the row, whoever left there has not.
 [[nodiscard]] LevelOrders picture_orders(Database& database,
                                          std::string_view study,
                                          const protocols::SessionKey& key);

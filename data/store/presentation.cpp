@@ -43,13 +43,20 @@ CREATE TABLE response (
     place          INTEGER CHECK (place >= 0),      -- of the chosen picture, from the left; NULL: no pictures
     object         TEXT,                            -- of the chosen picture; NULL: no pictures
     correct        INTEGER CHECK (correct IN (0, 1)),       -- NULL: the answer is neither right nor wrong
-    reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- question shown -> answer
+    reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- question shown -> the press that gave this answer
     uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),  -- may have been up to this much earlier
     input          TEXT NOT NULL            -- how it was given
                        CHECK (input IN ('simulated', 'key', 'arrows', 'mouse')),
     answer         INTEGER NOT NULL CHECK (answer >= 0),    -- picture from the left; interval - 1; 0 no, 1 yes; level
     confidence     INTEGER CHECK (confidence BETWEEN 1 AND 4),        -- 1 a guess, 4 sure; NULL: not asked for
-    confidence_reaction_s REAL CHECK (confidence_reaction_s >= 0)     -- scale shown -> confidence
+    confidence_reaction_s REAL CHECK (confidence_reaction_s >= 0),    -- scale shown -> confidence
+    early_presses  INTEGER NOT NULL DEFAULT 0 CHECK (early_presses >= 0),  -- within the guard time of question or scale: no answers
+    first_choice_s REAL CHECK (first_choice_s <= reaction_s),    -- question shown -> first answer marked; NULL, as all
+    confirmed_s    REAL CHECK (confirmed_s >= reaction_s),       -- -> confirmed. below: the protocol asks for none
+    changes        INTEGER CHECK (changes >= 0),    -- times that another answer was marked, each step of the arrows one
+    confidence_first_choice_s REAL CHECK (confidence_first_choice_s <= confidence_reaction_s),  -- the same of the scale
+    confidence_confirmed_s REAL CHECK (confidence_confirmed_s >= confidence_reaction_s),  -- scale shown -> confirmed
+    confidence_changes INTEGER CHECK (confidence_changes >= 0)  -- times that another level was marked
 ) STRICT;
 )sql";
 
@@ -102,6 +109,17 @@ void write_interval_result(Database& database,
         .run();
 }
 
+void bind_confirmation(Statement& row,
+                       int parameter,
+                       const std::optional<protocols::Confirmation>& confirmation) {
+    if (!confirmation) {
+        return;  // what is not bound is NULL
+    }
+    row.bind(parameter, confirmation->first_choice_s)
+        .bind(parameter + 1, confirmation->confirmed_s)
+        .bind(parameter + 2, static_cast<std::int64_t>(confirmation->changes));
+}
+
 void write_response(Database& database,
                     std::int64_t trial,
                     const protocols::Protocol& protocol,
@@ -113,8 +131,12 @@ void write_response(Database& database,
         response.object
             ? std::optional<std::string_view>(protocol.objects.at(*response.object).name)
             : std::nullopt;
-    database.prepare("INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
-        .bind(1, trial)
+    Statement row = database.prepare(
+        "INSERT INTO response VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14,"
+        " ?15, ?16, ?17)");
+    bind_confirmation(row, 12, response.confirmation);
+    bind_confirmation(row, 15, response.confidence_confirmation);
+    row.bind(1, trial)
         .bind(2, response.object ? std::optional(static_cast<std::int64_t>(response.place))
                                  : std::nullopt)
         .bind(3, object)
@@ -126,6 +148,7 @@ void write_response(Database& database,
         .bind(9, integer(response.confidence))
         .bind(10,
               response.confidence ? std::optional(response.confidence_reaction_s) : std::nullopt)
+        .bind(11, static_cast<std::int64_t>(response.early_presses))
         .run();
 }
 

@@ -13,20 +13,35 @@
 
 namespace palpate::data {
 
-SessionLock::SessionLock(const Database& database, std::int64_t session) {
-    struct stat file {};
-    if (stat(database.file().c_str(), &file) != 0) {
-        throw StoreError(database.file() + ": it is no longer there");
-    }
-    // A name in Linux' abstract socket space: no file is left behind, and the kernel takes the name
-    // back when the process ends, however it ends.
-    const std::string name = fmt::format("palpate-{}-{}-{}", file.st_dev, file.st_ino, session);
+namespace {
+
+/// A name in Linux' abstract socket space: no file is left behind, and the kernel takes the name back when
+/// the process ends, however it ends.
+struct Name {
     sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::memcpy(address.sun_path + 1, name.data(), name.size());
+    socklen_t length = 0;
+
+    Name(const Database& database, std::int64_t session) {
+        struct stat file {};
+        if (stat(database.file().c_str(), &file) != 0) {
+            throw StoreError(database.file() + ": it is no longer there");
+        }
+        const std::string name = fmt::format("palpate-{}-{}-{}", file.st_dev, file.st_ino, session);
+        address.sun_family = AF_UNIX;
+        std::memcpy(address.sun_path + 1, name.data(), name.size());
+        length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+    }
+    [[nodiscard]] const sockaddr* get() const {
+        return reinterpret_cast<const sockaddr*>(&address);
+    }
+};
+
+}  // namespace
+
+SessionLock::SessionLock(const Database& database, std::int64_t session) {
+    const Name name(database, session);
     socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-    const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
-    if (socket_ >= 0 && bind(socket_, reinterpret_cast<const sockaddr*>(&address), length) == 0) {
+    if (socket_ >= 0 && bind(socket_, name.get(), name.length) == 0) {
         return;
     }
     const int error = errno;
@@ -38,6 +53,16 @@ SessionLock::SessionLock(const Database& database, std::int64_t session) {
                                        database.file())
                          : fmt::format("{}: the session could not be locked: {}", database.file(),
                                        std::strerror(error)));
+}
+
+bool SessionLock::held(const Database& database, std::int64_t session) {
+    const Name name(database, session);
+    const int asking = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const bool answered = asking >= 0 && connect(asking, name.get(), name.length) == 0;
+    if (asking >= 0) {
+        close(asking);
+    }
+    return answered;
 }
 
 SessionLock::SessionLock(SessionLock&& other) noexcept

@@ -17,6 +17,9 @@ public:
     SessionLock& operator=(const SessionLock&) = delete;
     ~SessionLock();
 
+    /// Some program of this computer, this one too, runs the session.
+    [[nodiscard]] static bool held(const Database& database, std::int64_t session);
+
 private:
     int socket_ = -1;
 };

@@ -1,5 +1,7 @@
 #include "data/store/session_store.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "engine/realtime/clock.hpp"
@@ -89,18 +91,20 @@ void write_provenance(Database& database, std::int64_t session, const SessionSpe
     }
 }
 
-std::int64_t create(Database& database, const SessionSpec& spec) {
+/// @param instead  of this session, whose plan is gone
+std::int64_t create(Database& database,
+                    const SessionSpec& spec,
+                    std::optional<std::int64_t> instead = {}) {
     const std::int64_t study = study_row(database, spec);
     const std::int64_t participant =
         participant_row(database, spec.key.participant, spec.key.secret);
     database.prepare("INSERT OR IGNORE INTO secret VALUES (?1)").bind(1, spec.key.secret).run();
     database
         .prepare(
-            "INSERT INTO session (study, participant, number, kind, seed, plan_sha256, shuffles, "
-            "device,"
-            " rate_hz, stiffness_n_per_m, started_utc, operator, uuid, secret) VALUES (?1, ?2, ?3, "
-            "?4, ?5, "
-            "?6, ?7, ?8, ?9, ?10, ?11, nullif(?12, ''), ?13, ?14)")
+            "INSERT OR REPLACE INTO session (id, study, participant, number, kind, seed,"
+            " plan_sha256, shuffles, device, rate_hz, stiffness_n_per_m, started_utc, operator,"
+            " uuid, secret) VALUES (?14, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11,"
+            " nullif(?12, ''), coalesce((SELECT uuid FROM session WHERE id = ?14), ?13), ?15)")
         .bind(1, study)
         .bind(2, participant)
         .bind(3, static_cast<std::int64_t>(spec.key.session))
@@ -114,7 +118,8 @@ std::int64_t create(Database& database, const SessionSpec& spec) {
         .bind(11, utc_now())
         .bind(12, spec.operator_name)
         .bind(13, random_uuid())
-        .bind(14, spec.key.secret)
+        .bind(14, instead)
+        .bind(15, spec.key.secret)
         .run();
     const std::int64_t session = database.last_row();
     write_plan(database, session, spec);
@@ -206,6 +211,37 @@ void require_same(const Database& database, const Existing& there, const Session
     }
 }
 
+/// Without a trial nothing was felt and no picture was seen: where the session would now be another one (another
+/// row of the counterbalance, seed, kind or version of the protocol), it is planned anew. Its events stay.
+/// @return whether it was
+bool planned_anew(Database& database, const Existing& there, const SessionSpec& spec) {
+    const bool same = there.protocol_hash == spec.protocol_hash &&
+                      there.plan_hash == spec.plan.hash &&
+                      there.seed == std::to_string(spec.seed) && there.kind == to_string(spec.kind);
+    Statement trial = database.prepare("SELECT 1 FROM trial WHERE session = ?1 LIMIT 1");
+    trial.bind(1, there.id);
+    if (same || trial.step()) {
+        return false;
+    }
+    const std::string head = chain_head(database, there.id);
+    for (const char* table : {"session_provenance", "adaptive_plan", "plan", "picture"}) {
+        database.prepare(fmt::format("DELETE FROM {} WHERE session = ?1", table))
+            .bind(1, there.id)
+            .run();
+    }
+    create(database, spec, there.id);
+    chain_anew(database, there.id);
+    database
+        .prepare(
+            "DELETE FROM study WHERE NOT EXISTS (SELECT 1 FROM session WHERE study = study.id)")
+        .run();
+    note_event(
+        database, there.id, "planned again",
+        fmt::format("no trial had begun of the {} session with seed {}, plan {} and chain {}",
+                    there.kind, there.seed, there.plan_hash, head));
+    return true;
+}
+
 std::size_t mark_interrupted(Database& database, std::int64_t session) {
     Statement count = database.prepare(
         "SELECT id FROM trial WHERE session = ?1 AND outcome = 'running' ORDER BY id");
@@ -261,21 +297,35 @@ protocols::PendingTrials pending_trials(Database& database,
     return pending;
 }
 
+void count_attempts(Database& database, OpenedSession& opened) {
+    Statement row = database.prepare(
+        "SELECT position, count(*), max(id) FROM trial WHERE session = ?1 GROUP BY position");
+    row.bind(1, opened.id);
+    while (row.step()) {
+        opened.attempts[static_cast<std::size_t>(row.integer(0))] =
+            static_cast<std::size_t>(row.integer(1));
+        opened.last_trial = std::max(opened.last_trial, row.integer(2));
+    }
+}
+
 OpenedSession opened_session(Database& database, const SessionSpec& spec) {
     const auto there = existing_session(database, spec);
     const std::int64_t id = there ? there->id : create(database, spec);
     // Before anything changes: a trial that runs now is not interrupted.
     OpenedSession opened{.lock = SessionLock(database, id), .id = id, .resumed = there.has_value()};
-    if (there) {
+    if (there && planned_anew(database, *there, spec)) {
+        opened.resumed = false;
+    } else if (there) {
         require_same(database, *there, spec);
         note_changes(database, *there, spec);
         opened.finished = there->finished;
         opened.interrupted = mark_interrupted(database, id);
     }
     opened.pending = pending_trials(database, id, spec);
-    if (there && !there->finished) {
+    if (opened.resumed && !opened.finished) {
         begin_again(database, id, spec.resume, opened.pending);
     }
+    count_attempts(database, opened);
     opened.next = opened.pending.next();
     opened.runs = rebuilt_runs(database, id, spec);
     return opened;

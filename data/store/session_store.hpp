@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -49,6 +50,8 @@ struct OpenedSession {
     protocols::PendingTrials pending{};  ///< all that is left, in its order
     protocols::AdaptiveRuns runs{};      ///< of the protocol's rule, with all answers so far
     std::size_t interrupted = 0;         ///< attempts found running and marked so
+    std::map<std::size_t, std::size_t> attempts{};  ///< so far, by position
+    std::int64_t last_trial = 0;                    ///< trial.id of the last one; 0: none
 };
 
 struct SessionState {
@@ -68,10 +71,11 @@ struct SessionState {
 
 /// Makes the session with its complete plan in one transaction, or opens the one that is there.
 /// Attempts left running by a killed program are marked interrupted; what they recorded stays. A device
-/// or provenance other than before is an event: what was noted at the beginning stays too. Nobody else
+/// or provenance other than before is an event: what was noted at the beginning stays too. A session of which
+/// no trial has begun is made anew where it would be another one, and an event "planned again" says so. Nobody else
 /// opens or runs the session until the returned lock is released: `next` stays true as long.
-/// @throws StoreError if the session was made from another protocol, plan, seed or kind, or if a program
-///         holds its SessionLock, this one too, or if the answers so far do not give the stored states of
+/// @throws StoreError if the session has trials and was made from another protocol, plan, seed or kind, or if a
+///         program holds its SessionLock, this one too, or if the answers so far do not give the stored states of
 ///         the protocol's rule: nothing changes
 [[nodiscard]] OpenedSession open_session(Database& database, const SessionSpec& spec);
 

@@ -26,8 +26,10 @@ SELECT trial.id AS trial,                           -- trial.id
        trial.outcome AS outcome,                    -- complete or timed_out
        trial.first_contact_s AS first_contact_s,    -- first tick -> first contact
        trial.done_s AS done_s,                      -- first tick -> done
-       response.reaction_s AS reaction_s,           -- pictures shown -> answer
+       response.reaction_s AS reaction_s,           -- question shown -> the press that gave this answer
        response.uncertainty_s AS uncertainty_s,     -- of reaction_s: it may be up to this much less
+       response.changes AS changes,                 -- of the answer before it was confirmed; NULL: not asked for
+       response.early_presses AS early_presses,     -- within the guard time, no answers: was somebody in a hurry?
        trial.path_length_m AS path_length_m,        -- of HIP
        trial.contact_ticks / session.rate_hz AS contact_s,  -- time in contact
        trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,  -- of contact
@@ -121,7 +123,9 @@ SELECT trial.id AS trial,                           -- trial.id
        response.correct AS correct,                 -- 1: choice is object
        trial.first_contact_s AS first_contact_s,    -- first tick -> first contact
        trial.done_s AS done_s,                      -- first tick -> done
-       response.reaction_s AS reaction_s,           -- pictures shown -> answer
+       response.reaction_s AS reaction_s,           -- question shown -> the press that gave this answer
+       response.changes AS changes,                 -- of the answer before it was confirmed; NULL: not asked for
+       response.early_presses AS early_presses,     -- within the guard time, no answers: was somebody in a hurry?
        trial.path_length_m AS path_length_m,        -- of HIP
        trial.strokes AS strokes,                    -- along the surface, 5 mm or more in one direction
        trial.mean_normal_force_n AS mean_normal_force_n,  -- over contact, 0 without
@@ -151,6 +155,7 @@ SELECT session.id AS session_id,                    -- session.id
        (SELECT count(*) FROM plan WHERE plan.session = session.id) AS planned,  -- trials of the plan
        count(response.trial) AS answered,           -- attempts with an answer, invalid ones too
        count(trial.invalid) AS invalid,             -- answers that do not count
+       sum(response.early_presses) AS early_presses,  -- within the guard time, no answers
        count(*) FILTER (WHERE trial.outcome = 'faulted') AS faulted,          -- the force went off
        count(*) FILTER (WHERE trial.outcome = 'aborted') AS aborted,          -- ended by the experimenter
        count(*) FILTER (WHERE trial.outcome = 'interrupted') AS interrupted,  -- found unfinished later

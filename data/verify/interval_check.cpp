@@ -65,6 +65,34 @@ std::optional<std::size_t> index_of(const std::vector<protocols::ObjectSpec>& ob
              : std::optional(static_cast<std::size_t>(found - objects.begin()));
 }
 
+/// A person's answer within the guard time would have been none; and what is asked to be confirmed was.
+void check_presses(const protocols::Protocol& protocol,
+                   const StoredRow& response,
+                   Findings& findings) {
+    constexpr double kRounding = 1e-6;
+    const double guard = protocol.timing.guard;
+    for (const std::string part : {"", "confidence_"}) {
+        const bool asked = part.empty() || !response.null("confidence");
+        const bool confirmed = asked && protocol.response.confirm;
+        const double reaction = response.real(part + "reaction_s");
+        if (asked && response.text("input") != "simulated" && reaction < guard - kRounding) {
+            findings.differs(fmt::format("response.{}reaction_s", part),
+                             fmt::format("{}", reaction),
+                             fmt::format("{} or more, the guard time", guard));
+        }
+        for (const std::string column : {"first_choice_s", "confirmed_s", "changes"}) {
+            if (response.null(part + column) == confirmed) {
+                findings.differs(fmt::format("response.{}{}", part, column),
+                                 to_text(response.at(part + column)),
+                                 confirmed ? "not NULL" : "NULL");
+            }
+        }
+        if (confirmed && response.integer(part + "changes") == 0) {
+            findings.expect("response", part + "first_choice_s", response, reaction);
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<CheckedInterval> check_intervals(Database& database,
@@ -132,6 +160,7 @@ bool check_response(const SessionFrame& frame,
     if (response.null("confidence")) {
         findings.expect("response", "confidence_reaction_s", response, Value());
     }
+    check_presses(frame.protocol, response, findings);
     return true;
 }
 

@@ -19,7 +19,7 @@ constexpr double kSameTime = 1e-12;
 void check_simulated_answer(const SessionFrame& frame,
                             const StoredRow& response,
                             std::span<const CheckedInterval> intervals,
-                            std::size_t number,
+                            std::size_t done,
                             Findings& findings) {
     const auto usable = [](const CheckedInterval& one) {
         const std::int64_t felt = one.row.integer("ticks");
@@ -40,7 +40,7 @@ void check_simulated_answer(const SessionFrame& frame,
     }
     const auto pictures = protocols::make_pictures(frame.protocol, frame.plan.picture_order);
     const protocols::Choice choice =
-        observer.choose({.number = number}, question_of(frame.protocol, pictures));
+        observer.choose({.done = done}, question_of(frame.protocol, pictures));
     findings.expect("response", "answer", response, static_cast<std::int64_t>(choice.place));
     findings.expect("response", "confidence", response,
                     choice.confidence ? Value(std::int64_t{*choice.confidence}) : Value());
@@ -53,6 +53,7 @@ void check_simulated_answer(const SessionFrame& frame,
         findings.expect("response", "reaction_s", response, choice.reaction_s);
     }
     findings.expect("response", "uncertainty_s", response, choice.uncertainty_s);
+    findings.expect("response", "early_presses", response, std::int64_t{0});
 }
 
 }  // namespace palpate::data

@@ -82,7 +82,7 @@ void TrialCheck::check(const StoredRow& trial) {
     const auto responses =
         rows_of(database_, "SELECT * FROM response WHERE trial = ?1", trial.integer("id"));
     heed_marks(trial);
-    const std::size_t number = pending_.answered() + 1;
+    const std::size_t done = pending_.answered();
     check_attempt(trial, !responses.empty());
     const auto position = static_cast<std::size_t>(trial.integer("position"));
     const PlannedTrial* planned =
@@ -105,7 +105,7 @@ void TrialCheck::check(const StoredRow& trial) {
     }
     check_outcome(trial, intervals, answered);
     if (answered && check_response(frame_, responses.front(), *planned, expected, findings_)) {
-        check_simulated_answer(frame_, responses.front(), intervals, number, findings_);
+        check_simulated_answer(frame_, responses.front(), intervals, done, findings_);
     }
     check_step(database_, frame_, trial, answered ? &responses.front() : nullptr, *planned,
                stimulus,

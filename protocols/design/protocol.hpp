@@ -138,6 +138,8 @@ struct TimingSpec {
     double explore_timeout = 45.0;  ///< s, then the choice is asked for
     double break_min = 30.0;        ///< s
     double gap = 1.5;               ///< s between the choice and the next ready screen
+    double guard =
+        0.25;  ///< s: a press earlier than this after a screen appeared is no answer to it
 
     friend bool operator==(const TimingSpec&, const TimingSpec&) = default;
 };
@@ -159,7 +161,8 @@ struct ResponseSpec {
     std::size_t levels = 7;  ///< of a rating, 2..9
     std::string low;         ///< label of a rating's first level, or of no; empty: the screen's own
     std::string high;        ///< label of a rating's last level, or of yes
-    bool confidence = false;             ///< asked for after the answer, 1..4
+    bool confidence = false;  ///< asked for after the answer, 1..4
+    bool confirm = false;  ///< an answer can be changed until it is confirmed, the confidence too
     Feedback feedback = Feedback::none;  ///< of answers that can be right or wrong
 
     friend bool operator==(const ResponseSpec&, const ResponseSpec&) = default;

@@ -174,6 +174,8 @@ constexpr std::array kTiming{
                     .meaning = "shortest break"},
     Key<TimingSpec>{.name = "gap_s", .member = &TimingSpec::gap, .highest = 60,
                     .meaning = "blank screen between two trials"},
+    Key<TimingSpec>{.name = "guard_s", .member = &TimingSpec::guard, .highest = 2,
+                    .meaning = "presses earlier than this after a screen appeared are no answer to it; 0: all are"},
 };
 
 constexpr std::array kObserver{

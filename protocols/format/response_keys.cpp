@@ -19,6 +19,8 @@ constexpr std::array kResponse{
                       .meaning = "label of a rating's last level, or of yes"},
     Key<ResponseSpec>{.name = "confidence", .member = &ResponseSpec::confidence, .late = true,
                       .meaning = "after the answer: how sure, 1 to 4"},
+    Key<ResponseSpec>{.name = "confirm", .member = &ResponseSpec::confirm, .late = true,
+                      .meaning = "answers can be changed until Enter, or the same one again, confirms them"},
     Key<ResponseSpec>{.name = "feedback", .member = &ResponseSpec::feedback, .late = true,
                       .meaning = "after which answers the screen says right or wrong"},
 };

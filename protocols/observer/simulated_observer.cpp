@@ -79,7 +79,7 @@ void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
 }
 
 Choice SimulatedObserver::choose(const TrialView& trial, const Question& question) {
-    key_.block = trial.number;
+    key_.block = trial.done + 1;
     Pcg32 random = stream(key_);
     const bool lapse = uniform_draw(random) < spec_.lapse;
     const double noise = normal_draw(random);
@@ -97,6 +97,15 @@ Choice SimulatedObserver::choose(const TrialView& trial, const Question& questio
     if (question.confidence) {
         choice.confidence = named ? confidence() : 1;
         choice.confidence_reaction_s = reaction_time(random);
+    }
+    if (question.confirm) {  // at once: it never changes its mind
+        const auto at_once = [](double s) {
+            return Confirmation{.first_choice_s = s, .confirmed_s = s};
+        };
+        choice.confirmation = at_once(choice.reaction_s);
+        if (choice.confidence) {
+            choice.confidence_confirmation = at_once(choice.confidence_reaction_s);
+        }
     }
     return choice;
 }

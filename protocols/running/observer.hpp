@@ -21,17 +21,20 @@ namespace palpate::protocols {
 struct SessionView {
     std::string title;
     std::string participant;
-    std::size_t trials = 0;  ///< in the whole plan
-    std::size_t next = 0;    ///< how many are answered, > 0 on resume
-    bool simulated = false;  ///< the run kind is simulated: the screen says so
-    std::string device;      ///< e.g. "simulated pantograph"
+    std::size_t trials = 0;    ///< in the whole plan
+    std::size_t next = 0;      ///< how many are answered, > 0 on resume
+    std::size_t practice = 0;  ///< of those that are left
+    bool simulated = false;    ///< the run kind is simulated: the screen says so
+    std::string device;        ///< e.g. "simulated pantograph"
 };
 
 /// What the participant may know of a trial while feeling. Nothing of the condition, ever.
 struct TrialView {
-    std::size_t number = 0;  ///< 1, 2, ... as shown
-    std::size_t total = 0;
+    std::size_t number =
+        0;  ///< 1, 2, ... as shown: practice by itself, main and catch trials together
+    std::size_t total = 0;  ///< of the same
     bool practice = false;
+    std::size_t done = 0;  ///< trials of the whole session: names the draws of a simulated observer
     double explore_min_s = 0.0;
     double explore_prompt_s = 0.0;
     double explore_timeout_s = 0.0;
@@ -82,6 +85,7 @@ struct Question {
     /// yes_no: of no and yes; rating: of the first and the last level. Empty: the screen's own words.
     std::vector<std::string> labels;
     bool confidence = false;  ///< asked for after the answer
+    bool confirm = false;     ///< answer and confidence can be changed until they are confirmed
 };
 
 /// Which of the pictures?
@@ -91,22 +95,35 @@ struct Question {
             .pictures = pictures,
             .answers = pictures.size(),
             .labels = {},
-            .confidence = false};
+            .confidence = false,
+            .confirm = false};
 }
 
 /// How sure one is of an answer: 1 (a guess) .. kMostConfidence.
 inline constexpr int kMostConfidence = 4;
+
+/// How an answer came about that could be changed until it was confirmed. Times since the question was shown.
+struct Confirmation {
+    double first_choice_s = 0.0;  ///< until the first answer was marked
+    double confirmed_s = 0.0;     ///< until the marked one was confirmed
+    std::size_t changes = 0;  ///< times that another one was marked; each step of the arrows is one
+
+    friend bool operator==(const Confirmation&, const Confirmation&) = default;
+};
 
 struct Choice {
     Signal signal = Signal::done;  ///< done or abort
     /// Which answer, 0 .. Question::answers - 1: the picture from the left; 0 first, 1 second interval;
     /// 0 no, 1 yes; the level of a rating.
     std::size_t place = 0;
-    double reaction_s = 0.0;     ///< question shown -> answer
-    double uncertainty_s = 0.0;  ///< how late the answer may have been seen
+    double reaction_s = 0.0;     ///< question shown -> the press that gave this answer
+    double uncertainty_s = 0.0;  ///< how late that press may have been seen
     InputKind input = InputKind::simulated;
     std::optional<int> confidence{};     ///< 1 .. kMostConfidence, if the question asks for it
     double confidence_reaction_s = 0.0;  ///< scale shown -> confidence; 0 if not asked for
+    std::size_t early_presses = 0;  ///< too early to be an answer, at the question or the scale
+    std::optional<Confirmation> confirmation{};  ///< if the question asks for it
+    std::optional<Confirmation> confidence_confirmation{};
 };
 
 struct Exploring {

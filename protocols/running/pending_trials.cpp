@@ -15,6 +15,19 @@ bool PendingTrials::has(std::size_t position) const noexcept {
     return std::find(order_.begin(), order_.end(), position) != order_.end();
 }
 
+std::size_t PendingTrials::left(bool practice) const noexcept {
+    return static_cast<std::size_t>(
+        std::count_if(order_.begin(), order_.end(),
+                      [&](std::size_t position) { return (part_[position] == 0) == practice; }));
+}
+
+TrialNumber PendingTrials::number() const noexcept {
+    const bool practice = !order_.empty() && part_[order_.front()] == 0;
+    const auto total = static_cast<std::size_t>(std::count_if(
+        part_.begin(), part_.end(), [&](std::size_t part) { return (part == 0) == practice; }));
+    return {practice, std::min(total - left(practice) + 1, total), total};
+}
+
 void PendingTrials::note(std::size_t position, Outcome outcome, bool counts) {
     const bool answered = is_answered(outcome);
     const auto found = std::find(order_.begin(), order_.end(), position);

@@ -16,6 +16,16 @@ struct RequeueRule {
     std::size_t most = 10;  ///< times a position, InvalidSpec::requeue_most
 };
 
+/// Where a trial stands, as people are told: practice is counted by itself, main and catch trials together.
+struct TrialNumber {
+    bool practice = false;
+    std::size_t number =
+        0;  ///< one more than are done: what is run again makes it stand, never jump
+    std::size_t total = 0;
+
+    friend bool operator==(const TrialNumber&, const TrialNumber&) = default;
+};
+
 /// What a session still has to run, in its order: a plan and all that became of it so far. The one rule
 /// for the running session and for its resumption from a database, so that both run the same.
 ///
@@ -51,6 +61,10 @@ public:
     }
     /// How many are done: the place in the session, whatever was set back.
     [[nodiscard]] std::size_t answered() const noexcept { return part_.size() - order_.size(); }
+    /// How many practice trials, or other ones, are left.
+    [[nodiscard]] std::size_t left(bool practice) const noexcept;
+    /// Of the trial to run now; that of the last one when nothing is left.
+    [[nodiscard]] TrialNumber number() const noexcept;
     /// The position is still to be run.
     [[nodiscard]] bool has(std::size_t position) const noexcept;
     /// Positions, the next one first.

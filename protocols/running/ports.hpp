@@ -5,12 +5,22 @@
 #include "protocols/running/apparatus.hpp"
 #include "protocols/running/observer.hpp"
 #include "protocols/running/operator_desk.hpp"
+#include "protocols/running/pending_trials.hpp"
 #include "protocols/running/recorder.hpp"
 
 namespace palpate::protocols {
 
 /// Waits on the wall clock, s.
 void sleep_for(double seconds);
+
+/// An attempt that has ended, for whoever looks on.
+struct Progress {
+    const PlannedTrial& planned;
+    const TrialResult& result;
+    TrialNumber number{};     ///< as its screens said
+    std::size_t left = 0;     ///< trials of the session
+    bool runs_again = false;  ///< its position is among them
+};
 
 /// The three ports of a session, and how to interrupt it. All outlive the run.
 struct Ports {
@@ -20,8 +30,7 @@ struct Ports {
     std::function<bool()> interrupted = [] {
         return false;
     };  ///< e.g. a signal arrived
-    std::function<void(const PlannedTrial&, const TrialResult&)> progress = [](const PlannedTrial&,
-                                                                               const TrialResult&) {
+    std::function<void(const Progress&)> progress = [](const Progress&) {
     };
     std::function<void(double)> pause = sleep_for;  ///< between two questions after a fault, s
     OperatorDesk* desk = nullptr;                   ///< none: nobody asks for anything

@@ -58,11 +58,14 @@ struct Response {
     std::size_t place = 0;                ///< which answer, as Choice::place
     std::optional<std::size_t> object{};  ///< of a picture: index into Protocol::objects
     std::optional<bool> correct{};        ///< none: the answer is neither right nor wrong
-    double reaction_s = 0.0;              ///< question shown -> answer
+    double reaction_s = 0.0;              ///< question shown -> the press that gave this answer
     double uncertainty_s = 0.0;
     InputKind input = InputKind::simulated;
     std::optional<int> confidence{};  ///< 1 .. kMostConfidence
     double confidence_reaction_s = 0.0;
+    std::size_t early_presses = 0;  ///< as Choice::early_presses
+    std::optional<Confirmation> confirmation{};
+    std::optional<Confirmation> confidence_confirmation{};
 };
 
 /// What became of one interval of a trial.

@@ -45,20 +45,26 @@ public:
             }
             const PlannedTrial& planned = plan_.trials.at(pending_.next());
             const TrialResult result = runner_.run(planned, next);
-            if (result.outcome == Outcome::aborted) {
-                if (result.begun) {
-                    last_
-                        .reset();  // a mark that was made meanwhile was not meant for the one before
-                }
-                return stopped();
-            }
             if (!result.begun) {
+                if (result.outcome == Outcome::aborted) {
+                    return stopped();
+                }
                 continue;
             }
             fresh = false;
+            const TrialNumber number = pending_.number();
             last_ = Last{planned.position, result.outcome, runner_.last(),
                          result.response && result.invalid.empty(), pending_};
             pending_.note(planned.position, result.outcome, result.invalid.empty());
+            ports_.progress({.planned = planned,
+                             .result = result,
+                             .number = number,
+                             .left = pending_.order().size(),
+                             .runs_again = pending_.has(planned.position)});
+            if (result.outcome == Outcome::aborted) {
+                last_.reset();  // a mark that was made meanwhile was not meant for the one before
+                return stopped();
+            }
             note_invalid(planned, result);
             if (tell(next, result) == Signal::abort) {
                 return stopped();
@@ -81,12 +87,13 @@ public:
         note_timing();
         ports_.recorder.finish_session();
         ports_.observer.finish(view);
-        return {.why = SessionEnd::Why::finished, .next = pending_.next()};
+        return {
+            .why = SessionEnd::Why::finished, .next = pending_.next(), .number = pending_.number()};
     }
 
 private:
     [[nodiscard]] TrialView view_of_next() const {
-        return runner_.view_of(plan_.trials.at(pending_.next()), pending_.answered() + 1);
+        return runner_.view_of(pending_.number(), pending_.answered());
     }
 
     [[nodiscard]] bool wanted() const { return ports_.desk != nullptr && ports_.desk->wants(); }
@@ -154,7 +161,8 @@ private:
         heed_mark();
         note_timing();
         ports_.recorder.event("abort", before_next());
-        return {.why = SessionEnd::Why::aborted, .next = pending_.next()};
+        return {
+            .why = SessionEnd::Why::aborted, .next = pending_.next(), .number = pending_.number()};
     }
 
     SessionEnd gave_up(const Fault& fault, std::size_t tries) {
@@ -164,6 +172,7 @@ private:
                                    counted(tries, "try", "tries"), counted(faults_, "fault")));
         return {.why = SessionEnd::Why::faulted,
                 .next = pending_.next(),
+                .number = pending_.number(),
                 .fault = trouble.empty() ? fault.text : trouble,
                 .in_a_row = faults_,
                 .tries = tries};

@@ -17,6 +17,7 @@ struct SessionEnd {
         faulted,  ///< a fault that nobody mended
     } why = Why::finished;
     std::size_t next = 0;      ///< first position that still has to run
+    TrialNumber number{};      ///< of that one, as its screens will say
     std::string fault{};       ///< of faulted: what happened last and what to do, a sentence
     std::size_t in_a_row = 0;  ///< of faulted: trials since the last good one
     std::size_t tries = 0;     ///< of faulted: how often the device was asked to come back, in vain

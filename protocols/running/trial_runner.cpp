@@ -45,10 +45,11 @@ TrialRunner::TrialRunner(
       pictures_(make_pictures(protocol, plan.picture_order)),
       question_(question_of(protocol, pictures_)) {}
 
-TrialView TrialRunner::view_of(const PlannedTrial& planned, std::size_t number) const {
-    return {.number = number,
-            .total = plan_.trials.size(),
-            .practice = planned.phase == Phase::practice,
+TrialView TrialRunner::view_of(const TrialNumber& number, std::size_t done) const {
+    return {.number = number.number,
+            .total = number.total,
+            .practice = number.practice,
+            .done = done,
             .explore_min_s = protocol_.timing.explore_min,
             .explore_prompt_s = protocol_.timing.explore_prompt,
             .explore_timeout_s = protocol_.timing.explore_timeout};
@@ -102,7 +103,6 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     }
     ports_.recorder.end_trial(id, result);
     note_lost_ticks(planned);
-    ports_.progress(planned, result);
     return result;
 }
 
@@ -201,7 +201,10 @@ void TrialRunner::answer(TrialId id,
                       .uncertainty_s = choice.uncertainty_s,
                       .input = choice.input,
                       .confidence = question_.confidence ? choice.confidence : std::nullopt,
-                      .confidence_reaction_s = choice.confidence_reaction_s};
+                      .confidence_reaction_s = choice.confidence_reaction_s,
+                      .early_presses = choice.early_presses,
+                      .confirmation = choice.confirmation,
+                      .confidence_confirmation = choice.confidence_confirmation};
     if (question_.kind == ResponseKind::identification) {
         response.object = plan_.picture_order.at(choice.place);
     }

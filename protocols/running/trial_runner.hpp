@@ -5,6 +5,7 @@
 
 #include "protocols/design/protocol.hpp"
 #include "protocols/running/adaptive_runs.hpp"
+#include "protocols/running/pending_trials.hpp"
 #include "protocols/running/ports.hpp"
 #include "protocols/running/trial_meter.hpp"
 
@@ -30,8 +31,8 @@ public:
     /// The attempt that was recorded last; 0: none yet.
     [[nodiscard]] TrialId last() const noexcept { return last_; }
 
-    /// @param number  of the trial as shown, 1, 2, ...
-    [[nodiscard]] TrialView view_of(const PlannedTrial& planned, std::size_t number) const;
+    /// @param done  trials of the whole session
+    [[nodiscard]] TrialView view_of(const TrialNumber& number, std::size_t done) const;
 
 private:
     [[nodiscard]] Signal begin(const TrialView& view);

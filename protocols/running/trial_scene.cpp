@@ -44,7 +44,8 @@ Question question_of(const Protocol& protocol, std::span<const Picture> pictures
         .pictures = pictures,
         .answers = answers_of(protocol),
         .labels = labelled ? std::vector{response.low, response.high} : std::vector<std::string>(),
-        .confidence = response.confidence};
+        .confidence = response.confidence,
+        .confirm = response.confirm};
 }
 
 }  // namespace palpate::protocols

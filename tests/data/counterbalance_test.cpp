@@ -11,7 +11,18 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// Opens the session that a rig would open for this participant.
+/// The first trial of a session has begun: from now on it keeps its row.
+void begin(data::Database& database, std::int64_t session) {
+    database
+        .prepare(
+            "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
+            " started_utc) SELECT ?1, 0, 1 + count(*), 'interrupted', 0.0, 0.0, '' FROM trial"
+            " WHERE session = ?1")
+        .bind(1, session)
+        .run();
+}
+
+/// Opens the session that a rig would open for this participant, and begins its first trial.
 std::vector<std::size_t> open(data::Database& database,
                               const protocols::Protocol& protocol,
                               const std::string& participant,
@@ -19,7 +30,7 @@ std::vector<std::size_t> open(data::Database& database,
                               std::size_t number = 1) {
     data::SessionSpec spec = tests::session_spec(protocol, participant, number);
     spec.kind = kind;
-    [[maybe_unused]] const auto opened = data::plan_and_open_session(database, spec);
+    begin(database, data::plan_and_open_session(database, spec).id);
     return spec.plan.picture_order;
 }
 
@@ -75,7 +86,7 @@ std::size_t open_blocks(data::Database& database,
     spec.protocol = protocol;
     spec.protocol_hash = protocols::protocol_hash(protocol);
     spec.kind = kind;
-    [[maybe_unused]] const auto opened = data::plan_and_open_session(database, spec);
+    begin(database, data::plan_and_open_session(database, spec).id);
     return first_round(protocol, spec.plan).front();
 }
 
@@ -106,4 +117,51 @@ TEST_CASE("real participants begin with each friction in turns, whoever else ran
         }
     }
     CHECK(open_blocks(database, protocol, "R0", data::RunKind::real, 2) == begun[0]);
+}
+
+TEST_CASE("whoever leaves before the first trial uses up no row, and is planned anew when back",
+          "[store][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{8}));
+    CAPTURE(seed);
+    const TemporaryFolder folder;
+    data::Database database(folder.file("d.sqlite"), data::Access::write);
+    protocols::Protocol protocol = tests::small_protocol();
+    protocol.seed = seed;
+    const std::size_t rows = picture_rows(protocol).size();
+    data::SessionSpec spec = tests::session_spec(protocol, "LEFT");
+    spec.kind = data::RunKind::real;
+    {
+        const auto opened = data::plan_and_open_session(database, spec);
+        CHECK(data::picture_orders(database, "small", {"R0", 1}).others.size() == 1);
+    }
+    CHECK(data::picture_orders(database, "small", {"R0", 1}).others.empty());
+    std::set<std::vector<std::size_t>> orders;
+    for (std::size_t i = 0; i + 1 < rows; ++i) {
+        orders.insert(open(database, protocol, std::string("R").append(std::to_string(i)),
+                           data::RunKind::real));
+    }
+    CHECK(orders.size() == rows - 1);
+    // The last row is left for whoever comes back, whichever it was before; a note on the session stays.
+    database.execute(
+        "INSERT INTO event (session, kind, text, at_utc) SELECT min(id), 'note', 'late', ''"
+        " FROM session");
+    orders.insert(open(database, protocol, "LEFT", data::RunKind::real));
+    CHECK(orders.size() == rows);
+    // With other words too: nobody has felt anything of it yet.
+    data::SessionSpec other = tests::session_spec(protocol, "AGAIN");
+    static_cast<void>(data::plan_and_open_session(database, other));
+    other.kind = data::RunKind::pilot;
+    other.seed += 1;
+    begin(database, data::plan_and_open_session(database, other).id);
+    other.seed += 1;
+    CHECK_THROWS_AS(data::plan_and_open_session(database, other), data::StoreError);
+    auto row = database.prepare(
+        "SELECT count(*) FROM event WHERE kind = 'note' UNION ALL SELECT count(*) FROM event WHERE"
+        " kind = 'planned again' UNION ALL SELECT count(*) FROM session");
+    REQUIRE(row.step());
+    CHECK(row.integer(0) == 1);
+    REQUIRE(row.step());
+    CHECK((row.integer(0) == 1 || row.integer(0) == 2));
+    REQUIRE(row.step());
+    CHECK(row.integer(0) == static_cast<std::int64_t>(rows + 1));
 }

@@ -99,7 +99,9 @@ TEST_CASE("a session goes on only with what it was begun with, and nothing chang
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     const auto spec = session_spec(small_protocol());
-    static_cast<void>(data::open_session(database, spec));
+    const auto id = data::open_session(database, spec).id;
+    data::SqliteRecorder recorder(database, spec.protocol, id);
+    static_cast<void>(recorder.begin_trial(spec.plan.trials[0], {}));  // before it, all may change
 
     auto changed = small_protocol();
     changed.apparatus.stiffness = 500.0;

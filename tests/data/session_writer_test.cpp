@@ -20,6 +20,12 @@ std::string outcomes(Database& database) {
     return row.text(0) + ", events " + row.text(1);
 }
 
+/// From its first trial on a session is what it was begun as.
+void begin(Database& database, const data::SessionSpec& spec, std::int64_t session) {
+    data::SqliteRecorder recorder(database, spec.protocol, session);
+    static_cast<void>(recorder.begin_trial(spec.plan.trials[0], {}));
+}
+
 }  // namespace
 
 TEST_CASE("a session that somebody runs is refused, and its running trial goes on running",
@@ -70,6 +76,7 @@ TEST_CASE("a session that cannot go on is let go", "[store][law]") {
     Database database(folder.file("a.sqlite"), Access::write);
     const auto spec = tests::session_spec(tests::small_protocol());
     const std::int64_t session = data::open_session(database, spec).id;
+    begin(database, spec, session);
     auto real = spec;
     real.kind = data::RunKind::real;
     CHECK_THROWS_WITH(data::open_session(database, real), ContainsSubstring("simulated session"));
@@ -83,6 +90,7 @@ TEST_CASE("a session goes on only with its own seed, also when the order is the 
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     const auto spec = tests::session_spec(tests::small_protocol());
+    begin(database, spec, data::open_session(database, spec).id);
     static_cast<void>(data::open_session(database, spec));
     const std::string before = data::content_hash(database);
     for (const std::uint64_t seed : {spec.seed + 1, ~std::uint64_t{0}, std::uint64_t{0}}) {

@@ -14,10 +14,13 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// Four trials with noise and with instructions in two languages.
+/// Four trials with noise and with instructions in two languages, on the pointer.
 void write_study(const std::string& file) {
     std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    std::ofstream(file) << std::string{std::istreambuf_iterator<char>(in), {}}
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::string table = "[apparatus]\n";
+    text.insert(text.find(table) + table.size(), "device = \"mouse\"\n");
+    std::ofstream(file) << text
                         << "\n[masking]\nnoise = \"pink\"\nlevel_db = -40\n"
                            "[instructions.en]\nwelcome = \"Feel and choose.\"\n"
                            "[instructions.tr]\nready = \"Tutamağı tutun.\"\n";

@@ -126,10 +126,11 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     REQUIRE(palpate_command({"participant", file, "L1", "--new", "--handedness=-60"}).code == 0);
-    const Finished run = Process({tests::palpate_program(), "run", "shape_friction",
-                                  "--participant", "L1", "--db", file, "--device", "mouse"},
-                                 {"SDL_VIDEODRIVER=dummy"})
-                             .wait();
+    const Finished run =
+        Process({tests::palpate_program(), "run", "shape_friction", "--participant", "L1", "--db",
+                 file, "--device", "haply:/nonexistent"},
+                {"SDL_VIDEODRIVER=dummy"})
+            .wait();
     CHECK(run.code == 2);
     CHECK_THAT(run.error, ContainsSubstring("asks for handedness \"right\"") &&
                               ContainsSubstring("a score of -60") && ContainsSubstring("pilot"));

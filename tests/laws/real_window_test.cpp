@@ -95,9 +95,10 @@ TEST_CASE(
         const Vec2 size{static_cast<double>(window.width), static_cast<double>(window.height)};
         const Vec2 card = ui::lay_out_cards(2, size)[kClicked].centre();
         hand.move(window.x + static_cast<int>(card.x), window.y + static_cast<int>(card.y));
-        pause(0.4);
-        hand.click();
-        session.wait_past("question");
+        while (session.screen_name() == "question") {  // a click within the guard time is none
+            pause(0.4);
+            hand.click();
+        }
     }
     session.press_at("end", "space");
     const tests::Finished end = session.finish();

@@ -372,7 +372,7 @@ TEST_CASE("an observer of forms who felt nothing, or only noise, guesses evenly"
         if (touched && i < 400) {
             observer.feel(std::span(ticks).first(50));
         }
-        ++chosen[observer.choose({.number = i}, which_of(pictures)).place];
+        ++chosen[observer.choose({.done = i}, which_of(pictures)).place];
     }
     for (const int n : chosen) {
         CHECK(std::abs(n - 500) < 5 * 20);  // standard deviation 19.4

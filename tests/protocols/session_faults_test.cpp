@@ -154,15 +154,19 @@ TEST_CASE(
     CHECK(answered.size() == plan.trials.size());
     CHECK(std::set(answered.begin(), answered.end()).size() == plan.trials.size());
     CHECK(repeated_at_once.size() <= 2);  // only the last one of practice, and of the session
-    // Breaks after as many answers as planned, and the numbers on the screen never tell a repetition.
+    // Breaks after as many answers as planned, and the numbers on the screen never tell a repetition: practice
+    // is counted to its end, then the others.
+    constexpr std::size_t kPractice = 6;
     std::vector<std::size_t> rests;
     for (const PlannedTrial& planned : plan.trials) {
         if (planned.break_before && planned.position > 0) {
-            rests.push_back(planned.position + 1);
+            rests.push_back(planned.position + 1 - kPractice);
         }
     }
     CHECK(observer.rests == rests);
     CHECK(std::is_sorted(observer.numbers.begin(), observer.numbers.end()));
+    CHECK(observer.numbers.back() == plan.trials.size());
+    CHECK(observer.in_range);
 }
 
 TEST_CASE("killed at any moment, any number of times, a session goes on as the unbroken one",

@@ -25,7 +25,7 @@ Protocol study(double noise, double lapse) {
 }
 
 TrialView trial(std::size_t number) {
-    return {.number = number, .total = 1000, .explore_min_s = 2.0};
+    return {.total = 1000, .done = number, .explore_min_s = 2.0};
 }
 
 SimulatedObserver observer(const Protocol& protocol, std::uint64_t seed = 1) {

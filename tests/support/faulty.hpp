@@ -135,7 +135,9 @@ public:
         return protocols::Signal::go_on;
     }
     protocols::Signal ready(const protocols::TrialView& trial) override {
-        numbers.push_back(trial.number);
+        constexpr std::size_t kPractice = 6;
+        numbers.push_back(trial.practice ? trial.number : trial.number + kPractice);
+        in_range = in_range && trial.number >= 1 && trial.number <= trial.total;
         return protocols::Signal::go_on;
     }
     protocols::Exploring explore(const protocols::TrialView& /*trial*/, double elapsed_s) override {
@@ -157,8 +159,10 @@ public:
     }
     void finish(const protocols::SessionView& /*session*/) override {}
 
-    std::vector<std::size_t> numbers;  ///< of the trials as shown
-    std::vector<std::size_t> rests;    ///< number of the trial after each break
+    std::vector<std::size_t>
+        numbers;           ///< of the trials as shown, those after practice going on with it
+    bool in_range = true;  ///< of all of them: 1 to their total
+    std::vector<std::size_t> rests;  ///< number of the trial after each break
     std::vector<protocols::TroubleView> troubles;
 };
 

@@ -316,12 +316,13 @@ TEST_CASE("nothing of the condition is among what the ready and answer screens a
     const auto [number, total, practice, dead_man, interval, intervals] = ui::ReadyFace{};
     CHECK((number == 0 && total == 0 && !practice && !dead_man && interval == 1 && intervals == 1));
     const auto [question, selected, watched] = ui::ChooseFace{};
-    const auto& [kind, text, pictures, answers, labels, confidence] = question;
+    const auto& [kind, text, pictures, answers, labels, confidence, confirm] = question;
     CHECK((kind == ResponseKind::identification && text.empty() && pictures.empty() &&
-           answers == 0 && labels.empty() && !confidence && !selected && !watched));
-    const auto [sure] = ui::ConfidenceFace{};
-    CHECK_FALSE(sure);
-    const auto [shown, of, practising, least_s, prompt_s, timeout_s, nth, in_all] = TrialView{};
-    CHECK((shown == 0 && of == 0 && !practising && least_s == 0.0 && prompt_s == 0.0 &&
+           answers == 0 && labels.empty() && !confidence && !confirm && !selected && !watched));
+    const auto [sure, may_change] = ui::ConfidenceFace{};
+    CHECK((!sure && !may_change));
+    const auto [shown, of, practising, done, least_s, prompt_s, timeout_s, nth, in_all] =
+        TrialView{};
+    CHECK((shown == 0 && of == 0 && !practising && done == 0 && least_s == 0.0 && prompt_s == 0.0 &&
            timeout_s == 0.0 && nth == 1 && in_all == 1));
 }

@@ -66,6 +66,7 @@ inline ui::SubjectScreenOptions options() {
     ui::SubjectScreenOptions options;
     options.window.width = 1024;
     options.window.height = 768;
+    options.guard_s = 0.0;  // tests of the guard time set it
     return options;
 }
 

@@ -6,6 +6,7 @@
 #include "ui/cli/commands.hpp"
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
+#include "ui/cli/operator_log.hpp"
 #include "ui/cli/rig.hpp"
 #include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
@@ -69,8 +70,8 @@ int demo_command(const DemoOptions& options) {
         throw std::runtime_error(display_lost_text(end.session));
     }
     if (end.session.why != protocols::SessionEnd::Why::finished) {
-        say("Stopped before trial {}; the same command goes on there. Data: {}\n",
-            end.session.next + 1, options.database);
+        say("Stopped before {}; the same command goes on there. Data: {}\n",
+            number_text(end.session.number), options.database);
         return kExitStopped;
     }
     say("\n{}\n{}", data::summary_text(database), data::example_queries(options.database));

@@ -80,6 +80,10 @@ bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
     return false;
 }
 
+bool gives_force(Kind kind) noexcept {
+    return kind != Kind::mouse && kind != Kind::replay;
+}
+
 bool held_by_a_person(Kind kind) noexcept {
     return kind == Kind::mouse || kind == Kind::haply || kind == Kind::comedi;
 }

@@ -31,6 +31,10 @@ struct DeviceChoice {
 /// A person can hold it: what it records may be a person's.
 [[nodiscard]] bool held_by_a_person(DeviceChoice::Kind kind) noexcept;
 
+/// What a person holds pushes back. A pointer does not (PointerDevice::traits): real sessions are held on it
+/// only where a protocol asks for it.
+[[nodiscard]] bool gives_force(DeviceChoice::Kind kind) noexcept;
+
 /// A real session of a study that asks for this class may be run on it.
 [[nodiscard]] bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept;
 

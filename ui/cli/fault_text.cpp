@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/counted.hpp"
+#include "ui/cli/operator_log.hpp"
 
 namespace palpate::ui {
 
@@ -20,14 +21,14 @@ std::string without_stop(std::string sentence) {
 std::string fault_text(const protocols::Fault& fault) {
     const std::string what =
         without_stop(fault.text.empty() ? std::string(explanation(fault.cause)) : fault.text);
-    return fmt::format("  fault: {}; runs again later in its block", what);
+    return fmt::format("fault: {}", what);
 }
 
 std::string display_lost_text(const protocols::SessionEnd& end) {
     return fmt::format(
         "the display is gone. The force is off and what was recorded is kept; where a display "
-        "works again, the same command goes on at trial {}",
-        end.next + 1);
+        "works again, the same command goes on at {}",
+        number_text(end.number));
 }
 
 std::string given_up_text(const protocols::SessionEnd& end) {
@@ -36,8 +37,8 @@ std::string given_up_text(const protocols::SessionEnd& end) {
                       : protocols::counted(end.in_a_row, "fault") + " in a row";
     return fmt::format(
         "gave up after {}: {}. The force is off and what was recorded is kept; the "
-        "same command goes on at trial {}",
-        after, without_stop(end.fault), end.next + 1);
+        "same command goes on at {}",
+        after, without_stop(end.fault), number_text(end.number));
 }
 
 }  // namespace palpate::ui

@@ -7,11 +7,10 @@
 
 namespace palpate::ui {
 
-/// The end of a faulted trial's line on the console: what happened, what to do, what follows. For the
-/// experimenter, but a participant may see it: nothing of the stimulus.
+/// Of a faulted trial's line on the console: what happened, what to do. For the experimenter, but a participant
+/// may see it: nothing of the stimulus.
 ///
-///     trial  12 of 100  fault: the handle was faster than the limit: move more slowly; runs again
-///     later in its block
+///     fault: the handle was faster than the limit: move more slowly
 [[nodiscard]] std::string fault_text(const protocols::Fault& fault);
 
 /// A session that ended because its display did, and how it goes on.

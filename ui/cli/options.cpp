@@ -376,6 +376,9 @@ Options parse_command_line(int argc, const char* const* argv) {
         said(app, e);
         return Exit{kWrongWords};
     }
+    if (auto* run = std::get_if<RunOptions>(&chosen)) {
+        run->words.assign(argv, argv + argc);
+    }
     return chosen;
 }
 

@@ -21,7 +21,8 @@ struct ScreenOptions {
 };
 
 struct RunOptions {
-    std::string protocol;  ///< a file, or the name of a shipped protocol
+    std::vector<std::string> words;  ///< the whole command line
+    std::string protocol;            ///< a file, or the name of a shipped protocol
     std::string participant;
     std::string database;
     std::string device = "sim";  ///< see parse_device

@@ -1,11 +1,13 @@
 #include "ui/cli/rig.hpp"
 
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
+#include "engine/realtime/servo.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/counted.hpp"
 #include "protocols/design/session_plan.hpp"
@@ -21,6 +23,7 @@
 #include "ui/cli/interrupt.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/open_masking.hpp"
+#include "ui/cli/operator_log.hpp"
 #include "ui/cli/provenance.hpp"
 #include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
@@ -61,6 +64,7 @@ SubjectScreenOptions screen_options(const RigSpec& spec,
     options.interrupted = [] {
         return interrupted();
     };
+    options.guard_s = spec.study.protocol.timing.guard;
     options.dead_man = spec.study.protocol.safety.dead_man;
     options.on_hold = [&apparatus](bool held) {
         apparatus.hold(held);
@@ -136,25 +140,62 @@ std::string answer_text(const protocols::Protocol& protocol,
     return text;
 }
 
-void print_trial(const RigSpec& spec,
-                 std::size_t total,
-                 const PlannedTrial& planned,
-                 const TrialResult& result) {
-    std::string line = fmt::format("trial {:>3} of {}", planned.position + 1, total);
-    if (result.fault) {
-        line += fmt::format("  {}", fault_text(*result.fault));
-    } else if (!result.response) {
-        line += fmt::format("  {}", to_string(result.outcome));
-    } else if (spec.kind == data::RunKind::simulated) {
-        line += "  " + answer_text(spec.study.protocol, planned, result);
-    } else {  // a person may see this terminal: nothing about the stimulus or the answer
-        line += fmt::format("  felt {:.1f} s, answered in {:.1f} s", result.done_s,
-                            result.response->reaction_s);
+/// What may be said of an attempt's answer: a person may see this terminal.
+std::string answer_line(const RigSpec& spec, const protocols::Progress& progress) {
+    const protocols::TrialResult& result = progress.result;
+    if (!result.response) {
+        return {};
     }
-    if (!result.invalid.empty()) {
-        line += fmt::format("  does not count: {}", result.invalid);
+    return spec.kind == data::RunKind::simulated
+             ? answer_text(spec.study.protocol, progress.planned, result)
+             : fmt::format("felt {:.1f} s, answered in {:.1f} s", result.done_s,
+                           result.response->reaction_s);
+}
+
+double now_s() {
+    return static_cast<double>(engine::monotonic_ns()) * 1e-9;
+}
+
+/// Says what this run came to when it is over, however it ends; after the last answer is on the disk.
+class SummaryAtEnd {
+public:
+    SummaryAtEnd(data::Database& database, const data::OpenedSession& opened, const RigSpec& spec)
+        : database_(database),
+          session_(opened.id),
+          after_(opened.last_trial),
+          told_(!spec.go_on.empty()) {}
+    SummaryAtEnd(const SummaryAtEnd&) = delete;
+    SummaryAtEnd& operator=(const SummaryAtEnd&) = delete;
+    ~SummaryAtEnd() {
+        try {
+            if (told_) {
+                say("{}", run_summary(database_, session_, after_, (now_s() - begun_s_) / 60.0));
+            }
+        } catch (const std::exception&) {  // a file that is gone: why is said by what ended the run
+        }
     }
-    say("{}\n", line);
+
+private:
+    data::Database& database_;
+    std::int64_t session_;
+    std::int64_t after_;
+    bool told_;
+    double begun_s_ = now_s();
+};
+
+/// What whoever runs a session needs while it runs, and after it.
+/// @param screen  a person sits at one. (To ask wants_window() now would close its window.)
+void print_help(const data::Database& database, const RigSpec& spec, bool screen) {
+    if (spec.go_on.empty()) {
+        return;
+    }
+    if (screen) {
+        say("At the participant's screen: Ctrl+Shift+Q then Y ends the session; Ctrl+Shift+M then "
+            "Y: the trial does not count;\nCtrl+Shift+P pauses before the next trial, and goes on; "
+            "Escape switches the force off.\n");
+    }
+    say("Data: {}\nIf it ends early, this goes on: {}\n",
+        std::filesystem::absolute(database.file()).string(), spec.go_on);
 }
 
 void print_start(const RigSpec& spec,
@@ -162,14 +203,17 @@ void print_start(const RigSpec& spec,
                  const data::OpenedSession& opened,
                  const protocols::Apparatus& apparatus) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    say("{}: participant {}, session {}, {}, {}, code {}\n", protocol.id, spec.key.participant,
-        spec.key.session, protocols::counted(plan.trials.size(), "trial"), apparatus.device_name(),
-        session_code(plan));
+    const protocols::PendingTrials all(plan);
+    const std::size_t practice = all.left(true);
+    say("{}: participant {}, session {}, {}{}, {}, code {}\n", protocol.id, spec.key.participant,
+        spec.key.session,
+        practice > 0 ? protocols::counted(practice, "practice trial") + " and " : std::string(),
+        protocols::counted(all.left(false), "trial"), apparatus.device_name(), session_code(plan));
     if (spec.kind == data::RunKind::simulated) {
         say("Simulated: these data are recorded as simulated and never count as a person's.\n");
     }
     if (opened.resumed && !opened.finished) {
-        say("Resuming at trial {}{}.\n", opened.next + 1,
+        say("Resuming at {}{}.\n", number_text(opened.pending.number()),
             opened.interrupted > 0
                 ? "; the trial that was cut off is kept as interrupted and run again"
                 : "");
@@ -252,6 +296,9 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
     data::require_space(database.file(), protocol, opened.pending.order().size());
+    print_help(database, spec, observers.screen != nullptr);
+    OperatorLog log(opened.attempts, now_s());
+    const SummaryAtEnd summary(database, opened, spec);
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
@@ -268,6 +315,7 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                      .participant = spec.key.participant,
                      .trials = plan.trials.size(),
                      .next = opened.pending.answered(),
+                     .practice = opened.pending.left(true),
                      .simulated = spec.kind == data::RunKind::simulated,
                      .device = apparatus->device_name()},
                     opened.pending,
@@ -276,8 +324,8 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                      .recorder = record,
                      .interrupted = [] { return interrupted(); },
                      .progress =
-                         [&](const PlannedTrial& planned, const TrialResult& result) {
-                             print_trial(spec, plan.trials.size(), planned, result);
+                         [&](const protocols::Progress& progress) {
+                             say("{}", log.line(progress, answer_line(spec, progress), now_s()));
                          },
                      .desk = &desk},
                     opened.runs);

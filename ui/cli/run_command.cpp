@@ -11,6 +11,7 @@
 #include "ui/cli/commands.hpp"
 #include "ui/cli/fault_text.hpp"
 #include "ui/cli/interrupt.hpp"
+#include "ui/cli/operator_log.hpp"
 #include "ui/cli/rig.hpp"
 #include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
@@ -19,7 +20,29 @@
 namespace palpate::ui {
 namespace {
 
-data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
+/// Of what a person holds. Without force it is a try, unless the study is about the pointer.
+data::RunKind kind_by_hand(const RunOptions& options,
+                           const DeviceChoice& device,
+                           const protocols::Protocol& protocol) {
+    const bool forceless =
+        !gives_force(device.kind) && protocol.apparatus.device != protocols::DeviceClass::mouse;
+    if (!forceless || !options.kind.empty()) {
+        if (forceless && options.kind == "real" &&
+            protocol.apparatus.device == protocols::DeviceClass::any) {
+            throw std::invalid_argument(fmt::format(
+                "--device {} gives no force, and this protocol does not ask for it by device = "
+                "\"mouse\" in [apparatus]: use a device with force, or run it with --kind pilot",
+                options.device));
+        }
+        return options.kind == "pilot" ? data::RunKind::pilot : data::RunKind::real;
+    }
+    warn("--device {} gives no force: the session is recorded as pilot, not real", options.device);
+    return data::RunKind::pilot;
+}
+
+data::RunKind kind_of(const RunOptions& options,
+                      const DeviceChoice& device,
+                      const protocols::Protocol& protocol) {
     const bool person = wants_window(options.screen);
     if (held_by_a_person(device.kind) && !person) {
         throw std::invalid_argument(
@@ -33,7 +56,7 @@ data::RunKind kind_of(const RunOptions& options, const DeviceChoice& device) {
         }
         return data::RunKind::simulated;
     }
-    return options.kind == "pilot" ? data::RunKind::pilot : data::RunKind::real;
+    return kind_by_hand(options, device, protocol);
 }
 
 void heed_device(const RunOptions& options, const RigSpec& spec) {
@@ -137,9 +160,10 @@ int run_command(const RunOptions& options) {
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);
     spec.resume = static_cast<data::Resume>(resume - data::kResumeWords.begin());
     spec.operator_name = options.operator_name;
+    spec.go_on = go_on_command(options.words);
     spec.durable = options.durable;
     spec.spin_share = options.spin;
-    spec.kind = kind_of(options, spec.device);
+    spec.kind = kind_of(options, spec.device, spec.study.protocol);
     heed_device(options, spec);
     heed_number(options, spec.study.protocol.id);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
@@ -170,14 +194,15 @@ int run_command(const RunOptions& options) {
     }
     switch (end.session.why) {
         case protocols::SessionEnd::Why::finished:
-            say("Finished. Data: {}\n", options.database);
+            say("Finished. Data: {}\nNext: palpate summary {}\n", options.database,
+                shell_word(options.database));
             return 0;
         case protocols::SessionEnd::Why::aborted:
             if (display_lost()) {
                 throw std::runtime_error(display_lost_text(end.session));
             }
-            say("Stopped before trial {}; the same command goes on there. Data: {}\n",
-                end.session.next + 1, options.database);
+            say("Stopped before {}; the same command goes on there: {}\n",
+                number_text(end.session.number), spec.go_on);
             return kExitStopped;
         case protocols::SessionEnd::Why::faulted:
             break;

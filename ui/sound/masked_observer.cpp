@@ -55,9 +55,8 @@ void MaskedObserver::note_silence() {
     const double wanted = static_cast<double>(monotonic_ns() - full_ns_) * 1e-9;
     const double missing = wanted - (player_.full_s() - full_s_);
     if (missing > kSilenceBearable + kSlowBearable * wanted) {
-        recorder_.event("masking",
-                        fmt::format("{:.2f} s of {:.2f} s of trial {} were without noise", missing,
-                                    wanted, trial_));
+        recorder_.event("masking", fmt::format("{:.2f} s of {:.2f} s of {} were without noise",
+                                               missing, wanted, trial_));
     }
 }
 
@@ -72,7 +71,7 @@ Signal MaskedObserver::ready(const protocols::TrialView& trial) {
             "the sound device for the masking noise was lost: connect it again, then give the same "
             "command to go on");
     }
-    trial_ = trial.number;
+    trial_ = fmt::format("{} {}", trial.practice ? "practice" : "trial", trial.number);
     player_.on();
     const Signal signal = observer_.ready(trial);
     if (signal != Signal::go_on) {

@@ -50,7 +50,7 @@ private:
     NoisePlayer& player_;
     protocols::Recorder& recorder_;
     bool required_;
-    std::size_t trial_ = 0;     ///< its number as shown
+    std::string trial_;         ///< its number as shown, e.g. "practice 3"
     std::int64_t full_ns_ = 0;  ///< when the noise of the running trial had come in; 0: it has not
     double full_s_ = 0.0;       ///< what the player had played by then
 };

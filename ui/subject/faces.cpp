@@ -80,10 +80,13 @@ void draw(Window& window, const WelcomeFace& face) {
         band(window, words.pointer_is_handle, 0.56, 0.64, 1.15, kText);
     }
     band(window,
-         with(face.trials == 1 ? words.one_trial
-              : face.resumed   ? words.trials_resumed
-                               : words.trials,
-              face.trials),
+         face.practice > 0
+             ? with(face.resumed ? words.practice_first_resumed : words.practice_first,
+                    face.practice, face.trials)
+             : with(face.trials == 1 ? words.one_trial
+                    : face.resumed   ? words.trials_resumed
+                                     : words.trials,
+                    face.trials),
          0.66, 0.74, 1.0, kQuiet);
     press(window, words.begin, kAccent);
 }
@@ -130,7 +133,10 @@ void draw(Window& window, const ChooseFace& face) {
     const std::string_view keys = kind == ResponseKind::identification ? words.choose
                                 : kind == ResponseKind::rating         ? words.choose_level
                                                                        : words.choose_of_two;
-    band(window, face.watched ? std::string(words.observer_chooses) : with(keys, question.answers),
+    band(window,
+         face.watched                        ? std::string(words.observer_chooses)
+         : face.selected && question.confirm ? std::string(words.confirm)
+                                             : with(keys, question.answers),
          0.80, 0.88, 1.0, kQuiet);
 }
 
@@ -140,7 +146,10 @@ void draw(Window& window, const ConfidenceFace& face) {
     band(window, words.how_sure, 0.07, 0.25, 1.9, kText);
     draw_scale(window, kLevels, std::string(words.a_guess), std::string(words.certain),
                face.selected);
-    band(window, with(words.choose_level, kLevels), 0.80, 0.88, 1.0, kQuiet);
+    band(window,
+         face.selected && face.confirm ? std::string(words.confirm)
+                                       : with(words.choose_level, kLevels),
+         0.80, 0.88, 1.0, kQuiet);
 }
 
 void draw(Window& window, const FeedbackFace& face) {
@@ -152,7 +161,9 @@ void draw(Window& window, const BreakFace& face) {
     const Words& words = window.words();
     band(window, words.rest, 0.14, 0.27, 2.2, kText);
     band(window, either(window.instructions().rest, words.let_go), 0.29, 0.64, 1.15, kText);
-    band(window, with(words.next_trial, face.next, face.total), 0.66, 0.74, 1.0, kQuiet);
+    band(window,
+         with(face.practice ? words.next_practice : words.next_trial, face.next, face.total), 0.66,
+         0.74, 1.0, kQuiet);
     if (face.seconds_left > 0) {
         press(window, with(words.wait, face.seconds_left), kQuiet);
     } else {

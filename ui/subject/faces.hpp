@@ -16,7 +16,8 @@ namespace palpate::ui {
 /// Not the study's title: it may tell a participant what is being compared.
 struct WelcomeFace {
     static constexpr std::string_view kName = "welcome";
-    std::size_t trials = 0;
+    std::size_t trials = 0;    ///< main and catch trials that are left
+    std::size_t practice = 0;  ///< practice trials that are left
     bool resumed = false;
     bool moves_pointer = false;  ///< the mouse is the handle
     protocols::ResponseKind asks = protocols::ResponseKind::identification;
@@ -65,6 +66,7 @@ void draw(Window& window, const ChooseFace& face);
 struct ConfidenceFace {
     static constexpr std::string_view kName = "confidence";
     std::optional<std::size_t> selected;
+    bool confirm = false;  ///< what is selected may still be changed
 };
 void draw(Window& window, const ConfidenceFace& face);
 
@@ -80,6 +82,7 @@ struct BreakFace {
     int seconds_left = 0;  ///< 0: the participant may go on
     std::size_t next = 0;
     std::size_t total = 0;
+    bool practice = false;
 };
 void draw(Window& window, const BreakFace& face);
 

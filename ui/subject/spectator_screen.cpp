@@ -27,8 +27,10 @@ SpectatorScreen::SpectatorScreen(protocols::Observer& observer, const SubjectScr
       stage_(options.window, options.watermark, options.interrupted, options.desk) {}
 
 Signal SpectatorScreen::welcome(const protocols::SessionView& session) {
-    stage_.show(WelcomeFace{
-        .trials = session.trials - session.next, .resumed = session.next > 0, .asks = asks_});
+    stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,
+                            .practice = session.practice,
+                            .resumed = session.next > 0,
+                            .asks = asks_});
     return or_abort(stage_.wait_or_abort(3.0 * kLook), observer_.welcome(session));
 }
 
@@ -96,7 +98,7 @@ Signal SpectatorScreen::gap(double seconds) {
 }
 
 Signal SpectatorScreen::rest(double seconds, const protocols::TrialView& next) {
-    stage_.show(BreakFace{0, next.number, next.total});
+    stage_.show(BreakFace{0, next.number, next.total, next.practice});
     return or_abort(stage_.wait_or_abort(std::min(seconds, kLongestPause)),
                     observer_.rest(seconds, next));
 }

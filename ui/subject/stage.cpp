@@ -107,6 +107,21 @@ Forgotten Stage::forget_earlier() {
     return forgotten;
 }
 
+void Stage::guard_until(std::int64_t ns) {
+    guarded_ns_ = ns;
+    early_ = 0;
+}
+
+bool Stage::too_early(const Input& input) {
+    using enum Input::Kind;
+    const bool answers = input.kind == go || input.kind == enter || input.kind == digit ||
+                         input.kind == left || input.kind == right || input.kind == click;
+    const auto late_ns = static_cast<std::int64_t>(input.uncertainty_s * 1e9);
+    const bool early = answers && input.seen_ns - late_ns < guarded_ns_;
+    early_ += early ? 1 : 0;
+    return early;
+}
+
 void Stage::show_bar(Bar bar) {
     bar_ = bar;
     bar_until_ns_ = monotonic_ns() + kStopQuestionNs;
@@ -189,6 +204,29 @@ Input Stage::key(std::int32_t symbol, std::uint16_t modifiers, bool repeat) {
     return {};
 }
 
+Input Stage::read(const SDL_Event& event) {
+    if (event.type == SDL_KEYDOWN) {
+        return key(meant_by(event.key.keysym), event.key.keysym.mod, event.key.repeat != 0);
+    }
+    if (is_release(event)) {
+        return {.kind = Input::Kind::release};
+    }
+    if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT) {
+        return {.kind = Input::Kind::click, .pixel = pixel(event.button.x, event.button.y)};
+    }
+    if (event.type == SDL_MOUSEMOTION) {
+        return {.kind = Input::Kind::motion, .pixel = pixel(event.motion.x, event.motion.y)};
+    }
+    if (event.type == SDL_QUIT) {
+        show_bar(Bar::stop);
+    } else if (event.type == SDL_WINDOWEVENT &&
+               (event.window.event == SDL_WINDOWEVENT_EXPOSED ||
+                event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)) {
+        redraw();
+    }
+    return {};
+}
+
 Input Stage::next(int wait_ms) {
     const std::int64_t until = monotonic_ns() + static_cast<std::int64_t>(wait_ms) * 1'000'000;
     for (;;) {
@@ -209,27 +247,14 @@ Input Stage::next(int wait_ms) {
             }
             continue;
         }
-        Input input;
-        if (event.type == SDL_KEYDOWN) {
-            input = key(meant_by(event.key.keysym), event.key.keysym.mod, event.key.repeat != 0);
-        } else if (is_release(event)) {
-            input = {.kind = Input::Kind::release};
-        } else if (event.type == SDL_MOUSEBUTTONDOWN && event.button.button == SDL_BUTTON_LEFT) {
-            input = {.kind = Input::Kind::click, .pixel = pixel(event.button.x, event.button.y)};
-        } else if (event.type == SDL_MOUSEMOTION) {
-            input = {.kind = Input::Kind::motion, .pixel = pixel(event.motion.x, event.motion.y)};
-        } else if (event.type == SDL_QUIT) {
-            show_bar(Bar::stop);
-        } else if (event.type == SDL_WINDOWEVENT &&
-                   (event.window.event == SDL_WINDOWEVENT_EXPOSED ||
-                    event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED)) {
-            redraw();
-        }
+        Input input = read(event);
         if (input.kind != Input::Kind::none) {
             input.seen_ns = monotonic_ns();
             input.uncertainty_s =
                 std::max(0.0, static_cast<double>(input.seen_ns - looked_ns_) * 1e-9);
-            return input;
+            if (!too_early(input)) {
+                return input;
+            }
         }
     }
 }

@@ -10,6 +10,8 @@
 #include "ui/subject/faces.hpp"
 #include "ui/subject/window.hpp"
 
+union SDL_Event;
+
 namespace palpate::ui {
 
 /// One thing that somebody did, stamped with CLOCK_MONOTONIC when it was seen.
@@ -68,6 +70,11 @@ public:
     Input next(int wait_ms);
     /// Forgets presses and clicks that came before now: they were meant for another screen.
     Forgotten forget_earlier();
+    /// next() keeps back what might answer (keys and clicks, not Escape, a release or the chords) and may have
+    /// come before this time. A key that is held on is no press afterwards either.
+    void guard_until(std::int64_t ns);
+    /// How much it kept back since guard_until().
+    [[nodiscard]] std::size_t early_presses() const noexcept { return early_; }
     /// Waits, still showing the face. True if the session is to end.
     bool wait_or_abort(double seconds);
     /// Shows that the session pauses until the desk asks again. True if the session is to end.
@@ -81,6 +88,8 @@ private:
     void redraw();
     /// Of the canvas, from where the display says that the pointer is.
     [[nodiscard]] engine::Vec2 pixel(int x, int y) const;
+    [[nodiscard]] Input read(const SDL_Event& event);
+    [[nodiscard]] bool too_early(const Input& input);
     Input key(std::int32_t symbol, std::uint16_t modifiers, bool repeat);
     Input answer_question(std::int32_t symbol);
     /// What the bar at the lower edge says: questions to be answered by Y, and a notice.
@@ -93,7 +102,9 @@ private:
     std::string watermark_;
     std::function<bool()> interrupted_;
     std::function<void(Window&)> face_;
-    std::int64_t looked_ns_ = 0;  ///< when the queue was last seen empty
+    std::int64_t looked_ns_ = 0;   ///< when the queue was last seen empty
+    std::int64_t guarded_ns_ = 0;  ///< until then nothing answers
+    std::size_t early_ = 0;
     protocols::OperatorDesk* desk_;
     bool desk_closed_ = false;
     Bar bar_ = Bar::none;

@@ -7,6 +7,7 @@
 
 #include "engine/realtime/servo.hpp"
 #include "ui/subject/answer_row.hpp"
+#include "ui/subject/picking.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -14,7 +15,6 @@ namespace {
 using engine::monotonic_ns;
 using protocols::Choice;
 using protocols::Exploring;
-using protocols::InputKind;
 using protocols::Signal;
 
 /// explore() looks for presses this long, ms: often enough for 1 ms times, and the force goes on by itself.
@@ -29,7 +29,7 @@ SubjectScreen::SubjectScreen(SubjectScreenOptions options)
 
 /// @param heeds_desk  returns as well when the experimenter wants something
 Signal SubjectScreen::wait_for_go(bool space_only, bool heeds_desk) {
-    stage_.forget_earlier();
+    guard(monotonic_ns());
     for (;;) {
         const Input input = stage_.next(kIdleWaitMs);
         if (input.kind == Input::Kind::abort) {
@@ -42,6 +42,11 @@ Signal SubjectScreen::wait_for_go(bool space_only, bool heeds_desk) {
             return Signal::go_on;
         }
     }
+}
+
+Forgotten SubjectScreen::guard(std::int64_t shown_ns) {
+    stage_.guard_until(shown_ns + static_cast<std::int64_t>(options_.guard_s * 1e9));
+    return stage_.forget_earlier();
 }
 
 void SubjectScreen::hold(bool held) {
@@ -57,7 +62,8 @@ void SubjectScreen::stop() {
 }
 
 Signal SubjectScreen::welcome(const protocols::SessionView& session) {
-    stage_.show(WelcomeFace{.trials = session.trials - session.next,
+    stage_.show(WelcomeFace{.trials = session.trials - session.next - session.practice,
+                            .practice = session.practice,
                             .resumed = session.next > 0,
                             .moves_pointer = static_cast<bool>(options_.on_pointer),
                             .asks = options_.asks});
@@ -87,7 +93,7 @@ PointerMap SubjectScreen::pointer_map() {
 void SubjectScreen::begin_exploring() {
     in_trouble_.reset();
     stage_.window().show_pointer(false);
-    const Forgotten forgotten = stage_.forget_earlier();
+    const Forgotten forgotten = guard(monotonic_ns());
     if (forgotten.released) {
         hold(false);
     }
@@ -155,7 +161,7 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
         exploring_.reset();
         stage_.window().show_pointer(true);
         stage_.show(face);
-        stage_.forget_earlier();  // a press while nothing worked asked for nothing
+        guard(monotonic_ns());  // a press while nothing worked asked for nothing
         if (by_chord) {
             static_cast<void>(options_.desk->take_pause());
             stage_.drop_bar();
@@ -182,68 +188,44 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
 }
 
 Choice SubjectScreen::pick(const std::vector<Card>& cards,
+                           bool confirm,
                            const std::function<std::int64_t(std::optional<std::size_t>)>& show) {
-    std::optional<std::size_t> selected;
-    const std::int64_t shown = show(selected);
-    stage_.forget_earlier();  // a press while the answers were being drawn was not one of them
-    const auto chosen = [&](std::size_t place, const Input& input, InputKind kind) {
-        return Choice{.signal = Signal::done,
-                      .place = place,
-                      .reaction_s = static_cast<double>(input.seen_ns - shown) * 1e-9,
-                      .uncertainty_s = input.uncertainty_s,
-                      .input = kind};
-    };
-    const std::size_t last = cards.size() - 1;
-    for (;;) {
+    const std::int64_t shown = show(std::nullopt);
+    guard(shown);  // a press while the answers were being drawn was not one of them
+    Picking picking(shown, confirm);
+    while (!picking.chosen()) {
         const Input input = stage_.next(kIdleWaitMs);
-        switch (input.kind) {
-            case Input::Kind::abort:
-                return {.signal = Signal::abort};
-            case Input::Kind::digit:
-                if (input.digit <= static_cast<int>(cards.size())) {
-                    return chosen(static_cast<std::size_t>(input.digit - 1), input, InputKind::key);
-                }
-                break;
-            case Input::Kind::click:
-                if (const auto place = card_at(cards, input.pixel)) {
-                    return chosen(*place, input, InputKind::mouse);
-                }
-                break;
-            case Input::Kind::enter:
-                if (selected) {
-                    return chosen(*selected, input, InputKind::arrows);
-                }
-                break;
-            case Input::Kind::left:
-                selected = selected ? (*selected > 0 ? *selected - 1 : 0) : last;
-                show(selected);
-                break;
-            case Input::Kind::right:
-                selected = selected ? std::min(*selected + 1, last) : 0;
-                show(selected);
-                break;
-            default:
-                break;
+        if (input.kind == Input::Kind::abort) {
+            return {.signal = Signal::abort};
+        }
+        if (picking.heed(input, cards)) {
+            show(picking.marked());
         }
     }
+    Choice choice = *picking.chosen();
+    choice.early_presses = stage_.early_presses();
+    return choice;
 }
 
 Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
                              const protocols::Question& question) {
     stage_.window().show_pointer(true);
     const engine::Vec2 size = stage_.window().size();
-    Choice choice = pick(lay_out_answers(question, size), [&](auto selected) {
+    Choice choice = pick(lay_out_answers(question, size), question.confirm, [&](auto selected) {
         return stage_.show(ChooseFace{question, selected, false});
     });
     if (question.confidence && choice.signal == Signal::done) {
-        const Choice sure =
-            pick(lay_out_scale(protocols::kMostConfidence, size),
-                 [this](auto selected) { return stage_.show(ConfidenceFace{selected}); });
+        const Choice sure = pick(lay_out_scale(protocols::kMostConfidence, size), question.confirm,
+                                 [&](auto selected) {
+                                     return stage_.show(ConfidenceFace{selected, question.confirm});
+                                 });
         if (sure.signal == Signal::abort) {
             return {.signal = Signal::abort};
         }
         choice.confidence = static_cast<int>(sure.place) + 1;
         choice.confidence_reaction_s = sure.reaction_s;
+        choice.confidence_confirmation = sure.confirmation;
+        choice.early_presses += sure.early_presses;
     }
     return choice;
 }
@@ -266,7 +248,7 @@ Signal SubjectScreen::rest(double seconds, const protocols::TrialView& next) {
         const int seconds_left = left > 0.0 ? static_cast<int>(std::ceil(left)) : 0;
         if (seconds_left != shown) {
             shown = seconds_left;
-            stage_.show(BreakFace{seconds_left, next.number, next.total});
+            stage_.show(BreakFace{seconds_left, next.number, next.total, next.practice});
         }
         if (seconds_left == 0) {
             return wait_for_go();

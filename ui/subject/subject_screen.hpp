@@ -22,6 +22,7 @@ struct SubjectScreenOptions {
     engine::Vec2 start{0.0, 0.060};  ///< where a pointer starts exploring, m
     /// The participant holds Space while feeling, and Enter is done: protocol.safety.dead_man.
     bool dead_man = false;
+    double guard_s = 0.25;  ///< what is pressed earlier after a screen appeared is no answer to it
     protocols::ResponseKind asks = protocols::ResponseKind::identification;
     /// The dead-man key went down or up. true comes before the trial begins, on_hold(false) at latest
     /// with the first explore() after the key was let go.
@@ -59,9 +60,14 @@ public:
 
 private:
     [[nodiscard]] protocols::Signal wait_for_go(bool space_only = false, bool heeds_desk = false);
+    /// Presses so far were meant for another screen, and those of the guard time are not for this one.
+    /// @param shown_ns  when it was
+    Forgotten guard(std::int64_t shown_ns);
     /// One of the answers on `cards`. @param show  draws them with the one that is marked
+    /// @param confirm  it can be changed until Enter, or the same one again, confirms it
     [[nodiscard]] protocols::Choice pick(
         const std::vector<Card>& cards,
+        bool confirm,
         const std::function<std::int64_t(std::optional<std::size_t>)>& show);
     [[nodiscard]] PointerMap pointer_map();
     void begin_exploring();

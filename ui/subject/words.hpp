@@ -12,7 +12,8 @@ struct Words {
     std::string_view welcome, welcome_back;
     std::string_view you_feel, you_feel_two, you_choose, a_question, which_of_both,
         pointer_is_handle, take_time;
-    std::string_view one_trial, trials, trials_resumed;  ///< {0} trials
+    std::string_view one_trial, trials, trials_resumed;       ///< {0} trials
+    std::string_view practice_first, practice_first_resumed;  ///< {0} for practice, then {1}
     std::string_view begin;
     std::string_view trial, practice_trial;  ///< {0} of {1}
     std::string_view first_of_two, second_of_two;
@@ -23,9 +24,11 @@ struct Words {
     std::string_view which, choose, observer_chooses;  ///< choose: keys 1 to {0}
     std::string_view first_or_second, first, second, no, yes, least, most;
     std::string_view choose_of_two, choose_level;  ///< level: keys 1 to {0}
+    std::string_view confirm;                      ///< once an answer is marked that may be changed
     std::string_view how_sure, a_guess, certain;
     std::string_view right, wrong;
-    std::string_view rest, let_go, next_trial, wait, go_on;  ///< next: {0} of {1}; wait: {0} s
+    std::string_view rest, let_go, next_trial, next_practice;  ///< next: {0} of {1}
+    std::string_view wait, go_on;                              ///< wait: {0} s
     std::string_view moment, can_go_on, help_comes, thank_you_for_waiting, for_experimenter;
     std::string_view end, tell_experimenter;
     std::string_view stop_question, mark_question, pause_comes, no_pause, session_over;

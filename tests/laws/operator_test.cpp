@@ -1,0 +1,304 @@
+#include <chrono>
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/window_session.hpp"
+
+// What whoever runs a session meets: which sessions are real, what a press may do, and what the terminal says.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+using tests::WindowSession;
+
+namespace {
+
+constexpr double kGuard = 0.75;  // s, of the studies below
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, what.size(), by);
+}
+
+std::string text_of(const std::string& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// Two trials at a window: two objects without friction, answers to be confirmed.
+std::string two_trials() {
+    std::string text = text_of(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    const std::size_t on = text.find("[[friction]]\nname = \"on\"");
+    text.erase(on, text.find("[design]") - on);
+    text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nguard_s = 0.75");
+    return text + "\n[response]\nconfidence = true\nconfirm = true\n";
+}
+
+std::string on_the_pointer(const std::string& text) {
+    return replaced(text, "[apparatus]\n", "[apparatus]\ndevice = \"mouse\"\n");
+}
+
+std::string lines(const std::string& file, const std::string& sql) {
+    data::Database database(file, data::Access::read);
+    auto row = database.prepare(sql);
+    std::string text;
+    while (row.step()) {
+        for (int i = 0; i < row.columns(); ++i) {
+            text += (i == 0 ? "" : "|") + row.text(i);
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+void pause(double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
+
+/// Does `act` until the window looks otherwise: what comes within the guard time changes nothing.
+template <class Act>
+void until_marked(WindowSession& session, const Act& act) {
+    const auto window = session.wait_for_screen(session.screen_name());
+    pause(0.1);
+    const std::uint64_t before = session.hand().pixels(window);
+    for (int tries = 0; tries < 12; ++tries) {
+        act();
+        for (int waited = 0; waited < 100; ++waited) {
+            pause(0.05);
+            if (session.hand().pixels(window) != before) {
+                return;
+            }
+        }
+    }
+    FAIL("nothing was marked");
+}
+
+/// Somebody who presses what helps, whatever the screen shows, until the program ends.
+void carry_on(tests::Process& program, tests::XHand& hand) {
+    std::uint64_t focused = 0;
+    for (int i = 0; i < 600 && program.running(); ++i) {
+        const auto window = hand.find_window("palpate: ");
+        if (window.id != 0 && window.id != focused) {
+            focused = hand.wait_for_window("palpate: ", WindowSession::kPatience).id;
+        }
+        const bool asked =
+            window.title.ends_with("question") || window.title.ends_with("confidence");
+        if (window.id != 0) {
+            hand.key(asked ? "1" : "space");
+        }
+        pause(0.2);
+    }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "a session on the pointer is a pilot, answers wait for the guard time and to be confirmed",
+    "[window][operator][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("it's study.sqlite");
+    const std::string protocol = folder.file("p.toml");
+    std::ofstream(protocol) << two_trials();
+    WindowSession session(
+        {"run", protocol, "--participant", "P1", "--db", file, "--device", "mouse"}, file);
+    tests::XHand& hand = session.hand();
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+
+    session.wait_for_screen("question");
+    until_marked(session, [&] { hand.key("1"); });
+    until_marked(session, [&] { hand.key("2"); });
+    until_marked(session, [&] { hand.key("Left"); });
+    CHECK(session.screen_name() == "question");
+    CHECK(session.ask("SELECT count(*) FROM response") == "0");
+    session.press_at("question", "Return");
+    session.wait_for_screen("confidence");
+    until_marked(session, [&] { hand.key("3"); });
+    until_marked(session, [&] { hand.key("4"); });
+    hand.press("Return");  // it is held on: the next screen begins nothing
+    session.wait_for_screen("ready");
+    pause(kGuard + 1.0);
+    CHECK(session.screen_name() == "ready");
+    CHECK(session.ask("SELECT count(*) FROM trial") == "1");
+    hand.release("Return");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    session.press_at("question",
+                     "1");  // again and again: the first that is no longer early, and one more
+    session.wait_for_screen("confidence");
+    hand.chord("q");
+    session.press_at("confidence", "y");
+    const Finished end = session.finish();
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 3);
+
+    CHECK(lines(file, "SELECT kind FROM session") == "pilot\n");
+    CHECK_THAT(end.error, ContainsSubstring("--device mouse gives no force") &&
+                              ContainsSubstring("recorded as pilot"));
+    CHECK(lines(file,
+                "SELECT answer, input, changes, confidence, confidence_changes FROM response") ==
+          "0|arrows|2|4|1\n");
+    CHECK(lines(file,
+                "SELECT first_choice_s < reaction_s AND reaction_s < confirmed_s AND"
+                " first_choice_s >= 0.75 AND confidence_first_choice_s >= 0.75 AND"
+                " confidence_reaction_s < confidence_confirmed_s FROM response") == "1\n");
+    CHECK_THAT(lines(file, "SELECT protocol_toml FROM study"),
+               ContainsSubstring("guard_s = 0.75\n") && ContainsSubstring("confirm = true\n"));
+
+    CHECK_THAT(end.out, ContainsSubstring("Ctrl+Shift+Q then Y") &&
+                            ContainsSubstring("Ctrl+Shift+M then Y") &&
+                            ContainsSubstring("Ctrl+Shift+P") && ContainsSubstring(file) &&
+                            ContainsSubstring("trial 1 of 2 ") &&
+                            ContainsSubstring("This run: 1 answered, 0 of them do not count") &&
+                            ContainsSubstring("Stopped before trial 2 of 2"));
+    CHECK_THAT(end.out, !ContainsSubstring("convex") && !ContainsSubstring("concave"));
+    const std::string goes_on = "goes on there: ";
+    const std::size_t at = end.out.rfind(goes_on);
+    REQUIRE(at != std::string::npos);
+    const std::string command =
+        end.out.substr(at + goes_on.size(), end.out.find('\n', at) - at - goes_on.size());
+    tests::Process again(
+        {"sh", "-c", "exec " + command},
+        {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY",
+         "ASAN_OPTIONS=detect_leaks=0",
+         "TSAN_OPTIONS=suppressions=" PALPATE_SOURCE_DIR "/tests/support/tsan.supp"});
+    carry_on(again, hand);
+    const Finished rest = again.wait();
+    CAPTURE(rest.out, rest.error);
+    CHECK(rest.code == 0);
+    CHECK_THAT(rest.out, ContainsSubstring("Resuming at trial 2 of 2") &&
+                             ContainsSubstring("trial 2 of 2      attempt 2  ") &&
+                             ContainsSubstring("none left") && ContainsSubstring("Finished."));
+    CHECK(lines(file,
+                "SELECT min(reaction_s) >= 0.75, min(confidence_reaction_s) >= 0.75,"
+                " sum(early_presses) > 0 FROM response") == "1|1|1\n");
+    CHECK(lines(file, "SELECT sum(early_presses) > 0, sum(changes) >= 2 FROM trial_result") ==
+          "1|1\n");
+    CHECK_THAT(palpate_command({"verify", file}).out, ContainsSubstring("Nothing differs."));
+}
+
+TEST_CASE("a real session on a device without force is refused unless the protocol asks for it",
+          "[window][operator][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::ofstream(folder.file("any.toml")) << two_trials();
+    std::ofstream(folder.file("mouse.toml")) << on_the_pointer(two_trials());
+    const auto words = [&](const std::string& protocol, const std::string& who) {
+        return std::vector<std::string>{
+            "run", folder.file(protocol), "--participant", who, "--db", file, "--device", "mouse"};
+    };
+    const auto used = [&] {
+        const Finished plan = palpate_command(
+            {"sequence", folder.file("mouse.toml"), "--participant", "P2", "--db", file});
+        const std::size_t at = plan.out.find("used so far: ");
+        return at == std::string::npos ? plan.out + plan.error : plan.out.substr(at + 13, 3);
+    };
+    WindowSession session(words("mouse.toml", "P1"), file);
+    {
+        std::vector<std::string> refused = words("any.toml", "P1");
+        refused.insert(refused.begin(), tests::palpate_program());
+        refused.insert(refused.end(), {"--kind", "real"});
+        const Finished end =
+            tests::Process(refused, {"DISPLAY=" + session.screen().display(), "SDL_VIDEODRIVER=x11",
+                                     "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"})
+                .wait();
+        CHECK(end.code == 2);
+        CHECK_THAT(end.error, ContainsSubstring("gives no force") &&
+                                  ContainsSubstring("device = \"mouse\"") &&
+                                  ContainsSubstring("--kind pilot"));
+    }
+    // Whoever is at the welcome screen has taken a row of the pictures; whoever left there has not.
+    session.wait_for_screen("welcome");
+    session.wait_until("SELECT count(*) FROM session WHERE kind = 'real'", "1");
+    const std::string taken = used();
+    CHECK((taken == "0 1" || taken == "1 0"));
+    session.program().signal(SIGTERM);
+    const Finished end = session.finish();
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 3);
+    CHECK(used() == "0 0");
+    CHECK_THAT(end.out, ContainsSubstring("This run: 0 answered") &&
+                            ContainsSubstring("Stopped before trial 1 of 2"));
+    CHECK(lines(file, "SELECT count(*) FROM trial") == "0\n");
+}
+
+TEST_CASE("practice is counted by itself, repeats never make a number jump, and three are an alarm",
+          "[operator][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    std::string text = text_of(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
+    text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nrequeue_most = 1");
+    std::ofstream(folder.file("p.toml")) << text;
+    const Finished end = palpate_command(
+        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
+    CAPTURE(end.out, end.error);
+    REQUIRE(end.code == 0);
+    std::vector<std::string> numbers;
+    std::size_t repeats = 0;
+    std::size_t alarms = 0;
+    std::istringstream out(end.out);
+    for (std::string line; std::getline(out, line);) {
+        if (line.starts_with("practice ") || line.starts_with("trial ")) {
+            numbers.push_back(line.substr(0, line.find("  ")));
+            repeats += line.find("  attempt 2  ") != std::string::npos ? 1U : 0U;
+        }
+        alarms += line.starts_with("ATTENTION: ") ? 1U : 0U;
+    }
+    // Four of each are set back once; as many as are done by then are counted.
+    REQUIRE(numbers.size() == 16);
+    CHECK(numbers.front() == "practice 1 of 4");
+    CHECK(numbers[7] == "practice 4 of 4");
+    CHECK(numbers[8] == "trial 1 of 4");
+    CHECK(numbers.back() == "trial 4 of 4");
+    CHECK(std::is_sorted(numbers.begin(), numbers.end()));
+    CHECK(repeats == 8);
+    CHECK(alarms == 14);  // from the third on
+    CHECK_THAT(end.out, ContainsSubstring("4 practice trials and 4 trials") &&
+                            ContainsSubstring("ATTENTION: 3 of the last 3 trials do not count.\n"
+                                              "    3 x too little contact: explain again") &&
+                            ContainsSubstring("ATTENTION: 6 of the last 6") &&
+                            ContainsSubstring("runs again later in its block  (8 left") &&
+                            ContainsSubstring("is not run again  (none left)") &&
+                            ContainsSubstring("This run: 16 answered, 16 of them do not count"));
+}
+
+TEST_CASE(
+    "a session of two intervals and a rule, stopped and resumed, says its numbers and what it came "
+    "to",
+    "[operator][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::vector<std::string> words{"run", "friction_threshold", "--participant", "P1", "--db",
+                                         file,  "--headless",         "--speed"};
+    std::vector<std::string> slow{tests::palpate_program()};
+    slow.insert(slow.end(), words.begin(), words.end());
+    slow.push_back("40");
+    tests::Process program(slow, {"DISPLAY", "WAYLAND_DISPLAY"});
+    for (int i = 0; i < 4000 && program.out().find("practice 2 of ") == std::string::npos; ++i) {
+        pause(0.01);
+    }
+    program.signal(SIGINT);
+    const Finished stopped = program.wait();
+    CAPTURE(stopped.out, stopped.error);
+    REQUIRE(stopped.code == 3);
+    CHECK_THAT(stopped.out, ContainsSubstring("Stopped before practice "));
+    std::vector<std::string> redo = words;
+    redo.insert(redo.end(), {"0", "--resume", "redo-block"});
+    const Finished rest = palpate_command(redo);
+    CAPTURE(rest.out, rest.error);
+    CHECK(rest.code == 0);
+    CHECK_THAT(rest.out, ContainsSubstring("Resuming at practice 1 of ") &&
+                             ContainsSubstring("\ntrial 1 of ") &&
+                             ContainsSubstring("  attempt 2  ") &&
+                             !ContainsSubstring("--resume redo-block"));
+}
