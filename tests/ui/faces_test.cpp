@@ -57,8 +57,8 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
     std::vector<Shown> all;
     for (const ResponseKind asks :
          {ResponseKind::identification, ResponseKind::two_interval, ResponseKind::yes_no}) {
-        all.push_back(shown(WelcomeFace{1114, true, true, asks}, &Words::begin));
-        all.push_back(shown(WelcomeFace{1, false, false, asks}, &Words::begin));
+        all.push_back(shown(WelcomeFace{1114, 112, true, true, asks}, &Words::begin));
+        all.push_back(shown(WelcomeFace{1, 0, false, false, asks}, &Words::begin));
     }
     all.push_back(shown(ReadyFace{1027, 1114, true, false, 2, 2}, &Words::press_to_feel));
     all.push_back(shown(ReadyFace{1027, 1114, true, true, 1, 2}, &Words::hold_to_feel));
@@ -91,12 +91,12 @@ std::vector<Shown> all_faces(const std::vector<Picture>& pictures, const Vec2& s
              .answers = levels,
              .labels = {"not rough at all, like glass", "as rough as it can be"}});
     }
-    all.push_back(shown(ConfidenceFace{2}));
+    all.push_back(shown(ConfidenceFace{2, true}));
     all.back().cards = lay_out_scale(kMostConfidence, size);
     all.push_back(shown(FeedbackFace{true}));
     all.push_back(shown(FeedbackFace{false}));
     all.push_back(shown(BreakFace{0, 1031, 1114}, &Words::go_on));
-    all.push_back(shown(BreakFace{120, 1031, 1114}));
+    all.push_back(shown(BreakFace{120, 1031, 1114, true}));
     const std::string sentence =
         "/dev/serial/by-id/usb-Haply_Robotics_2diy_0123456789-if00: the device stopped answering "
         "17 s ago: check its cable and its power, then wait until it is found again";
