@@ -85,29 +85,32 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
     CHECK(without_display(sim).code == 0);
 }
 
-TEST_CASE("a real session fills the smallest screen, a window stays inside it, answers are clicked",
+TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
           "[window][law]") {
     const TemporaryFolder folder;
     std::string text = tests::slurp(kFourTrials);
     text.insert(text.find("[apparatus]\n") + 12, "device = \"mouse\"\n");
     std::ofstream(folder.file("p.toml")) << text;
-    const bool windowed = GENERATE(false, true);
+    struct Place {
+        WindowSession::Screen screen;
+        bool windowed = false;
+        std::vector<int> window{};  ///< x, y, width, height
+    };
+    const Place place = GENERATE(Place{{800, 600}, false, {0, 0, 800, 600}},
+                                 Place{{800, 600}, true, {0, 0, 800, 600}},
+                                 Place{{3840, 2160}, false, {0, 0, 3840, 2160}},
+                                 Place{{3840, 2160}, true, {480, 270, 2880, 1620}});
     std::vector<std::string> run = words(folder, folder.file("p.toml"));
     run.insert(run.end(), {"--kind", "real"});
-    if (windowed) {
+    if (place.windowed) {
         run.emplace_back("--windowed");
     }
-    const WindowSession::Screen small{800, 600};
-    const WindowSession::Screen large{3840, 2160};
-    WindowSession session(run, folder.file("d.sqlite"), {}, windowed ? large : small);
+    WindowSession session(run, folder.file("d.sqlite"), {}, place.screen);
     session.press_at("welcome", "space");
     session.press_at("ready", "space");
     session.press_at("explore", "space");
     const XHand::Window window = session.wait_for_screen("question");
-    CHECK(window.x == (windowed ? 480 : 0));
-    CHECK(window.y == (windowed ? 270 : 0));
-    CHECK(window.width == (windowed ? 2880 : 800));
-    CHECK(window.height == (windowed ? 1620 : 600));
+    CHECK(std::vector<int>{window.x, window.y, window.width, window.height} == place.window);
     const ui::Card card = ui::lay_out_cards(2, size_of(window)).back();
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
     move(session, window, card.corner + card.size - Vec2{3.0, 3.0});

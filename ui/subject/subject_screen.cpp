@@ -187,7 +187,7 @@ std::optional<Signal> SubjectScreen::trouble(const protocols::TroubleView& view)
     }
 }
 
-Choice SubjectScreen::pick(const std::vector<Card>& cards,
+Choice SubjectScreen::pick(const std::function<std::vector<Card>()>& cards,
                            bool confirm,
                            const std::function<std::int64_t(std::optional<std::size_t>)>& show) {
     const std::int64_t shown = show(std::nullopt);
@@ -198,7 +198,7 @@ Choice SubjectScreen::pick(const std::vector<Card>& cards,
         if (input.kind == Input::Kind::abort) {
             return {.signal = Signal::abort};
         }
-        if (picking.heed(input, cards)) {
+        if (picking.heed(input, cards())) {
             show(picking.marked());
         }
     }
@@ -210,15 +210,20 @@ Choice SubjectScreen::pick(const std::vector<Card>& cards,
 Choice SubjectScreen::choose(const protocols::TrialView& /*trial*/,
                              const protocols::Question& question) {
     stage_.window().show_pointer(true);
-    const engine::Vec2 size = stage_.window().size();
-    Choice choice = pick(lay_out_answers(question, size), question.confirm, [&](auto selected) {
+    Window& window = stage_.window();
+    const auto answers = [&] {
+        return lay_out_answers(question, window.size());
+    };
+    const auto levels = [&] {
+        return lay_out_scale(protocols::kMostConfidence, window.size());
+    };
+    Choice choice = pick(answers, question.confirm, [&](auto selected) {
         return stage_.show(ChooseFace{question, selected, false});
     });
     if (question.confidence && choice.signal == Signal::done) {
-        const Choice sure = pick(lay_out_scale(protocols::kMostConfidence, size), question.confirm,
-                                 [&](auto selected) {
-                                     return stage_.show(ConfidenceFace{selected, question.confirm});
-                                 });
+        const Choice sure = pick(levels, question.confirm, [&](auto selected) {
+            return stage_.show(ConfidenceFace{selected, question.confirm});
+        });
         if (sure.signal == Signal::abort) {
             return {.signal = Signal::abort};
         }

@@ -63,10 +63,12 @@ private:
     /// Presses so far were meant for another screen, and those of the guard time are not for this one.
     /// @param shown_ns  when it was
     Forgotten guard(std::int64_t shown_ns);
-    /// One of the answers on `cards`. @param show  draws them with the one that is marked
+    /// One of the answers on cards().
+    /// @param cards    where they stand now: a window may change its size meanwhile
+    /// @param show     draws them with the one that is marked
     /// @param confirm  it can be changed until Enter, or the same one again, confirms it
     [[nodiscard]] protocols::Choice pick(
-        const std::vector<Card>& cards,
+        const std::function<std::vector<Card>()>& cards,
         bool confirm,
         const std::function<std::int64_t(std::optional<std::size_t>)>& show);
     [[nodiscard]] PointerMap pointer_map();
