@@ -264,6 +264,7 @@ TEST_CASE(
         static TrialView of(const TrialView& trial, std::size_t interval) {
             TrialView view = trial;
             view.number = 1;
+            view.total = 9;
             view.practice = false;
             view.interval = interval;
             view.intervals = 2;
