@@ -20,8 +20,7 @@ constexpr std::string_view kYesNo = "0 = no; 1 = yes";
 constexpr std::string_view kPhases =
     "practice = before the main trials, not to be analysed; main = the study; catch = among the"
     " main ones, an object that no picture shows";
-constexpr std::string_view kSure =
-    "1 = a guess; 2 = nearer to a guess; 3 = nearer to sure; 4 = sure";
+constexpr std::string_view kSure = "1 = a guess; 2, 3 = between; 4 = sure";
 constexpr std::string_view kKinds =
     "real = a session of the study; pilot = to try it; simulated = computed hand and answers";
 constexpr ExportColumn kKind{"kind",         "text", "",    "what the session is",
@@ -48,10 +47,8 @@ constexpr std::array kParticipants{
 };
 
 constexpr std::array kDetails{
-    kSubject,
-    ExportColumn{"key", "text", "", "what was asked", "participant_detail.key"},
-    ExportColumn{"value", "text", "", "the answer", "participant_detail.value"},
-};
+    kSubject, ExportColumn{"key", "text", "", "what was asked", "participant_detail.key"},
+    ExportColumn{"value", "text", "", "the answer", "participant_detail.value"}};
 
 constexpr std::array kSessions{
     kSubject,
@@ -86,12 +83,8 @@ constexpr std::array kSessions{
 };
 
 constexpr std::array kProvenance{
-    kSubject,
-    kStudy,
-    kSession,
-    ExportColumn{"key", "text", "", "what", "session_provenance.key"},
-    ExportColumn{"value", "text", "", "its version, text or hash", "session_provenance.value"},
-};
+    kSubject, kStudy, kSession, ExportColumn{"key", "text", "", "what", "session_provenance.key"},
+    ExportColumn{"value", "text", "", "its version, text or hash", "session_provenance.value"}};
 
 constexpr std::array kPlan{
     kSubject,
@@ -107,16 +100,12 @@ constexpr std::array kPlan{
     ExportColumn{"mu_s", "real", "1", "static coefficient of friction", "plan.mu_s"},
     ExportColumn{"mu_d", "real", "1", "dynamic coefficient of friction", "plan.mu_d"},
     ExportColumn{"break_before", "integer", "1", "1: a break came before it", "plan.break_before",
-                 false, kYesNo},
-};
+                 false, kYesNo}};
 
 constexpr std::array kPictures{
-    kSubject,
-    kStudy,
-    kSession,
+    kSubject, kStudy, kSession,
     ExportColumn{"place", "integer", "1", "from left to right, from 0", "picture.place"},
-    ExportColumn{"object", "text", "", "which picture", "picture.object"},
-};
+    ExportColumn{"object", "text", "", "which picture", "picture.object"}};
 
 constexpr std::array kTrials{
     kSubject,
@@ -283,8 +272,7 @@ constexpr std::array kPresentations{
     ExportColumn{"mean_normal_force_n", "real", "N", "mean normal force in contact",
                  "presentation.mean_normal_force_n"},
     ExportColumn{"max_normal_force_n", "real", "N", "largest normal force",
-                 "presentation.max_normal_force_n"},
-};
+                 "presentation.max_normal_force_n"}};
 
 constexpr std::array kSteps{
     kSubject,
@@ -303,8 +291,7 @@ constexpr std::array kSteps{
                  "adaptive_step.estimate"},
     ExportColumn{"estimates", "text", "", "all of them, as JSON", "adaptive_step.estimates"},
     ExportColumn{"state_sha256", "text", "", "hash of the rule's state with this answer",
-                 "adaptive_step.state_sha256"},
-};
+                 "adaptive_step.state_sha256"}};
 
 constexpr std::array kEvents{
     kSubject,
@@ -326,22 +313,21 @@ constexpr std::array kEvents{
                  "(SELECT since_ns FROM happened WHERE happened.event = event.id)"},
     ExportColumn{"at_ns", "integer", "ns", "on the clock of the trials' started_ns", "event.at_ns",
                  true},
-    ExportColumn{"at_utc", "text", "", "wall clock", "event.at_utc", true},
-};
+    ExportColumn{"at_utc", "text", "", "wall clock", "event.at_utc", true}};
 
 constexpr std::array kTickKeys{
     kSubject, kStudy, kSession, kTrial,
     ExportColumn{"interval", "integer", "1", "of a trial with two things to feel: 1 or 2", ""}};
 
-constexpr std::string_view kJoined =
-    "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study"
-    " JOIN participant ON participant.id = session.participant";
-constexpr std::string_view kSessionOrder = "chosen.subject, chosen.label, chosen.number";
-
-// The same joins, spelled out: string literals cannot be joined at compile time.
+// Joins that several tables share: string literals cannot be joined at compile time.
 #define PALPATE_SESSIONS                                                                        \
     "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study" \
     " JOIN participant ON participant.id = session.participant"
+#define PALPATE_TRIALS                                                          \
+    PALPATE_SESSIONS                                                            \
+    " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial" \
+    " = trial.id"
+#define PALPATE_ORDER "chosen.subject, chosen.label, chosen.number"
 
 constexpr std::array kTables{
     ExportTable{"participants", "one row a participant",
@@ -351,47 +337,42 @@ constexpr std::array kTables{
                 " ON session.id = chosen.session) AS chosen"
                 " JOIN participant_detail ON participant_detail.participant = chosen.participant",
                 "chosen.subject, participant_detail.key", kDetails, true},
-    ExportTable{"sessions", "one row a session", kJoined, kSessionOrder, kSessions},
-    ExportTable{
-        "provenance", "versions, machine, calibration",
-        PALPATE_SESSIONS " JOIN session_provenance ON session_provenance.session = session.id",
-        "chosen.subject, chosen.label, chosen.number, session_provenance.key", kProvenance, true},
+    ExportTable{"sessions", "one row a session", PALPATE_SESSIONS, PALPATE_ORDER, kSessions},
+    ExportTable{"provenance", "versions, machine, calibration",
+                PALPATE_SESSIONS
+                " JOIN session_provenance ON session_provenance.session = session.id",
+                PALPATE_ORDER ", session_provenance.key", kProvenance, true},
     ExportTable{"plan", "the whole order, complete before the first trial",
                 PALPATE_SESSIONS " JOIN plan ON plan.session = session.id",
-                "chosen.subject, chosen.label, chosen.number, plan.position", kPlan},
+                PALPATE_ORDER ", plan.position", kPlan},
     ExportTable{"pictures", "which picture stood at which place",
                 PALPATE_SESSIONS " JOIN picture ON picture.session = session.id",
-                "chosen.subject, chosen.label, chosen.number, picture.place", kPictures},
+                PALPATE_ORDER ", picture.place", kPictures},
     ExportTable{"trials", "one row an attempt at a planned trial, with its answer",
-                PALPATE_SESSIONS
-                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
-                " trial.id JOIN plan ON plan.session = session.id AND plan.position ="
+                PALPATE_TRIALS
+                " JOIN plan ON plan.session = session.id AND plan.position ="
                 " trial.position LEFT JOIN response ON response.trial = trial.id LEFT JOIN"
                 " adaptive_plan ON adaptive_plan.session = session.id AND adaptive_plan.position ="
                 " trial.position",
-                "chosen.subject, chosen.label, chosen.number, trial.id", kTrials},
+                PALPATE_ORDER ", trial.id", kTrials},
     ExportTable{"responses", "one row an answer",
-                PALPATE_SESSIONS
-                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
-                " trial.id JOIN response ON response.trial = trial.id",
-                "chosen.subject, chosen.label, chosen.number, trial.id", kResponses},
+                PALPATE_TRIALS " JOIN response ON response.trial = trial.id",
+                PALPATE_ORDER ", trial.id", kResponses},
     ExportTable{"presentations", "one row an interval of an attempt: what was felt, and how",
-                PALPATE_SESSIONS
-                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
-                " trial.id JOIN presentation ON presentation.trial = trial.id",
-                "chosen.subject, chosen.label, chosen.number, trial.id, presentation.interval",
-                kPresentations},
+                PALPATE_TRIALS " JOIN presentation ON presentation.trial = trial.id",
+                PALPATE_ORDER ", trial.id, presentation.interval", kPresentations},
     ExportTable{"adaptive_steps", "one row an answer that a rule took in",
-                PALPATE_SESSIONS
-                " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial ="
-                " trial.id JOIN adaptive_step ON adaptive_step.trial = trial.id JOIN adaptive_plan"
+                PALPATE_TRIALS
+                " JOIN adaptive_step ON adaptive_step.trial = trial.id JOIN adaptive_plan"
                 " ON adaptive_plan.session = session.id AND adaptive_plan.position ="
                 " trial.position",
-                "chosen.subject, chosen.label, chosen.number, trial.id", kSteps},
+                PALPATE_ORDER ", trial.id", kSteps},
     ExportTable{"events", "breaks, stops, resumes, faults",
                 PALPATE_SESSIONS " JOIN event ON event.session = session.id",
-                "chosen.subject, chosen.label, chosen.number, event.id", kEvents},
+                PALPATE_ORDER ", event.id", kEvents},
 };
+#undef PALPATE_ORDER
+#undef PALPATE_TRIALS
 #undef PALPATE_SESSIONS
 
 }  // namespace

@@ -85,4 +85,31 @@ bool begin_again(Database& database,
     return true;
 }
 
+protocols::PendingTrials what_is_left(Database& database,
+                                      std::int64_t session,
+                                      protocols::PendingTrials pending) {
+    std::vector<Redo> redos = redos_of(database, session);
+    const auto again = [&](std::optional<std::int64_t> before) {
+        while (!redos.empty() && (!before || redos.front().after < *before)) {
+            pending.begin_again(redos.front().part);
+            redos.erase(redos.begin());
+        }
+    };
+    Statement row = database.prepare(
+        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL, trial.id FROM trial"
+        " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 ORDER BY trial.id");
+    row.bind(1, session);
+    while (row.step()) {
+        again(row.integer(4));
+        const bool answered = row.integer(2) != 0;
+        if (answered || row.text(1) == to_string(protocols::Outcome::faulted)) {
+            pending.note(static_cast<std::size_t>(row.integer(0)),
+                         answered ? protocols::Outcome::complete : protocols::Outcome::faulted,
+                         row.integer(3) != 0);
+        }
+    }
+    again(std::nullopt);
+    return pending;
+}
+
 }  // namespace palpate::data

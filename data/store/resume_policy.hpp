@@ -37,4 +37,10 @@ bool begin_again(Database& database,
                  Resume how,
                  protocols::PendingTrials& pending);
 
+/// What is left of a session, by what became of every attempt so far. An answer is a row of its own: it
+/// decides. @param pending  of the whole plan
+[[nodiscard]] protocols::PendingTrials what_is_left(Database& database,
+                                                    std::int64_t session,
+                                                    protocols::PendingTrials pending);
+
 }  // namespace palpate::data

@@ -26,9 +26,8 @@ using protocols::PlannedTrial;
 std::int64_t study_row(Database& database, const SessionSpec& spec) {
     database
         .prepare(
-            "INSERT INTO study (name, title, protocol_sha256, protocol_toml) VALUES (?1, ?2, ?3, "
-            "?4)"
-            " ON CONFLICT (protocol_sha256) DO NOTHING")
+            "INSERT INTO study (name, title, protocol_sha256, protocol_toml)"
+            " VALUES (?1, ?2, ?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING")
         .bind(1, spec.protocol.id)
         .bind(2, spec.protocol.title)
         .bind(3, spec.protocol_hash)
@@ -268,35 +267,6 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
     return found.size();
 }
 
-/// What is left, by what became of every attempt so far. An answer is a row of its own: it decides.
-protocols::PendingTrials pending_trials(Database& database,
-                                        std::int64_t session,
-                                        const SessionSpec& spec) {
-    protocols::PendingTrials pending(spec.plan, requeue_rule(spec));
-    std::vector<Redo> redos = redos_of(database, session);
-    const auto begin_again = [&](std::optional<std::int64_t> before) {
-        while (!redos.empty() && (!before || redos.front().after < *before)) {
-            pending.begin_again(redos.front().part);
-            redos.erase(redos.begin());
-        }
-    };
-    Statement row = database.prepare(
-        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL, trial.id FROM trial"
-        " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 ORDER BY trial.id");
-    row.bind(1, session);
-    while (row.step()) {
-        begin_again(row.integer(4));
-        const bool answered = row.integer(2) != 0;
-        if (answered || row.text(1) == to_string(protocols::Outcome::faulted)) {
-            pending.note(static_cast<std::size_t>(row.integer(0)),
-                         answered ? protocols::Outcome::complete : protocols::Outcome::faulted,
-                         row.integer(3) != 0);
-        }
-    }
-    begin_again(std::nullopt);
-    return pending;
-}
-
 void count_attempts(Database& database, OpenedSession& opened) {
     Statement row = database.prepare(
         "SELECT position, count(*), max(id) FROM trial WHERE session = ?1 GROUP BY position");
@@ -321,7 +291,8 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
         opened.finished = there->finished;
         opened.interrupted = mark_interrupted(database, id);
     }
-    opened.pending = pending_trials(database, id, spec);
+    opened.pending =
+        what_is_left(database, id, protocols::PendingTrials(spec.plan, requeue_rule(spec)));
     if (opened.resumed && !opened.finished) {
         begin_again(database, id, spec.resume, opened.pending);
     }

@@ -139,9 +139,9 @@ private:
                 line_start_ = at_ + 1;
                 ++line_;
             }
-            at_ += c == '\\' && quote == '"' && at_ + 1 < text_.size() && text_[at_ + 1] != '\n'
-                     ? 2
-                     : 1;
+            const bool escape =
+                c == '\\' && quote == '"' && at_ + 1 < text_.size() && text_[at_ + 1] != '\n';
+            at_ += escape ? 2U : 1U;
         }
     }
 

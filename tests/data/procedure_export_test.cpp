@@ -26,8 +26,8 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         const auto spec = tests::session_spec(tests::adaptive_protocol(rule), who);
         REQUIRE(tests::run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     }
-    const Finished done = palpate_command({"export", file, "--format", "procedure", "--kind", "all",
-                                           "-o", folder.file("out")});
+    const Finished done = palpate_command(
+        {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")});
     CAPTURE(done.error);
     REQUIRE(done.code == 0);
     std::size_t replayed = 0;
@@ -73,8 +73,8 @@ TEST_CASE("a file without a rule has no runs to export", "[export][adaptive]") {
         static_cast<void>(
             data::open_session(database, tests::session_spec(tests::small_protocol())));
     }
-    const Finished refused = palpate_command({"export", file, "--format", "procedure", "--kind",
-                                              "all", "-o", folder.file("out")});
+    const Finished refused = palpate_command(
+        {"export", file, "--format", "procedure", "--kind", "all", "-o", folder.file("out")});
     CHECK(refused.code == 2);
     CHECK_THAT(refused.error, ContainsSubstring("no session"));
     CHECK_FALSE(std::filesystem::exists(folder.file("out")));

@@ -99,8 +99,7 @@ TEST_CASE("Python reads the same numbers from the CSV files as from the database
 
 TEST_CASE("R reads every number of the ticks to the bit that Python reads", "[export][law]") {
     const Exported exported("csv");
-    const std::string ticks =
-        fs::directory_iterator(exported.out / "ticks")->path().string();
+    const std::string ticks = fs::directory_iterator(exported.out / "ticks")->path().string();
     const std::string by_r = exported.folder.file("r.bin");
     const std::string by_python = exported.folder.file("python.bin");
     const Finished r = Process({"Rscript", "--vanilla", "-e", kR, ticks, by_r}).wait();

@@ -279,33 +279,6 @@ TEST_CASE("what an export says of time tells no date, no pause and no restart", 
     }
 }
 
-TEST_CASE("sequence prints the exact plan of a file, and an example without one", "[secret][law]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("study.sqlite");
-    const auto sequence = [&](const std::string& code, bool of_file) {
-        std::vector<std::string> words{"sequence", kStudy, "--participant", code, "--csv"};
-        if (of_file) {
-            words.insert(words.end(), {"--db", file});
-        }
-        return palpate_command(words);
-    };
-    REQUIRE(run("P01", file).code == 0);
-    const std::string next = sequence("P02", true).out;  // of the session that is not there yet
-    const Finished example = sequence("P02", false);
-    CHECK_THAT(example.error, ContainsSubstring("example"));
-    CHECK(example.out != next);
-    CHECK(sequence("P02", true).error.empty());
-    REQUIRE(run("P02", file).code == 0);
-    CHECK(sequence("P02", true).out == next);
-    const auto planned = values(
-        file, "SELECT position || ',' || phase || ',0,' || object FROM plan WHERE session = 2");
-    for (const std::string& line : planned) {
-        CHECK_THAT(next, ContainsSubstring('\n' + line));
-    }
-    CHECK_THAT(palpate_command({"sequence", kStudy, "--participant", "P02"}).out,
-               ContainsSubstring("An example"));
-}
-
 TEST_CASE(
     "a given secret repeats a simulated session to the bit, and enters no file that has another",
     "[secret][determinism][law]") {
@@ -405,11 +378,9 @@ TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret
         CHECK(wrong.code == 1);
         CHECK_THAT(wrong.out, ContainsSubstring("secret") || ContainsSubstring("plan_sha256"));
     }
-    const std::string copy = folder.file("lost.sqlite");
-    fs::copy_file(file, copy);
-    data::Database(copy, data::Access::write)
+    data::Database(file, data::Access::write)
         .execute("PRAGMA foreign_keys = OFF; DELETE FROM secret");
-    const Finished refused = run("P02", copy);
+    const Finished refused = run("P02", file);
     CHECK(refused.code != 0);
     CHECK_THAT(refused.error, ContainsSubstring("its secret was removed"));
 }

@@ -130,3 +130,37 @@ TEST_CASE("sequence refuses what run refuses, and makes no file", "[sequence]") 
               .code != 0);
     CHECK(folder.names().empty());
 }
+
+TEST_CASE("sequence prints the exact plan of a file, and an example without one", "[secret][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("study.sqlite");
+    const auto sequence = [&](const std::string& code, bool of_file) {
+        std::vector<std::string> words{"sequence", "shape_friction_demo", "--participant", code,
+                                       "--csv"};
+        if (of_file) {
+            words.insert(words.end(), {"--db", file});
+        }
+        return palpate_command(words);
+    };
+    const auto run = [&](const std::string& code) {
+        return palpate_command({"run", "shape_friction_demo", "--participant", code, "--db", file,
+                                "--headless"})
+            .code;
+    };
+    REQUIRE(run("P01") == 0);
+    const std::string next = sequence("P02", true).out;  // of the session that is not there yet
+    const Finished example = sequence("P02", false);
+    CHECK_THAT(example.error, ContainsSubstring("example"));
+    CHECK(example.out != next);
+    CHECK(sequence("P02", true).error.empty());
+    REQUIRE(run("P02") == 0);
+    CHECK(sequence("P02", true).out == next);
+    data::Database database(file, data::Access::read);
+    auto row = database.prepare(
+        "SELECT position || ',' || phase || ',0,' || object FROM plan WHERE session = 2");
+    while (row.step()) {
+        CHECK_THAT(next, ContainsSubstring('\n' + row.text(0)));
+    }
+    CHECK_THAT(palpate_command({"sequence", "shape_friction_demo", "--participant", "P02"}).out,
+               ContainsSubstring("An example"));
+}

@@ -79,6 +79,8 @@ range = 100
 rule = "quantile"
 lowest = 0
 highest = 100
+[stream]
+seed = 11
 )";
 
 constexpr std::string_view kPsi = R"(format = 1
@@ -250,9 +252,9 @@ TEST_CASE("what is wrong with a procedure file is said with place and remedy", "
     said(kQuestPlus, "[2, 3, 4, 5]", "[2, 2]",
          "p.toml:16:9: [parameters]: slope has the value 2 at place 2");
     said(kStaircases, "lowest = 0.0", "lowest = 30.0",
-         "p.toml:18:10: [[staircase]] 1: lowest is 30 and highest 20");
+         "p.toml:15:10: [[staircase]] 1: lowest is 30 and highest 20");
     said(kStaircases, "start = 4.0", "start = 21",
-         "p.toml:11:9: [[staircase]] 1: start is 21: give a level from lowest");
+         "p.toml:8:9: [[staircase]] 1: start is 21: give a level from lowest");
     said(kQuestPlus, "[2, 3, 4, 5]", "\"steep\"", "give a number, a list");
     said(kQuestPlus, "guess = 0.5", "guess = 1.5", "guess is 1.5: give 0 to 1");
     said(kQuestPlus, "guess = 0.5", "guess = 0.97", "give smaller rates");
@@ -268,7 +270,8 @@ TEST_CASE("what is wrong with a procedure file is said with place and remedy", "
     said(kStaircases, "target = 0.75", "target = 0.75\ndown = 2",
          "target is for up = 1 and down = 1");
     said(kStaircases, "fast_start = true", "fast_start = 1", "give true or false");
-    said(kStaircases, "seed = 11", "seed = -1", "p.toml:5:8: seed is -1");
+    said(kQuest, "seed = 11", "seed = -1", "p.toml:18:8: seed is -1");
+    said(kStaircases, "ddeeff", "ddeefg", "p.toml:5:10: origin is not 32 of the digits");
     said(kStaircases, "name = \"low\"", "name = \"staircase_2\"", "two staircases are called");
     said(kQuest, "p_threshold = 0.82", "p_threshold = 0.3",
          "15: p_threshold is 0.3: give a chance above");

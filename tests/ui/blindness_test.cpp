@@ -165,6 +165,7 @@ TEST_CASE(
         Exploring explore(const TrialView& trial, double elapsed_s) override {
             TrialView view = trial;
             view.number = 1;
+            view.total = 1;  // of practice and of the others: told apart by what is counted
             view.practice = false;
             static_cast<void>(screen_.explore(view, elapsed_s));
             explored.insert(frame());
