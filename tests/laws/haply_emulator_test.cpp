@@ -38,6 +38,18 @@ TEST_CASE("palpate haply-emulator is a board that a driver can use, until it is 
     CHECK_FALSE(std::filesystem::is_symlink(link));
 }
 
+/// The report is wrapped where its lines end: not where a test looks for words.
+static std::string on_one_line(const std::string& text) {
+    std::string line;
+    for (const char c : text) {
+        const bool space = c == ' ' || c == '\n';
+        if (!space || (!line.empty() && line.back() != ' ')) {
+            line += space ? ' ' : c;
+        }
+    }
+    return line;
+}
+
 TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how long answers take",
           "[laws][haply][doctor]") {
     const TemporaryFolder folder;
@@ -54,9 +66,10 @@ TEST_CASE("the doctor calls a sound board ok whatever its delay, and says how lo
         CAPTURE(doctor.out);
         REQUIRE_THAT(doctor.out, !ContainsSubstring("sent what cannot be"));
         well = doctor.out.find("ok    device ") == 0;
-        const auto said = doctor.out.find("answers after ");
+        const std::string out = on_one_line(doctor.out);
+        const auto said = out.find("answers after ");
         REQUIRE((!well || said != std::string::npos));
-        CHECK((!well || std::stod(doctor.out.substr(said + 14)) >= std::stod(delay)));
+        CHECK((!well || std::stod(out.substr(said + 14)) >= std::stod(delay)));
     }
     CHECK(well);
 }
@@ -65,18 +78,18 @@ TEST_CASE("the doctor looks at the emulated board, and refuses answers that come
           "[laws][haply][doctor]") {
     const TemporaryFolder folder;
     const auto look = [&](const std::string& device) {
-        return palpate_command({"doctor", "--device", device, "--seconds", "0.05", "--db",
-                                folder.file("d.sqlite")})
-            .out;
+        return on_one_line(palpate_command({"doctor", "--device", device, "--seconds", "0.05",
+                                            "--db", folder.file("d.sqlite")})
+                               .out);
     };
     CHECK_THAT(look("haply-emulator"),
-               StartsWith("ok    device ") && ContainsSubstring("answers after "));
+               StartsWith("ok device ") && ContainsSubstring("answers after "));
     const std::string link = folder.file("board");
     const Process emulator({palpate_program(), "haply-emulator", "--link", link, "--preset",
                             "2diy_gen3", "--delay-ms", "40"});
     REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
     CHECK_THAT(look("haply:" + link),
-               StartsWith("fail  device ") && !ContainsSubstring("sent what cannot be"));
+               StartsWith("fail device ") && !ContainsSubstring("sent what cannot be"));
 }
 
 TEST_CASE("an emulator that cannot be is refused with a sentence", "[laws][haply]") {
