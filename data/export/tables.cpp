@@ -20,7 +20,8 @@ constexpr std::string_view kYesNo = "0 = no; 1 = yes";
 constexpr std::string_view kPhases =
     "practice = before the main trials, not to be analysed; main = the study; catch = among the"
     " main ones, an object that no picture shows";
-constexpr std::string_view kSure = "1 = a guess; 2, 3 = between; 4 = sure";
+constexpr std::string_view kSure =
+    "1 = a guess; 2 = nearer to a guess; 3 = nearer to sure; 4 = sure";
 constexpr std::string_view kKinds =
     "real = a session of the study; pilot = to try it; simulated = computed hand and answers";
 constexpr ExportColumn kKind{"kind",         "text", "",    "what the session is",

@@ -132,7 +132,7 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
               std::to_string(run) + "\n");
         CHECK(lines(file, "SELECT count(*) > 0 FROM event WHERE kind = 'timing'") == "1\n");
         if (run == 2) {
-            CHECK_THAT(end.out, ContainsSubstring("Resuming at trial"));
+            CHECK_THAT(end.out, ContainsSubstring("Resuming at practice 1 of 10"));
         }
     }
 }

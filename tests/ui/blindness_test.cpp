@@ -51,19 +51,24 @@ public:
                    .watermark = {},
                    .interrupted = {},
                    .on_pointer = {},
+                   .guard_s = 0.0,
                    .on_hold = {},
                    .on_stop = {}}) {}
 
     Signal welcome(const SessionView& /*session*/) override { return Signal::go_on; }
     Signal ready(const TrialView& trial) override {
-        std::thread subject([] {
-            std::this_thread::sleep_for(std::chrono::milliseconds(30));
-            SDL_Event space{};
-            space.type = SDL_KEYDOWN;
-            space.key.keysym.sym = SDLK_SPACE;
-            SDL_PushEvent(&space);
+        std::atomic<bool> begun{false};
+        std::thread subject([&] {
+            while (!begun) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(30));
+                SDL_Event space{};
+                space.type = SDL_KEYDOWN;
+                space.key.keysym.sym = SDLK_SPACE;
+                SDL_PushEvent(&space);
+            }
         });
         const Signal signal = screen_.ready(trial);
+        begun = true;
         subject.join();
         return signal;
     }
@@ -71,6 +76,7 @@ public:
         // One and the same trial number for all: only the condition differs between the trials.
         TrialView view = trial;
         view.number = 1;
+        view.total = 1;
         static_cast<void>(screen_.explore(view, elapsed_s));
         shown_.insert(frame());
         ++frames_;

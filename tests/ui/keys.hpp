@@ -1,7 +1,10 @@
 #pragma once
 
 #include <chrono>
+#include <condition_variable>
 #include <functional>
+#include <mutex>
+#include <stop_token>
 #include <thread>
 
 #include <SDL.h>
@@ -45,20 +48,25 @@ inline void move(const engine::Vec2& at) {
     SDL_PushEvent(&event);
 }
 
-/// Somebody who acts after the screen has appeared, also where drawing is slow (sanitizers, a busy machine).
+/// Somebody who acts after the screen has appeared, also where drawing is slow (sanitizers), and again where
+/// a busy machine had not shown it by then: what comes before a screen is no answer to it.
 class Later {
 public:
     explicit Later(std::function<void()> act, int after_ms = 500)
-        : thread_([act = std::move(act), after_ms] {
+        : thread_([act = std::move(act), after_ms](const std::stop_token& answered) {
               std::this_thread::sleep_for(std::chrono::milliseconds(after_ms));
               act();
+              std::mutex alone;
+              std::unique_lock lock(alone);
+              std::condition_variable_any wake;
+              while (!wake.wait_for(lock, answered, std::chrono::seconds(5),
+                                    [&] { return answered.stop_requested(); })) {
+                  act();
+              }
           }) {}
-    Later(const Later&) = delete;
-    Later& operator=(const Later&) = delete;
-    ~Later() { thread_.join(); }
 
 private:
-    std::thread thread_;
+    std::jthread thread_;
 };
 
 inline ui::SubjectScreenOptions options() {
