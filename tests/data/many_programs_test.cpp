@@ -7,6 +7,7 @@
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 

@@ -5,7 +5,6 @@
 #include <new>
 #include <stdexcept>
 
-#include <poll.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -13,7 +12,6 @@
 #include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/haply_device.hpp"
 #include "engine/device/drivers/serial_link.hpp"
-#include "tests/support/process.hpp"
 
 namespace palpate::tests {
 
@@ -100,27 +98,6 @@ int Presser::fault() const {
 
 pid_t Presser::guard() const {
     return shared_->guard.load();
-}
-
-pid_t in_a_child(const std::function<void()>& work) {
-    const pid_t test = getpid();
-    const pid_t pid = fork();
-    if (pid == 0) {
-        die_with(test);
-        for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT}) {
-            std::signal(number, SIG_DFL);  // not the test framework's
-        }
-        try {
-            work();
-        } catch (const std::exception&) {
-        }
-        _exit(0);
-    }
-    return pid;
-}
-
-void wait_a_little() {
-    poll(nullptr, 0, 1);
 }
 
 }  // namespace palpate::tests

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include <sys/types.h>
 
 #include "engine/device/calibration.hpp"
+#include "tests/support/child.hpp"
 
 namespace palpate::tests {
 
@@ -41,26 +41,5 @@ private:
     Shared* shared_ = nullptr;
     pid_t pid_ = -1;
 };
-
-/// Runs `work` in a child process, which ends after it. @return its id, to be killed and reaped
-[[nodiscard]] pid_t in_a_child(const std::function<void()>& work);
-
-/// Lets up to 20 s pass until `done`. @return done
-template <class Done>
-bool eventually(const Done& done);
-
-/// 1 ms.
-void wait_a_little();
-
-template <class Done>
-bool eventually(const Done& done) {
-    for (int waited = 0; waited < 20'000; ++waited) {
-        if (done()) {
-            return true;
-        }
-        wait_a_little();
-    }
-    return done();
-}
 
 }  // namespace palpate::tests

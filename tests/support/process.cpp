@@ -9,10 +9,10 @@
 #include <thread>
 
 #include <fcntl.h>
-#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/child.hpp"
 #include "tests/support/slurp.hpp"
 
 namespace palpate::tests {
@@ -46,13 +46,6 @@ std::vector<std::string> TemporaryFolder::names() const {
     }
     std::sort(names.begin(), names.end());
     return names;
-}
-
-void die_with(pid_t parent) {
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-    if (getppid() != parent) {  // it ended before
-        _exit(127);
-    }
 }
 
 Process::Process(const std::vector<std::string>& command,

@@ -34,9 +34,6 @@ struct Finished {
     std::string error;  ///< standard error
 };
 
-/// In a child, first of all: ends it when `parent` ends, however that comes (a crash, ctest's time-out).
-void die_with(pid_t parent);
-
 /// A child process with its output in files. Killed at the end of its life, and of the test's.
 class Process {
 public:

@@ -1,0 +1,40 @@
+#include "tests/support/child.hpp"
+
+#include <csignal>
+#include <exception>
+
+#include <poll.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+namespace palpate::tests {
+
+void die_with(pid_t parent) {
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != parent) {  // it ended before
+        _exit(127);
+    }
+}
+
+pid_t in_a_child(const std::function<void()>& work) {
+    const pid_t test = getpid();
+    const pid_t pid = fork();
+    if (pid == 0) {
+        die_with(test);
+        for (const int number : {SIGTERM, SIGABRT, SIGSEGV, SIGINT}) {
+            std::signal(number, SIG_DFL);  // not the test framework's
+        }
+        try {
+            work();
+        } catch (const std::exception&) {
+        }
+        _exit(0);
+    }
+    return pid;
+}
+
+void wait_a_little() {
+    poll(nullptr, 0, 1);
+}
+
+}  // namespace palpate::tests
