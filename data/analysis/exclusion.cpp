@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 
 namespace palpate::data {
 namespace {
@@ -116,8 +116,7 @@ void apply(const ExclusionSpec& rules, Judged& one) {
     at_most(one, "timed_out_share_max", one.timed_out, one.main, rules.timed_out_share_max);
     at_most(one, "invalid_share_max", one.invalid, one.answers, rules.invalid_share_max);
     if (rules.sessions_finished && one.unfinished > 0) {
-        one.broken.push_back("sessions_finished: " +
-                             protocols::counted(one.unfinished, "is not", "are not"));
+        one.broken.push_back("sessions_finished: " + counted(one.unfinished, "is not", "are not"));
     }
 }
 

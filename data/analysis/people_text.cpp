@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
-#include "protocols/format/protocol_file.hpp"
-#include "data/analysis/over_people.hpp"
+#include "engine/base/text.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "data/statistics/over_people.hpp"
 
 namespace palpate::data {
 namespace {
@@ -100,7 +100,7 @@ std::string difference_text(const PeopleTable& table,
 
 std::string own_text(const Own& own, bool share) {
     if (!share) {
-        return fmt::format("{:.2f} ({})", own.mean, protocols::counted(own.n, "answer"));
+        return fmt::format("{:.2f} ({})", own.mean, counted(own.n, "answer"));
     }
     const Interval ci = wilson(own.sum, own.n);
     return fmt::format("{:>3} of {:>3} = {:.2f} ({:.2f} to {:.2f})", own.sum, own.n, own.mean,
@@ -266,7 +266,7 @@ std::string no_correct_text(Database& database, const Group& group) {
     return row.integer(0) == 0
              ? std::string()
              : fmt::format("\n  {} of {} have no correct (NULL): neither right nor wrong\n",
-                           row.integer(0), protocols::counted(row.integer(1), "answer"));
+                           row.integer(0), counted(row.integer(1), "answer"));
 }
 
 }  // namespace palpate::data

@@ -5,11 +5,11 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
-#include "protocols/format/procedure_file.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "engine/base/text.hpp"
+#include "protocols/file/procedure_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "data/analysis/people_text.hpp"
-#include "data/analysis/wilson.hpp"
+#include "data/statistics/wilson.hpp"
 #include "data/store/adaptive_store.hpp"
 
 namespace palpate::data {
@@ -73,7 +73,7 @@ std::string estimate_line(const Estimate& one, std::size_t width) {
                   ? "   (to the end of the protocol's grid: it may be further out)"
                   : "";
     } else {
-        text += fmt::format("  {}", protocols::counted(one.reversals, "reversal"));
+        text += fmt::format("  {}", counted(one.reversals, "reversal"));
     }
     return text + '\n';
 }
@@ -104,7 +104,7 @@ std::string constant_lines(Database& database, const Run& run) {
 std::string head_line(const Run& run, const Protocol& protocol) {
     std::string text =
         fmt::format("    {} session {}, run {}: {} of {}", run.person, run.number, run.name,
-                    run.answers, protocols::counted(protocol.procedure->trials, "answer"));
+                    run.answers, counted(protocol.procedure->trials, "answer"));
     if (run.marked > 0) {
         text += fmt::format(", {} of them marked later and left out", run.marked);
     }

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "data/analysis/exclusion.hpp"
 #include "data/analysis/people_text.hpp"
 
@@ -112,7 +112,7 @@ std::string exclusions_text(Database& database, const Group& group) {
         return fmt::format(
             "\n  The rules of [exclusion] leave out none of {}: with and without them it is the "
             "same.\n",
-            protocols::counted(everybody.size(), "participant"));
+            counted(everybody.size(), "participant"));
     }
     return fmt::format(
                "\n  The above is of all participants. The rules of [exclusion] leave out {} of "
@@ -134,7 +134,7 @@ std::string faults_text(Database& database, const Group& group) {
     const std::int64_t n = row.integer(0);
     return n == 0 ? std::string()
                   : fmt::format("\n  {} ended by a fault and not counted: SELECT * FROM fault\n",
-                                protocols::counted(n, "trial"));
+                                counted(n, "trial"));
 }
 
 /// Answers that do not count; nothing as long as there are none.
@@ -145,7 +145,7 @@ std::string invalid_text(Database& database, const Group& group) {
     const std::int64_t n = row.integer(0);
     return n == 0 ? std::string()
                   : fmt::format("\n  {} invalid and left out: SELECT * FROM invalid_trial\n",
-                                protocols::counted(n, "answered trial is", "answered trials are"));
+                                counted(n, "answered trial is", "answered trials are"));
 }
 
 /// For a POSIX shell.

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
-#include "data/csv/whole_file.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/text.hpp"
 #include "data/export/bids_files.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
@@ -160,7 +160,7 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
         "dataset_description.json before you share this.\n"
         "Units are SI. {}\n{}",
         options.traces ? ", motion and forces" : "", kBidsVersion,
-        protocols::counted(selection.sessions().size(), "session"), options.kind,
+        counted(selection.sessions().size(), "session"), options.kind,
         options.traces
             ? ", motion (the handle as POS; contact, rendered force, encoder\n"
               "counts and flags as MISC) and stim (the commanded force). run is the "
@@ -172,9 +172,9 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
                         : "De-identified: codes, operators, wall clock and notes are left out.",
         selection.without_consent() == 0
             ? ""
-            : protocols::counted(selection.without_consent(),
-                                 "participant who does not consent is left out.\n",
-                                 "participants who do not consent are left out.\n"));
+            : counted(selection.without_consent(),
+                      "participant who does not consent is left out.\n",
+                      "participants who do not consent are left out.\n"));
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/files.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "data/csv/whole_file.hpp"
 #include "data/export/delimited_file.hpp"
 #include "data/export/json_text.hpp"
 #include "data/store/reader.hpp"

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
-#include "data/csv/whole_file.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/text.hpp"
 #include "data/export/table_sql.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
@@ -79,16 +79,16 @@ std::string words(const Selection& selection, const ExportOptions& options) {
         "formula "
         "has\n"
         "' in front.\n{}{}",
-        protocols::counted(selection.sessions().size(), "session"), options.kind,
+        counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "With details: wall clock, operator, notes. Hand it on to nobody who may "
                           "not know them.\n"
                         : "De-identified: codes, operators, wall clock, notes and details of "
                           "participants left out.\n",
         selection.without_consent() == 0
             ? ""
-            : protocols::counted(selection.without_consent(),
-                                 "participant who does not consent is left out.\n",
-                                 "participants who do not consent are left out.\n"));
+            : counted(selection.without_consent(),
+                      "participant who does not consent is left out.\n",
+                      "participants who do not consent are left out.\n"));
 }
 
 void write_rows(Statement row,

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/plain_text.hpp"
+#include "engine/base/text.hpp"
 #include "data/export/number_text.hpp"
 
 namespace palpate::data {
@@ -24,12 +24,12 @@ std::string indented(std::string_view value) {
 std::string json_string(std::string_view text) {
     std::string out = "\"";
     while (!text.empty()) {
-        const auto [code, length] = protocols::first_character(text);
+        const auto [code, length] = first_character(text);
         if (length == 0) {
             out += "\\ufffd";  // RFC 8259 knows no other bytes than UTF-8
         } else if (code == U'"' || code == U'\\') {
             out += fmt::format("\\{}", text[0]);
-        } else if (!protocols::is_order(code)) {
+        } else if (!is_order(code)) {
             out += text.substr(0, length);
         } else if (code < 0x10000) {
             out += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(code));

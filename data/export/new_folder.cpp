@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
-#include "data/store/synced.hpp"
+#include "engine/base/files.hpp"
 
 namespace palpate::data {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "data/csv/whole_file.hpp"
+#include "engine/base/files.hpp"
 #include "data/store/adaptive_export.hpp"
 
 namespace palpate::data {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
-#include "data/csv/whole_file.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/text.hpp"
 #include "data/export/csv_export.hpp"
 #include "data/export/json_text.hpp"
 #include "data/export/table_sql.hpp"
@@ -76,7 +76,7 @@ void export_psych_ds(Database& database,
         "Felt shape: choices of {} (kind {}), written by palpate, one row an attempt at a "
         "trial. "
         "SI units.{}",
-        protocols::counted(selection.sessions().size(), "session"), options.kind,
+        counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "" : " De-identified.");
     write_whole(folder / "dataset_description.json",
                 json_object({{"@context", json_string("http://schema.org/")},

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::data {
 namespace {
@@ -102,14 +102,14 @@ void Selection::choose(const std::string& kind) {
         .bind(1, std::string_view(kind))
         .run();
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
-        throw std::invalid_argument(fmt::format(
-            "there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
-            "simulated, and "
-            "{} not consent; --kind chooses",
-            kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
-            count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
-            count(database_, kOfKind, "simulated"),
-            protocols::counted(without_consent_, "participant does", "participants do")));
+        throw std::invalid_argument(
+            fmt::format("there is no {}session to export: {} of that kind, {} real, {} pilot, {} "
+                        "simulated, and "
+                        "{} not consent; --kind chooses",
+                        kind == "all" ? "" : kind + " ", count(database_, kOfKind, kind),
+                        count(database_, kOfKind, "real"), count(database_, kOfKind, "pilot"),
+                        count(database_, kOfKind, "simulated"),
+                        counted(without_consent_, "participant does", "participants do")));
     }
 }
 

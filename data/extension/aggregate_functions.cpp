@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <sqlite3ext.h>
 
-#include "data/analysis/information.hpp"
-#include "data/analysis/over_people.hpp"
 #include "data/extension/functions.hpp"
+#include "data/statistics/information.hpp"
+#include "data/statistics/over_people.hpp"
 
 SQLITE_EXTENSION_INIT3
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "data/extension/sample_columns.hpp"
 #include "data/extension/tick_store.hpp"
+#include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {
 

@@ -5,9 +5,9 @@
 #include <sqlite3ext.h>
 
 #include "protocols/psychometric/exact_math.hpp"
-#include "data/analysis/d_prime.hpp"
-#include "data/analysis/wilson.hpp"
 #include "data/extension/functions.hpp"
+#include "data/statistics/d_prime.hpp"
+#include "data/statistics/wilson.hpp"
 
 SQLITE_EXTENSION_INIT3
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
-#include "data/extension/sample_columns.hpp"
+#include "data/trace/sample_columns.hpp"
 
 struct sqlite3;
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "protocols/design/object_outline.hpp"
-#include "data/report/svg_panel.hpp"
-#include "data/report/svg_text.hpp"
+#include "data/plot/svg_panel.hpp"
+#include "data/plot/svg_text.hpp"
 
 namespace palpate::data {
 namespace {

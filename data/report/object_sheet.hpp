@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::data {
 

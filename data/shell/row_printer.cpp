@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "protocols/format/plain_text.hpp"
+#include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/export/json_text.hpp"
 
@@ -91,7 +91,7 @@ void RowPrinter::row(std::vector<Cell> cells) {
         const std::string line = joined(cells, csv_of);
         const bool looked_at =
             isatty(fileno(out_)) != 0;  // a program gets every byte, a person none that acts
-        fmt::print(out_, "{}\n", looked_at ? protocols::plain(line, protocols::Lines::kept) : line);
+        fmt::print(out_, "{}\n", looked_at ? plain(line, Lines::kept) : line);
     } else if (format_ == RowFormat::json) {
         print_json_row(cells);
     } else if (head_printed_) {
@@ -116,9 +116,9 @@ void RowPrinter::print_table_rows() {
     head_printed_ = true;
     widths_.resize(names_.size());
     for (std::size_t i = 0; i < names_.size(); ++i) {
-        widths_[i] = width_of(protocols::plain(names_[i]));
+        widths_[i] = width_of(plain(names_[i]));
         for (const auto& cells : waiting_) {
-            widths_[i] = std::max(widths_[i], width_of(protocols::plain(bare(cells[i]))));
+            widths_[i] = std::max(widths_[i], width_of(plain(bare(cells[i]))));
         }
     }
     std::vector<Cell> head(names_.begin(), names_.end());
@@ -136,7 +136,7 @@ void RowPrinter::print_table_rows() {
 void RowPrinter::print_table_row(const std::vector<Cell>& cells) const {
     std::string line;
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        const std::string text = protocols::plain(bare(cells[i]));
+        const std::string text = plain(bare(cells[i]));
         const std::size_t width = width_of(text);
         const std::string space(widths_[i] > width ? widths_[i] - width : 0, ' ');
         line += i > 0 ? "  " : "";

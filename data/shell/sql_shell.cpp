@@ -8,12 +8,11 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include "protocols/format/did_you_mean.hpp"
-#include "protocols/format/plain_text.hpp"
-#include "data/extension/sample_columns.hpp"
+#include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/store/schema.hpp"
 #include "data/store/schema_manual.hpp"
+#include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {
 namespace {
@@ -170,7 +169,7 @@ bool SqlShell::run(std::string_view text, std::size_t first_line) {
 void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t first_line) {
     const char* why = sqlite3_errmsg(database_.handle());
     if (offset > all.size()) {  // it failed while it ran, or SQLite does not know where
-        fmt::print(error_, "palpate: {}\n", protocols::plain(why));
+        fmt::print(error_, "palpate: {}\n", plain(why));
         return;
     }
     const std::string_view before = all.substr(0, offset);
@@ -179,7 +178,7 @@ void SqlShell::complain(std::string_view all, std::size_t offset, std::size_t fi
     const std::string_view line =
         all.substr(begin, std::min(all.find('\n', begin), all.size()) - begin);
     fmt::print(error_, "palpate: {}:{}: {}\n  {}\n  {}^\n", first_line + lines, offset - begin + 1,
-               protocols::plain(why), protocols::plain(line), std::string(offset - begin, ' '));
+               plain(why), plain(line), std::string(offset - begin, ' '));
 }
 
 bool SqlShell::statement(std::string_view& text, std::string_view all, std::size_t first_line) {
@@ -206,7 +205,7 @@ bool SqlShell::statement(std::string_view& text, std::string_view all, std::size
         fmt::print(error_,
                    "palpate: palpate sql only reads, and this would write: {}\n"
                    "  To change something take a copy of the file and sqlite3.\n",
-                   protocols::plain(std::string_view(sqlite3_sql(raw)).substr(0, 60)));
+                   plain(std::string_view(sqlite3_sql(raw)).substr(0, 60)));
         return false;
     }
     const int columns = sqlite3_column_count(raw);
@@ -257,8 +256,8 @@ bool SqlShell::word(std::string_view line) {
     }
     constexpr std::array<std::string_view, 6> kWords{".help",   ".tables", ".columns",
                                                      ".schema", ".quit",   ".exit"};
-    fmt::print(error_, "palpate: there is no word {}{}; .help lists them\n", protocols::plain(name),
-               protocols::suggestion(name, kWords, ""));
+    fmt::print(error_, "palpate: there is no word {}{}; .help lists them\n", plain(name),
+               suggestion(name, kWords, ""));
     return false;
 }
 
@@ -282,7 +281,7 @@ void SqlShell::no_such(std::string_view table) {
         names.push_back(one.name);
     }
     fmt::print(error_, "palpate: there is no table or view {}{}; .tables lists them\n",
-               protocols::plain(table), protocols::suggestion(table, names, ""));
+               plain(table), suggestion(table, names, ""));
 }
 
 bool SqlShell::columns(std::string_view table) {
@@ -308,7 +307,7 @@ bool SqlShell::columns(std::string_view table) {
 bool SqlShell::schema(std::string_view table) {
     bool found = false;
     const auto print = [&](std::string_view sql) {
-        fmt::print(out_, "{};\n", protocols::plain(sql, protocols::Lines::kept));
+        fmt::print(out_, "{};\n", plain(sql, Lines::kept));
         found = true;
     };
     Statement row = database_.prepare(

@@ -4,7 +4,7 @@
 
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 
 namespace palpate::data {
 

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "data/store/people.hpp"
 
 namespace palpate::data {

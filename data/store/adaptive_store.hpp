@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/running/adaptive_runs.hpp"
+#include "protocols/session/adaptive_runs.hpp"
 #include "data/store/session_store.hpp"
 
 /// Rules that choose stimuli: what is stored of them, and how they are built again.

@@ -9,7 +9,7 @@
 #include <queue>
 #include <thread>
 
-#include "protocols/running/recorder.hpp"
+#include "protocols/session/recorder.hpp"
 
 namespace palpate::data {
 

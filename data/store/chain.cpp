@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/sha256.hpp"
 #include "engine/realtime/clock.hpp"
-#include "protocols/design/sha256.hpp"
 #include "data/store/people.hpp"
 
 namespace palpate::data {
@@ -28,7 +28,7 @@ std::string line_of(std::string_view table,
             continue;
         }
         const std::string value = row.type(i) == 2 ? fmt::format("{}", row.real(i))
-                                : row.type(i) == 4 ? protocols::sha256_hex(row.blob(i))
+                                : row.type(i) == 4 ? sha256_hex(row.blob(i))
                                                    : row.text(i);
         text += fmt::format(";{}:{}:{}:{}", row.name(i), row.type(i), value.size(), value);
     }
@@ -60,7 +60,7 @@ std::string first_head(Database& database, std::int64_t session) {
                          fmt::format("SELECT * FROM {} WHERE session = ?1 ORDER BY 1, 2", table),
                          session, kNotOfTrial);
     }
-    return protocols::sha256_hex(text);
+    return sha256_hex(text);
 }
 
 /// Tables with rows of trials, but for events.
@@ -97,11 +97,11 @@ std::string trial_head(Database& database, std::int64_t trial, const std::string
                          fmt::format("SELECT * FROM {} WHERE trial = ?1 ORDER BY 1, 2, 3", table),
                          trial, kNotOfTrial);
     }
-    return protocols::sha256_hex(text);
+    return sha256_hex(text);
 }
 
 std::string event_head(Database& database, std::int64_t event, const std::string& before) {
-    return protocols::sha256_hex(
+    return sha256_hex(
         before + '\n' +
         lines_of(database, "event",
                  "SELECT event.*, position, attempt FROM event LEFT JOIN trial ON trial.id = trial"
@@ -110,7 +110,7 @@ std::string event_head(Database& database, std::int64_t event, const std::string
 }
 
 std::string session_head(Database& database, std::int64_t session, const std::string& before) {
-    return protocols::sha256_hex(
+    return sha256_hex(
         before + '\n' +
         lines_of(database, "session",
                  "SELECT finished, finished_utc, chain_events FROM session WHERE id = ?1", session,

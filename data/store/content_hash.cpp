@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/sha256.hpp"
+#include "engine/base/sha256.hpp"
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 
@@ -15,8 +15,8 @@ namespace {
 /// The hash of hashes: each row's text is hashed, the sum hashes the list.
 class Content {
 public:
-    void line(const std::string& text) { all_ += protocols::sha256_hex(text) + '\n'; }
-    [[nodiscard]] std::string hash() const { return protocols::sha256_hex(all_); }
+    void line(const std::string& text) { all_ += sha256_hex(text) + '\n'; }
+    [[nodiscard]] std::string hash() const { return sha256_hex(all_); }
 
 private:
     std::string all_;

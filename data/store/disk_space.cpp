@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <sys/statvfs.h>
 
+#include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/counted.hpp"
 #include "data/store/statement.hpp"
 
 namespace palpate::data {
@@ -44,8 +44,8 @@ void require_space(const std::string& file,
             fmt::format("{}: its disk has room for {:.0f} MB, and {} may take {:.0f} MB; "
                         "free some space, or "
                         "choose a file on another disk. What was recorded is kept",
-                        file, static_cast<double>(there) * 1e-6,
-                        protocols::counted(trials, "trial"), static_cast<double>(needed) * 1e-6));
+                        file, static_cast<double>(there) * 1e-6, counted(trials, "trial"),
+                        static_cast<double>(needed) * 1e-6));
     }
 }
 

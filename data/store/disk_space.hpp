@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::data {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "protocols/running/recorder.hpp"
+#include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
 
 /// What each interval of a trial let one feel, and how it was felt: the table presentation.

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/people.hpp"
 
@@ -79,8 +79,7 @@ bool begin_again(Database& database,
     }
     event("redo", std::nullopt,
           fmt::format("part {}: {} is run again from its first trial, {} not count", part,
-                      part_name(part),
-                      protocols::counted(trials.size(), "answer does", "answers do")));
+                      part_name(part), counted(trials.size(), "answer does", "answers do")));
     pending.begin_again(part);
     return true;
 }

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocols/running/pending_trials.hpp"
+#include "protocols/session/pending_trials.hpp"
 #include "data/store/database.hpp"
 
 /// What happens to the answers of a part of a session that is begun again.

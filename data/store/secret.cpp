@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <sodium.h>
 
-#include "protocols/design/sha256.hpp"
+#include "engine/base/sha256.hpp"
 
 namespace palpate::data {
 namespace {
@@ -19,7 +19,7 @@ bool anybody_in(Database& database) {
 }  // namespace
 
 std::int64_t subject_of(std::string_view code, std::string_view secret, int draw) {
-    const std::string hash = protocols::sha256_hex(fmt::format(
+    const std::string hash = sha256_hex(fmt::format(
         "palpate-subject-v1\ncode={}:{}\nsecret={}\ndraw={}\n", code.size(), code, secret, draw));
     std::uint64_t number = 0;
     std::from_chars(hash.data(), hash.data() + 15, number, 16);

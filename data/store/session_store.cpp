@@ -8,7 +8,7 @@
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/counterbalance_query.hpp"

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "protocols/design/plan.hpp"
-#include "protocols/design/protocol.hpp"
-#include "protocols/running/adaptive_runs.hpp"
-#include "protocols/running/pending_trials.hpp"
+#include "protocols/protocol/protocol.hpp"
+#include "protocols/session/adaptive_runs.hpp"
+#include "protocols/session/pending_trials.hpp"
 #include "data/store/database.hpp"
 #include "data/store/resume_policy.hpp"
 #include "data/store/session_lock.hpp"

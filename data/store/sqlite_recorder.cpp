@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 
 #include "engine/realtime/clock.hpp"
-#include "protocols/running/pending_trials.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/session/pending_trials.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"

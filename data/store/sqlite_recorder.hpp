@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "protocols/design/protocol.hpp"
-#include "protocols/running/recorder.hpp"
+#include "protocols/protocol/protocol.hpp"
+#include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reserve.hpp"
 #include "data/store/trace_writer.hpp"

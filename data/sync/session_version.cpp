@@ -4,12 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/sha256.hpp"
+#include "engine/base/sha256.hpp"
 
 namespace palpate::data {
 namespace {
-
-using protocols::sha256_hex;
 
 /// The row's values with their types and sizes: no two rows give the same bytes.
 std::string row_bytes(const Statement& row) {

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "protocols/design/object_outline.hpp"
-#include "protocols/format/calibration_file.hpp"
-#include "protocols/format/protocol_file.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
 #include "data/trace/retrace.hpp"

@@ -14,7 +14,7 @@
 #include "engine/device/calibration.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "engine/rendering/scene.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 #include "data/trace/chunk.hpp"
 
 /// Reads traces from plain values: needs no database class, so that an extension that has a

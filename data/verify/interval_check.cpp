@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/counted.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
 #include "data/verify/replay_check.hpp"
 
@@ -109,8 +109,8 @@ std::vector<CheckedInterval> check_intervals(Database& database,
     const bool may_lack = !answered && expected.size() != rows.size() &&
                           (expected.size() > 1 || expected.front().stimulus);
     if (rows.size() > expected.size() || (rows.size() < expected.size() && !may_lack)) {
-        findings.differs("presentation", protocols::counted(rows.size(), "row"),
-                         protocols::counted(expected.size(), "row"));
+        findings.differs("presentation", palpate::counted(rows.size(), "row"),
+                         palpate::counted(expected.size(), "row"));
     }
     std::vector<CheckedInterval> intervals;
     for (std::size_t i = 0; i < std::min(rows.size(), expected.size()); ++i) {
@@ -178,8 +178,8 @@ void check_step(Database& database,
     const bool due = planned.adaptive && planned.phase != protocols::Phase::practice &&
                      response != nullptr && counted && stimulus;
     if (rows.size() != (due ? 1U : 0U)) {
-        findings.differs("adaptive_step", protocols::counted(rows.size(), "row"),
-                         protocols::counted(due ? 1 : 0, "row"));
+        findings.differs("adaptive_step", palpate::counted(rows.size(), "row"),
+                         palpate::counted(due ? 1 : 0, "row"));
     }
     if (!due) {
         return;

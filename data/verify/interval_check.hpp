@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "protocols/running/presentation.hpp"
+#include "protocols/trial/presentation.hpp"
 #include "data/verify/trial_check.hpp"
 
 namespace palpate::data {

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
@@ -76,8 +76,7 @@ void check_adaptive_rows(Database& database,
         ++next;
     }
     if (rows.size() != next) {
-        findings.differs("adaptive_plan", protocols::counted(rows.size(), "row"),
-                         protocols::counted(next, "row"));
+        findings.differs("adaptive_plan", counted(rows.size(), "row"), counted(next, "row"));
     }
 }
 
@@ -86,8 +85,7 @@ void check_pictures(const std::vector<StoredRow>& rows,
                     Findings& findings) {
     const std::vector<std::size_t>& order = frame.plan.picture_order;
     if (rows.size() != order.size()) {
-        findings.differs("picture", protocols::counted(rows.size(), "row"),
-                         protocols::counted(order.size(), "row"));
+        findings.differs("picture", counted(rows.size(), "row"), counted(order.size(), "row"));
     }
     for (std::size_t place = 0; place < std::min(rows.size(), order.size()); ++place) {
         const std::string table = fmt::format("picture at place {}", place);
@@ -115,14 +113,14 @@ bool check_plan(Database& database,
                                picture_history(frame.protocol, {}, frame.pictures),
                                friction_history(frame.protocol, {}, frictions_of(rows)));
     } catch (const std::exception& e) {
-        findings.differs("plan", protocols::counted(rows.size(), "row"), e.what());
+        findings.differs("plan", counted(rows.size(), "row"), e.what());
         return false;
     }
     findings.expect("session", "plan_sha256", session, frame.plan.hash);
     findings.expect("session", "shuffles", session, static_cast<std::int64_t>(frame.plan.attempts));
     if (rows.size() != frame.plan.trials.size()) {
-        findings.differs("plan", protocols::counted(rows.size(), "row"),
-                         protocols::counted(frame.plan.trials.size(), "row"));
+        findings.differs("plan", counted(rows.size(), "row"),
+                         counted(frame.plan.trials.size(), "row"));
     }
     for (std::size_t i = 0; i < std::min(rows.size(), frame.plan.trials.size()); ++i) {
         check_row(rows[i], frame.plan.trials[i], frame.protocol, findings);

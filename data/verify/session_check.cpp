@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
-#include "protocols/design/sha256.hpp"
-#include "protocols/format/calibration_file.hpp"
-#include "protocols/format/protocol_file.hpp"
-#include "protocols/running/object_hash.hpp"
+#include "engine/base/sha256.hpp"
+#include "engine/base/text.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/trial/object_hash.hpp"
 #include "data/store/chain.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/plan_check.hpp"
@@ -26,7 +26,7 @@ using Provenance = std::map<std::string, std::string>;
 /// @return false if the text is no protocol: nothing can be checked against it
 bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& findings) {
     const std::string text = session.text("protocol_toml");
-    findings.expect("study", "protocol_sha256", session, protocols::sha256_hex(text));
+    findings.expect("study", "protocol_sha256", session, sha256_hex(text));
     try {
         frame.protocol = protocols::stored_protocol(text);
     } catch (const protocols::ProtocolError& e) {
@@ -79,9 +79,9 @@ void check_calibration(const Provenance& provenance, Findings& findings) {
             text == provenance.end() ? "a hash without a text" : "a text without a hash", "both");
         return;
     }
-    if (protocols::sha256_hex(text->second) != hash->second) {
+    if (sha256_hex(text->second) != hash->second) {
         findings.differs(fmt::format("session_provenance: {}", kCalibrationHash), hash->second,
-                         protocols::sha256_hex(text->second));
+                         sha256_hex(text->second));
     }
     try {
         const auto machines = protocols::parse_calibrations(text->second, "calibration");
@@ -138,10 +138,9 @@ void check_end(const StoredRow& session, const TrialCheck& trials, Findings& fin
                          finished ? "0: finished_utc is NULL" : "1: finished_utc is there");
     }
     if (finished && !trials.pending().empty()) {
-        findings.differs(
-            "session.finished", "1",
-            "0: " + protocols::counted(trials.pending().order().size(), "trial is not answered",
-                                       "trials are not answered"));
+        findings.differs("session.finished", "1",
+                         "0: " + counted(trials.pending().order().size(), "trial is not answered",
+                                         "trials are not answered"));
     }
 }
 

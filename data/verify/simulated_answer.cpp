@@ -6,7 +6,7 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/observer/simulated_observer.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/trial/trial_scene.hpp"
 
 namespace palpate::data {
 namespace {

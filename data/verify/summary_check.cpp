@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "engine/safety/safety_limits.hpp"
-#include "protocols/design/counted.hpp"
-#include "protocols/running/trial_meter.hpp"
+#include "protocols/session/trial_meter.hpp"
 #include "data/store/people.hpp"
 #include "data/trace/columns.hpp"
 #include "data/verify/replay_check.hpp"
@@ -250,8 +250,7 @@ void check_fault_ticks(Database& database,
         return;
     }
     if (rows.size() != expected) {
-        findings.differs("fault_tick", protocols::counted(rows.size(), "row"),
-                         protocols::counted(expected, "row"));
+        findings.differs("fault_tick", counted(rows.size(), "row"), counted(expected, "row"));
         return;
     }
     for (std::size_t i = 0; i < expected; ++i) {

@@ -8,7 +8,7 @@
 
 #include "engine/safety/trip.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/running/presentation.hpp"
+#include "protocols/trial/presentation.hpp"
 #include "data/store/people.hpp"
 #include "data/verify/interval_check.hpp"
 #include "data/verify/simulated_answer.hpp"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "data/store/people.hpp"
 #include "data/store/schema.hpp"
 #include "data/store/schema_manual.hpp"
@@ -38,8 +38,8 @@ void check_columns(Database& database, Findings& findings) {
     const auto columns = stored_columns();
     const auto rows = rows_of(database, "SELECT * FROM trace_column ORDER BY codec, position");
     if (rows.size() != columns.size()) {
-        findings.differs("trace_column", protocols::counted(rows.size(), "row"),
-                         protocols::counted(columns.size(), "row"));
+        findings.differs("trace_column", counted(rows.size(), "row"),
+                         counted(columns.size(), "row"));
     }
     for (std::size_t i = 0; i < std::min(rows.size(), columns.size()); ++i) {
         const auto expect = [&](std::string_view column, const Value& value) {

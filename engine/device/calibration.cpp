@@ -3,8 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "engine/base/text.hpp"
 #include "engine/math/elementary.hpp"
-#include "engine/math/number_text.hpp"
 
 namespace palpate::engine {
 namespace {

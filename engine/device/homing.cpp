@@ -6,8 +6,8 @@
 #include <limits>
 #include <string>
 
+#include "engine/base/text.hpp"
 #include "engine/device/pantograph.hpp"
-#include "engine/math/number_text.hpp"
 
 namespace palpate::engine {
 namespace {

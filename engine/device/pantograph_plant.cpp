@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/base/text.hpp"
 #include "engine/device/dry_friction.hpp"
 #include "engine/device/pantograph.hpp"
-#include "engine/math/number_text.hpp"
 
 namespace palpate::engine {
 namespace {

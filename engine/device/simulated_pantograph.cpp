@@ -4,7 +4,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "engine/math/number_text.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {

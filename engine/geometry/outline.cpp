@@ -4,9 +4,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/base/text.hpp"
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
-#include "engine/math/number_text.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 
-#include "protocols/design/order_count.hpp"
-#include "protocols/design/order_sampler.hpp"
+#include "protocols/order/order_count.hpp"
+#include "protocols/order/order_sampler.hpp"
 
 namespace palpate::protocols {
 namespace {

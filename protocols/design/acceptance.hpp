@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "protocols/design/constrained_order.hpp"
+#include "protocols/order/constrained_order.hpp"
 
 namespace palpate::protocols {
 

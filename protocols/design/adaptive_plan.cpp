@@ -5,9 +5,9 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/order_sampler.hpp"
+#include "engine/base/sha256.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/design/sha256.hpp"
+#include "protocols/order/order_sampler.hpp"
 #include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "protocols/design/plan.hpp"
-#include "protocols/design/protocol.hpp"
 #include "protocols/design/streams.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 /// Sessions whose stimuli are chosen by a rule: what is planned is all but the stimuli.
 namespace palpate::protocols {

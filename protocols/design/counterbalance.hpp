@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "protocols/design/pcg32.hpp"
-#include "protocols/design/protocol.hpp"
+#include "engine/base/pcg32.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
 

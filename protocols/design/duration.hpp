@@ -1,7 +1,7 @@
 #pragma once
 
 #include "protocols/design/plan.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
 

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "protocols/design/constrained_order.hpp"
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/plan.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/order/constrained_order.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 /// Designs in which the friction stays the same for a block of main trials. `blocks` of the protocol is
 /// then a number of rounds, in each of which every friction has one block; each block holds every

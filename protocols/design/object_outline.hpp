@@ -6,7 +6,7 @@
 
 #include "engine/geometry/outline.hpp"
 #include "stimuli/two_curve.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 /// The geometry of a protocol's objects: one outline for what is felt, what is shown and what is hashed.
 namespace palpate::protocols {

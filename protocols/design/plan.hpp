@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "protocols/design/condition.hpp"
-#include "protocols/design/constrained_order.hpp"
+#include "protocols/order/constrained_order.hpp"
+#include "protocols/protocol/condition.hpp"
 
 namespace palpate::protocols {
 

@@ -8,13 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/sha256.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/counted.hpp"
-#include "protocols/design/eulerian_order.hpp"
 #include "protocols/design/friction_blocks.hpp"
-#include "protocols/design/order_sampler.hpp"
-#include "protocols/design/sha256.hpp"
 #include "protocols/design/streams.hpp"
+#include "protocols/order/eulerian_order.hpp"
+#include "protocols/order/order_sampler.hpp"
 
 namespace palpate::protocols {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "protocols/design/counterbalance.hpp"
 #include "protocols/design/plan.hpp"
-#include "protocols/design/protocol.hpp"
 #include "protocols/design/streams.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
 

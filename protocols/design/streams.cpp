@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/sha256.hpp"
+#include "engine/base/sha256.hpp"
 
 namespace palpate::protocols {
 namespace {

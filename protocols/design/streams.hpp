@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocols/design/pcg32.hpp"
+#include "engine/base/pcg32.hpp"
 
 namespace palpate::protocols {
 

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/did_you_mean.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::protocols {
 namespace {

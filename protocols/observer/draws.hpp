@@ -1,6 +1,6 @@
 #pragma once
 
-#include "protocols/design/pcg32.hpp"
+#include "engine/base/pcg32.hpp"
 
 /// Random numbers of the simulated observer: the same to the bit on every IEEE-754 machine, since they
 /// are made of + - * / and sqrt, and of the engine's own logarithm.

@@ -6,7 +6,7 @@
 
 #include "engine/contact/closest_point.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
 

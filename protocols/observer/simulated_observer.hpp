@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "protocols/design/protocol.hpp"
 #include "protocols/design/streams.hpp"
 #include "protocols/observer/curvature_cues.hpp"
 #include "protocols/observer/outline_cues.hpp"
-#include "protocols/running/observer.hpp"
+#include "protocols/protocol/protocol.hpp"
+#include "protocols/trial/observer.hpp"
 
 namespace palpate::protocols {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/design/pcg32.hpp"
+#include "engine/base/pcg32.hpp"
 #include "protocols/procedure/estimate.hpp"
 
 namespace palpate::protocols {

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "protocols/design/pcg32.hpp"
+#include "engine/base/pcg32.hpp"
 #include "protocols/procedure/constant_stimuli.hpp"
 #include "protocols/procedure/psi.hpp"
 #include "protocols/procedure/quest.hpp"

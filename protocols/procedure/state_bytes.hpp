@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "protocols/design/sha256.hpp"
+#include "engine/base/sha256.hpp"
 
 namespace palpate::protocols {
 

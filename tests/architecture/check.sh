@@ -2,8 +2,8 @@
 # The guard of the house: prints every breach as file:line: reason, and fails if there is one.
 #   sh check.sh TREE
 #
+# cmake.awk    the folders of a room and their order, what targets link, and with which flags
 # source.awk   what C++ files include and call, and how long they are
-# cmake.awk    what targets link, and with which flags
 # this file    text ends with a newline and names no folder of anybody's machine
 set -u
 LC_ALL=C
@@ -12,7 +12,8 @@ guard=$(cd -- "$(dirname -- "$0")" && pwd -P)
 cd -- "$1" || exit 2
 tree=$(pwd -P)
 breaches=$(mktemp)
-trap 'rm -f "$breaches"' EXIT
+folders=$(mktemp)
+trap 'rm -f "$breaches" "$folders"' EXIT
 
 # The tree's own files; $@ selects and acts, as find's arguments. Built trees and git's are not ours.
 own_files() {
@@ -26,10 +27,10 @@ broken() {
     exit 2
 }
 
-own_files \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' \) -exec awk -f "$guard/source.awk" {} + \
-    >>"$breaches" || broken source.awk
 own_files \( -name CMakeLists.txt -o -name '*.cmake' -o -name CMakePresets.json \) \
-    -exec awk -f "$guard/cmake.awk" {} + >>"$breaches" || broken cmake.awk
+    -exec awk -v folders="$folders" -f "$guard/cmake.awk" {} + >>"$breaches" || broken cmake.awk
+own_files \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' \) \
+    -exec awk -v folders="$folders" -f "$guard/source.awk" {} + >>"$breaches" || broken source.awk
 
 # shellcheck disable=SC2016  # the inner shell expands it
 own_files \( -name '*.[hc]pp' -o -name '*.txt' -o -name '*.cmake' -o -name '*.sh' -o -name '*.awk' \

@@ -1,12 +1,13 @@
-# CMake: what a room's targets link, how sources are listed, and which flags nobody may set.
+# CMake: the folders of a room and what each sees of it, what they link, how sources are listed, and which flags
+# nobody may set. With -v folders=FILE it writes a line "room/folder seen seen ..." a folder, for source.awk.
 # Input: CMakeLists.txt, *.cmake and CMakePresets.json, as paths from the tree's top.
 
 BEGIN {
-    links["engine"] = "glm::glm Threads::Threads PkgConfig::COMEDI"
+    links["engine"] = "glm::glm fmt::fmt Threads::Threads PkgConfig::SODIUM PkgConfig::COMEDI"
     links["stimuli"] = "palpate::engine"
-    links["protocols"] = "palpate::stimuli fmt::fmt tomlplusplus::tomlplusplus PkgConfig::SODIUM"
+    links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus"
     links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ Boost::headers" \
-                    " PostgreSQL::PostgreSQL"
+                    " PostgreSQL::PostgreSQL palpate::xxhash"
     links["ui"] = "palpate::data CLI11::CLI11 SDL2::SDL2 PkgConfig::SDL2_TTF PkgConfig::SDL2_IMAGE"
     scopes = "PUBLIC PRIVATE INTERFACE palpate::warnings"
 }
@@ -51,7 +52,31 @@ function read_commands(s,   word) {
 
 function check_argument(number, word) {
     if (command == "file" && word ~ /^GLOB/) breach("sources are listed by hand")
-    if (command != "target_link_libraries" || number == 1 || !(room in links)) return
+    if (!(room in links)) return
+    if (command == "palpate_folder") check_folder(number, word)
+    else if (command == "palpate_room_uses" || (command == "target_link_libraries" && number > 1)) check_link(word)
+}
+
+# palpate_folder(name SEES folders LINK libraries SOURCES files): what is seen stands above.
+function check_folder(number, word) {
+    if (number == 1) {
+        folder = word
+        placed[room "/" folder] = 1
+        printf "%s%s/%s", line_end, room, folder >folders
+        line_end = "\n"
+        keyword = ""
+    } else if (word ~ /^[A-Z]+$/) keyword = word
+    else if (keyword == "LINK") check_link(word)
+    else if (keyword == "SEES") {
+        printf " %s", word >folders
+        if (!(room "/" word in placed))
+            breach(room "/" folder " sees " word ", which is not above it: the folders stand in their order")
+    }
+}
+
+function check_link(word) {
     if (index(" " scopes " palpate::" room " " links[room] " ", " " word " ") == 0)
         breach(room " may not link " word "; it may: " links[room])
 }
+
+END { if (line_end != "") print "" >folders }

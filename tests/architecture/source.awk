@@ -1,4 +1,5 @@
-# C++: what a file may include and call, and how long it may be. Input: paths from the tree's top.
+# C++: what a file may include and call, and how long it may be. Input: paths from the tree's top, and with
+# -v folders=FILE what cmake.awk wrote.
 # Portable awk (mawk too): no gensub, no intervals in patterns.
 
 BEGIN {
@@ -6,24 +7,19 @@ BEGIN {
     rooms = split("engine stimuli protocols data ui tests", name, " ")
     for (i = 1; i <= rooms; i++) rank[name[i]] = i
 
-    # engine's folders, and which others each may include.
-    sees["math"] = ""
-    sees["geometry"] = "math"
-    sees["contact"] = "math geometry"
-    sees["friction"] = "math geometry contact"
-    sees["rendering"] = "math geometry contact friction"
-    sees["device"] = "math geometry rendering"
-    sees["safety"] = "math geometry rendering"
-    sees["thesis"] = "math geometry rendering"
-    sees["deformation"] = "math geometry"
-    sees["realtime"] = "*"
+    # The folders of a room, and which of its others each may include: as cmake.awk read them.
+    while ((getline line <folders) > 0) {
+        count = split(line, word, " ")
+        sees[word[1]] = " "
+        for (i = 2; i <= count; i++) sees[word[1]] = sees[word[1]] word[i] " "
+    }
 
     # Where a library's headers may be included: a room, or a folder of one. In .cpp files only, but
     # for glm and fmt, whose values are part of our own interfaces.
     where["glm"] = "engine stimuli protocols data ui"
-    where["fmt"] = "protocols data ui"
+    where["fmt"] = "engine/base protocols data ui"
     where["toml++"] = "protocols"
-    where["libsodium"] = "protocols data"
+    where["libsodium"] = "engine/base data"
     where["SQLite"] = "data"
     where["zlib"] = "data"
     where["Boost"] = "data"
@@ -31,7 +27,7 @@ BEGIN {
     where["libpq"] = "data"
     where["SDL2"] = "ui"
     where["CLI11"] = "ui"
-    where["comedilib"] = "engine/device"
+    where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \
             " pty.h dirent.h netdb.h syscall.h spawn.h glob.h pwd.h stdlib.h stdio.h string.h"
@@ -41,7 +37,6 @@ BEGIN {
               "|[tl]gamma|sincos)[fl]?"
     # Computed once a scene and kept with the session, so that a replay need not compute them again.
     exempt["engine/friction/stribeck.cpp"] = 1
-    exempt["engine/rendering/scene_constants.hpp"] = exempt["engine/rendering/scene_constants.cpp"] = 1
 
     longest = 400
 }
@@ -61,7 +56,9 @@ function start_file(path,   part) {
     file = path
     split(path, part, "/")
     room = part[1]
-    folder = part[2]
+    folder = folder_of(path, room)
+    if (room != "tests" && folder != "" && !(room "/" folder in sees))
+        breach(room "/" folder " has no place in " room "/CMakeLists.txt: palpate_folder(" folder " ...)")
     header = path ~ /\.(hpp|h)$/
     in_comment = 0
     raw_end = ""
@@ -79,7 +76,7 @@ function check_include(text,   path, part) {
         split(path, part, "/")
         if (path ~ /(^|\/)\.\.?\//) breach("\"" path "\": write the path from the room on, without dots")
         else if (!(part[1] in rank) || path !~ /\//) breach("\"" path "\" does not name its room")
-        else check_order(path, part[1], part[2])
+        else check_order(path, part[1])
     } else if (text ~ /^</) {
         path = substr(text, 2)
         sub(/>.*/, "", path)
@@ -89,17 +86,21 @@ function check_include(text,   path, part) {
     } else breach("the guard cannot read this include")
 }
 
-function check_order(path, to, to_folder) {
+function folder_of(path, of,   at) {
+    path = substr(path, length(of) + 2)
+    for (at = length(path); at > 0 && substr(path, at, 1) != "/"; at--) {}
+    return substr(path, 1, at - 1)
+}
+
+function check_order(path, to,   to_folder) {
     if (room == "tests") return
+    to_folder = folder_of(path, to)
     if (rank[to] > rank[room]) {
         if (to == "tests") breach("\"" path "\": " room " may not see tests")
         else breach("\"" path "\": " room " may not see " to "; the order is " order)
-    } else if (room == "engine" && folder != to_folder) {
-        if (!(folder in sees) || !(to_folder in sees))
-            breach("engine/" ((folder in sees) ? to_folder : folder) " has no place in the order of engine's folders")
-        else if (sees[folder] != "*" && !listed(to_folder, sees[folder]))
-            breach("\"" path "\": engine/" folder " may not see engine/" to_folder)
-    }
+    } else if (room == to && folder != to_folder && index(sees[room "/" folder], " " to_folder " ") == 0)
+        breach("\"" path "\": " room "/" folder " may not see " to "/" to_folder \
+               ": its SEES in " room "/CMakeLists.txt does not name it")
 }
 
 function library_of(path) {

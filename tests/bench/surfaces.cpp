@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "engine/rendering/surface_scene.hpp"
+#include "engine/surface/surface_scene.hpp"
 #include "tests/support/random.hpp"
 
 namespace palpate::bench {

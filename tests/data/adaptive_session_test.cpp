@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/format/procedure_file.hpp"
-#include "protocols/running/object_hash.hpp"
+#include "protocols/file/procedure_file.hpp"
+#include "protocols/trial/object_hash.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/adaptive_export.hpp"
 #include "data/store/content_hash.hpp"

@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "data/analysis/summary.hpp"
-#include "data/analysis/wilson.hpp"
+#include "data/statistics/wilson.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

@@ -5,8 +5,8 @@
 #include <set>
 #include <sstream>
 
-#include "data/report/figures/figure_list.hpp"
-#include "data/report/svg_diagram.hpp"
+#include "data/plot/svg_diagram.hpp"
+#include "data/report/figure_list.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/svg_reader.hpp"

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <string>
 
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 #include "data/report/object_sheet.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

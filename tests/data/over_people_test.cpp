@@ -2,7 +2,7 @@
 #include <random>
 #include <vector>
 
-#include "data/analysis/over_people.hpp"
+#include "data/statistics/over_people.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::data;

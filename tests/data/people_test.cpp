@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "protocols/format/plain_text.hpp"
+#include "engine/base/text.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/people.hpp"
 #include "data/store/session_store.hpp"
@@ -270,17 +270,17 @@ TEST_CASE("UTF-8 is told from what is none, byte by byte as RFC 3629 has it", "[
             for (const unsigned c : {0x00U, 0x41U, 0x7FU, 0x80U, 0xBFU, 0xC0U, 0xFFU}) {
                 const char bytes[] = {static_cast<char>(a), static_cast<char>(b),
                                       static_cast<char>(c)};
-                wrong += protocols::utf8_length({bytes, 3}) == by_table(a, b, c) ? 0U : 1U;
+                wrong += utf8_length({bytes, 3}) == by_table(a, b, c) ? 0U : 1U;
             }
         }
     }
     CHECK(wrong == 0);
-    CHECK(protocols::utf8_length("\xF0\x9F\x98\x80") == 4);
+    CHECK(utf8_length("\xF0\x9F\x98\x80") == 4);
     for (const char* bad : {"\xF0\x8F\xBF\xBF", "\xF4\x90\x80\x80", "\xF5\x80\x80\x80",
                             "\xF0\x9F\x98", "\xE2\x82", "\xC3", "a\x80"}) {
-        CHECK_FALSE(protocols::is_utf8(bad));
+        CHECK_FALSE(is_utf8(bad));
     }
-    CHECK(protocols::is_utf8("çukur, 凹, \xF0\x9F\x98\x80"));
+    CHECK(is_utf8("çukur, 凹, \xF0\x9F\x98\x80"));
 }
 
 TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]") {

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <limits>
 
-#include "data/report/axis_ticks.hpp"
-#include "data/report/csv.hpp"
+#include "data/csv/csv.hpp"
+#include "data/plot/axis_ticks.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"

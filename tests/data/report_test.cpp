@@ -3,8 +3,8 @@
 #include <cstdlib>
 #include <limits>
 
-#include "data/report/svg_figure.hpp"
-#include "data/report/svg_text.hpp"
+#include "data/plot/svg_figure.hpp"
+#include "data/plot/svg_text.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"

@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <set>
 
-#include "data/extension/sample_columns.hpp"
 #include "data/store/database.hpp"
 #include "data/store/schema.hpp"
 #include "data/store/schema_manual.hpp"
+#include "data/trace/sample_columns.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 

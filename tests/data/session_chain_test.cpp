@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <functional>
 
-#include "protocols/running/servo_apparatus.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"

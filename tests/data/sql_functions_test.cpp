@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "data/analysis/d_prime.hpp"
-#include "data/analysis/information.hpp"
-#include "data/analysis/wilson.hpp"
 #include "data/extension/sample_module.hpp"
+#include "data/statistics/d_prime.hpp"
+#include "data/statistics/information.hpp"
+#include "data/statistics/wilson.hpp"
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

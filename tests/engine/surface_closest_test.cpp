@@ -4,7 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "engine/contact/surface_closest.hpp"
+#include "engine/surface/surface_closest.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surface_hands.hpp"

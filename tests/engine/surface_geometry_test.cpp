@@ -2,7 +2,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "engine/geometry/nurbs_surface.hpp"
+#include "engine/surface/nurbs_surface.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/surfaces.hpp"
 

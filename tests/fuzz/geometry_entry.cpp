@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "engine/contact/surface_closest.hpp"
 #include "engine/rendering/scene.hpp"
+#include "engine/surface/surface_closest.hpp"
 #include "tests/fuzz/entries.hpp"
 #include "tests/fuzz/law.hpp"
 

@@ -1,6 +1,6 @@
 #include <string_view>
 
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "tests/fuzz/entries.hpp"
 #include "tests/fuzz/law.hpp"
 

@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "engine/rendering/scene.hpp"
-#include "protocols/format/protocol_file.hpp"
-#include "protocols/format/scene_file.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/file/scene_file.hpp"
 #include "tests/fuzz/entries.hpp"
 #include "tests/fuzz/law.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/plain_text.hpp"
+#include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/export/json_text.hpp"
 #include "data/store/database.hpp"
@@ -29,7 +29,7 @@ const std::string kOrders =
 
 /// Nothing in it is an order to a terminal.
 bool only_shows(const std::string& text) {
-    return protocols::plain(text, protocols::Lines::kept) == text;
+    return plain(text, palpate::Lines::kept) == text;
 }
 
 }  // namespace
@@ -42,17 +42,16 @@ TEST_CASE("what a terminal is sent is only shown, whatever the bytes", "[cli][la
             bytes += static_cast<char>(random.below(256));
         }
         CAPTURE(i);
-        const std::string shown = protocols::plain(bytes);
-        CHECK(protocols::is_utf8(shown));
+        const std::string shown = plain(bytes);
+        CHECK(is_utf8(shown));
         for (const char c : shown) {
             CHECK(static_cast<unsigned char>(c) >= 0x20);
         }
-        CHECK(protocols::plain(shown) == shown);
+        CHECK(plain(shown) == shown);
         CHECK(only_shows(data::json_string(bytes)));
     }
-    CHECK(protocols::plain(kOrders) ==
-          "A\\x1b[2J\\x1b]0;t\\x07\\x7f\\u{9b}31m\\u{202e}B\\xff\\x0d");
-    CHECK(protocols::plain("çukur, 凹\n\tx") == "çukur, 凹  x");
+    CHECK(plain(kOrders) == "A\\x1b[2J\\x1b]0;t\\x07\\x7f\\u{9b}31m\\u{202e}B\\xff\\x0d");
+    CHECK(plain("çukur, 凹\n\tx") == "çukur, 凹  x");
 }
 
 TEST_CASE("no text of a spreadsheet's field is a formula, and what was there can be read back",

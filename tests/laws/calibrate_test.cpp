@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "engine/math/elementary.hpp"
-#include "protocols/format/calibration_file.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 

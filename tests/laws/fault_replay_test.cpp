@@ -7,7 +7,7 @@
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/servo.hpp"
 #include "stimuli/two_curve.hpp"
-#include "protocols/running/servo_apparatus.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

@@ -1,6 +1,6 @@
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/pantograph_plant.hpp"
-#include "protocols/format/calibration_file.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/haply_bench.hpp"
 #include "tests/support/random.hpp"

@@ -4,7 +4,7 @@
 
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/pantograph.hpp"
-#include "protocols/format/calibration_file.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cstring>
 
-#include "protocols/format/calibration_file.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "protocols/observer/simulated_observer.hpp"
-#include "protocols/running/emulated_haply_apparatus.hpp"
-#include "protocols/running/session.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/session/session.hpp"
+#include "protocols/trial/emulated_haply_apparatus.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "data/store/content_hash.hpp"
 #include "data/store/secret.hpp"
 #include "tests/support/catch.hpp"

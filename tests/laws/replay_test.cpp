@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "protocols/format/protocol_file.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "data/csv/whole_file.hpp"
+#include "engine/base/files.hpp"
 #include "data/export/export.hpp"
 #include "data/store/content_hash.hpp"
 #include "data/store/schema.hpp"
@@ -162,10 +162,10 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string first(20'000, 'a');
     const std::string second(30'000, 'b');
-    data::write_whole(folder.file("out.csv"), first);
+    write_whole(folder.file("out.csv"), first);
     const auto work = [&] {
-        data::write_whole(folder.file("out.csv"), second);
-        data::write_new(folder.file("new.toml"), second);
+        write_whole(folder.file("out.csv"), second);
+        write_new(folder.file("new.toml"), second);
     };
     cut_everywhere(folder, work, [&](const TemporaryFolder& left, bool done) {
         std::ifstream out(left.file("out.csv"), std::ios::binary);

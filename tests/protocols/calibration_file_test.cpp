@@ -6,8 +6,8 @@
 
 #include "engine/device/pantograph.hpp"
 #include "engine/math/elementary.hpp"
-#include "protocols/format/calibration_file.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

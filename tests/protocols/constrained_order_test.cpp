@@ -2,10 +2,11 @@
 #include <cmath>
 #include <vector>
 
-#include "protocols/design/constrained_order.hpp"
+#include "protocols/order/constrained_order.hpp"
 #include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::tests;
 

@@ -7,6 +7,7 @@
 #include "protocols/design/streams.hpp"
 #include "tests/support/catch.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

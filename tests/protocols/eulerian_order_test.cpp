@@ -5,9 +5,10 @@
 #include <span>
 #include <stdexcept>
 
-#include "protocols/design/eulerian_order.hpp"
+#include "protocols/order/eulerian_order.hpp"
 #include "tests/support/catch.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 
 namespace {

@@ -5,8 +5,8 @@
 #include "engine/device/pantograph.hpp"
 #include "engine/device/pointer_device.hpp"
 #include "stimuli/two_curve.hpp"
-#include "protocols/running/feasibility.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/session/feasibility.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate;

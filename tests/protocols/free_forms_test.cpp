@@ -11,10 +11,10 @@
 #include "engine/contact/closest_point.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/design/object_outline.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/observer/outline_cues.hpp"
 #include "protocols/observer/simulated_observer.hpp"
-#include "protocols/running/object_hash.hpp"
+#include "protocols/trial/object_hash.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

@@ -8,7 +8,7 @@
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/running/pending_trials.hpp"
+#include "protocols/session/pending_trials.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;

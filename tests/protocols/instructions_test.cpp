@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <string>
 
-#include "protocols/format/keys.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/new_protocol.hpp"
 #include "tests/support/catch.hpp"
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "protocols/running/trial_meter.hpp"
+#include "protocols/session/trial_meter.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
 

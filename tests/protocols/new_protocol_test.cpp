@@ -3,7 +3,7 @@
 
 #include "protocols/design/duration.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/new_protocol.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"

@@ -2,12 +2,13 @@
 #include <numeric>
 
 #include "protocols/design/acceptance.hpp"
-#include "protocols/design/order_count.hpp"
-#include "protocols/design/order_sampler.hpp"
+#include "protocols/order/order_count.hpp"
+#include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::tests;
 

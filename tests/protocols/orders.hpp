@@ -5,7 +5,7 @@
 #include <map>
 #include <vector>
 
-#include "protocols/design/constrained_order.hpp"
+#include "protocols/order/constrained_order.hpp"
 #include "tests/support/catch.hpp"
 
 /// Small designs, gone through one order after the other.

@@ -1,10 +1,10 @@
 #include <algorithm>
 
 #include "engine/math/elementary.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
-#include "protocols/running/servo_apparatus.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

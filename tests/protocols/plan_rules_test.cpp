@@ -4,13 +4,14 @@
 #include <set>
 #include <string>
 
-#include "protocols/design/order_sampler.hpp"
+#include "engine/base/sha256.hpp"
 #include "protocols/design/plan_summary.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/design/sha256.hpp"
+#include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::tests;
 

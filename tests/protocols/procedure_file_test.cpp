@@ -2,13 +2,14 @@
 #include <regex>
 #include <sstream>
 
-#include "protocols/format/procedure_file.hpp"
-#include "protocols/format/procedure_keys.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/procedure_file.hpp"
+#include "protocols/file/procedure_keys.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "tests/protocols/published_traces.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;

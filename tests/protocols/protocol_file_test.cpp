@@ -3,8 +3,8 @@
 #include <set>
 
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/keys.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

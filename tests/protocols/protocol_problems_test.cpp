@@ -4,7 +4,7 @@
 #include <iterator>
 #include <string>
 
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;

@@ -6,6 +6,7 @@
 #include "tests/protocols/simulated_answers.hpp"
 #include "tests/support/catch.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 using Catch::Matchers::ContainsSubstring;
 using palpate::tests::answer_of;

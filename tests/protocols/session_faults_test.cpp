@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <set>
 
-#include "protocols/running/trouble.hpp"
+#include "protocols/session/trouble.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 

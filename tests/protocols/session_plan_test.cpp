@@ -2,9 +2,9 @@
 #include <map>
 #include <set>
 
-#include "protocols/design/constrained_order.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/design/williams.hpp"
+#include "protocols/order/constrained_order.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;

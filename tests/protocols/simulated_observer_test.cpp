@@ -6,6 +6,7 @@
 #include "tests/protocols/strokes.hpp"
 #include "tests/support/catch.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 using palpate::tests::strokes;
 

@@ -8,6 +8,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 using Catch::Matchers::ContainsSubstring;
 using palpate::tests::Random;

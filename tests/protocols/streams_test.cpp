@@ -2,10 +2,11 @@
 #include <string>
 #include <vector>
 
-#include "protocols/design/sha256.hpp"
+#include "engine/base/sha256.hpp"
 #include "protocols/design/streams.hpp"
 #include "tests/support/catch.hpp"
 
+using namespace palpate;
 using namespace palpate::protocols;
 
 // FIPS 180-4 and its example values (NIST, "Examples with intermediate values": SHA-256).

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "protocols/running/stroke_counter.hpp"
-#include "protocols/running/trial_meter.hpp"
+#include "protocols/session/stroke_counter.hpp"
+#include "protocols/session/trial_meter.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/format/scene_file.hpp"
+#include "protocols/file/scene_file.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 
 /// Random things to feel: whatever a scene file may say about plane curves, often at its worst.

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "protocols/observer/simulated_observer.hpp"
-#include "protocols/running/servo_apparatus.hpp"
-#include "protocols/running/session.hpp"
+#include "protocols/session/session.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/adaptive_text.hpp"

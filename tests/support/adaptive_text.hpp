@@ -3,7 +3,7 @@
 #include <string>
 
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 
 /// Small studies with a rule.
 namespace palpate::tests {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/running/session.hpp"
+#include "protocols/session/session.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/studies.hpp"
 

@@ -5,9 +5,9 @@
 
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
-#include "protocols/running/object_hash.hpp"
-#include "protocols/running/recorder.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/session/recorder.hpp"
+#include "protocols/trial/object_hash.hpp"
 #include "data/store/session_store.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "engine/geometry/nurbs_surface.hpp"
+#include "engine/surface/nurbs_surface.hpp"
 #include "tests/support/random.hpp"
 
 namespace palpate::tests {

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "engine/rendering/surface_scene.hpp"
+#include "engine/surface/surface_scene.hpp"
 #include "tests/support/surfaces.hpp"
 
 /// Surface scenes that several tests feel.

@@ -11,11 +11,11 @@
 #include <SDL.h>
 
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
-#include "protocols/running/servo_apparatus.hpp"
-#include "protocols/running/session.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/session/session.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "ui/subject/subject_screen.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/dummy_window.hpp"

@@ -1,4 +1,4 @@
-#include "ui/cli/device_choice.hpp"
+#include "ui/rig/device_choice.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::ui;

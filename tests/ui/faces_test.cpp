@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "stimuli/two_curve.hpp"
-#include "protocols/format/keys.hpp"
+#include "protocols/file/keys.hpp"
 #include "ui/subject/answer_row.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/paragraph.hpp"

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 #include "protocols/design/session_plan.hpp"
-#include "protocols/running/session.hpp"
+#include "protocols/session/session.hpp"
 #include "ui/cli/open_masking.hpp"
 #include "ui/cli/study_advice.hpp"
 #include "ui/sound/masked_observer.hpp"

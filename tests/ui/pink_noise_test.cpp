@@ -8,7 +8,6 @@
 #include "tests/support/catch.hpp"
 
 using namespace palpate;
-using protocols::Pcg32;
 using ui::FadedNoise;
 using ui::PinkNoise;
 

@@ -9,14 +9,14 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/files.hpp"
+#include "engine/base/text.hpp"
 #include "engine/device/homing.hpp"
 #include "engine/device/pantograph.hpp"
-#include "protocols/design/counted.hpp"
-#include "protocols/format/calibration_file.hpp"
-#include "data/csv/whole_file.hpp"
-#include "ui/cli/calibration_device.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/calibration_device.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -134,7 +134,7 @@ int calibrate_command(const CalibrateOptions& options) {
     const std::vector<Vec2> marks = marks_of(options, calibration);
     const auto device = open_for_calibration(options.device, calibration);
     say("{}: {} with the numbers of {}, {}\n", options.output, device->name(),
-        calibration.pantograph.name, protocols::counted(marks.size(), "mark"));
+        calibration.pantograph.name, counted(marks.size(), "mark"));
 
     std::vector<engine::MarkReading> readings;
     for (const Vec2& mark : marks) {
@@ -150,7 +150,7 @@ int calibrate_command(const CalibrateOptions& options) {
     print_found(calibration, homing, readings);
 
     const std::string text = protocols::to_toml(calibration);
-    data::write_whole(options.output, text);
+    write_whole(options.output, text);
     say("Calibration {} written to {}\n",
         protocols::calibration_id(calibration).substr(0, kShownId), options.output);
     return 0;

@@ -5,23 +5,22 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/files.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/design/duration.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/keys.hpp"
-#include "data/csv/whole_file.hpp"
+#include "protocols/file/keys.hpp"
 #include "data/report/object_sheet.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/plan_text.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/study_advice.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
 
-using protocols::counted;
 using protocols::Phase;
 using protocols::Plan;
 using protocols::Protocol;
@@ -124,7 +123,7 @@ int check_command(const CheckOptions& options) {
     const protocols::SessionKey key{kExample, 1};
     const Plan plan = make_plan(study.protocol, study.hash, key, study.protocol.seed);
     if (!options.svg.empty()) {
-        data::write_whole(options.svg, data::object_sheet(study.protocol, study.hash));
+        write_whole(options.svg, data::object_sheet(study.protocol, study.hash));
     }
     print_title(study);
     print_duration(study.protocol, plan);

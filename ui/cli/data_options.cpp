@@ -5,8 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "protocols/format/did_you_mean.hpp"
-#include "protocols/format/plain_text.hpp"
+#include "engine/base/text.hpp"
 #include "ui/cli/options_of.hpp"
 
 namespace palpate::ui {
@@ -149,10 +148,9 @@ void add_push(CLI::App& app, Options& chosen) {
 }  // namespace
 
 std::string kept_text(const std::string& words) {
-    return protocols::is_utf8(words)
-             ? ""
-             : "these words are not UTF-8: set the terminal's encoding to UTF-8 "
-               "and give them again";
+    return is_utf8(words) ? ""
+                          : "these words are not UTF-8: set the terminal's encoding to UTF-8 "
+                            "and give them again";
 }
 
 WordCheck one_of(std::vector<std::string> words) {
@@ -161,7 +159,7 @@ WordCheck one_of(std::vector<std::string> words) {
             return {};
         }
         return fmt::format("\"{}\" is none of {}{}", given, fmt::join(words, ", "),
-                           protocols::suggestion(given, words, ""));
+                           suggestion(given, words, ""));
     };
 }
 

@@ -1,15 +1,15 @@
 #include <stdexcept>
 
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/secret.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/fault_text.hpp"
-#include "ui/cli/interrupt.hpp"
-#include "ui/cli/operator_log.hpp"
 #include "ui/cli/rig.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/rig/fault_text.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/operator_log.hpp"
+#include "ui/rig/say.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {

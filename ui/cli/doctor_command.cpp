@@ -8,18 +8,18 @@
 
 #include "engine/device/replay_device.hpp"
 #include "engine/device/simulated_pantograph.hpp"
-#include "protocols/format/calibration_file.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "protocols/library/shipped.hpp"
-#include "protocols/running/emulated_haply_apparatus.hpp"
+#include "protocols/trial/emulated_haply_apparatus.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/device_choice.hpp"
 #include "ui/cli/load_study.hpp"
-#include "ui/cli/open_device.hpp"
 #include "ui/cli/rig.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/version.hpp"
 #include "ui/doctor/checks.hpp"
 #include "ui/doctor/report.hpp"
+#include "ui/rig/device_choice.hpp"
+#include "ui/rig/open_device.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {

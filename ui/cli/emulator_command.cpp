@@ -6,9 +6,9 @@
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
-#include "protocols/format/calibration_file.hpp"
+#include "protocols/file/calibration_file.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/interrupt.hpp"
+#include "ui/rig/interrupt.hpp"
 
 namespace palpate::ui {
 namespace {

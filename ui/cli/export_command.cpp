@@ -1,9 +1,9 @@
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "data/export/export.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 
@@ -15,13 +15,12 @@ int export_command(const ExportCommandOptions& options) {
                            .traces = options.traces,
                            .keep_codes = options.keep_codes},
                           options.directory);
-    say("{}: {} as {}{}.\n", options.directory, protocols::counted(done.sessions, "session"),
-        options.format,
+    say("{}: {} as {}{}.\n", options.directory, counted(done.sessions, "session"), options.format,
         options.details      ? ", with details"
         : options.keep_codes ? ", with the participants' codes"
                              : ", de-identified");
     if (done.without_consent > 0) {
-        say("{} left out: no consent.\n", protocols::counted(done.without_consent, "participant"));
+        say("{} left out: no consent.\n", counted(done.without_consent, "participant"));
     }
     return 0;
 }

@@ -2,20 +2,20 @@
 
 #include <fmt/format.h>
 
-#include "data/csv/whole_file.hpp"
-#include "data/report/figures/figure_list.hpp"
+#include "engine/base/files.hpp"
+#include "data/report/figure_list.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 
 int figures_command(const FigureOptions& options) {
     const std::filesystem::path directory(options.directory);
-    data::make_folder(directory);
+    make_folder(directory);
     for (const data::NamedFigure& figure : data::thesis_figures()) {
         for (const data::FigureFile& file : data::files_of(figure)) {
             const std::filesystem::path path = directory / file.name;
-            data::write_whole(path, file.text);
+            write_whole(path, file.text);
             say("{}\n", path.string());
         }
     }

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/did_you_mean.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "engine/base/text.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 
 namespace palpate::ui {
@@ -31,8 +31,8 @@ std::string nearest(const fs::path& absent) {
             names.emplace_back(shipped.name);
         }
     }
-    return protocols::suggestion(absent.filename().string(), names,
-                                 ": check the path, or give the name of a shipped one");
+    return suggestion(absent.filename().string(), names,
+                      ": check the path, or give the name of a shipped one");
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::ui {
 

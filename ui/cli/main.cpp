@@ -4,12 +4,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "protocols/design/constrained_order.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/order/constrained_order.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/store/statement.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace {
 

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/keys.hpp"
+#include "engine/base/files.hpp"
+#include "protocols/file/keys.hpp"
 #include "protocols/library/new_protocol.hpp"
-#include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 
@@ -17,7 +17,7 @@ int new_command(const NewOptions& options) {
         return 0;
     }
     const std::string id = protocols::id_of(std::filesystem::path(options.file).stem().string());
-    data::write_new(options.file, new_protocol(protocols::shipped_protocol(options.from), id));
+    write_new(options.file, new_protocol(protocols::shipped_protocol(options.from), id));
     say("{}: a study with the id {}, made from {}\nNext: palpate check {}\n", options.file, id,
         options.from, options.file);
     return 0;

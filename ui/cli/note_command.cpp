@@ -5,8 +5,8 @@
 
 #include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -59,7 +59,7 @@ int note_command(const NoteOptions& options) {
     const std::string head =
         data::add_note(database, session.id, options.text, options.operator_name);
     say("Noted in session {} of {}, study {}.\nChain {}: note it in the lab book.\n",
-        session.number, options.participant, protocols::plain(session.study), head);
+        session.number, options.participant, plain(session.study), head);
     return 0;
 }
 

@@ -4,9 +4,9 @@
 
 #include "engine/device/pantograph_plant.hpp"
 #include "engine/device/simulated_pantograph.hpp"
-#include "protocols/format/calibration_file.hpp"
-#include "protocols/running/emulated_haply_apparatus.hpp"
-#include "ui/cli/open_device.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "protocols/trial/emulated_haply_apparatus.hpp"
+#include "ui/rig/open_device.hpp"
 
 namespace palpate::ui {
 namespace {

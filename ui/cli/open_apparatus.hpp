@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "protocols/running/feasibility.hpp"
+#include "protocols/session/feasibility.hpp"
 #include "ui/cli/rig.hpp"
 
 namespace palpate::ui {

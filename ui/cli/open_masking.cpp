@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/session_plan.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {

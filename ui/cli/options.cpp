@@ -7,12 +7,12 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "protocols/format/did_you_mean.hpp"
+#include "engine/base/text.hpp"
 #include "data/store/resume_policy.hpp"
-#include "ui/cli/device_choice.hpp"
 #include "ui/cli/options_of.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/version.hpp"
+#include "ui/rig/device_choice.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -307,15 +307,15 @@ std::string unknown_word(const CLI::App& app, int argc, const char* const* argv)
             return {};
         }
         if (argv[1][0] == '-') {
-            return fmt::format("palpate has no option {}{}; palpate --help lists them", argv[1],
-                               protocols::suggestion(
-                                   argv[1], std::vector<std::string>{"--help", "--version"}, ""));
+            return fmt::format(
+                "palpate has no option {}{}; palpate --help lists them", argv[1],
+                suggestion(argv[1], std::vector<std::string>{"--help", "--version"}, ""));
         }
         for (const CLI::App* command : app.get_subcommands({})) {
             known.push_back(command->get_name());
         }
         return fmt::format("there is no command \"{}\"{}; palpate --help lists them", argv[1],
-                           protocols::suggestion(argv[1], known, ""));
+                           suggestion(argv[1], known, ""));
     }
     const CLI::App& command = *chosen.front();
     for (const CLI::Option* option : command.get_options()) {
@@ -327,7 +327,7 @@ std::string unknown_word(const CLI::App& app, int argc, const char* const* argv)
         word = word.substr(0, word.find('='));
         if (word.starts_with("-") && word != "--") {
             return fmt::format("palpate {0} has no option {1}{2}; palpate {0} --help lists them",
-                               command.get_name(), word, protocols::suggestion(word, known, ""));
+                               command.get_name(), word, suggestion(word, known, ""));
         }
     }
     return {};

@@ -5,8 +5,8 @@
 
 #include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -34,7 +34,7 @@ void print(const std::string& id, const data::Participant& person) {
             ? fmt::format("{}, noted {}", *person.notes.consent ? "yes" : "no", person.consent_utc)
             : "not noted");
     for (const auto& [key, value] : person.notes.details) {
-        say("{:<12} {}\n", protocols::plain(key), protocols::plain(value));
+        say("{:<12} {}\n", plain(key), plain(value));
     }
 }
 

@@ -8,12 +8,12 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/sha256.hpp"
 #include "protocols/design/acceptance.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/design/sha256.hpp"
-#include "protocols/format/keys.hpp"
+#include "protocols/file/keys.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -139,7 +139,7 @@ std::string rule_text(const Protocol& protocol, const protocols::Plan& plan) {
     std::string text = fmt::format(
         "a rule chooses {}{} of {} from {} to {} by the answers; rule {}\n", word_of(spec.varies),
         spec.stimulus_as == protocols::StimulusAs::log10 ? " (its decadic logarithm)" : "",
-        spec.object, spec.lowest, spec.highest, protocols::sha256_hex(spec.rule));
+        spec.object, spec.lowest, spec.highest, sha256_hex(spec.rule));
     std::map<std::pair<std::size_t, Phase>, std::array<std::size_t, 2>> counts;
     for (const protocols::PlannedTrial& trial : plan.trials) {
         ++counts[{trial.adaptive->run, trial.phase}].at(trial.adaptive->comparison - 1);

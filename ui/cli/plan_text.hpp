@@ -3,7 +3,7 @@
 #include <string>
 
 #include "protocols/design/plan_summary.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 /// A plan in counts, for people: what `palpate sequence` and `palpate check` print of it. Whole lines.
 namespace palpate::ui {

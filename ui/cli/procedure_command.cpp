@@ -7,11 +7,11 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/procedure_file.hpp"
+#include "engine/base/files.hpp"
+#include "protocols/file/procedure_file.hpp"
 #include "data/csv/number_table.hpp"
-#include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -154,8 +154,7 @@ int procedure_command(const ProcedureOptions& options) {
     const std::vector<std::string_view> optional(shown.begin(), shown.end());
     const std::vector<std::string_view> wanted{"response"};
     const data::NumberTable table = data::read_numbers(options.responses, wanted, optional);
-    data::write_whole(options.output,
-                      replayed(file.procedure, table, options.responses, options.hashes));
+    write_whole(options.output, replayed(file.procedure, table, options.responses, options.hashes));
     return 0;
 }
 

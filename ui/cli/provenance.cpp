@@ -11,8 +11,8 @@
 #include <gnu/libc-version.h>
 #include <sys/utsname.h>
 
-#include "protocols/format/toml_version.hpp"
-#include "protocols/running/object_hash.hpp"
+#include "protocols/file/toml_version.hpp"
+#include "protocols/trial/object_hash.hpp"
 #include "data/verify/library_versions.hpp"
 #include "ui/cli/build_id.hpp"
 #include "ui/cli/version.hpp"

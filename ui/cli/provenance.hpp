@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::ui {
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "data/sync/push.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 
@@ -18,10 +18,10 @@ int push_command(const PushOptions& options) {
         throw std::invalid_argument("push needs FILE and --to postgresql://..., or --roles");
     }
     const data::PushReport done = data::push_file(options.database, options.url);
-    say("{}: {}, {} new on the server.\n", options.database,
-        protocols::counted(done.sessions, "session"), protocols::counted(done.rows, "row"));
+    say("{}: {}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
+        counted(done.rows, "row"));
     for (const std::string& conflict : done.conflicts) {
-        say_to(stderr, fmt::format("conflict: {}; not pushed\n", protocols::plain(conflict)));
+        say_to(stderr, fmt::format("conflict: {}; not pushed\n", plain(conflict)));
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
 }

@@ -7,26 +7,26 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "engine/realtime/servo.hpp"
 #include "protocols/design/adaptive_plan.hpp"
-#include "protocols/design/counted.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/format/keys.hpp"
+#include "protocols/file/keys.hpp"
 #include "protocols/observer/simulated_observer.hpp"
-#include "protocols/running/servo_apparatus.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/async_recorder.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "ui/cli/fault_text.hpp"
-#include "ui/cli/interrupt.hpp"
 #include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/open_masking.hpp"
-#include "ui/cli/operator_log.hpp"
 #include "ui/cli/provenance.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/rig/fault_text.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/operator_log.hpp"
+#include "ui/rig/say.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/spectator_screen.hpp"
@@ -207,8 +207,8 @@ void print_start(const RigSpec& spec,
     const std::size_t practice = all.left(true);
     say("{}: participant {}, session {}, {}{}, {}, code {}\n", protocol.id, spec.key.participant,
         spec.key.session,
-        practice > 0 ? protocols::counted(practice, "practice trial") + " and " : std::string(),
-        protocols::counted(all.left(false), "trial"), apparatus.device_name(), session_code(plan));
+        practice > 0 ? counted(practice, "practice trial") + " and " : std::string(),
+        counted(all.left(false), "trial"), apparatus.device_name(), session_code(plan));
     if (spec.kind == data::RunKind::simulated) {
         say("Simulated: these data are recorded as simulated and never count as a person's.\n");
     }

@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "protocols/running/servo_apparatus.hpp"
-#include "protocols/running/session.hpp"
+#include "protocols/session/session.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/database.hpp"
 #include "data/store/session_store.hpp"
-#include "ui/cli/device_choice.hpp"
 #include "ui/cli/load_study.hpp"
 #include "ui/cli/options.hpp"
+#include "ui/rig/device_choice.hpp"
 
 namespace palpate::ui {
 

@@ -5,16 +5,16 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/keys.hpp"
+#include "protocols/file/keys.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/fault_text.hpp"
-#include "ui/cli/interrupt.hpp"
-#include "ui/cli/operator_log.hpp"
 #include "ui/cli/rig.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/rig/fault_text.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/operator_log.hpp"
+#include "ui/rig/say.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {

@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 
-#include "protocols/format/protocol_file.hpp"
-#include "protocols/format/table_view.hpp"
+#include "engine/base/files.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/file/table_view.hpp"
 #include "data/csv/number_table.hpp"
-#include "data/csv/whole_file.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/scene_tools.hpp"
 
@@ -45,14 +45,14 @@ int render_command(const SceneOptions& options) {
     } catch (const std::invalid_argument& e) {  // the curves do not make an object
         throw protocols::ProtocolError(fmt::format("{}:1:1: {}", options.scene, e.what()));
     }
-    data::write_whole(options.output, text);
+    write_whole(options.output, text);
     return 0;
 }
 
 int closest_command(const SceneOptions& options) {
     const protocols::SceneFile scene = protocols::load_scene(options.scene);
     const data::NumberTable points = read_points(options.points, scene.dimension(), false);
-    data::write_whole(options.output, closest_csv(scene, points));
+    write_whole(options.output, closest_csv(scene, points));
     return 0;
 }
 

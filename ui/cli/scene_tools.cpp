@@ -7,7 +7,7 @@
 #include <fmt/compile.h>
 #include <fmt/format.h>
 
-#include "engine/rendering/surface_scene.hpp"
+#include "engine/surface/surface_scene.hpp"
 #include "engine/thesis/thesis_scene.hpp"
 
 namespace palpate::ui {

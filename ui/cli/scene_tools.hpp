@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "protocols/format/scene_file.hpp"
+#include "protocols/file/scene_file.hpp"
 #include "data/csv/number_table.hpp"
 
 /// What the offline tools compute, as CSV texts. Column names carry the units; numbers are written in the

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/files.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/running/trial_scene.hpp"
-#include "data/csv/whole_file.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/load_study.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 #include "ui/subject/screenshots.hpp"
 
 namespace palpate::ui {
@@ -17,7 +17,7 @@ int screenshots_command(const ScreenshotOptions& options) {
     const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
     const auto language =
         options.language == "tr" ? protocols::Language::tr : protocols::Language::en;
-    data::make_folder(options.directory);
+    make_folder(options.directory);
     for (const std::string& file : write_screenshots(
              options.directory, pictures,
              {.width = options.width,

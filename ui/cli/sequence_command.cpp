@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/plan_summary.hpp"
@@ -14,8 +14,8 @@
 #include "data/store/people.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/plan_text.hpp"
-#include "ui/cli/say.hpp"
 #include "ui/cli/session_choice.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -100,8 +100,7 @@ void print_row(std::string_view what,
     if (history.own) {
         say(", as in this participant's earlier sessions");
     } else if (row < history.uses.size()) {
-        say(", used by {}; used so far:",
-            protocols::counted(history.uses[row], "other participant"));
+        say(", used by {}; used so far:", counted(history.uses[row], "other participant"));
         for (const std::size_t uses : history.uses) {
             say(" {}", uses);
         }
@@ -149,7 +148,7 @@ void print_text(const Sequence& sequence) {
     }
     say("{}: participant {}, session {}, seed {}, {}, code {}\n", protocol.id,
         sequence.key.participant, sequence.key.session, sequence.seed,
-        protocols::counted(sequence.plan.trials.size(), "trial"), session_code(sequence.plan));
+        counted(sequence.plan.trials.size(), "trial"), session_code(sequence.plan));
     say("plan {}\nprotocol {}\n", sequence.plan.hash, sequence.study.hash);
     if (!sequence.plan.picture_order.empty()) {
         print_pictures(sequence);

@@ -9,7 +9,7 @@
 
 #include "data/shell/sql_shell.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "protocols/design/duration.hpp"
-#include "protocols/format/keys.hpp"
+#include "protocols/file/keys.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "protocols/design/plan.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::ui {
 

@@ -2,7 +2,7 @@
 
 #include "data/analysis/summary.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 

@@ -5,7 +5,7 @@
 
 #include "data/store/reader.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
-#include "protocols/design/counted.hpp"
+#include "engine/base/text.hpp"
 #include "data/export/json_text.hpp"
 #include "data/verify/verify.hpp"
 #include "ui/cli/commands.hpp"
-#include "ui/cli/say.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -13,8 +13,6 @@ using data::Finding;
 using data::FindingKind;
 using data::json_string;
 using data::SessionReport;
-using protocols::counted;
-using protocols::plain;
 
 std::string place_of(const Finding& finding) {
     std::string place;

@@ -11,7 +11,7 @@
 #include "engine/device/five_bar.hpp"
 #include "engine/geometry/vec.hpp"
 #include "engine/realtime/realtime_rights.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 #include "ui/doctor/check.hpp"
 #include "ui/doctor/cyclictest.hpp"
 #include "ui/doctor/wake_up.hpp"

@@ -6,7 +6,7 @@
 
 #include "engine/device/drivers/haply_device.hpp"
 #include "engine/realtime/clock.hpp"
-#include "protocols/running/feasibility.hpp"
+#include "protocols/session/feasibility.hpp"
 #include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {

@@ -14,8 +14,8 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include "engine/base/text.hpp"
 #include "engine/realtime/clock.hpp"
-#include "protocols/design/counted.hpp"
 #include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {
@@ -94,7 +94,7 @@ Check check_host(const std::optional<ProcessorTime>& before) {
         first_line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor");
     Check check{.name = "host",
                 .detail = fmt::format(
-                    "{}, {}", protocols::counted(count, "processor"),
+                    "{}, {}", counted(count, "processor"),
                     governor.empty() ? "frequency not ours to choose" : "governor " + governor),
                 .remedy = "",
                 .numbers = {{"processors", count}},

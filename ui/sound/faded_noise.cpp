@@ -5,7 +5,7 @@
 
 namespace palpate::ui {
 
-FadedNoise::FadedNoise(protocols::Pcg32 random, double rate_hz, double level_db)
+FadedNoise::FadedNoise(Pcg32 random, double rate_hz, double level_db)
     : noise_(random, rate_hz),
       rate_hz_(rate_hz),
       amplitude_(std::pow(10.0, level_db / 20.0)),

@@ -21,7 +21,7 @@ public:
     /// @param level_db  root mean square against an amplitude of 1 (full scale), dB, -60 to 0. Samples
     ///                  beyond full scale are cut to it: from -12 dB upwards that happens to 1 in 16,000
     ///                  and more
-    FadedNoise(protocols::Pcg32 random, double rate_hz, double level_db);
+    FadedNoise(Pcg32 random, double rate_hz, double level_db);
 
     void on() noexcept { wanted_ = true; }
     void off() noexcept { wanted_ = false; }

@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
-#include "protocols/running/observer.hpp"
-#include "protocols/running/recorder.hpp"
+#include "protocols/session/recorder.hpp"
+#include "protocols/trial/observer.hpp"
 #include "ui/sound/noise_player.hpp"
 
 namespace palpate::ui {

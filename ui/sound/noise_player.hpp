@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include "protocols/design/protocol.hpp"
 #include "protocols/design/streams.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::ui {
 

@@ -21,7 +21,7 @@ double corner(double hz, double rate_hz) {
 
 }  // namespace
 
-PinkNoise::PinkNoise(protocols::Pcg32 random, double rate_hz) : random_(random) {
+PinkNoise::PinkNoise(Pcg32 random, double rate_hz) : random_(random) {
     if (!(rate_hz >= 16000.0 && rate_hz <= 192000.0)) {
         throw std::invalid_argument(
             fmt::format("noise at {} samples a second: give 16000 to 192000", rate_hz));

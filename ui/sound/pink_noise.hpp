@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "protocols/design/pcg32.hpp"
+#include "engine/base/pcg32.hpp"
 
 namespace palpate::ui {
 
@@ -26,7 +26,7 @@ class PinkNoise {
 public:
     /// @param rate_hz  samples a second, 16000 to 192000
     /// @throws std::invalid_argument outside of that
-    PinkNoise(protocols::Pcg32 random, double rate_hz);
+    PinkNoise(Pcg32 random, double rate_hz);
 
     /// The next sample, mean square 1.
     double next() noexcept;
@@ -40,7 +40,7 @@ private:
     };
     double filter(double x) noexcept;
 
-    protocols::Pcg32 random_;
+    Pcg32 random_;
     std::vector<Section> sections_;
     double scale_ = 1.0;
 };

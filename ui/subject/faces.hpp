@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "protocols/running/observer.hpp"
+#include "protocols/trial/observer.hpp"
 #include "ui/subject/window.hpp"
 
 /// What each screen looks like: pure functions from a few values to pixels. Each has a name, which stands

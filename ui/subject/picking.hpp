@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "protocols/running/observer.hpp"
+#include "protocols/trial/observer.hpp"
 #include "ui/subject/picture_row.hpp"
 #include "ui/subject/stage.hpp"
 

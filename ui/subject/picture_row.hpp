@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "protocols/running/observer.hpp"
+#include "protocols/trial/observer.hpp"
 #include "ui/subject/window.hpp"
 
 namespace palpate::ui {

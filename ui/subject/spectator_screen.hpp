@@ -1,6 +1,6 @@
 #pragma once
 
-#include "protocols/running/observer.hpp"
+#include "protocols/trial/observer.hpp"
 #include "ui/subject/subject_screen.hpp"
 
 namespace palpate::ui {

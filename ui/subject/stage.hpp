@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "protocols/running/operator_desk.hpp"
+#include "protocols/session/operator_desk.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/window.hpp"
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "protocols/running/observer.hpp"
+#include "protocols/trial/observer.hpp"
 #include "ui/subject/faces.hpp"
 #include "ui/subject/picture_row.hpp"
 #include "ui/subject/pointer_map.hpp"

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 /// Every sentence of the subject's screen, in each language that a protocol may ask for.
 namespace palpate::ui {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "engine/math/number_text.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "engine/math/number_text.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {

@@ -7,11 +7,11 @@
 #include "engine/realtime/servo.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/design/streams.hpp"
-#include "protocols/format/protocol_file.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
-#include "protocols/running/drawn_hand.hpp"
-#include "protocols/running/servo_apparatus.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/trial/drawn_hand.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
+#include "protocols/trial/trial_scene.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -59,11 +59,11 @@ std::vector<engine::TickRecord> made_trial(const MadeStudy& study,
     }
     servo.end();
     pop_all(servo.ring(), ticks);
-    protocols::Pcg32 random = protocols::stream({.protocol_hash = study.hash,
-                                                 .participant = "bench",
-                                                 .block = position,
-                                                 .purpose = "lateness",
-                                                 .seed = 1});
+    Pcg32 random = protocols::stream({.protocol_hash = study.hash,
+                                      .participant = "bench",
+                                      .block = position,
+                                      .purpose = "lateness",
+                                      .seed = 1});
     for (engine::TickRecord& tick : ticks) {
         const double share = (static_cast<double>(random.next()) + 0.5) * 0x1p-32;
         tick.lateness_us = static_cast<float>(std::floor(-kMeanLateness * std::log(share)) * 1e-3);

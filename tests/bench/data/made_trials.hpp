@@ -6,7 +6,7 @@
 
 #include "engine/realtime/tick_record.hpp"
 #include "protocols/design/plan.hpp"
-#include "protocols/design/protocol.hpp"
+#include "protocols/protocol/protocol.hpp"
 
 namespace palpate::bench {
 

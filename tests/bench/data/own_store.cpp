@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "engine/device/simulated_pantograph.hpp"
-#include "protocols/format/calibration_file.hpp"
-#include "protocols/running/trial_scene.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "protocols/trial/trial_scene.hpp"
 #include "data/extension/sample_module.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "data/plot/axis_ticks.hpp"
+#include "data/plot/svg_figure.hpp"
+
+namespace palpate::data {
+
+/// A rectangle on the page, px, y downwards.
+struct Rect {
+    double x = 0.0;
+    double y = 0.0;
+    double width = 0.0;
+    double height = 0.0;
+};
+
+inline constexpr double kTitleSize = 13.0;  ///< px, of text
+inline constexpr double kTextSize = 11.5;   ///< px
+inline constexpr double kLine = 17.0;       ///< px from one line of text to the next
+
+/// "#rrggbb" of an ink; `automatic` as the colour of place `turn`.
+[[nodiscard]] std::string_view colour(Ink ink, std::size_t turn);
+
+/// What a panel shows on its axes, and how much room they and its legend need.
+class PanelPlan {
+public:
+    /// @param width  of the whole cell, px
+    /// @throws std::invalid_argument as svg()
+    PanelPlan(const Panel& panel, double width);
+
+    [[nodiscard]] double left() const { return left_; }  ///< of the plot area, for its labels
+    [[nodiscard]] double header() const;                 ///< title and legend above it
+    [[nodiscard]] double footer() const;                 ///< tick labels and label below it
+    [[nodiscard]] const Panel& panel() const { return *panel_; }
+
+    /// The x axis of this panel is to show the same as that of `other`: both get the wider range.
+    void share_x(PanelPlan& other);
+
+    /// Leaves `left` px for labels, so that panels below one another line up, and fits ranges to it.
+    void align(double left);
+
+    /// The panel with its plot area's top left corner at (cell_x + left(), top).
+    [[nodiscard]] std::string draw(double cell_x, double top, std::string_view clip_id) const;
+
+private:
+    struct Entry {
+        std::string name;
+        std::string_view colour;
+        enum class Kind { line, points, shade, arrow } kind = Kind::line;
+        Stroke stroke = Stroke::solid;
+        double x = 0.0;  ///< from the left of the plot area
+        int row = 0;
+    };
+    struct Point {
+        double x = 0.0;
+        double y = 0.0;
+    };
+
+    void find_ranges();
+    void fit_ranges();
+    void plan_legend();
+    [[nodiscard]] Point place(double x, double y, const Rect& plot) const;
+    [[nodiscard]] std::string axes(const Rect& plot, std::string_view clip_id) const;
+    [[nodiscard]] std::string legend(const Rect& plot) const;
+    [[nodiscard]] std::string line(const Series& series,
+                                   std::string_view ink,
+                                   const Rect& plot) const;
+    [[nodiscard]] std::string points(const Series& series,
+                                     std::string_view ink,
+                                     const Rect& plot) const;
+    [[nodiscard]] std::string arrows(const Rect& plot) const;
+    [[nodiscard]] std::string labels(const Rect& plot) const;
+    [[nodiscard]] std::string markers(const Rect& plot) const;
+
+    const Panel* panel_;
+    double width_ = 0.0;
+    double left_ = 0.0;
+    AxisRange data_x_;  ///< before widening for equal aspect
+    AxisRange data_y_;
+    AxisRange x_;
+    AxisRange y_;
+    AxisTicks x_ticks_;
+    AxisTicks y_ticks_;
+    bool empty_ = false;
+    std::vector<Entry> entries_;
+    int legend_rows_ = 0;
+};
+
+/// Room right of the plot area, px: half of the last tick's label.
+inline constexpr double kPlotRight = 18.0;
+
+}  // namespace palpate::data

@@ -1,0 +1,44 @@
+#include "data/report/figure_list.hpp"
+
+#include <array>
+
+#include "data/report/make.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::array<NamedFigure, 15> kFigures{{
+    {"fig_2_1_2", "Six ways to track the closest point", &make_trackers},
+    {"fig_2_1_4", "Voronoi regions of an object of three curves", &make_regions},
+    {"fig_2_1_5", "Active Voronoi region along a path", &make_region_flow},
+    {"fig_2_1_5_graph", "Which Voronoi regions are neighbours", &make_region_graph},
+    {"fig_2_1_6", "Force against penetration depth", &make_press},
+    {"fig_3_1_2", "Modes of friction", &make_modes},
+    {"fig_3_2_1", "The pre-determined path", &make_friction_path},
+    {"fig_3_2_1_snapshots", "HIP and god-object at moments of the path", &make_friction_moments},
+    {"fig_3_2_2", "Friction and total force over the path", &make_friction_forces},
+    {"fig_3_2_3", "Coefficient of friction over the path", &make_stribeck},
+    {"fig_3_2_4", "Curve parameters of god-object and closest point", &make_places},
+    {"fig_3_2_5", "A NURBS surface before and after the collision", &make_surface_collision},
+    {"fig_3_2_6", "Trajectory along v of the surface", &make_surface_path},
+    {"fig_3_2_7", "Normal and friction force on the surface", &make_surface_forces},
+    {"fig_3_3_1", "A stick-slip transition with the simulated device", &make_stick_slip},
+}};
+
+}  // namespace
+
+std::span<const NamedFigure> thesis_figures() {
+    return kFigures;
+}
+
+std::vector<FigureFile> files_of(const NamedFigure& figure) {
+    const MadeFigure made = figure.make();
+    const std::string name(figure.name);
+    std::vector<FigureFile> files{{name + ".svg", made.svg}};
+    for (const FigureTable& table : made.tables) {
+        files.push_back({name + table.suffix + ".csv", csv(table.columns)});
+    }
+    return files;
+}
+
+}  // namespace palpate::data

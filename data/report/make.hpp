@@ -1,0 +1,24 @@
+#pragma once
+
+#include "data/report/figure_list.hpp"
+
+/// One function a figure; what it shows stands in its caption.
+namespace palpate::data {
+
+[[nodiscard]] MadeFigure make_trackers();           ///< 2.1.2
+[[nodiscard]] MadeFigure make_regions();            ///< 2.1.4
+[[nodiscard]] MadeFigure make_region_flow();        ///< 2.1.5, active region over time
+[[nodiscard]] MadeFigure make_region_graph();       ///< 2.1.5, which region lies beside which
+[[nodiscard]] MadeFigure make_press();              ///< 2.1.6
+[[nodiscard]] MadeFigure make_modes();              ///< 3.1.2
+[[nodiscard]] MadeFigure make_friction_path();      ///< 3.2.1 (a)
+[[nodiscard]] MadeFigure make_friction_moments();   ///< 3.2.1 (b) to (l)
+[[nodiscard]] MadeFigure make_friction_forces();    ///< 3.2.2
+[[nodiscard]] MadeFigure make_stribeck();           ///< 3.2.3
+[[nodiscard]] MadeFigure make_places();             ///< 3.2.4
+[[nodiscard]] MadeFigure make_surface_collision();  ///< 3.2.5
+[[nodiscard]] MadeFigure make_surface_path();       ///< 3.2.6
+[[nodiscard]] MadeFigure make_surface_forces();     ///< 3.2.7
+[[nodiscard]] MadeFigure make_stick_slip();         ///< 3.3.1
+
+}  // namespace palpate::data

@@ -1,0 +1,127 @@
+#include "engine/base/files.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace palpate {
+bool sync_to_disk(const std::filesystem::path& what) {
+    const int fd = open(what.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0) {
+        return false;
+    }
+    const int error = fsync(fd) == 0 ? 0 : errno;
+    close(fd);
+    errno = error;
+    return error == 0;
+}
+
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+    const std::filesystem::path parent = file.parent_path();
+    return parent.empty() ? "." : parent;
+}
+
+namespace {
+
+[[noreturn]] void fail(const std::string& file, int error) {
+    throw std::runtime_error(
+        fmt::format("{}: cannot be written: {}; check the folder, its rights "
+                    "and the space on the disk",
+                    file, std::generic_category().message(error)));
+}
+
+/// All of it, or errno.
+int write_all(int fd, std::string_view text) {
+    while (!text.empty()) {
+        const ssize_t n = ::write(fd, text.data(), text.size());
+        if (n < 0 && errno != EINTR) {
+            return errno;
+        }
+        text.remove_prefix(n > 0 ? static_cast<std::size_t>(n) : 0);
+    }
+    return 0;
+}
+
+}  // namespace
+
+void write_whole(const std::filesystem::path& file, std::string_view text) {
+    if (file.empty()) {
+        std::fflush(stdout);
+        if (const int error = write_all(STDOUT_FILENO, text)) {
+            fail("standard output", error);
+        }
+        return;
+    }
+    struct stat there {};
+    const bool special = ::stat(file.c_str(), &there) == 0 && !S_ISREG(there.st_mode);
+    const std::string target = file.string();
+    const std::string name = special ? target : fmt::format("{}.{}.part", target, ::getpid());
+    constexpr mode_t kMode = 0666;
+    // A pipe that nobody reads is an error, not a long wait.
+    const int fd = ::open(name.c_str(),
+                          O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, kMode);
+    if (fd < 0) {
+        fail(target, errno);
+    }
+    ::fcntl(fd, F_SETFL, O_WRONLY);
+    int error = write_all(fd, text);
+    if (error == 0 && !special && ::fsync(fd) != 0) {
+        error = errno;
+    }
+    ::close(fd);
+    if (error == 0 && !special && std::rename(name.c_str(), target.c_str()) != 0) {
+        error = errno;
+    }
+    if (error == 0 && !special) {
+        static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
+    }
+    if (error != 0) {
+        if (!special) {
+            ::unlink(name.c_str());
+        }
+        fail(target, error);
+    }
+}
+
+void write_new(const std::filesystem::path& file, std::string_view text) {
+    constexpr mode_t kMode = 0666;
+    const int fd = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kMode);
+    if (fd < 0 && errno == EEXIST) {
+        throw std::invalid_argument(fmt::format(
+            "{} is there already, and stays as it is: give another name", file.string()));
+    }
+    if (fd < 0) {
+        throw std::invalid_argument(fmt::format("{} cannot be written: {}; check the path",
+                                                file.string(),
+                                                std::generic_category().message(errno)));
+    }
+    int error = write_all(fd, text);
+    if (error == 0 && ::fsync(fd) != 0) {
+        error = errno;
+    }
+    ::close(fd);
+    if (error != 0) {
+        ::unlink(file.c_str());
+        fail(file.string(), error);
+    }
+    static_cast<void>(sync_to_disk(folder_of(file)));  // some network disks cannot
+}
+
+void make_folder(const std::filesystem::path& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (error) {
+        throw std::invalid_argument(
+            fmt::format("{}: this folder cannot be made: {}; give another name", folder.string(),
+                        error.message()));
+    }
+}
+
+}  // namespace palpate

@@ -1,0 +1,284 @@
+#include "engine/surface/distance_form.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate::engine {
+namespace {
+
+/// Pieces are halved to 2^-22 in each direction: 1e-9 m of a 5 mm leaf, whose middle is then within
+/// 1e-16 m of its lowest distance.
+constexpr int kMaxDepth = 44;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+
+/// Rounding of a coefficient, as a share of the sizes of its terms: sums of 5, and convex combinations.
+constexpr double kNoise = 8.0 * kEpsilon;
+
+double binomial(std::size_t n, std::size_t k) {
+    double value = 1.0;
+    for (std::size_t i = 1; i <= k; ++i) {
+        value = value * static_cast<double>(n - k + i) / static_cast<double>(i);
+    }
+    return value;
+}
+
+/// Shares of the products of coefficients i and k of two polynomials of degree p in coefficient i + k
+/// of their product, at i (p + 1) + k.
+std::vector<double> shares(std::size_t p) {
+    std::vector<double> table;
+    for (std::size_t i = 0; i <= p; ++i) {
+        for (std::size_t k = 0; k <= p; ++k) {
+            table.push_back(binomial(p, i) * binomial(p, k) / binomial(2 * p, i + k));
+        }
+    }
+    return table;
+}
+
+double largest(const std::vector<double>& values) {
+    double most = 0.0;
+    for (const double v : values) {
+        most = std::max(most, std::fabs(v));
+    }
+    return most;
+}
+
+}  // namespace
+
+DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net, const Vec3& c)
+    : n_(2 * static_cast<std::size_t>(degree_u)),
+      m_(2 * static_cast<std::size_t>(degree_v)),
+      centre_(c) {
+    const std::size_t p = n_ / 2;
+    const std::size_t q = m_ / 2;
+    const std::size_t count = (n_ + 1) * (m_ + 1);
+    pp_.assign(count, 0.0);
+    pw_.fill(std::vector<double>(count, 0.0));
+    ww_.assign(count, 0.0);
+    std::vector<Vec3> local;
+    for (const Quad& point : net) {
+        local.push_back(point.xyz() - point.w() * c);
+    }
+    const std::vector<double> share_u = shares(p);
+    const std::vector<double> share_v = shares(q);
+    for (std::size_t i = 0; i <= p; ++i) {
+        for (std::size_t k = 0; k <= p; ++k) {
+            const double by_u = share_u[i * (p + 1) + k];
+            for (std::size_t j = 0; j <= q; ++j) {
+                for (std::size_t l = 0; l <= q; ++l) {
+                    const double by = by_u * share_v[j * (q + 1) + l];
+                    const std::size_t a = i * (q + 1) + j;
+                    const std::size_t b = k * (q + 1) + l;
+                    const std::size_t at = (i + k) * (m_ + 1) + j + l;
+                    pp_[at] += by * glm::dot(local[a], local[b]);
+                    pw_[0][at] += by * net[b].w() * local[a].x;
+                    pw_[1][at] += by * net[b].w() * local[a].y;
+                    pw_[2][at] += by * net[b].w() * local[a].z;
+                    ww_[at] += by * net[a].w() * net[b].w();
+                }
+            }
+        }
+    }
+    largest_ww_ = largest(ww_);
+}
+
+BernsteinNet DistanceForm::net(const Vec3& h, double beta) const noexcept {
+    const Vec3 q = h - centre_;
+    const double x = 2.0 * q.x;
+    const double y = 2.0 * q.y;
+    const double z = 2.0 * q.z;
+    const double rest = glm::dot(q, q) - beta;
+    BernsteinNet g(n_, m_);
+    double* out = g.data();
+    for (std::size_t k = 0; k < pp_.size(); ++k) {
+        out[k] = (pp_[k] - (x * pw_[0][k] + y * pw_[1][k] + z * pw_[2][k])) + rest * ww_[k];
+    }
+    return g;
+}
+
+BernsteinNet DistanceForm::terms(const Vec3& h, double beta) const noexcept {
+    const Vec3 q = h - centre_;
+    const double x = std::fabs(2.0 * q.x);
+    const double y = std::fabs(2.0 * q.y);
+    const double z = std::fabs(2.0 * q.z);
+    const double rest = glm::dot(q, q) + beta;
+    BernsteinNet sizes(n_, m_);
+    double* out = sizes.data();
+    for (std::size_t k = 0; k < pp_.size(); ++k) {
+        out[k] = std::fabs(pp_[k]) + x * std::fabs(pw_[0][k]) + y * std::fabs(pw_[1][k]) +
+                 z * std::fabs(pw_[2][k]) + rest * ww_[k];
+    }
+    return sizes;
+}
+
+namespace {
+
+/// The pieces still to be decided, halves of halves.
+class Pieces {
+public:
+    Pieces(const NurbsSurface& surface,
+           const DistanceForm& form,
+           const SurfacePlace& patch,
+           const Vec3& h,
+           double beta) noexcept
+        : surface_(surface),
+          form_(form),
+          patch_(patch),
+          h_(h),
+          beta_(beta),
+          even_(surface.polynomial()) {
+        const double distance = std::sqrt(beta);
+        const double rounding = 4.0 * kEpsilon * (surface.size() + distance);
+        const double closer = std::max(distance - rounding, 0.0);
+        clearly_closer2_ = closer * closer;
+    }
+
+    Verdict decide(const PatchPart& part, int& budget) noexcept {
+        verdict_.lower2 = std::numeric_limits<double>::infinity();
+        Piece& whole = push(part, 0);
+        whole.g = form_.net(h_, beta_);
+        whole.g.restrict_to(part.lo_u, part.hi_u, part.lo_v, part.hi_v);
+        whole.terms = form_.terms(h_, beta_);
+        if (!even_) {  // where W is small, so is the rounding
+            whole.terms.restrict_to(part.lo_u, part.hi_u, part.lo_v, part.hi_v);
+        }
+        whole.noise = kNoise * whole.terms.highest();
+        while (top_ > 0 && !verdict_.closer) {
+            if (--budget < 0) {
+                verdict_.proven = false;
+                lower(beta_);
+                break;
+            }
+            look(stack_[top_ - 1]);
+        }
+        return verdict_;
+    }
+
+private:
+    struct Piece {
+        PatchPart part{};
+        int depth = 0;
+        double noise = 0.0;  ///< size of the rounding errors in g
+        BernsteinNet g{0, 0};
+        BernsteinNet terms{0, 0};
+    };
+
+    Piece& push(const PatchPart& part, int depth) noexcept {
+        stack_[top_].part = part;
+        stack_[top_].depth = depth;
+        return stack_[top_++];
+    }
+
+    void lower(double distance2) noexcept {
+        verdict_.lower2 = std::min(verdict_.lower2, distance2);
+    }
+
+    /// True when a point of the surface at (u, v) of the patch is closer.
+    bool offer(const SurfacePlace& place, double distance2) noexcept {
+        if (distance2 < clearly_closer2_) {
+            verdict_.closer = true;
+            verdict_.place = place;
+        }
+        return verdict_.closer;
+    }
+
+    void look(Piece& piece) noexcept {
+        const BernsteinNet::Lowest low = piece.g.lowest();
+        if (low.value >= -piece.noise) {
+            lower(beta_ + std::max(low.value, 0.0) / form_.largest_ww());
+            --top_;
+            return;
+        }
+        const PatchPart part = piece.part;
+        SurfacePlace place = patch_;
+        place.u = part.lo_u + low.u * (part.hi_u - part.lo_u);
+        place.v = part.lo_v + low.v * (part.hi_v - part.lo_v);
+        const Vec3 r = surface_.local_jet(place).point - h_;
+        if (offer(place, glm::dot(r, r))) {
+            return;
+        }
+        if (piece.g.convex(piece.noise)) {
+            const SurfaceFoot foot = descend_within(surface_, h_, place, part);
+            if (offer(foot.place, foot.distance2)) {
+                return;
+            }
+            if (is_bottom(foot, part)) {
+                --top_;
+                return;
+            }
+        }
+        if (piece.depth >= kMaxDepth) {
+            lower(beta_);  // below rounding, and its lowest corner was looked at
+            --top_;
+            return;
+        }
+        halve(piece);
+    }
+
+    /// In a bowl: is the foot the lowest point of the part, to rounding? A bowl lies above its tangent
+    /// plane, whose slope is that of the distance where W does not vary or g is 0.
+    bool is_bottom(const SurfaceFoot& foot, const PatchPart& part) noexcept {
+        const FootSlope slope(foot.jet, foot.jet.point - h_);
+        const SurfacePlace& p = foot.place;
+        const double room_u = slope.u > 0.0 ? p.u - part.lo_u : part.hi_u - p.u;
+        const double room_v = slope.v > 0.0 ? p.v - part.lo_v : part.hi_v - p.v;
+        const double drop = 2.0 * (std::fabs(slope.u) * room_u + std::fabs(slope.v) * room_v);
+        const double distance = std::sqrt(foot.distance2);
+        if (drop > 8.0 * kEpsilon * distance * (surface_.size() + distance)) {
+            return false;
+        }
+        if (!even_ && foot.distance2 > beta_ * (1.0 + 1e-9)) {
+            return false;
+        }
+        lower(even_ ? foot.distance2 : beta_);
+        return true;
+    }
+
+    /// The upper half stays, the lower half goes on top of it.
+    void halve(Piece& piece) noexcept {
+        PatchPart part = piece.part;
+        ++piece.depth;
+        Piece& before = push(part, piece.depth);
+        before.noise = piece.noise;
+        const bool in_u = piece.g.bends_more_in_u();
+        const auto cut = [in_u](BernsteinNet& net, BernsteinNet& first) {
+            in_u ? net.cut_u(0.5, first) : net.cut_v(0.5, first);
+        };
+        cut(piece.g, before.g);
+        if (!even_) {
+            cut(piece.terms, before.terms);
+            before.noise = kNoise * before.terms.highest();
+            piece.noise = kNoise * piece.terms.highest();
+        }
+        double& end = in_u ? before.part.hi_u : before.part.hi_v;
+        double& begin = in_u ? piece.part.lo_u : piece.part.lo_v;
+        begin = end = begin + 0.5 * (end - begin);
+    }
+
+    const NurbsSurface& surface_;
+    const DistanceForm& form_;
+    SurfacePlace patch_;
+    Vec3 h_;
+    double beta_;
+    bool even_;                     ///< W = 1
+    double clearly_closer2_ = 0.0;  ///< beta, less the rounding of a point of the surface
+    std::size_t top_ = 0;
+    Verdict verdict_{};
+    std::array<Piece, kMaxDepth + 2> stack_{};
+};
+
+}  // namespace
+
+Verdict any_closer(const NurbsSurface& surface,
+                   const DistanceForm& form,
+                   std::size_t i,
+                   std::size_t j,
+                   const PatchPart& part,
+                   const Vec3& h,
+                   double beta,
+                   int& budget) noexcept {
+    const SurfacePlace patch{.i = i, .j = j};
+    return Pieces(surface, form, patch, h, beta).decide(part, budget);
+}
+
+}  // namespace palpate::engine

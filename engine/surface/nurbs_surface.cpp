@@ -1,0 +1,258 @@
+#include "engine/surface/nurbs_surface.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace palpate::engine {
+namespace {
+
+using Points = std::vector<std::vector<Vec3>>;
+using Weights = std::vector<std::vector<double>>;
+
+/// du x dv counts as vanished below this share of |du| |dv|, or of the size where one of them is 0.
+constexpr double kFlat = 1e-10;
+
+std::size_t row_length(const Points& points) {
+    return points.empty() ? 0 : points.front().size();
+}
+
+void check_shape(const Points& points, const Weights& weights) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (points[i].size() != row_length(points)) {
+            throw std::invalid_argument("points[" + std::to_string(i) + "] has " +
+                                        std::to_string(points[i].size()) + " points, points[0] " +
+                                        std::to_string(row_length(points)) +
+                                        ": give rows of the same length");
+        }
+    }
+    if (weights.empty()) {
+        return;
+    }
+    if (weights.size() != points.size()) {
+        throw std::invalid_argument(std::to_string(weights.size()) + " rows of weights for " +
+                                    std::to_string(points.size()) +
+                                    " rows of points: give one weight a point, or none");
+    }
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        if (weights[i].size() != points[i].size()) {
+            throw std::invalid_argument("weights[" + std::to_string(i) + "] has " +
+                                        std::to_string(weights[i].size()) + " values for " +
+                                        std::to_string(points[i].size()) +
+                                        " points: give one weight a point, or none");
+        }
+    }
+}
+
+/// Points and weights in one row after the other, about an origin.
+struct Net {
+    Vec3 origin{};
+    double size = 0.0;
+    bool polynomial = true;
+    std::vector<Quad> values;
+};
+
+Net make_net(const Points& points, const Weights& weights) {
+    check_shape(points, weights);
+    std::vector<Vec3> flat;
+    std::vector<double> w;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        for (std::size_t j = 0; j < points[i].size(); ++j) {
+            w.push_back(weights.empty() ? 1.0 : weights[i][j]);
+            flat.push_back(points[i][j]);
+            check_control_point<3>(flat.back(), w.back(), flat.size() - 1);
+        }
+    }
+    Net net;
+    const Box<3> box = box_of<3>(flat);
+    net.origin = box.middle();
+    net.size = glm::length(box.size());
+    net.polynomial = std::all_of(w.begin(), w.end(), [&w](double x) { return x == w[0]; });
+    for (std::size_t k = 0; k < flat.size(); ++k) {
+        const double weight = net.polynomial ? 1.0 : w[k];
+        net.values.push_back(quad(weight * (flat[k] - net.origin), weight));
+    }
+    return net;
+}
+
+/// The same point and weight, up to the rounding of whoever wrote a circle down.
+bool same(const Quad& a, const Quad& b, double size) {
+    const double w = std::max(a.w(), b.w());
+    const Vec3 gap = (1.0 / a.w()) * a.xyz() - (1.0 / b.w()) * b.xyz();
+    return std::fabs(a.w() - b.w()) <= 1e-12 * w && glm::length(gap) <= 1e-12 * size;
+}
+
+bool one_point(std::span<const Quad> row, double size) {
+    return std::all_of(row.begin(), row.end(), [&](const Quad& q) {
+        return glm::length((1.0 / q.w()) * q.xyz() - (1.0 / row[0].w()) * row[0].xyz()) <=
+               1e-12 * size;
+    });
+}
+
+}  // namespace
+
+NurbsSurface::NurbsSurface(int degree_u,
+                           int degree_v,
+                           std::vector<double> knots_u,
+                           std::vector<double> knots_v,
+                           const Points& points,
+                           const Weights& weights)
+    : knots_u_(std::move(knots_u), degree_u, points.size(), "knots_u"),
+      knots_v_(std::move(knots_v), degree_v, row_length(points), "knots_v"),
+      rows_(knots_u_.intervals().size()),
+      columns_(knots_v_.intervals().size()) {
+    const Net net = make_net(points, weights);
+    origin_ = net.origin;
+    size_ = net.size;
+    polynomial_ = net.polynomial;
+    const std::size_t n = row_length(points);
+    const std::size_t last = points.size() - 1;
+    closed_u_ = points.size() > 2;
+    for (std::size_t j = 0; j < n; ++j) {
+        closed_u_ = closed_u_ && same(net.values[j], net.values[last * n + j], size_);
+    }
+    closed_v_ = n > 2;
+    for (std::size_t i = 0; i <= last; ++i) {
+        closed_v_ = closed_v_ && same(net.values[i * n], net.values[i * n + n - 1], size_);
+    }
+    // Two poles are no seam: an edge that is one point has no other side.
+    closed_u_ = closed_u_ && !one_point(std::span(net.values).first(n), size_);
+    std::vector<Quad> edge;
+    for (std::size_t i = 0; i <= last; ++i) {
+        edge.push_back(net.values[i * n]);
+    }
+    closed_v_ = closed_v_ && !one_point(edge, size_);
+
+    const auto p = static_cast<std::size_t>(degree_u);
+    for (std::size_t i = 0; i < rows_; ++i) {
+        std::vector<std::vector<Quad>> lines(p + 1);  // Bezier in u, still B-splines in v
+        for (std::size_t j = 0; j < n; ++j) {
+            const std::vector<Quad> column =
+                knots_u_.bezier_points(i, std::span<const Quad>(net.values).subspan(j), n);
+            for (std::size_t k = 0; k <= p; ++k) {
+                lines[k].push_back(column[k]);
+            }
+        }
+        for (std::size_t j = 0; j < columns_; ++j) {
+            std::vector<Quad> patch;
+            for (const std::vector<Quad>& line : lines) {
+                const std::vector<Quad> row =
+                    knots_v_.bezier_points(j, std::span<const Quad>(line));
+                patch.insert(patch.end(), row.begin(), row.end());
+            }
+            patches_.emplace_back(degree_u, degree_v, patch, polynomial_);
+        }
+    }
+}
+
+SurfacePlace NurbsSurface::place_of(double u, double v) const noexcept {
+    const std::size_t i = knots_u_.interval_of(u);
+    const std::size_t j = knots_v_.interval_of(v);
+    const KnotVector::Interval& a = knots_u_.intervals()[i];
+    const KnotVector::Interval& b = knots_v_.intervals()[j];
+    return {i, j, (u - a.lo) / (a.hi - a.lo), (v - b.lo) / (b.hi - b.lo)};
+}
+
+double NurbsSurface::u_of(const SurfacePlace& p) const noexcept {
+    const KnotVector::Interval& a = knots_u_.intervals()[p.i];
+    return p.u == 1.0 ? a.hi : a.lo + p.u * (a.hi - a.lo);
+}
+
+double NurbsSurface::v_of(const SurfacePlace& p) const noexcept {
+    const KnotVector::Interval& b = knots_v_.intervals()[p.j];
+    return p.v == 1.0 ? b.hi : b.lo + p.v * (b.hi - b.lo);
+}
+
+SurfaceJet NurbsSurface::at(double u, double v) const noexcept {
+    const SurfacePlace p = place_of(u, v);
+    const KnotVector::Interval& a = knots_u_.intervals()[p.i];
+    const KnotVector::Interval& b = knots_v_.intervals()[p.j];
+    const double ru = 1.0 / (a.hi - a.lo);
+    const double rv = 1.0 / (b.hi - b.lo);
+    SurfaceJet jet = local_jet(p);
+    jet.point += origin_;
+    jet.du *= ru;
+    jet.dv *= rv;
+    jet.duu *= ru * ru;
+    jet.duv *= ru * rv;
+    jet.dvv *= rv * rv;
+    return jet;
+}
+
+Vec3 NurbsSurface::normal(double u, double v) const noexcept {
+    const SurfacePlace p = place_of(u, v);
+    return normal_at(p, local_jet(p));
+}
+
+Vec3 NurbsSurface::normal_at(const SurfacePlace& p, const SurfaceJet& jet) const noexcept {
+    const Vec3 area = glm::cross(jet.du, jet.dv);
+    const double area2 = glm::dot(area, area);
+    const double a2 = glm::dot(jet.du, jet.du);
+    const double b2 = glm::dot(jet.dv, jet.dv);
+    const double tiny = kFlat * kFlat * size_ * size_;
+    if (area2 > kFlat * kFlat * a2 * b2 && a2 > tiny && b2 > tiny) {
+        return (1.0 / std::sqrt(area2)) * area;
+    }
+    return limit_normal(p);
+}
+
+/// First along v, then u, then both, towards the middle of the patch: the derivative of du x dv on
+/// that way if it does not vanish, else du x dv itself a few steps further.
+Vec3 NurbsSurface::limit_normal(const SurfacePlace& p) const noexcept {
+    const double to_u = p.u < 0.5 ? 1.0 : -1.0;
+    const double to_v = p.v < 0.5 ? 1.0 : -1.0;
+    const SurfaceJet jet = local_jet(p);
+    const double scale = kFlat * size_ * size_;
+    const double ways[3][2] = {{0.0, to_v}, {to_u, 0.0}, {to_u, to_v}};
+    for (const auto& way : ways) {
+        const Vec3 turn_u = way[0] * jet.duu + way[1] * jet.duv;
+        const Vec3 turn_v = way[0] * jet.duv + way[1] * jet.dvv;
+        const Vec3 slope = glm::cross(turn_u, jet.dv) + glm::cross(jet.du, turn_v);
+        const double length = glm::length(slope);
+        if (length > scale) {
+            return (1.0 / length) * slope;
+        }
+    }
+    for (double step = 1e-4; step < 0.3; step *= 10.0) {
+        const SurfaceJet near = patch(p.i, p.j).at(p.u + step * to_u, p.v + step * to_v);
+        const Vec3 area = glm::cross(near.du, near.dv);
+        const double length = glm::length(area);
+        if (length > 1e-16 * size_ * size_) {
+            return (1.0 / length) * area;
+        }
+    }
+    return Vec3{0.0, 0.0, 1.0};
+}
+
+bool NurbsSurface::cross_u(SurfacePlace& p, bool forward) const noexcept {
+    const bool at_end = forward ? p.i + 1 == rows_ : p.i == 0;
+    if (at_end && !closed_u_) {
+        return false;
+    }
+    p.i = forward ? (at_end ? 0 : p.i + 1) : (at_end ? rows_ - 1 : p.i - 1);
+    p.u = forward ? 0.0 : 1.0;
+    return true;
+}
+
+bool NurbsSurface::cross_v(SurfacePlace& p, bool forward) const noexcept {
+    const bool at_end = forward ? p.j + 1 == columns_ : p.j == 0;
+    if (at_end && !closed_v_) {
+        return false;
+    }
+    p.j = forward ? (at_end ? 0 : p.j + 1) : (at_end ? columns_ - 1 : p.j - 1);
+    p.v = forward ? 0.0 : 1.0;
+    return true;
+}
+
+bool NurbsSurface::smooth_u(std::size_t i) const noexcept {
+    const auto& pieces = knots_u_.intervals();
+    return pieces[i].knot - pieces[i - 1].knot < static_cast<std::size_t>(knots_u_.degree());
+}
+
+bool NurbsSurface::smooth_v(std::size_t j) const noexcept {
+    const auto& pieces = knots_v_.intervals();
+    return pieces[j].knot - pieces[j - 1].knot < static_cast<std::size_t>(knots_v_.degree());
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "engine/geometry/knots.hpp"
+#include "engine/surface/bezier_patch.hpp"
+
+namespace palpate::engine {
+
+/// A place on a surface as its patch sees it: patch (i, j) and u, v in [0, 1] inside it.
+struct SurfacePlace {
+    std::size_t i = 0;
+    std::size_t j = 0;
+    double u = 0.0;
+    double v = 0.0;
+};
+
+/// A NURBS surface, split once into its rational Bezier patches.
+///
+///     S(u, v) = sum N_i,p(u) N_j,q(v) w_ij P_ij / sum N_i,p(u) N_j,q(v) w_ij
+///                                                            The NURBS Book, eq. 4.11
+/// u and v run over the knots' [front, back]; the last patches are closed. The object lies on the side
+/// away from the outward normal dS/du x dS/dv. Borders are open unless the first and the last row of
+/// control points are the same: then the surface is closed in that direction, and its patches are
+/// neighbours over the seam. Coordinates are kept about the middle of the control points, so that an
+/// object a kilometre away from the world's origin is as exact as its coordinates are.
+class NurbsSurface {
+public:
+    /// @param degree_u  1 to 9, also degree_v
+    /// @param knots_u   clamped, any spacing, as KnotVector asks; also knots_v
+    /// @param points    points[u][v], m, finite; all rows of the same length; they may repeat
+    /// @param weights   as many, finite and > 0; empty: all 1
+    /// @throws std::invalid_argument with what, the value and the remedy
+    NurbsSurface(int degree_u,
+                 int degree_v,
+                 std::vector<double> knots_u,
+                 std::vector<double> knots_v,
+                 const std::vector<std::vector<Vec3>>& points,
+                 const std::vector<std::vector<double>>& weights = {});
+
+    [[nodiscard]] const KnotVector& knots_u() const noexcept { return knots_u_; }
+    [[nodiscard]] const KnotVector& knots_v() const noexcept { return knots_v_; }
+    [[nodiscard]] bool polynomial() const noexcept { return polynomial_; }
+    [[nodiscard]] const Vec3& origin() const noexcept { return origin_; }
+    [[nodiscard]] double size() const noexcept {
+        return size_;
+    }  ///< diagonal of the points' box, m
+
+    /// S and its derivatives, world frame. Outside of the domain the end patch goes on.
+    [[nodiscard]] SurfaceJet at(double u, double v) const noexcept;
+    /// Unit outward normal; on a collapsed edge the limit from inside along v or u. (0, 0, 1) on a
+    /// surface without area.
+    [[nodiscard]] Vec3 normal(double u, double v) const noexcept;
+
+    [[nodiscard]] std::size_t rows() const noexcept { return rows_; }        ///< patches along u
+    [[nodiscard]] std::size_t columns() const noexcept { return columns_; }  ///< patches along v
+    [[nodiscard]] const BezierPatch& patch(std::size_t i, std::size_t j) const noexcept {
+        return patches_[i * columns_ + j];
+    }
+    [[nodiscard]] SurfacePlace place_of(double u, double v) const noexcept;
+    [[nodiscard]] double u_of(const SurfacePlace& p) const noexcept;
+    [[nodiscard]] double v_of(const SurfacePlace& p) const noexcept;
+    /// Jet per unit of the patch's own parameters, relative to origin().
+    [[nodiscard]] SurfaceJet local_jet(const SurfacePlace& p) const noexcept {
+        return patch(p.i, p.j).at(p.u, p.v);
+    }
+    /// Unit normal at `p`, whose local jet is `jet`.
+    [[nodiscard]] Vec3 normal_at(const SurfacePlace& p, const SurfaceJet& jet) const noexcept;
+
+    [[nodiscard]] bool closed_u() const noexcept { return closed_u_; }
+    [[nodiscard]] bool closed_v() const noexcept { return closed_v_; }
+    /// Moves a place on an edge of its patch, u (or v) = 0 or 1, to the same point on the next patch.
+    /// @return false at an open border: nothing changed
+    [[nodiscard]] bool cross_u(SurfacePlace& p, bool forward) const noexcept;
+    [[nodiscard]] bool cross_v(SurfacePlace& p, bool forward) const noexcept;
+    /// S W and W go on with a continuous derivative from patch row i - 1 to i (0 < i < rows).
+    [[nodiscard]] bool smooth_u(std::size_t i) const noexcept;
+    [[nodiscard]] bool smooth_v(std::size_t j) const noexcept;
+
+private:
+    [[nodiscard]] Vec3 limit_normal(const SurfacePlace& p) const noexcept;
+
+    KnotVector knots_u_;
+    KnotVector knots_v_;
+    std::size_t rows_ = 0;
+    std::size_t columns_ = 0;
+    Vec3 origin_{};
+    double size_ = 0.0;
+    bool polynomial_ = false;
+    bool closed_u_ = false;
+    bool closed_v_ = false;
+    std::vector<BezierPatch> patches_;
+};
+
+}  // namespace palpate::engine

@@ -1,0 +1,142 @@
+#include "engine/surface/surface_scene.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "engine/base/text.hpp"
+
+namespace palpate::engine {
+namespace {
+
+const SurfaceSceneSpec& checked(const SurfaceSceneSpec& whole) {
+    static_cast<void>(checked(whole.contact));
+    if (!whole.contact.slew.none()) {
+        throw std::invalid_argument("vertex slew is " + number_text(whole.contact.slew.speed) +
+                                    ": give 0 with a surface, it has no vertices");
+    }
+    if (whole.contact.damping > 0.0) {
+        throw std::invalid_argument("damping is " + number_text(whole.contact.damping) +
+                                    ": give 0 with a surface");
+    }
+    return whole;
+}
+
+/// A place that can be rendered: finite, and small enough for squares of squares.
+bool usable(const Vec3& hip) noexcept {
+    for (int k = 0; k < 3; ++k) {
+        if (!(std::fabs(hip[k]) <= kMaxCoordinate)) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Different places, by more than the last bits of a foot.
+bool apart(const SurfacePlace& a, const SurfacePlace& b) noexcept {
+    return a.i != b.i || a.j != b.j || std::fabs(a.u - b.u) + std::fabs(a.v - b.v) > 1e-12;
+}
+
+}  // namespace
+
+SurfaceScene::SurfaceScene(std::shared_ptr<const NurbsSurface> surface,
+                           const SurfaceSceneSpec& spec)
+    : feet_(std::move(surface)),
+      spec_(checked(spec)),
+      decay_(stribeck_decay(spec.contact.friction, spec.contact.period)),
+      step_(spec.contact.friction.none() ? &SurfaceScene::step<false> : &SurfaceScene::step<true>) {
+}
+
+/// No contact: the closest point stands for the GO.
+SurfaceContact SurfaceScene::free(SurfaceState& state, const Vec3& hip) const noexcept {
+    state.touching = false;
+    state.theta = 1.0;
+    const SurfaceClosest& cp = state.seen;
+    state.clear_at = hip;
+    const double clear = cp.distance * kClearShare;
+    state.clear2 = spec_.skip_far && !cp.inside ? clear * clear : 0.0;
+    return {.cp = cp, .go_u = cp.u, .go_v = cp.v, .go = cp.point};
+}
+
+template <bool HasFriction>
+SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const noexcept {
+    const Vec3 moved = hip - state.clear_at;
+    if (glm::dot(moved, moved) < state.clear2) {  // false for NaN; clear2 is 0 while touching
+        ++state.skipped;
+        SurfaceContact contact{.cp = state.seen,
+                               .go_u = state.seen.u,
+                               .go_v = state.seen.v,
+                               .go = state.seen.point,
+                               .skipped = true};
+        contact.cp.distance -= glm::length(moved);
+        return contact;
+    }
+    state.clear2 = 0.0;
+    if (!usable(hip)) {
+        state.touching = false;
+        state.theta = 1.0;
+        return {.refused = true};
+    }
+    state.seen = feet_.track(state.track, hip);
+    if (!state.touching) {
+        if (!state.seen.inside) {
+            return free(state, hip);
+        }
+        state.touching = true;
+        state.theta = 1.0;
+        state.place = state.seen.place;
+    }
+    const Friction& friction = spec_.contact.friction;
+    const double mu = HasFriction ? coefficient(friction, state.theta) : 0.0;
+    const Vec3 h = hip - surface().origin();
+    // Without friction the GO is the local foot: mostly the closest point, already found.
+    const bool known = !HasFriction && feet_.same_bowl(state.track, state.place);
+    const SurfacePlace from = known ? state.seen.place : state.place;
+    const SurfaceSlide slide = slide_on_surface<HasFriction>(surface(), from, h, mu);
+    const bool slipped = slide.slid > 0.0 || (known && apart(state.place, from));
+    state.place = slide.place;
+    if (!(slide.load > 0.0)) {
+        return free(state, hip);
+    }
+    SurfaceContact contact = render(slide, h, mu);
+    contact.cp = state.seen;
+    contact.mode = !slipped ? Mode::stuck
+                 : HasFriction && state.theta > kRelaxed && friction.mu_s > friction.mu_d
+                     ? Mode::transition
+                     : Mode::slip;
+    if constexpr (HasFriction) {
+        state.theta = next_theta(state.theta, slipped, decay_);
+    }
+    return contact;
+}
+
+SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
+                                    const Vec3& h,
+                                    double mu) const noexcept {
+    const double k = spec_.contact.stiffness;
+    SurfaceContact contact{.go_u = surface().u_of(slide.place),
+                           .go_v = surface().v_of(slide.place),
+                           .go = slide.point + surface().origin(),
+                           .normal = slide.normal,
+                           .normal_force = k * slide.load,
+                           .mu = mu,
+                           .held = slide.held_outside};
+    const double cone = mu * slide.load;
+    if (slide.held_outside && !slide.in_crease && slide.length > cone) {
+        const double share = cone / slide.length;
+        contact.force = k * (slide.load * slide.normal - share * slide.tangential);
+        contact.tangential_force = k * cone;
+        return contact;
+    }
+    contact.force = k * (slide.point - h);
+    contact.tangential_force = k * slide.length;
+    return contact;
+}
+
+void SurfaceScene::set_period(double period) {
+    spec_.contact.period = period;
+    static_cast<void>(checked(spec_));
+    decay_ = stribeck_decay(spec_.contact.friction, period);
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "engine/friction/stribeck.hpp"
+#include "engine/rendering/mode.hpp"
+#include "engine/rendering/scene.hpp"
+#include "engine/surface/surface_closest.hpp"
+#include "engine/surface/surface_slide.hpp"
+
+namespace palpate::engine {
+
+/// What is to be felt on a surface. SI.
+struct SurfaceSceneSpec {
+    SceneSpec contact{};  ///< as for a chain of curves, without slew: a surface has no vertices
+
+    /// While HIP is farther from the surface than it can have moved since the last look, do not look:
+    /// such a tick costs one comparison. Contact then begins only where HIP can have met the surface.
+    /// The same forces on a closed surface; on an open one HIP may be led round a border to the back
+    /// without a contact, where without this it would begin at full depth.
+    bool skip_far = false;
+};
+
+/// What lives on from tick to tick. A plain value: copying it copies the contact.
+struct SurfaceState {
+    bool touching = false;
+    SurfacePlace place{};       ///< of the GO while touching
+    double theta = 1.0;         ///< Stribeck state: 1 static, 0 dynamic
+    SurfaceTrack track{};       ///< of the closest point, with its counters
+    SurfaceClosest seen{};      ///< the last closest point that was looked for
+    Vec3 clear_at{};            ///< HIP then, m
+    double clear2 = 0.0;        ///< squared distance from clear_at without contact, m^2; 0: unknown
+    std::uint64_t skipped = 0;  ///< ticks that did not look
+};
+
+/// One tick's answer, world frame; the force is the one on the user.
+struct SurfaceContact {
+    Mode mode = Mode::free;
+    SurfaceClosest cp{};  ///< global closest point of HIP; in a skipped tick the last one
+    double go_u = 0.0;
+    double go_v = 0.0;
+    Vec3 go{};                      ///< m
+    Vec3 normal{0.0, 0.0, 1.0};     ///< unit outward normal at the GO; only while in contact
+    Vec3 force{};                   ///< K (GO - HIP), N
+    double normal_force = 0.0;      ///< force . normal, N, >= 0
+    double tangential_force = 0.0;  ///< length of the rest, N, >= 0
+    double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
+    bool held = false;              ///< the GO rests at an open border or in a concave crease
+    bool skipped = false;           ///< out of reach: cp.distance is a lower bound
+    bool refused = false;  ///< HIP was not finite or above 1e9 m: force zero, contact ended
+};
+
+/// A surface compiled once into the tick it needs: with or without friction.
+///
+/// The law is Scene's: F = K (GO - HIP); friction decides only where the GO may stay
+/// (slide_on_surface). Moving the GO along the surface never raises K/2 |GO - HIP|^2, so that
+/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. At an open border the
+/// tangential part is cut to mu times the normal force, which is outside of that proof; in a concave
+/// crease both sides carry, and nothing is cut.
+class SurfaceScene {
+public:
+    /// @throws std::invalid_argument for a null surface or values out of range: which one, the value,
+    ///                               what to give
+    SurfaceScene(std::shared_ptr<const NurbsSurface> surface, const SurfaceSceneSpec& spec);
+    SurfaceScene(std::shared_ptr<const NurbsSurface> surface, const SceneSpec& spec)
+        : SurfaceScene(std::move(surface), SurfaceSceneSpec{.contact = spec}) {}
+
+    /// The contact after HIP moved to `hip`, m. No allocation, no lock; bit-reproducible.
+    [[nodiscard]] SurfaceContact tick(SurfaceState& state, const Vec3& hip) const noexcept {
+        return (this->*step_)(state, hip);
+    }
+
+    [[nodiscard]] const NurbsSurface& surface() const noexcept { return feet_.surface(); }
+    [[nodiscard]] const SurfaceFeet& feet() const noexcept { return feet_; }
+    [[nodiscard]] const SurfaceSceneSpec& spec() const noexcept { return spec_; }
+    [[nodiscard]] const StribeckDecay& decay() const noexcept { return decay_; }
+    /// The same scene at another tick period, for paths whose ticks are uneven. @param period  s, > 0
+    void set_period(double period);
+    /// The same scene with decay constants recorded earlier, for a replay to the bit.
+    void restore_decay(const StribeckDecay& recorded) noexcept { decay_ = recorded; }
+
+private:
+    template <bool HasFriction>
+    SurfaceContact step(SurfaceState& state, const Vec3& hip) const noexcept;
+    [[nodiscard]] SurfaceContact free(SurfaceState& state, const Vec3& hip) const noexcept;
+    [[nodiscard]] SurfaceContact render(const SurfaceSlide& slide,
+                                        const Vec3& h,
+                                        double mu) const noexcept;
+
+    SurfaceFeet feet_;
+    SurfaceSceneSpec spec_;
+    StribeckDecay decay_;
+    SurfaceContact (SurfaceScene::*step_)(SurfaceState&, const Vec3&) const noexcept;
+};
+
+}  // namespace palpate::engine

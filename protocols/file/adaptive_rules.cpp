@@ -1,0 +1,320 @@
+#include "protocols/file/adaptive_rules.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/contact/closest_point.hpp"
+#include "stimuli/two_curve.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/object_outline.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/procedure_keys.hpp"
+#include "protocols/file/procedure_tables.hpp"
+#include "protocols/procedure/rule_facts.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+constexpr std::array<std::string_view, 7> kTables{"constant", "staircase",  "quest", "model",
+                                                  "stimuli",  "parameters", "prior"};
+/// As [[friction]] has it.
+constexpr double kMostMu = 10.0;
+/// As an object's two curves have it: the sine of an arc's half sweep.
+constexpr double kMaxHalfSine = 0.95;
+
+bool of_the_rule(std::string_view key) {
+    const auto keys = procedure_keys();
+    return std::any_of(keys.begin(), keys.end(), [key](const ProcedureKey& row) {
+        return row.table == "procedure" && row.name == key;
+    });
+}
+
+template <class Spec>
+const Spec* named(const std::vector<Spec>& specs, std::string_view name) {
+    const auto found =
+        std::find_if(specs.begin(), specs.end(), [&](const Spec& s) { return s.name == name; });
+    return found == specs.end() ? nullptr : &*found;
+}
+
+/// What to say instead of a name that nobody has.
+template <class Spec>
+std::string one_of(std::string_view unknown, const std::vector<Spec>& specs) {
+    std::vector<std::string_view> names;
+    for (const Spec& spec : specs) {
+        names.push_back(spec.name);
+    }
+    return suggestion(unknown, names, fmt::format(": give {}", fmt::join(names, " or ")));
+}
+
+/// Where everything in a table stands, down to the last key.
+void note_places(const Table& table, const std::string& path, Places& places);
+
+void note_places(const Value& value, const std::string& path, Places& places) {
+    places.note(path, value.at);
+    if (const auto* table = std::get_if<Table>(&value.data)) {
+        note_places(*table, path, places);
+    } else if (const auto* array = std::get_if<Array>(&value.data)) {
+        for (std::size_t i = 0; i < array->size(); ++i) {
+            note_places((*array)[i], fmt::format("{}.{}", path, i + 1), places);
+        }
+    }
+}
+
+void note_places(const Table& table, const std::string& path, Places& places) {
+    for (const Entry& entry : table) {
+        note_places(entry.value, path + '.' + entry.key, places);
+    }
+}
+
+class AdaptiveRules {
+public:
+    AdaptiveRules(const Protocol& protocol, const Places& places, Problems& problems)
+        : protocol_(protocol), spec_(*protocol.procedure), places_(places), problems_(problems) {}
+
+    void check() {
+        if (named(protocol_.objects, spec_.object) == nullptr) {
+            add("procedure.object",
+                fmt::format("object is \"{}\", which no [[object]] is called{}", spec_.object,
+                            one_of(spec_.object, protocol_.objects)));
+        }
+        runs();
+        answers();
+        design();
+        if (spec_.varies == Varies::curvature) {
+            curvatures();
+        } else {
+            frictions();
+        }
+        practice();
+    }
+
+private:
+    void add(const std::string& path, std::string what) {
+        problems_.add(places_.of(path), std::move(what));
+    }
+
+    void runs() {
+        if (protocol_.runs.size() > kMaxRuns) {
+            add("run.1",
+                fmt::format("there are {} runs: give 1 to {}", protocol_.runs.size(), kMaxRuns));
+        }
+        std::set<std::string_view> seen;
+        for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
+            const RunSpec& run = protocol_.runs[i];
+            const std::string path = fmt::format("run.{}.", i + 1);
+            if (!seen.insert(run.name).second) {
+                add(path + "name", fmt::format("name is \"{}\", as in an earlier [[run]]: give "
+                                               "every run a name of its own",
+                                               run.name));
+            }
+            friction(path + "friction", "friction", run.friction);
+            if (!run.standard_friction.empty()) {
+                friction(path + "standard_friction", "standard_friction", run.standard_friction);
+                if (intervals_of(protocol_) == 1) {
+                    add(path + "standard_friction",
+                        fmt::format("standard_friction is given, but answers of kind \"{}\" follow "
+                                    "one interval: delete it, or give kind \"two_interval\"",
+                                    word_of(protocol_.response.kind)));
+                }
+            }
+        }
+    }
+
+    void friction(const std::string& path, std::string_view key, const std::string& name) {
+        if (named(protocol_.frictions, name) == nullptr) {
+            add(path, fmt::format("{} is \"{}\", which no [[friction]] is called{}", key, name,
+                                  one_of(name, protocol_.frictions)));
+        }
+    }
+
+    void answers() {
+        const std::size_t answers = answers_of(protocol_);
+        if (spec_.outcomes != answers) {
+            add("procedure.kind",
+                fmt::format("the rule knows {} outcomes, and answers of kind \"{}\" have {}: give "
+                            "another rule or another kind",
+                            spec_.outcomes, word_of(protocol_.response.kind), answers));
+        }
+    }
+
+    void design() {
+        const std::size_t trials = spec_.practice_trials + spec_.trials * protocol_.runs.size();
+        if (trials > kMaxTrials) {
+            add("procedure.kind",
+                fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
+        }
+    }
+
+    void curvatures() {
+        if (!differ_in_curvature_alone(protocol_)) {
+            add("procedure.varies",
+                "varies is \"curvature_per_m\", and an object has a form of its own, a size, a "
+                "turn or "
+                "an offset: give objects a curvature_per_m alone");
+            return;
+        }
+        for (const ObjectSpec& object : extreme_objects(protocol_)) {
+            const stimuli::TwoCurve curves{.a = protocol_.outline.a,
+                                           .vertex = protocol_.outline.vertex,
+                                           .b = protocol_.outline.b,
+                                           .curvature = object.curvature};
+            const double chord = std::max(glm::length(curves.vertex - curves.a),
+                                          glm::length(curves.b - curves.vertex));
+            std::string why;
+            if (!(std::fabs(object.curvature) * chord / 2.0 < kMaxHalfSine)) {
+                why = fmt::format("stay below {:.1f} either way", 2.0 * kMaxHalfSine / chord);
+            } else {
+                try {
+                    const auto outline = stimuli::make_outline(curves);
+                    if (engine::OutlineFeet(*outline).closest(protocol_.apparatus.start).inside) {
+                        why = "start_mm is inside of it";
+                    }
+                } catch (const std::invalid_argument& error) {
+                    why = error.what();
+                }
+            }
+            if (!why.empty()) {
+                add(object.curvature == felt_value(spec_, spec_.lowest) ? lowest() : highest(),
+                    fmt::format("the rule may choose a curvature of {} 1/m, and there is no such "
+                                "object: {}; narrow the stimuli, or lowest and highest",
+                                object.curvature, why));
+                return;
+            }
+        }
+    }
+
+    void frictions() {
+        const double lowest = felt_value(spec_, spec_.lowest);
+        const double highest = felt_value(spec_, spec_.highest);
+        if (!(lowest > 0.0 && highest <= kMostMu)) {
+            add(lowest > 0.0 ? this->highest() : this->lowest(),
+                fmt::format("the rule may choose mu_s from {} to {}: keep it above 0 and at most "
+                            "{}, by the stimuli, or lowest and highest",
+                            lowest, highest, kMostMu));
+        }
+        for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
+            const FrictionSpec* base = named(protocol_.frictions, protocol_.runs[i].friction);
+            if (base != nullptr && base->law != "gos") {
+                add(fmt::format("run.{}.friction", i + 1),
+                    fmt::format("friction is \"{}\", which is {}: the rule varies mu_s; name one "
+                                "with law \"gos\"",
+                                base->name, base->law));
+            }
+        }
+    }
+
+    void practice() {
+        const double x = spec_.practice_stimulus;
+        if (spec_.practice_trials > 0 && !(x >= spec_.lowest && x <= spec_.highest)) {
+            add("procedure.practice_stimulus",
+                fmt::format("practice_stimulus is {}: give what the rule might choose, {} to {}", x,
+                            spec_.lowest, spec_.highest));
+        }
+    }
+
+    [[nodiscard]] std::string lowest() const { return "procedure." + spec_.lowest_key; }
+    [[nodiscard]] std::string highest() const { return "procedure." + spec_.highest_key; }
+
+    const Protocol& protocol_;
+    const AdaptiveSpec& spec_;
+    const Places& places_;
+    Problems& problems_;
+};
+
+}  // namespace
+
+void read_adaptive(
+    const Entry& entry, Reader& reader, Problems& problems, Places& places, Protocol& protocol) {
+    const auto* given = std::get_if<Table>(&entry.value.data);
+    if (given == nullptr) {
+        problems.add(entry.at, fmt::format("procedure is {}: write it as a table, [procedure]",
+                                           shown(entry.value)));
+        return;
+    }
+    Table own;
+    Table of_rule;
+    Table file;
+    for (const Entry& one : *given) {
+        const bool table = std::find(kTables.begin(), kTables.end(), one.key) != kTables.end();
+        (table ? file : of_the_rule(one.key) ? of_rule : own).push_back(one);
+    }
+    AdaptiveSpec& spec = protocol.procedure.emplace();
+    note_places(*given, "procedure", places);
+    reader.read(own, "procedure", entry.at, spec);
+    file.push_back({.key = "procedure",
+                    .at = entry.at,
+                    .value = {.at = entry.value.at, .data = std::move(of_rule)}});
+    Problems of_rule_alone;
+    const std::optional<ProcedureSpec> rule = read_procedure(file, of_rule_alone);
+    problems.take(std::move(of_rule_alone));
+    if (!rule) {
+        return;
+    }
+    try {
+        const RuleFacts facts = facts_of(*rule);
+        spec.rule = procedure_text(file);
+        spec.trials = facts.trials;
+        spec.lowest = facts.lowest;
+        spec.highest = facts.highest;
+        spec.outcomes = facts.outcomes;
+        spec.lowest_key = facts.lowest_key;
+        spec.highest_key = facts.highest_key;
+        spec.one_sided = facts.one_sided;
+    } catch (const std::invalid_argument& error) {
+        problems.add(spoken_of(*given, error.what(), entry.at), error.what());
+    }
+}
+
+std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
+    std::vector<ObjectSpec> objects;
+    const ObjectSpec* base =
+        protocol.procedure ? named(protocol.objects, protocol.procedure->object) : nullptr;
+    if (base == nullptr || protocol.procedure->varies != Varies::curvature) {
+        return objects;
+    }
+    for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
+        ObjectSpec& object = objects.emplace_back(*base);
+        object.curvature = felt_value(*protocol.procedure, x);
+    }
+    return objects;
+}
+
+void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems) {
+    AdaptiveRules(protocol, places, problems).check();
+}
+
+void check_standards(const Protocol& protocol, const Places& places, Problems& problems) {
+    const AdaptiveSpec& spec = *protocol.procedure;
+    if (intervals_of(protocol) != 2 || !spec.one_sided) {
+        return;
+    }
+    const bool of_mu = spec.varies == Varies::mu;
+    const double least = felt_value(spec, spec.lowest);
+    for (const RunSpec& run : protocol.runs) {
+        const bool same = run.standard_friction.empty() || run.standard_friction == run.friction;
+        const FrictionSpec* friction =
+            named(protocol.frictions, same ? run.friction : run.standard_friction);
+        const ObjectSpec* object = named(protocol.objects, spec.object);
+        if (friction == nullptr || object == nullptr || !(of_mu || same)) {
+            continue;  // said already; or another friction may move what is felt as equal
+        }
+        const double standard = of_mu ? friction->mu_s : object->curvature;
+        if (!(least > standard)) {
+            problems.add(
+                places.of("procedure." + spec.lowest_key),
+                fmt::format("the rule may choose a {} of {}, and that of the standard is {}: "
+                            "it would take a right answer for a wrong one; keep it above the "
+                            "standard, by lowest",
+                            of_mu ? "mu_s" : "curvature", least, standard));
+            return;
+        }
+    }
+}
+
+}  // namespace palpate::protocols

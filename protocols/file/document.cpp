@@ -1,0 +1,227 @@
+#include "protocols/file/document.hpp"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include "protocols/file/protocol_file.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+Position position_of(const toml::source_region& source) {
+    // The library says line 0 for what has no place of its own, such as the file as a whole.
+    return {std::max<std::size_t>(source.begin.line, 1),
+            std::max<std::size_t>(source.begin.column, 1)};
+}
+
+Value value_of(const toml::node& node);
+
+Table table_of(const toml::table& from) {
+    Table table;
+    for (const auto& [key, node] : from) {
+        table.push_back({std::string(key.str()), position_of(key.source()), value_of(node)});
+    }
+    // The library sorts by name.
+    std::stable_sort(table.begin(), table.end(),
+                     [](const Entry& a, const Entry& b) { return a.at < b.at; });
+    return table;
+}
+
+Array array_of(const toml::array& from) {
+    Array array;
+    for (const toml::node& node : from) {
+        array.push_back(value_of(node));
+    }
+    return array;
+}
+
+Value value_of(const toml::node& node) {
+    Value value{.at = position_of(node.source()), .data = Moment{}};
+    if (const auto* table = node.as_table()) {
+        value.data = table_of(*table);
+    } else if (const auto* array = node.as_array()) {
+        value.data = array_of(*array);
+    } else if (const auto* text = node.as_string()) {
+        value.data = text->get();
+    } else if (const auto* integer = node.as_integer()) {
+        value.data = integer->get();
+    } else if (const auto* number = node.as_floating_point()) {
+        value.data = number->get();
+    } else if (const auto* flag = node.as_boolean()) {
+        value.data = flag->get();
+    }
+    return value;
+}
+
+/// How deep a text goes, found without the library, whose trees are taken down level by level. As far as the
+/// text is TOML this sees strings, keys and brackets as the library does, and the library stops at the first
+/// place where it is not.
+class DepthScan {
+public:
+    explicit DepthScan(std::string_view text) : text_(text) {}
+
+    /// The first place that is too deep.
+    std::optional<Position> too_deep() {
+        while (at_ < text_.size()) {
+            const char c = text_[at_];
+            if (c == '"' || c == '\'') {
+                skip_string(c);
+                continue;
+            }
+            if (c == '#') {
+                at_ = std::min(text_.find('\n', at_), text_.size());
+                continue;
+            }
+            if (take(c)) {
+                return position();
+            }
+            ++at_;
+        }
+        return std::nullopt;
+    }
+
+private:
+    /// @return whether that is one too many
+    bool take(char c) {
+        if (c == '\n') {
+            line_start_ = at_ + 1;
+            ++line_;
+        }
+        if (c == '\n' && open_.empty()) {
+            begin_key();
+        } else if (in_key_ && c == '.') {
+            return ++parts_ > kMostLevels;
+        } else if (in_key_ && c == '=') {
+            in_key_ = false;
+        } else if (!in_key_ && (c == '[' || c == '{')) {
+            open_.push_back(c);
+            if (c == '{') {
+                begin_key();
+            }
+            return open_.size() > kMostLevels;
+        } else if ((c == ']' || c == '}') && !open_.empty()) {
+            open_.pop_back();
+            in_key_ = false;
+        } else if (c == ',' && !open_.empty() && open_.back() == '{') {
+            begin_key();
+        }
+        return false;
+    }
+
+    void begin_key() {
+        in_key_ = true;
+        parts_ = 1;
+    }
+
+    /// A string of one line ends with the line, as an error or not; one of three quotes with three.
+    void skip_string(char quote) {
+        const std::string three(3, quote);
+        const bool lines = text_.substr(at_, 3) == three;
+        at_ += lines ? 3 : 1;
+        while (at_ < text_.size()) {
+            const char c = text_[at_];
+            if (c == '\n' && !lines) {
+                return;
+            }
+            if (lines ? text_.substr(at_, 3) == three : c == quote) {
+                at_ += lines ? 3 : 1;
+                while (lines && at_ < text_.size() && text_[at_] == quote) {
+                    ++at_;  // a quote or two before the last three belong to the string
+                }
+                return;
+            }
+            if (c == '\n') {
+                line_start_ = at_ + 1;
+                ++line_;
+            }
+            const bool escape =
+                c == '\\' && quote == '"' && at_ + 1 < text_.size() && text_[at_ + 1] != '\n';
+            at_ += escape ? 2U : 1U;
+        }
+    }
+
+    [[nodiscard]] Position position() const { return {line_, at_ - line_start_ + 1}; }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+    std::size_t line_ = 1;
+    std::size_t line_start_ = 0;
+    bool in_key_ = true;
+    std::size_t parts_ = 1;
+    std::string open_;  ///< brackets of arrays and inline tables
+};
+
+}  // namespace
+
+std::string_view kind_of(const Value& value) {
+    constexpr std::array<std::string_view, 7> kKinds{
+        "true or false", "an integer", "a number", "text", "a date or time", "an array", "a table"};
+    return kKinds.at(value.data.index());
+}
+
+std::string shown(std::string_view text) {
+    constexpr std::size_t kMost = 60;  // bytes; what follows says no more to the reader
+    std::string out = "\"";
+    for (const char c : text.substr(0, kMost)) {
+        const bool plain = static_cast<unsigned char>(c) >= 0x20 && c != 0x7f;
+        out += plain ? std::string(1, c) : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    }
+    if (text.size() > kMost) {
+        while (!out.empty() && (static_cast<unsigned char>(out.back()) & 0xC0U) == 0x80U) {
+            out.pop_back();  // no half of a character
+        }
+        if (static_cast<unsigned char>(out.back()) >= 0xC0U) {
+            out.pop_back();
+        }
+        out += "...";
+    }
+    return out + '"';
+}
+
+std::string shown(const Value& value) {
+    if (const auto* text = std::get_if<std::string>(&value.data)) {
+        return shown(*text);
+    }
+    if (const auto* flag = std::get_if<bool>(&value.data)) {
+        return *flag ? "true" : "false";
+    }
+    if (const auto* integer = std::get_if<std::int64_t>(&value.data)) {
+        return fmt::format("{}", *integer);
+    }
+    if (const auto* number = std::get_if<double>(&value.data)) {
+        return fmt::format("{}", *number);
+    }
+    if (const auto* array = std::get_if<Array>(&value.data)) {
+        return fmt::format("an array of {}", array->size());
+    }
+    return std::string(kind_of(value));
+}
+
+Table parse_document(std::string_view text, std::string_view file_name) {
+    if (text.size() > kMostDocument) {
+        throw ProtocolError(fmt::format("{}:1:1: the text has {} bytes: give at most {}", file_name,
+                                        text.size(), kMostDocument));
+    }
+    if (const auto deep = DepthScan(text).too_deep()) {
+        throw ProtocolError(fmt::format(
+            "{}:{}:{}: more than {} levels in one another: no key of a file lies so deep, take the "
+            "dots or brackets away",
+            file_name, deep->line, deep->column, kMostLevels));
+    }
+    try {
+        return table_of(toml::parse(text, std::string_view{}));
+    } catch (const toml::parse_error& error) {
+        const Position at = position_of(error.source());
+        std::string what(error.description());
+        std::replace(what.begin(), what.end(), '\n', ' ');
+        throw ProtocolError(fmt::format("{}:{}:{}: not TOML: {}; see https://toml.io", file_name,
+                                        at.line, at.column, what));
+    }
+}
+
+}  // namespace palpate::protocols

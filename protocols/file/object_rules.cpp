@@ -1,0 +1,256 @@
+#include "protocols/file/object_rules.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/contact/closest_point.hpp"
+#include "protocols/design/object_outline.hpp"
+#include "protocols/design/session_plan.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+using engine::Vec2;
+
+/// Largest |curvature| * chord / 2: the sine of an arc's half sweep. 0.95 is a sweep of 144 degrees;
+/// beyond it the two curves look like circles, and the arc comes near what one curve can hold.
+constexpr double kMaxHalfSine = 0.95;
+/// A vertex lower than this above its base line is no object to feel, m.
+constexpr double kMinHeight = 0.001;
+
+double millimetres(double metres) {
+    return std::round(metres * 1e9) / 1e6;
+}
+
+/// Angle between two directions, rad.
+double angle(const Vec2& a, const Vec2& b) {
+    return std::atan2(std::fabs(engine::cross(a, b)), glm::dot(a, b));
+}
+
+/// Farthest from the origin along an axis, m: as far as any other place of the format may be.
+constexpr double kFarthest = 1.0;
+/// Ends nearer than this, m, are one point; the same as Outline asks of a joint.
+constexpr double kSameEnd = 1e-9;
+
+/// They would look the same, wherever they stand in the file.
+bool alike(const ObjectSpec& a, const ObjectSpec& b) {
+    return a.curvature == b.curvature && a.pose() == b.pose() && a.segments == b.segments;
+}
+
+class ObjectRules {
+public:
+    ObjectRules(const Protocol& protocol, const Places& places, Problems& problems)
+        : protocol_(protocol), places_(places), problems_(problems) {}
+
+    void check() {
+        pictures_differ();
+        if (outline()) {
+            for (std::size_t i = 0; i < protocol_.objects.size(); ++i) {
+                if (!object(i)) {
+                    break;  // one object says it for all
+                }
+            }
+        }
+    }
+
+private:
+    void add(const std::string& path, std::string what) {
+        problems_.add(places_.of(path), std::move(what));
+    }
+
+    static std::string path(std::size_t object, std::string_view key) {
+        return fmt::format("object.{}.{}", object + 1, key);
+    }
+
+    /// Two equal pictures could not be told apart by anybody.
+    void pictures_differ() {
+        const std::vector<std::size_t> pictured = objects_of(protocol_, true);
+        for (auto one = pictured.begin(); one != pictured.end(); ++one) {
+            const ObjectSpec& object = protocol_.objects[*one];
+            const auto known = std::find_if(pictured.begin(), one, [&](std::size_t other) {
+                return alike(protocol_.objects[other], object);
+            });
+            if (known == one) {
+                continue;
+            }
+            if (object.segments.empty()) {
+                add(path(*one, "curvature_per_m"),
+                    fmt::format("curvature_per_m is {}, as in [[object]] {}: pictured objects need "
+                                "curvatures of their own",
+                                object.curvature, *known + 1));
+            } else {
+                add(path(*one, "segment.1"),
+                    fmt::format("the object {} has the outline of [[object]] {}: pictured objects "
+                                "need outlines of their own",
+                                object.name, *known + 1));
+            }
+        }
+    }
+
+    bool outline() {
+        const auto& [a, vertex, b] = protocol_.outline;
+        if (!(a.x < vertex.x && vertex.x < b.x)) {
+            add("outline.vertex_mm",
+                fmt::format("x of A, V and B are {}, {} and {}: give them from left to right",
+                            millimetres(a.x), millimetres(vertex.x), millimetres(b.x)));
+            return false;
+        }
+        const double height = engine::cross(b - a, vertex - a) / glm::length(b - a);
+        if (height < kMinHeight) {
+            add("outline.vertex_mm",
+                fmt::format("the vertex is {} mm above the base line A-B: give at least {}",
+                            millimetres(height), millimetres(kMinHeight)));
+            return false;
+        }
+        return true;
+    }
+
+    bool object_fits(std::size_t index) {
+        const auto& [a, vertex, b] = protocol_.outline;
+        const double curvature = protocol_.objects[index].curvature;
+        const std::string at = path(index, "curvature_per_m");
+        const double chord = std::max(glm::length(vertex - a), glm::length(b - vertex));
+        if (std::fabs(curvature) * chord / 2.0 >= kMaxHalfSine) {
+            add(at,
+                fmt::format(
+                    "curvature_per_m is {}, too strong for a chord of {:.1f} mm: stay below {:.1f} "
+                    "either way",
+                    curvature, 1e3 * chord, 2.0 * kMaxHalfSine / chord));
+            return false;
+        }
+        if (curvature < 0.0 && !leaves_room(-curvature)) {
+            add(at, fmt::format(
+                        "curvature_per_m is {}: curves as hollow as this meet each other or the "
+                        "base line; give a value nearer to 0, or a wider angle at A, V or B",
+                        curvature));
+            return false;
+        }
+        return true;
+    }
+
+    /// Hollow curves stay apart if at every corner the angle between the chords is larger than what
+    /// the arcs take of it: each lies between its chord and its tangent.
+    [[nodiscard]] bool leaves_room(double hollow) const {
+        const auto& [a, vertex, b] = protocol_.outline;
+        const double left = std::asin(hollow * glm::length(vertex - a) / 2.0);
+        const double right = std::asin(hollow * glm::length(b - vertex) / 2.0);
+        return angle(vertex - a, b - a) > left && angle(a - b, vertex - b) > right &&
+               angle(a - vertex, b - vertex) > left + right;
+    }
+
+    bool start_is_outside(std::size_t index, const engine::Outline& outline) {
+        const Vec2& start = protocol_.apparatus.start;
+        if (!engine::OutlineFeet(outline).closest(start).inside) {
+            return true;
+        }
+        add("apparatus.start_mm",
+            fmt::format("start_mm is [{}, {}], inside the object {}: give a point outside all "
+                        "objects",
+                        millimetres(start.x), millimetres(start.y), protocol_.objects[index].name));
+        return false;
+    }
+
+    /// The placed outline, if the engine takes it.
+    std::shared_ptr<const engine::Outline> built(std::size_t index) {
+        const ObjectSpec& object = protocol_.objects[index];
+        try {
+            return outline_of(protocol_, index);
+        } catch (const std::invalid_argument& error) {
+            add(path(index, object.segments.empty() ? "curvature_per_m" : "segment.1"),
+                fmt::format("the object {} cannot be built: {}", object.name, error.what()));
+            return nullptr;
+        }
+    }
+
+    bool is_closed(std::size_t index) {
+        const ObjectSpec& object = protocol_.objects[index];
+        const double gap = stimuli::gap_of(object.segments);
+        if (!(gap <= kSameEnd)) {
+            add(path(index, fmt::format("segment.{}", object.segments.size())),
+                fmt::format("the object {} is open: its last segment ends {:.6g} mm from where the "
+                            "first begins; let them share the point",
+                            object.name, 1e3 * gap));
+            return false;
+        }
+        return true;
+    }
+
+    /// A size that can be felt, not out of every reach. Control points bound the curves.
+    bool has_room(std::size_t index, const engine::Outline& outline) {
+        Vec2 low = outline.spans().front().point(0);
+        Vec2 high = low;
+        for (const auto& span : outline.spans()) {
+            for (std::size_t k = 0; k <= static_cast<std::size_t>(span.degree()); ++k) {
+                low = glm::min(low, span.point(k));
+                high = glm::max(high, span.point(k));
+            }
+        }
+        const ObjectSpec& object = protocol_.objects[index];
+        const double farthest = std::max({-low.x, -low.y, high.x, high.y});
+        if (!(farthest <= kFarthest)) {
+            add(placed_at(index),
+                fmt::format("the object {} (its control points) reaches {:.6g} mm from the origin "
+                            "along an axis: keep it within {:g} mm",
+                            object.name, 1e3 * farthest, 1e3 * kFarthest));
+            return false;
+        }
+        const double least = std::min(high.x - low.x, high.y - low.y);
+        if (!(least >= kMinHeight)) {
+            add(placed_at(index), fmt::format("the object {} is {:.6g} mm wide or high: give at "
+                                              "least {:g}",
+                                              object.name, 1e3 * least, 1e3 * kMinHeight));
+            return false;
+        }
+        return true;
+    }
+
+    bool is_simple(std::size_t index, const engine::Outline& outline) {
+        const auto meeting = stimuli::self_crossing(stimuli::silhouette(outline));
+        if (meeting) {
+            add(path(index, "segment.1"),
+                fmt::format("the outline of {} meets itself near [{:.3f}, {:.3f}] mm: keep its "
+                            "curves apart",
+                            protocol_.objects[index].name, 1e3 * meeting->x, 1e3 * meeting->y));
+        }
+        return !meeting;
+    }
+
+    /// @return whether the start of a trial is outside, as far as is known
+    bool object(std::size_t index) {
+        const bool free = !protocol_.objects[index].segments.empty();
+        if (free ? !is_closed(index) : !object_fits(index)) {
+            return true;
+        }
+        const auto outline = built(index);
+        if (!outline || !has_room(index, *outline) || (free && !is_simple(index, *outline))) {
+            return true;
+        }
+        return start_is_outside(index, *outline);
+    }
+
+    /// What to look at when an object is too large or too small.
+    [[nodiscard]] std::string placed_at(std::size_t index) const {
+        for (const char* key : {"size", "offset_mm"}) {
+            if (places_.has(path(index, key))) {
+                return path(index, key);
+            }
+        }
+        return path(index, "segment.1");
+    }
+
+    const Protocol& protocol_;
+    const Places& places_;
+    Problems& problems_;
+};
+
+}  // namespace
+
+void check_objects(const Protocol& protocol, const Places& places, Problems& problems) {
+    ObjectRules(protocol, places, problems).check();
+}
+
+}  // namespace palpate::protocols

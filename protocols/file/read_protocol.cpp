@@ -1,0 +1,276 @@
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "protocols/file/adaptive_rules.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/object_tables.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/file/read_text.hpp"
+#include "protocols/file/reader.hpp"
+#include "protocols/file/rules.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+constexpr std::array<std::string_view, 17> kTables{
+    "format",   "study",   "apparatus",    "outline",   "object", "friction",
+    "safety",   "invalid", "exclusion",    "design",    "timing", "response",
+    "observer", "masking", "instructions", "procedure", "run"};
+
+/// Stage 2: keys, types and ranges.
+class Stage {
+public:
+    Stage(const Table& file, Problems& problems, Places& places)
+        : file_(file), problems_(problems), places_(places), reader_(problems, places) {}
+
+    Protocol read() {
+        Protocol protocol;
+        for (const Entry& entry : file_) {
+            if (std::find(kTables.begin(), kTables.end(), entry.key) == kTables.end()) {
+                problems_.add(entry.at, fmt::format("unknown key or table {}{}", shown(entry.key),
+                                                    suggestion(entry.key, kTables)));
+            }
+        }
+        format();
+        table("study", protocol, true);
+        table("apparatus", protocol.apparatus, false);
+        table("outline", protocol.outline, false);
+        tables("object", [&](const Table& found, const Position& at) {
+            read_object(found, at, problems_, places_, protocol.objects);
+        });
+        tables("friction", [&](const Table& found, const Position& at) {
+            const std::string path = fmt::format("friction.{}", protocol.frictions.size() + 1);
+            reader_.read(found, path, at, protocol.frictions.emplace_back());
+        });
+        for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
+            law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
+        }
+        table("safety", protocol.safety, false);
+        table("invalid", protocol.invalid, false);
+        table("exclusion", protocol.exclusion, false);
+        const Entry* procedure = find("procedure");
+        table("design", protocol.design, procedure == nullptr);
+        if (procedure != nullptr) {
+            breaks_alone(procedure->at);
+            read_adaptive(*procedure, reader_, problems_, places_, protocol);
+            tables("run", [&](const Table& found, const Position& at) {
+                const std::string path = fmt::format("run.{}", protocol.runs.size() + 1);
+                reader_.read(found, path, at, protocol.runs.emplace_back());
+            });
+        } else {
+            factorial();
+        }
+        table("timing", protocol.timing, false);
+        table("response", protocol.response, false);
+        table("observer", protocol.observer, false);
+        table("masking", protocol.masking, false);
+        instructions(protocol);
+        return protocol;
+    }
+
+private:
+    [[nodiscard]] const Entry* find(std::string_view key) const {
+        const auto found = std::find_if(file_.begin(), file_.end(),
+                                        [&](const Entry& entry) { return entry.key == key; });
+        return found == file_.end() ? nullptr : &*found;
+    }
+
+    void format() {
+        const Entry* entry = find("format");
+        if (entry == nullptr) {
+            problems_.add({},
+                          fmt::format("the file does not say its format: begin it with format = {}",
+                                      kFormat));
+            return;
+        }
+        const auto* version = std::get_if<std::int64_t>(&entry->value.data);
+        if (version == nullptr || *version != kFormat) {
+            problems_.add(entry->value.at,
+                          fmt::format("format is {}: this program reads format = {}",
+                                      shown(entry->value), kFormat));
+        }
+    }
+
+    /// Without a rule that chooses, the design has to say how often each condition comes.
+    void factorial() {
+        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+            if (key.need == Need::factorial && find("design") != nullptr &&
+                !places_.has(fmt::format("design.{}", key.name))) {
+                problems_.add(places_.of("design"),
+                              fmt::format("[design] lacks the key {}: add it ({}; {})", key.name,
+                                          range_of(key), key.meaning));
+            }
+        }
+        if (const Entry* run = find("run")) {
+            problems_.add(run->at,
+                          "there are runs, but no rule for them: add the table "
+                          "[procedure], or delete [[run]]");
+        }
+    }
+
+    /// Where a rule chooses, it says how often, too: of the design only the breaks are left.
+    void breaks_alone(const Position& procedure) {
+        std::string keys;
+        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+            if (key.name != "break_every" && places_.has(fmt::format("design.{}", key.name))) {
+                keys += (keys.empty() ? "" : ", ") + std::string(key.name);
+            }
+        }
+        if (!keys.empty()) {
+            problems_.add(places_.of("design"),
+                          fmt::format("[design] says {}, and the rule of [procedure] in line {} "
+                                      "decides that: keep [procedure] and of [design] no more than "
+                                      "break_every, or keep [design] and delete [procedure] and "
+                                      "[[run]]",
+                                      keys, procedure.line));
+        }
+    }
+
+    template <class Record>
+    void table(std::string_view name, Record& record, bool required) {
+        const Entry* entry = find(name);
+        if (entry == nullptr) {
+            if (required) {
+                problems_.add({}, fmt::format("the table [{}] is missing: add it", name));
+            }
+            return;
+        }
+        if (const auto* found = std::get_if<Table>(&entry->value.data)) {
+            reader_.read(*found, std::string(name), entry->at, record);
+        } else {
+            problems_.add(entry->at, fmt::format("{} is {}: write it as a table, [{}]", name,
+                                                 shown(entry->value), name));
+        }
+    }
+
+    /// One table a language.
+    void instructions(Protocol& protocol) {
+        const Entry* entry = find("instructions");
+        if (entry == nullptr) {
+            return;
+        }
+        const auto* languages = std::get_if<Table>(&entry->value.data);
+        if (languages == nullptr) {
+            problems_.add(entry->at, fmt::format("instructions is {}: write a table for each "
+                                                 "language, [instructions.en]",
+                                                 shown(entry->value)));
+            return;
+        }
+        for (const Entry& language : *languages) {
+            const auto known = std::find(kLanguages.begin(), kLanguages.end(), language.key);
+            const auto* texts = std::get_if<Table>(&language.value.data);
+            if (texts == nullptr) {
+                problems_.add(language.at,
+                              fmt::format("{} stands in [instructions]: put it into a table of "
+                                          "its language, [instructions.en]",
+                                          shown(language.key)));
+            } else if (known == kLanguages.end()) {
+                problems_.add(language.at,
+                              fmt::format("[instructions.{}]: the screen knows the languages {} "
+                                          "only{}",
+                                          shown(language.key), fmt::join(kLanguages, " and "),
+                                          suggestion(language.key, kLanguages)));
+            } else {
+                const auto index = static_cast<std::size_t>(known - kLanguages.begin());
+                reader_.read(*texts, "instructions." + language.key, language.at,
+                             protocol.instructions.at(index));
+            }
+        }
+    }
+
+    template <class Read>
+    void tables(std::string_view name, const Read& read_one) {
+        const Entry* entry = find(name);
+        if (entry == nullptr) {
+            problems_.add({},
+                          fmt::format("there is no [[{}]]: add one table for each {}", name, name));
+            return;
+        }
+        const auto* array = std::get_if<Array>(&entry->value.data);
+        if (array == nullptr) {
+            problems_.add(
+                entry->at,
+                fmt::format("{} is {}: write each {} as a table [[{}]], with two brackets", name,
+                            shown(entry->value), name, name));
+            return;
+        }
+        for (std::size_t i = 0; i < array->size(); ++i) {
+            const Value& value = (*array)[i];
+            const auto* found = std::get_if<Table>(&value.data);
+            if (found == nullptr) {
+                problems_.add(value.at, fmt::format("{} {} is {}: write it as a table [[{}]]", name,
+                                                    i + 1, shown(value), name));
+                continue;
+            }
+            read_one(*found, value.at);
+        }
+    }
+
+    /// Which coefficients a friction needs depends on its law.
+    void law(const FrictionSpec& friction, const std::string& path) {
+        const bool gos = friction.law == "gos";
+        if (!gos && friction.law != "frictionless") {
+            constexpr std::array<std::string_view, 2> kLaws{"frictionless", "gos"};
+            problems_.add(places_.of(path + ".law"),
+                          fmt::format("law is {}, give frictionless or gos{}", shown(friction.law),
+                                      suggestion(friction.law, kLaws, "")));
+            return;
+        }
+        for (const Key<FrictionSpec>& key : keys_of<FrictionSpec>()) {
+            const bool coefficient = key.need == Need::gos || key.need == Need::gos_optional;
+            const std::string at = fmt::format("{}.{}", path, key.name);
+            if (gos && key.need == Need::gos && !places_.has(at)) {
+                problems_.add(places_.of(path),
+                              fmt::format("law \"gos\" needs the key {}: add it ({}; {})", key.name,
+                                          range_of(key), key.meaning));
+            } else if (!gos && coefficient && places_.has(at)) {
+                problems_.add(
+                    places_.of(at),
+                    fmt::format(
+                        "{} is given, but law is \"frictionless\": delete it, or give law \"gos\"",
+                        key.name));
+            }
+        }
+    }
+
+    const Table& file_;
+    Problems& problems_;
+    Places& places_;
+    Reader reader_;
+};
+
+Protocol parse(std::string_view text, std::string_view file_name, bool stored) {
+    const Table file = parse_document(text, file_name);
+    Problems problems;
+    Places places;
+    Protocol protocol = Stage(file, problems, places).read();
+    problems.throw_if_any(file_name);
+    check_rules(protocol, places, problems);
+    if (!stored && protocol.procedure) {
+        check_standards(protocol, places, problems);
+    }
+    problems.throw_if_any(file_name);
+    return protocol;
+}
+
+}  // namespace
+
+Protocol parse_protocol(std::string_view text, std::string_view file_name) {
+    return parse(text, file_name, false);
+}
+
+Protocol stored_protocol(std::string_view text) {
+    return parse(text, "study.protocol_toml", true);
+}
+
+Protocol load_protocol(const std::filesystem::path& file) {
+    return parse_protocol(read_text(file, kMostDocument), file.string());
+}
+
+}  // namespace palpate::protocols

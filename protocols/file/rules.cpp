@@ -1,0 +1,210 @@
+#include "protocols/file/rules.hpp"
+
+#include <map>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/object_outline.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/adaptive_rules.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/object_rules.hpp"
+#include "protocols/file/response_rules.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+class Rules {
+public:
+    Rules(const Protocol& protocol, const Places& places, Problems& problems)
+        : protocol_(protocol), places_(places), problems_(problems) {}
+
+    void check() {
+        unique_names("object", protocol_.objects);
+        unique_names("friction", protocol_.frictions);
+        numbers();
+        check_objects(protocol_, places_, problems_);
+        for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
+            friction(i);
+        }
+        timing();
+        if (!protocol_.procedure) {
+            design();
+        }
+        exclusion();
+    }
+
+private:
+    void add(const std::string& path, std::string what) {
+        problems_.add(places_.of(path), std::move(what));
+    }
+
+    static std::string path(std::string_view table, std::size_t index, std::string_view key) {
+        return fmt::format("{}.{}.{}", table, index + 1, key);
+    }
+
+    template <class Spec>
+    void unique_names(std::string_view table, const std::vector<Spec>& specs) {
+        std::map<std::string_view, std::size_t> first;
+        for (std::size_t i = 0; i < specs.size(); ++i) {
+            const auto [known, is_new] = first.emplace(specs[i].name, i);
+            if (!is_new) {
+                add(path(table, i, "name"),
+                    fmt::format("name is \"{}\", as in [[{}]] {}: give every {} a name of its own",
+                                specs[i].name, table, known->second + 1, table));
+            }
+        }
+    }
+
+    void numbers() {
+        const std::size_t pictured = objects_of(protocol_, true).size();
+        const bool asked = protocol_.response.kind == ResponseKind::identification;
+        if (asked && (pictured < kMinPictures || pictured > kMaxPictures)) {
+            add("object.1",
+                fmt::format("there are {} pictured objects: give {} to {} [[object]] tables "
+                            "without pictured = false",
+                            pictured, kMinPictures, kMaxPictures));
+        }
+        if (protocol_.objects.size() > kMaxObjects) {
+            add("object.1", fmt::format("there are {} objects: give at most {}",
+                                        protocol_.objects.size(), kMaxObjects));
+        }
+        if (protocol_.frictions.empty() || protocol_.frictions.size() > kMaxFrictions) {
+            add("friction.1",
+                fmt::format("there are {} frictions: give 1 to {} [[friction]] tables",
+                            protocol_.frictions.size(), kMaxFrictions));
+        }
+    }
+
+    void friction(std::size_t index) {
+        const FrictionSpec& spec = protocol_.frictions[index];
+        if (spec.mu_d > spec.mu_s) {
+            add(path("friction", index, "mu_d"),
+                fmt::format("mu_d is {}, above mu_s = {}: give at most mu_s", spec.mu_d,
+                            spec.mu_s));
+        }
+    }
+
+    void timing() {
+        const TimingSpec& timing = protocol_.timing;
+        if (timing.explore_min >= timing.explore_timeout) {
+            add(places_.has("timing.explore_min_s") ? "timing.explore_min_s"
+                                                    : "timing.explore_timeout_s",
+                fmt::format(
+                    "explore_min_s is {} and explore_timeout_s is {}: nobody could answer; give a "
+                    "time-out above the minimum",
+                    timing.explore_min, timing.explore_timeout));
+        }
+        if (timing.explore_prompt > timing.explore_timeout) {
+            add(places_.has("timing.explore_prompt_s") ? "timing.explore_prompt_s"
+                                                       : "timing.explore_timeout_s",
+                fmt::format("explore_prompt_s is {}, after explore_timeout_s = {}: give at most "
+                            "the time-out",
+                            timing.explore_prompt, timing.explore_timeout));
+        }
+    }
+
+    void design() {
+        const DesignSpec& design = protocol_.design;
+        const std::size_t conditions =
+            objects_of(protocol_, true).size() * protocol_.frictions.size();
+        const std::size_t trials =
+            conditions * (design.repetitions + design.practice_repetitions) + design.catch_trials +
+            (design.order == OrderRule::first_order ? 1 : 0);  // the one that leads in
+        if (trials > kMaxTrials) {
+            add("design.repetitions",
+                fmt::format("the session has {} trials: ask for {} or fewer", trials, kMaxTrials));
+            return;
+        }
+        if (design.catch_trials > 0 && objects_of(protocol_, false).empty()) {
+            add("design.catch_trials",
+                fmt::format(
+                    "catch_trials is {}, but every object is pictured: add an [[object]] with "
+                    "pictured = false, or give 0",
+                    design.catch_trials));
+        }
+        if (const std::string why = why_not_in_blocks(protocol_); !why.empty()) {
+            add("design.friction_blocks",
+                fmt::format("friction_blocks is \"{}\": {}", word_of(design.friction_blocks), why));
+            return;
+        }
+        if (design.order == OrderRule::first_order) {
+            first_order(conditions);
+            return;
+        }
+        if (design.repetitions % design.blocks != 0) {
+            add("design.blocks",
+                fmt::format(
+                    "blocks is {}, but {} cannot be divided evenly into them: give a divisor",
+                    design.blocks, counted(design.repetitions, "repetition")));
+            return;
+        }
+        if (const auto why = why_infeasible(block_trials(protocol_, 0), block_limits(design))) {
+            const bool of_object = why->factor == Infeasible::Factor::object;
+            const std::string key = of_object ? "max_run_object" : "max_run_friction";
+            add("design." + key,
+                fmt::format("{} is {}: {}", key,
+                            of_object ? design.max_run_object : design.max_run_friction,
+                            why->reason));
+        }
+    }
+
+    /// A rule that nobody could keep or break is a slip.
+    void exclusion() {
+        const double least = protocol_.exclusion.catch_correct_min;
+        if (least == 0.0) {
+            return;
+        }
+        if (protocol_.design.catch_trials == 0) {
+            add("exclusion.catch_correct_min",
+                fmt::format(
+                    "catch_correct_min is {}, but catch_trials is 0: give 0, or catch trials",
+                    least));
+        }
+        for (const ObjectSpec& object : protocol_.objects) {
+            if (!curvature_of(object)) {
+                add("exclusion.catch_correct_min",
+                    fmt::format("catch_correct_min is {}, but {} is a free form, of which no side "
+                                "is the outer one: give 0, or objects with curvature_per_m",
+                                least, object.name));
+                return;
+            }
+        }
+    }
+
+    /// Such an order follows from the number of conditions; the run limits do not apply.
+    void first_order(std::size_t conditions) {
+        const DesignSpec& design = protocol_.design;
+        const auto needs = [&](const std::string& key, std::size_t given, std::size_t wanted,
+                               std::string_view why) {
+            if (given != wanted) {
+                add("design." + key,
+                    fmt::format("{} is {}: order = \"first_order\" {}: give {}, or order = "
+                                "\"random\"",
+                                key, given, why, wanted));
+            }
+        };
+        needs("repetitions", design.repetitions, conditions,
+              fmt::format("lets each of {} follow each once", counted(conditions, "condition")));
+        needs("blocks", design.blocks, 1, "is one block");
+        needs("catch_trials", design.catch_trials, 0, "has no room for catch trials");
+    }
+
+    const Protocol& protocol_;
+    const Places& places_;
+    Problems& problems_;
+};
+
+}  // namespace
+
+void check_rules(const Protocol& protocol, const Places& places, Problems& problems) {
+    Rules(protocol, places, problems).check();
+    check_response(protocol, places, problems);
+    if (protocol.procedure) {
+        check_adaptive(protocol, places, problems);
+    }
+}
+
+}  // namespace palpate::protocols

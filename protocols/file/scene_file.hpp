@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "engine/geometry/outline.hpp"
+#include "engine/rendering/scene.hpp"
+#include "engine/surface/nurbs_surface.hpp"
+#include "engine/thesis/curve_tracker.hpp"
+
+/// Scene files of the offline tools (`palpate render`, `palpate closest`): TOML text -> curves or a
+/// surface, and how they are to be felt. Problems are reported like those of a protocol.
+namespace palpate::protocols {
+
+/// The laws by which the contact force can be computed. The last two are the thesis' Algorithm 1.
+enum class Law : std::uint8_t { frictionless, gos, coulomb, thesis_literal, thesis_latched };
+
+/// How the contact of a scene is computed.
+struct SceneRenderer {
+    double stiffness = 1000.0;      ///< N/m
+    double damping = 0.0;           ///< N s/m, of the virtual coupling
+    bool certified = true;          ///< else by `tracker`
+    engine::TrackerSpec tracker{};  ///< the thesis' trackers
+};
+
+/// How friction is computed.
+struct SceneFriction {
+    Law law = Law::frictionless;
+    engine::Friction set{};
+    engine::Slew slew{};
+    double dead_band = 0.0;  ///< m/s: the thesis' laws take slower CPs for resting
+};
+
+/// Everything that a scene file says. Either plane curves, curves in space, or one surface.
+struct SceneFile {
+    SceneRenderer renderer{};
+    SceneFriction friction{};
+    std::vector<engine::NurbsCurve<2>> curves;
+    std::vector<engine::NurbsCurve<3>> space_curves;
+    std::vector<engine::NurbsSurface> surfaces;  ///< none or one
+
+    /// 2 or 3: the number of coordinates of its points.
+    [[nodiscard]] int dimension() const noexcept { return curves.empty() ? 3 : 2; }
+};
+
+/// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do
+[[nodiscard]] SceneFile parse_scene(std::string_view text, std::string_view file_name);
+
+/// parse_scene of a file's text. @throws ProtocolError also if the file cannot be read
+[[nodiscard]] SceneFile load_scene(const std::filesystem::path& file);
+
+/// The chain of a scene's plane curves: closed if the last ends where the first starts.
+/// @throws std::invalid_argument if consecutive curves share no end point
+[[nodiscard]] engine::Outline outline_of(const SceneFile& scene);
+
+/// What the engine needs of a scene whose law is frictionless, gos or coulomb.
+/// @param period  tick period, s
+[[nodiscard]] engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept;
+
+}  // namespace palpate::protocols

@@ -1,0 +1,106 @@
+#include "protocols/order/constrained_order.hpp"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "protocols/order/order_sampler.hpp"
+#include "protocols/protocol/run.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+using Level = std::size_t Condition::*;
+
+std::map<std::size_t, std::size_t> counts_of(std::span<const Condition> trials, Level factor) {
+    std::map<std::size_t, std::size_t> counts;
+    for (const Condition& condition : trials) {
+        ++counts[condition.*factor];
+    }
+    return counts;
+}
+
+std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trials,
+                                                Level factor,
+                                                std::size_t limit,
+                                                Infeasible::Factor which) {
+    if (limit == 0) {
+        return std::nullopt;
+    }
+    for (const auto& [level, count] : counts_of(trials, factor)) {
+        const std::size_t others = trials.size() - count;
+        const std::size_t needed = (count + others) / (others + 1);  // ceil(count / (others + 1))
+        if (needed > limit) {
+            const char* name = which == Infeasible::Factor::object ? "object" : "friction";
+            return Infeasible{
+                which,
+                fmt::format("{} {} occurs {} among {}, so that it comes at least {} in a "
+                            "row somewhere; allow runs of {} or more, or 0 for no "
+                            "limit",
+                            name, level + 1, counted(count, "time"), counted(others, "other trial"),
+                            counted(needed, "time"), needed)};
+        }
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+bool within_limits(std::span<const Condition> order, const RunLimits& limits) noexcept {
+    Run object(&Condition::object, limits.object);
+    Run friction(&Condition::friction, limits.friction);
+    for (std::size_t i = 1; i < order.size(); ++i) {
+        if (!(object.goes_on(order[i - 1], order[i]) && friction.goes_on(order[i - 1], order[i]))) {
+            return false;
+        }
+    }
+    return true;
+}
+
+std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
+                                         const RunLimits& limits) {
+    using enum Infeasible::Factor;
+    if (auto why = too_many_of_one_level(trials, &Condition::object, limits.object, object)) {
+        return why;
+    }
+    if (auto why = too_many_of_one_level(trials, &Condition::friction, limits.friction, friction)) {
+        return why;
+    }
+    const bool both_alternate = limits.object == 1 && limits.friction == 1 &&
+                                counts_of(trials, &Condition::object).size() == 2 &&
+                                counts_of(trials, &Condition::friction).size() == 2;
+    if (both_alternate && std::set<Condition>(trials.begin(), trials.end()).size() > 2) {
+        return Infeasible{friction,
+                          "object and friction would both alternate in every trial, so that an "
+                          "object would always come with the same friction; allow runs of 2 of one "
+                          "of them"};
+    }
+    return std::nullopt;
+}
+
+std::string_view to_string(OrderWay way) noexcept {
+    switch (way) {
+        case OrderWay::shuffles:
+            return "whole shuffles";
+        case OrderWay::friction_counted:
+            return "frictions counted, objects dealt";
+        case OrderWay::object_counted:
+            return "objects counted, frictions dealt";
+        case OrderWay::together:
+            return "counted";
+        case OrderWay::apart:
+            return "objects and frictions counted apart";
+    }
+    return "?";
+}
+
+ConstrainedOrder constrained_order(std::vector<Condition> trials,
+                                   const RunLimits& limits,
+                                   Pcg32& random) {
+    return OrderSampler(std::move(trials), limits).draw(random);
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,183 @@
+#include "protocols/order/order_counter.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace palpate::protocols {
+namespace {
+
+/// The different levels of a factor, in order.
+std::vector<std::size_t> levels_of(std::span<const Condition> trials,
+                                   std::size_t Condition::*factor) {
+    std::vector<std::size_t> levels;
+    for (const Condition& condition : trials) {
+        levels.push_back(condition.*factor);
+    }
+    std::sort(levels.begin(), levels.end());
+    levels.erase(std::unique(levels.begin(), levels.end()), levels.end());
+    return levels;
+}
+
+std::size_t place_in(const std::vector<std::size_t>& levels, std::size_t level) {
+    return static_cast<std::size_t>(std::lower_bound(levels.begin(), levels.end(), level) -
+                                    levels.begin());
+}
+
+}  // namespace
+
+OrderCounter::OrderCounter(std::span<const Condition> trials, const RunLimits& limits)
+    : object_names_(levels_of(trials, &Condition::object)),
+      friction_names_(levels_of(trials, &Condition::friction)),
+      limits_(limits) {
+    objects_ = object_names_.size();
+    frictions_ = friction_names_.size();
+    start_.left.assign(objects_ * frictions_, 0);
+    for (const Condition& condition : trials) {
+        ++start_.left[place_in(object_names_, condition.object) * frictions_ +
+                      place_in(friction_names_, condition.friction)];
+    }
+    start_.rest = trials.size();
+}
+
+std::optional<OrderCounter> OrderCounter::build(std::span<const Condition> trials,
+                                                const RunLimits& limits,
+                                                std::size_t most_states) {
+    if (trials.size() > std::numeric_limits<std::uint16_t>::max()) {
+        return std::nullopt;
+    }
+    OrderCounter counter(trials, limits);
+    Place at = counter.start_;
+    const Natural* total = counter.count(at, most_states);
+    if (total == nullptr) {
+        return std::nullopt;
+    }
+    counter.total_ = *total;
+    return counter;
+}
+
+/// The last object's row first, the other rows sorted, then the runs as far as a limit asks for them.
+OrderCounter::Key OrderCounter::key_of(const Place& at) const {
+    Key key;
+    key.reserve(at.left.size() + 3);
+    const auto row = [&](std::size_t object) {
+        return std::span(at.left).subspan(object * frictions_, frictions_);
+    };
+    const bool object_bound = limits_.object > 0 && at.object_run > 0;
+    if (object_bound) {
+        key.append(row(at.object).begin(), row(at.object).end());
+    }
+    const std::size_t first = key.size();
+    for (std::size_t object = 0; object < objects_; ++object) {
+        if (object_bound && object == at.object) {
+            continue;
+        }
+        std::size_t place = first;  // insertion sort: there are a handful of rows
+        const auto one = row(object);
+        while (place < key.size() &&
+               !std::lexicographical_compare(
+                   one.begin(), one.end(), key.begin() + static_cast<std::ptrdiff_t>(place),
+                   key.begin() + static_cast<std::ptrdiff_t>(place + frictions_))) {
+            place += frictions_;
+        }
+        key.insert(key.begin() + static_cast<std::ptrdiff_t>(place), one.begin(), one.end());
+    }
+    if (limits_.object > 0) {
+        key.push_back(static_cast<char16_t>(at.object_run));
+    }
+    if (limits_.friction > 0) {
+        key.push_back(static_cast<char16_t>(at.friction));
+        key.push_back(static_cast<char16_t>(at.friction_run));
+    }
+    return key;
+}
+
+bool OrderCounter::step(Place& at, std::size_t object, std::size_t friction) const noexcept {
+    std::uint16_t& left = at.left[object * frictions_ + friction];
+    const bool begun = at.object_run > 0;
+    const std::uint16_t object_run = begun && object == at.object
+                                       ? static_cast<std::uint16_t>(at.object_run + 1)
+                                       : std::uint16_t{1};
+    const std::uint16_t friction_run = begun && friction == at.friction
+                                         ? static_cast<std::uint16_t>(at.friction_run + 1)
+                                         : std::uint16_t{1};
+    if (left == 0 || (limits_.object > 0 && object_run > limits_.object) ||
+        (limits_.friction > 0 && friction_run > limits_.friction)) {
+        return false;
+    }
+    --left;
+    --at.rest;
+    at.object = object;
+    at.friction = friction;
+    at.object_run = object_run;
+    at.friction_run = friction_run;
+    return true;
+}
+
+OrderCounter::Place OrderCounter::runs_of(const Place& at) {
+    return {.left = {},
+            .rest = at.rest,
+            .object = at.object,
+            .friction = at.friction,
+            .object_run = at.object_run,
+            .friction_run = at.friction_run};
+}
+
+void OrderCounter::undo(Place& at, const Place& from) const noexcept {
+    ++at.left[at.object * frictions_ + at.friction];
+    at.rest = from.rest;
+    at.object = from.object;
+    at.friction = from.friction;
+    at.object_run = from.object_run;
+    at.friction_run = from.friction_run;
+}
+
+const Natural* OrderCounter::count(Place& at, std::size_t most_states) {
+    Key key = key_of(at);
+    if (const auto known = ways_.find(key); known != ways_.end()) {
+        return &known->second;
+    }
+    Natural sum = at.rest == 0 ? 1 : 0;
+    const Place from = runs_of(at);
+    for (std::size_t object = 0; object < objects_; ++object) {
+        for (std::size_t friction = 0; friction < frictions_; ++friction) {
+            if (!step(at, object, friction)) {
+                continue;
+            }
+            const Natural* after = count(at, most_states);
+            undo(at, from);
+            if (after == nullptr) {
+                return nullptr;
+            }
+            sum += *after;
+        }
+    }
+    if (ways_.size() >= most_states) {
+        return nullptr;
+    }
+    return &ways_.emplace(std::move(key), std::move(sum)).first->second;
+}
+
+OrderWalk::OrderWalk(const OrderCounter& counter)
+    : counter_(&counter), at_(counter.start_), ways_(&counter.total_) {}
+
+Condition OrderWalk::next(Pcg32& random) {
+    Natural drawn = Natural::below(*ways_, random);
+    const OrderCounter::Place from = OrderCounter::runs_of(at_);
+    for (std::size_t object = 0; object < counter_->objects_; ++object) {
+        for (std::size_t friction = 0; friction < counter_->frictions_; ++friction) {
+            if (!counter_->step(at_, object, friction)) {
+                continue;
+            }
+            const Natural& after = counter_->ways_.at(counter_->key_of(at_));
+            if (drawn < after) {
+                ways_ = &after;
+                return {counter_->object_names_[object], counter_->friction_names_[friction]};
+            }
+            drawn -= after;
+            counter_->undo(at_, from);
+        }
+    }
+    return {};  // not reached: the ways add up
+}
+
+}  // namespace palpate::protocols

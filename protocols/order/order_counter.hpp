@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "engine/base/pcg32.hpp"
+#include "protocols/order/constrained_order.hpp"
+#include "protocols/order/natural.hpp"
+#include "protocols/protocol/condition.hpp"
+
+namespace palpate::protocols {
+
+/// Counts the orders of some trials that keep the run limits, one by one in effect, and so can draw one
+/// of them uniformly.
+///
+/// W(s) is the number of ways to go on from state s: what is left of each condition, the last trial, and
+/// how long its runs of object and of friction already are. W = 1 when nothing is left, else the sum of
+/// W over every next trial that the limits allow. A next trial is chosen with probability W(after it) /
+/// W(s); along a whole order these factors cancel to 1 / W(start), the same for every admissible order.
+/// All W are whole numbers, and each choice is a whole number drawn below W(s): exact, not nearly so.
+///
+/// Objects that have the same left in every friction can stand for each other, so that W depends on the
+/// rows of the table "object x friction" as a heap, not on which object has which row. One factor alone
+/// is counted by giving all trials the same friction; then the states are few: 5,097 for 50 + 50 trials
+/// with runs of at most 3, 9,463 for five levels ten times each without repeats, 202,097 for twenty times
+/// each. Two crossed factors are counted at once only for small designs.
+class OrderCounter {
+public:
+    /// @param limits       0: no limit. Both may bind.
+    /// @param most_states  give up beyond
+    /// @returns nothing if there are more states than that
+    [[nodiscard]] static std::optional<OrderCounter> build(std::span<const Condition> trials,
+                                                           const RunLimits& limits,
+                                                           std::size_t most_states);
+
+    /// The exact number of admissible orders. Like trials count as alike.
+    [[nodiscard]] const Natural& total() const noexcept { return total_; }
+    [[nodiscard]] std::size_t states() const noexcept { return ways_.size(); }
+
+private:
+    friend class OrderWalk;
+
+    /// Where an order has got to. `left` has a row an object and a column a friction.
+    struct Place {
+        std::vector<std::uint16_t> left;
+        std::size_t rest = 0;  ///< sum of `left`
+        std::size_t object = 0, friction = 0;
+        std::uint16_t object_run = 0, friction_run = 0;  ///< 0: before the first trial
+    };
+    using Key = std::u16string;
+
+    OrderCounter(std::span<const Condition> trials, const RunLimits& limits);
+
+    [[nodiscard]] Key key_of(const Place& at) const;
+    /// Goes on with a trial, if there is one left and the limits allow it.
+    [[nodiscard]] bool step(Place& at, std::size_t object, std::size_t friction) const noexcept;
+    /// Back to before that step. `from`: the last trial and runs of then; its `left` is not read.
+    void undo(Place& at, const Place& from) const noexcept;
+    [[nodiscard]] static Place runs_of(const Place& at);
+    /// Fills the table from `at` on. Nothing: too many states.
+    const Natural* count(Place& at, std::size_t most_states);
+
+    std::size_t objects_ = 0, frictions_ = 0;
+    std::vector<std::size_t> object_names_, friction_names_;  ///< row -> Condition::object
+    RunLimits limits_;
+    Place start_;
+    std::unordered_map<Key, Natural> ways_;
+    Natural total_;
+};
+
+/// One admissible order, dealt trial by trial; uniform over all of them. Whoever does not like how it
+/// begins may drop it.
+class OrderWalk {
+public:
+    /// @pre counter.total() > 0; the counter outlives the walk
+    explicit OrderWalk(const OrderCounter& counter);
+    [[nodiscard]] bool done() const noexcept { return at_.rest == 0; }
+    /// @pre not done()
+    Condition next(Pcg32& random);
+
+private:
+    const OrderCounter* counter_;
+    OrderCounter::Place at_;
+    const Natural* ways_;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,277 @@
+#include "protocols/order/order_sampler.hpp"
+
+#include <algorithm>
+#include <map>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "protocols/order/order_count.hpp"
+#include "protocols/protocol/run.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+using Level = std::size_t Condition::*;
+
+Level other(Level factor) {
+    return factor == &Condition::object ? &Condition::friction : &Condition::object;
+}
+
+std::size_t limit_of(const RunLimits& limits, Level factor) {
+    return factor == &Condition::object ? limits.object : limits.friction;
+}
+
+/// Bits of one over the share of pairs that have the asked table, object and friction each in any order.
+std::size_t rarity_of_table(std::span<const Condition> trials) {
+    std::map<Condition, std::size_t> cells;
+    for (const Condition& condition : trials) {
+        ++cells[condition];
+    }
+    std::vector<std::size_t> counts;
+    for (const auto& [condition, count] : cells) {
+        counts.push_back(count);
+    }
+    return multinomial(counts_of(trials, &Condition::object)).bits() +
+           multinomial(counts_of(trials, &Condition::friction)).bits() - multinomial(counts).bits();
+}
+
+/// No fewer than the states of a counter of both factors.
+double most_places(std::span<const Condition> trials, const RunLimits& limits) {
+    std::map<Condition, std::size_t> cells;
+    for (const Condition& condition : trials) {
+        ++cells[condition];
+    }
+    std::map<std::size_t, double> rows;  // how many remainders the row of an object can have
+    for (const auto& [condition, count] : cells) {
+        double& row = rows.try_emplace(condition.object, 1.0).first->second;
+        row *= static_cast<double>(count) + 1.0;
+    }
+    double most = 0.0;
+    for (const auto& [object, row] : rows) {
+        most = std::max(most, row);
+    }
+    double heaps = 1.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        heaps *= (most + static_cast<double>(i)) / (static_cast<double>(i) + 1.0);
+    }
+    const auto frictions = static_cast<double>(counts_of(trials, &Condition::friction).size());
+    return heaps * static_cast<double>(rows.size()) * frictions *
+           static_cast<double>(limits.object * limits.friction);
+}
+
+/// Whether counting a factor is hopeless, before a second is lost on it. With runs of 2 an order gets to
+/// a good part of all remainders (limit 1 is another matter); an eighth of them is too many already.
+bool too_many_states(const std::vector<std::size_t>& counts, std::size_t limit, std::size_t most) {
+    if (counts.empty()) {
+        return false;
+    }
+    const auto least = static_cast<double>(*std::min_element(counts.begin(), counts.end()));
+    double heaps = 1.0;
+    for (std::size_t i = 1; i <= counts.size(); ++i) {
+        heaps *= (least + static_cast<double>(i)) / static_cast<double>(i);
+    }
+    return limit >= 2 && heaps > 8.0 * static_cast<double>(most);
+}
+
+}  // namespace
+
+OrderSampler::OrderSampler(std::vector<Condition> trials, const RunLimits& limits)
+    : trials_(std::move(trials)), limits_(limits) {
+    if (const auto why = why_infeasible(trials_, limits)) {
+        throw OrderError(fmt::format("no order keeps the run limits (object {}, friction {}): {}",
+                                     limits.object, limits.friction, why->reason));
+    }
+    ways_ = by_rarity();
+}
+
+std::vector<OrderWay> OrderSampler::by_rarity() const {
+    using enum OrderWay;
+    const auto objects = counts_of(trials_, &Condition::object);
+    const auto frictions = counts_of(trials_, &Condition::friction);
+    const std::size_t object = rarity_of(objects, limits_.object);
+    const std::size_t friction = rarity_of(frictions, limits_.friction);
+    if (!binds(objects, limits_.object) || !binds(frictions, limits_.friction)) {
+        constexpr std::size_t kOften = 10;
+        const OrderWay counted = object > 0 ? object_counted : friction_counted;
+        return object + friction <= kOften ? std::vector{shuffles} : std::vector{counted, shuffles};
+    }
+    if (most_places(trials_, limits_) <= static_cast<double>(most_states(trials_.size()))) {
+        return {together};
+    }
+    // What is left to chance: the limit of the factor that is dealt, or the table.
+    std::vector<std::pair<std::size_t, OrderWay>> chances = {
+        {object, friction_counted}, {friction, object_counted}, {rarity_of_table(trials_), apart}};
+    std::sort(chances.begin(), chances.end());
+    std::vector<OrderWay> ways;
+    for (const auto& [rarity, way] : chances) {
+        constexpr std::size_t kHopeless = 32;
+        if (rarity <= kHopeless) {
+            ways.push_back(way);
+        }
+    }
+    ways.push_back(shuffles);
+    return ways;
+}
+
+std::size_t OrderSampler::most_states(std::size_t trials) noexcept {
+    constexpr std::size_t kMost = 400'000;
+    constexpr std::size_t kBytes = 64'000'000;
+    return std::min(kMost, kBytes / (100 + trials / 2));
+}
+
+const OrderCounter* OrderSampler::counter_of(Level factor) {
+    Lazy& lazy = factor == &Condition::object ? object_ : friction_;
+    const std::size_t most = most_states(trials_.size());
+    if (!std::exchange(lazy.tried, true) &&
+        !too_many_states(counts_of(trials_, factor), limit_of(limits_, factor), most)) {
+        std::vector<Condition> alone;
+        for (const Condition& condition : trials_) {
+            alone.push_back({.object = condition.*factor});
+        }
+        lazy.counter = OrderCounter::build(alone, {.object = limit_of(limits_, factor)}, most);
+    }
+    return lazy.counter ? &*lazy.counter : nullptr;
+}
+
+const OrderCounter* OrderSampler::counter_of_both() {
+    if (!std::exchange(both_.tried, true)) {
+        both_.counter = OrderCounter::build(trials_, limits_, most_states(trials_.size()));
+        if (both_.counter && both_.counter->total().zero()) {
+            throw OrderError(fmt::format(
+                "no order keeps the run limits (object {}, friction {}) at once, though "
+                "each alone can be kept: allow longer runs of one of them",
+                limits_.object, limits_.friction));
+        }
+    }
+    return both_.counter ? &*both_.counter : nullptr;
+}
+
+bool OrderSampler::can(OrderWay way) {
+    switch (way) {
+        case OrderWay::shuffles:
+            return true;
+        case OrderWay::friction_counted:
+            return counter_of(&Condition::friction) != nullptr;
+        case OrderWay::object_counted:
+            return counter_of(&Condition::object) != nullptr;
+        case OrderWay::together:
+            return counter_of_both() != nullptr;
+        case OrderWay::apart:
+            return counter_of(&Condition::object) != nullptr &&
+                   counter_of(&Condition::friction) != nullptr;
+    }
+    return false;
+}
+
+OrderWay OrderSampler::first_way() {
+    return *std::find_if(ways_.begin(), ways_.end(), [&](OrderWay way) { return can(way); });
+}
+
+ConstrainedOrder OrderSampler::draw(Pcg32& random) {
+    std::uint64_t attempts = 0;
+    for (; way_ < ways_.size(); ++way_) {
+        const OrderWay way = ways_[way_];
+        dealt_ = 0;
+        piles_.clear();
+        while (can(way) && dealt_ <= kDeals) {
+            ++attempts;
+            if (Proposal order = propose(way, random)) {
+                return {std::move(*order), attempts, way};
+            }
+        }
+    }
+    throw OrderError(
+        fmt::format("none of {} orders drawn of {} trials kept the run limits (object {}, friction "
+                    "{}): allow longer runs, 0 for no limit, or divide the trials into blocks",
+                    attempts, trials_.size(), limits_.object, limits_.friction));
+}
+
+OrderSampler::Proposal OrderSampler::propose(OrderWay way, Pcg32& random) {
+    switch (way) {
+        case OrderWay::shuffles:
+            return deal_both(random);
+        case OrderWay::friction_counted:
+            return deal_beside(&Condition::friction, random);
+        case OrderWay::object_counted:
+            return deal_beside(&Condition::object, random);
+        case OrderWay::together: {
+            std::vector<Condition> order;
+            for (OrderWalk walk(*counter_of_both()); !walk.done();) {
+                order.push_back(walk.next(random));
+            }
+            return order;
+        }
+        case OrderWay::apart:
+            return count_apart(random);
+    }
+    return std::nullopt;
+}
+
+/// shuffle(), but given up as soon as the trials that already have their place, the last ones, break a
+/// limit: dealing on could not mend it. What is not given up is as uniform as whole shuffles are.
+OrderSampler::Proposal OrderSampler::deal_both(Pcg32& random) {
+    std::vector<Condition>& trials = trials_;
+    Run object(&Condition::object, limits_.object);
+    Run friction(&Condition::friction, limits_.friction);
+    for (std::size_t left = trials.size(); left > 0; --left) {
+        ++dealt_;
+        if (left > 1) {
+            const std::size_t chosen = random.bounded(static_cast<std::uint32_t>(left));
+            std::swap(trials[chosen], trials[left - 1]);
+        }
+        if (left < trials.size() && !(object.goes_on(trials[left], trials[left - 1]) &&
+                                      friction.goes_on(trials[left], trials[left - 1]))) {
+            return std::nullopt;
+        }
+    }
+    return trials;
+}
+
+OrderSampler::Proposal OrderSampler::deal_beside(Level counted, Pcg32& random) {
+    if (piles_.empty()) {
+        for (const Condition& condition : trials_) {
+            piles_[condition.*counted].trials.push_back(condition);
+        }
+    }
+    for (auto& [level, pile] : piles_) {
+        pile.left = pile.trials.size();
+    }
+    std::vector<Condition> order;
+    Run run(other(counted), limit_of(limits_, other(counted)));
+    for (OrderWalk walk(*counter_of(counted)); !walk.done();) {
+        ++dealt_;
+        auto& [trials, left] = piles_.at(walk.next(random).object);
+        const std::size_t chosen = random.bounded(static_cast<std::uint32_t>(left));
+        std::swap(trials[chosen], trials[--left]);
+        if (!order.empty() && !run.goes_on(order.back(), trials[left])) {
+            return std::nullopt;
+        }
+        order.push_back(trials[left]);
+    }
+    return order;
+}
+
+OrderSampler::Proposal OrderSampler::count_apart(Pcg32& random) {
+    std::map<Condition, std::size_t> left;
+    for (const Condition& condition : trials_) {
+        ++left[condition];
+    }
+    std::vector<Condition> order;
+    OrderWalk object(*counter_of(&Condition::object));
+    OrderWalk friction(*counter_of(&Condition::friction));
+    while (!object.done()) {
+        ++dealt_;
+        const std::size_t chosen = object.next(random).object;
+        const Condition next{chosen, friction.next(random).object};
+        const auto rest = left.find(next);
+        if (rest == left.end() || rest->second == 0) {
+            return std::nullopt;
+        }
+        --rest->second;
+        order.push_back(next);
+    }
+    return order;
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,115 @@
+#include "protocols/session/adaptive_runs.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/procedure_file.hpp"
+#include "protocols/session/recorder.hpp"
+
+namespace palpate::protocols {
+
+AdaptiveRuns::AdaptiveRuns(const Protocol& protocol, const StreamKey& session) {
+    if (!protocol.procedure) {
+        return;
+    }
+    const ProcedureSpec spec = parse_procedure(protocol.procedure->rule, "[procedure]").spec;
+    for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
+        begun_.emplace_back(spec, stream(run_key(session, run)));
+    }
+    procedures_ = begun_;
+}
+
+double AdaptiveRuns::next(std::size_t run) const {
+    const Procedure& procedure = procedures_.at(run);
+    if (procedure.finished()) {
+        throw std::logic_error(fmt::format("run {} has ended", run));
+    }
+    return procedure.next().front();
+}
+
+void AdaptiveRuns::forget(std::int64_t trial) {
+    const auto found = std::find_if(answers_.begin(), answers_.end(),
+                                    [trial](const Answer& one) { return one.trial == trial; });
+    if (found == answers_.end()) {
+        return;
+    }
+    const std::size_t run = found->run;
+    answers_.erase(found);
+    procedures_[run] = begun_[run];
+    for (const Answer& one : answers_) {
+        if (one.run == run) {
+            procedures_[run].update(std::span(&one.shown, 1), one.outcome);
+        }
+    }
+}
+
+AdaptiveStep AdaptiveRuns::update(std::size_t run,
+                                  double shown,
+                                  std::size_t outcome,
+                                  std::int64_t trial) {
+    Procedure& procedure = procedures_.at(run);
+    procedure.update(std::span(&shown, 1), outcome);
+    answers_.push_back({trial, run, shown, outcome});
+    return {.run = run,
+            .stimulus = shown,
+            .outcome = outcome,
+            .estimates = procedure.estimates(),
+            .state_hash = procedure.state_hash()};
+}
+
+std::optional<double> stimulus_for(const Protocol& protocol,
+                                   const PlannedTrial& planned,
+                                   const AdaptiveRuns& runs) {
+    if (!planned.adaptive) {
+        return std::nullopt;
+    }
+    return planned.phase == Phase::practice ? protocol.procedure->practice_stimulus
+                                            : runs.next(planned.adaptive->run);
+}
+
+std::size_t outcome_of(const Protocol& protocol,
+                       const PlannedTrial& planned,
+                       const Response& response) {
+    switch (protocol.response.kind) {
+        case ResponseKind::two_interval:
+            return response.place + 1 == planned.adaptive->comparison ? 1 : 0;
+        case ResponseKind::identification: {
+            const std::vector<std::size_t> pictured = objects_of(protocol, true);
+            const auto found = std::find(pictured.begin(), pictured.end(), response.object);
+            return static_cast<std::size_t>(found - pictured.begin());
+        }
+        case ResponseKind::yes_no:
+        case ResponseKind::rating:
+            break;
+    }
+    return response.place;
+}
+
+std::optional<bool> is_right(const Protocol& protocol,
+                             const Plan& plan,
+                             const PlannedTrial& planned,
+                             std::span<const Presentation> felt,
+                             std::size_t place) {
+    if (protocol.response.kind == ResponseKind::identification && !planned.adaptive) {
+        return plan.picture_order.at(place) == planned.condition.object;
+    }
+    if (protocol.response.kind != ResponseKind::two_interval || felt.size() != 2) {
+        return std::nullopt;
+    }
+    const auto value = [&](const Presentation& one) {
+        return protocol.procedure->varies == Varies::curvature ? one.object.curvature
+                                                               : one.friction.mu_s;
+    };
+    const double first = value(felt[0]);
+    const double second = value(felt[1]);
+    if (first == second) {
+        return std::nullopt;
+    }
+    return (second > first) == (place == 1);
+}
+
+}  // namespace palpate::protocols

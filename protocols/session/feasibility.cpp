@@ -1,0 +1,184 @@
+#include "protocols/session/feasibility.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "engine/safety/passivity.hpp"
+#include "protocols/design/object_outline.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+constexpr int kPieces = 64;           ///< of each side of an outline: 0.9 mm of the default one
+constexpr double kHighestRate = 1e4;  ///< Hz, of a servo
+constexpr double kRounding = 1e-9;    ///< share by which a bound may be missed
+
+std::string delay_text(double ticks) {
+    if (ticks == 0.0) {
+        return "without delay";
+    }
+    return ticks == 1.0 ? "with one tick of delay"
+                        : fmt::format("with {:.3g} ticks of delay", ticks);
+}
+
+std::string point_text(const engine::Vec2& point) {
+    return fmt::format("({:.1f}, {:.1f}) mm", 1e3 * point.x, 1e3 * point.y);
+}
+
+std::string damper_text(double damping) {
+    return damping == 0.0 ? "" : fmt::format(" with a damper of {:.6g} N s/m", damping);
+}
+
+/// What would make b >= K T (1/2 + d) + |B|.
+std::string passivity_remedy(const ApparatusSpec& apparatus,
+                             const engine::DeviceTraits& traits,
+                             double damping) {
+    const double period = 1.0 / apparatus.rate_hz;
+    const double left = damping - std::fabs(apparatus.damping);  // for the spring
+    const double softest = left / (period * (0.5 + traits.delay_ticks));
+    const double rate = apparatus.stiffness * (0.5 + traits.delay_ticks) / left;
+    std::string remedy =
+        softest >= 1.0             ? fmt::format("lower stiffness_n_per_m to {}",
+                                                 static_cast<long>(std::floor(softest * (1.0 + kRounding))))
+        : apparatus.damping != 0.0 ? std::string("lower damping_n_s_per_m, which comes on top")
+                                   : std::string("give the device some damping");
+    if (left > 0.0 && rate <= kHighestRate * (1.0 + kRounding)) {
+        remedy += fmt::format(" or raise rate_hz to {}",
+                              static_cast<long>(std::ceil(rate * (1.0 - kRounding))));
+    }
+    return remedy;
+}
+
+void check_passivity(const ApparatusSpec& apparatus,
+                     const engine::DeviceTraits& traits,
+                     std::vector<Finding>& findings) {
+    const double period = 1.0 / apparatus.rate_hz;
+    const double need =
+        engine::least_damping(apparatus.stiffness, period, traits.delay_ticks, apparatus.damping);
+    const std::string asked = fmt::format(
+        "{:.6g} N/m{} at {:.6g} Hz {} needs {:.3g} N s/m at the handle", apparatus.stiffness,
+        damper_text(apparatus.damping), apparatus.rate_hz, delay_text(traits.delay_ticks), need);
+    if (!traits.damping) {
+        findings.push_back(
+            {Verdict::warn, "how much the device damps is not known, and " + asked +
+                                ": measure it and give it in the calibration, or the contact may "
+                                "buzz under a light hand"});
+        return;
+    }
+    const double damping = *traits.damping;
+    if (damping >= need * (1.0 - kRounding)) {
+        return;
+    }
+    findings.push_back(
+        {Verdict::refuse, fmt::format("the device damps {:.3g} N s/m; {}: {}", damping, asked,
+                                      passivity_remedy(apparatus, traits, damping))});
+}
+
+/// A point of an object, and what the device can do there.
+struct Spot {
+    const ObjectSpec* object = nullptr;
+    engine::Vec2 point{};
+    std::optional<double> force;  ///< N, in its weakest direction
+};
+
+std::vector<Spot> spots(const Protocol& protocol, const engine::Device& device) {
+    std::vector<Spot> found;
+    for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
+        const auto outline = outline_of(protocol, i);
+        for (const auto& side : outline->spans()) {
+            for (int k = 0; k < kPieces; ++k) {
+                const engine::Vec2 point = side.at(static_cast<double>(k) / kPieces).point;
+                found.push_back({&protocol.objects[i], point, device.weakest_force(point)});
+            }
+        }
+    }
+    return found;
+}
+
+void check_workspace(const Protocol& protocol,
+                     const std::vector<Spot>& spots,
+                     bool start_in_reach,
+                     std::vector<Finding>& findings) {
+    const auto outside =
+        std::find_if(spots.begin(), spots.end(), [](const Spot& spot) { return !spot.force; });
+    if (outside != spots.end()) {
+        findings.push_back(
+            {Verdict::refuse,
+             fmt::format("the handle cannot reach {} of object \"{}\": move or shrink the object "
+                         "(outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm), or "
+                         "the origin in the calibration",
+                         point_text(outside->point), outside->object->name)});
+    }
+    if (!start_in_reach) {
+        findings.push_back(
+            {Verdict::refuse,
+             fmt::format("the handle cannot reach the start pose {}: move apparatus.start_mm "
+                         "closer to the object",
+                         point_text(protocol.apparatus.start))});
+    }
+}
+
+void check_force(const ApparatusSpec& apparatus,
+                 const std::vector<Spot>& spots,
+                 std::vector<Finding>& findings) {
+    const Spot* weakest = nullptr;
+    for (const Spot& spot : spots) {
+        if (spot.force && (weakest == nullptr || *spot.force < *weakest->force)) {
+            weakest = &spot;
+        }
+    }
+    if (weakest == nullptr || *weakest->force >= apparatus.force_limit * (1.0 - kRounding)) {
+        return;
+    }
+    findings.push_back(
+        {Verdict::warn,
+         fmt::format("the device gives {:.3g} N at {} of object \"{}\", less than force_limit_n = "
+                     "{:.6g}: with {:.6g} N/m the force clips there from a depth of {:.3g} mm on; "
+                     "such ticks are flagged as saturated, and force_limit_n = {:.3g} would make "
+                     "the limit the same everywhere",
+                     *weakest->force, point_text(weakest->point), weakest->object->name,
+                     apparatus.force_limit, apparatus.stiffness,
+                     1e3 * *weakest->force / apparatus.stiffness,
+                     std::floor(100.0 * *weakest->force) / 100.0)});
+}
+
+}  // namespace
+
+Margins margins_of(const Protocol& protocol, const engine::Device& device) {
+    const engine::DeviceTraits traits = device.traits();
+    Margins margins{
+        .needed_damping = engine::least_damping(
+            protocol.apparatus.stiffness, 1.0 / protocol.apparatus.rate_hz, traits.delay_ticks),
+        .damping = traits.damping,
+        .weakest_force = {}};
+    for (const Spot& spot : spots(protocol, device)) {
+        if (spot.force && !(margins.weakest_force && *margins.weakest_force <= *spot.force)) {
+            margins.weakest_force = spot.force;
+        }
+    }
+    return margins;
+}
+
+std::vector<Finding> check_feasibility(const Protocol& protocol, const engine::Device& device) {
+    std::vector<Finding> findings;
+    const engine::DeviceTraits traits = device.traits();
+    if (!traits.gives_force) {
+        return findings;
+    }
+    check_passivity(protocol.apparatus, traits, findings);
+    const std::vector<Spot> known = spots(protocol, device);
+    const bool start = device.weakest_force(protocol.apparatus.start).has_value();
+    const bool knows = start || std::any_of(known.begin(), known.end(), [](const Spot& spot) {
+                           return spot.force.has_value();
+                       });
+    if (knows) {
+        check_workspace(protocol, known, start, findings);
+        check_force(protocol.apparatus, known, findings);
+    }
+    return findings;
+}
+
+}  // namespace palpate::protocols

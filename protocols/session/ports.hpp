@@ -1,0 +1,39 @@
+#pragma once
+
+#include <functional>
+
+#include "protocols/session/operator_desk.hpp"
+#include "protocols/session/pending_trials.hpp"
+#include "protocols/session/recorder.hpp"
+#include "protocols/trial/apparatus.hpp"
+#include "protocols/trial/observer.hpp"
+
+namespace palpate::protocols {
+
+/// Waits on the wall clock, s.
+void sleep_for(double seconds);
+
+/// An attempt that has ended, for whoever looks on.
+struct Progress {
+    const PlannedTrial& planned;
+    const TrialResult& result;
+    TrialNumber number{};     ///< as its screens said
+    std::size_t left = 0;     ///< trials of the session
+    bool runs_again = false;  ///< its position is among them
+};
+
+/// The three ports of a session, and how to interrupt it. All outlive the run.
+struct Ports {
+    Apparatus& apparatus;
+    Observer& observer;
+    Recorder& recorder;
+    std::function<bool()> interrupted = [] {
+        return false;
+    };  ///< e.g. a signal arrived
+    std::function<void(const Progress&)> progress = [](const Progress&) {
+    };
+    std::function<void(double)> pause = sleep_for;  ///< between two questions after a fault, s
+    OperatorDesk* desk = nullptr;                   ///< none: nobody asks for anything
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,143 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/realtime/tick_record.hpp"
+#include "engine/safety/trip.hpp"
+#include "protocols/design/plan.hpp"
+#include "protocols/session/adaptive_runs.hpp"
+#include "protocols/trial/observer.hpp"
+#include "protocols/trial/presentation.hpp"
+
+/// The port to whatever keeps the data. Every call but append() is durable when it returns, or throws.
+namespace palpate::protocols {
+
+enum class Outcome : std::uint8_t {
+    complete,     ///< felt and answered
+    timed_out,    ///< exploration reached the time-out, then answered
+    aborted,      ///< ended by the experimenter or a signal; run again on resume
+    interrupted,  ///< found unfinished when the session was opened again; run again
+    faulted,      ///< the force went off by itself; run again later in its block
+};
+
+[[nodiscard]] std::string_view to_string(Outcome outcome) noexcept;
+
+/// Numbers of a trial's ticks that analysts ask for first. Computed while the trial runs, from its first
+/// tick to done; the ramp out of the force is in the trace, but not in here.
+struct TrialSummary {
+    std::int64_t ticks = 0;
+    std::int64_t contact_ticks = 0;
+    std::int64_t slip_ticks = 0;  ///< slip or transition
+    std::int64_t late_ticks = 0;
+    std::int64_t saturated_ticks = 0;
+    std::int64_t skipped_ticks = 0;    ///< HIP was out of reach: a comparison instead of a tick
+    std::int64_t slewed_ticks = 0;     ///< the slew limit held the force back
+    std::int64_t stale_ticks = 0;      ///< without a new reading
+    double path_length_m = 0.0;        ///< of HIP
+    double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
+    double max_normal_force_n = 0.0;
+    double energy_j = 0.0;     ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    std::int64_t strokes = 0;  ///< along the surface, see StrokeCounter
+    double mean_speed_m_per_s =
+        0.0;  ///< of HIP in contact: its path by its time, 0 without contact
+    std::int64_t before_vertex_ticks = 0;  ///< in contact with the first segment: up to the vertex
+    std::int64_t after_vertex_ticks = 0;   ///< with the second: from the vertex on
+    std::int64_t contact_episodes = 0;
+    double worst_episode_j =
+        0.0;  ///< largest engine::EnergyLedger balance of an episode, <= 0: passive
+    std::optional<double> first_contact_s;  ///< since the first tick
+};
+
+struct Response {
+    std::size_t place = 0;                ///< which answer, as Choice::place
+    std::optional<std::size_t> object{};  ///< of a picture: index into Protocol::objects
+    std::optional<bool> correct{};        ///< none: the answer is neither right nor wrong
+    double reaction_s = 0.0;              ///< question shown -> the press that gave this answer
+    double uncertainty_s = 0.0;
+    InputKind input = InputKind::simulated;
+    std::optional<int> confidence{};  ///< 1 .. kMostConfidence
+    double confidence_reaction_s = 0.0;
+    std::size_t early_presses = 0;  ///< as Choice::early_presses
+    std::optional<Confirmation> confirmation{};
+    std::optional<Confirmation> confidence_confirmation{};
+};
+
+/// What became of one interval of a trial.
+struct IntervalResult {
+    double done_s = 0.0;  ///< first tick of the interval -> done (or time-out)
+    double done_uncertainty_s = 0.0;
+    TrialSummary summary{};
+};
+
+/// The force went off by itself.
+struct Fault {
+    engine::Trip cause = engine::Trip::none;
+    std::string text;                      ///< what happened and what to do, a sentence
+    std::vector<engine::TickRecord> last;  ///< up to the trip, oldest first, at most 100
+};
+
+struct TrialResult {
+    Outcome outcome = Outcome::complete;
+    double done_s = 0.0;  ///< of the last interval: its first tick -> done (or time-out)
+    double done_uncertainty_s = 0.0;
+    TrialSummary summary{};                   ///< of all intervals together
+    std::vector<IntervalResult> intervals{};  ///< as far as the trial came
+    std::optional<Response> response{};       ///< none unless complete or timed_out
+    std::optional<Fault> fault{};             ///< none unless faulted
+    std::optional<AdaptiveStep> step{};       ///< none unless a rule took in the answer
+    std::string
+        invalid{};  ///< why an answer does not count, a phrase; empty: it does, or there is none
+    bool begun =
+        true;  ///< false: the desk wanted something before the first tick, nothing is recorded
+};
+
+/// Constants of the compiled scene that needed exp, kept because exp differs between machines.
+struct SceneConstants {
+    double slip_decay = 0.0;  ///< exp(-T/tau_slip), 0 for a sharp drop
+    double heal_decay = 0.0;  ///< exp(-T/tau_heal)
+};
+
+using TrialId = std::int64_t;
+
+class Recorder {
+public:
+    Recorder() = default;
+    Recorder(const Recorder&) = delete;
+    Recorder& operator=(const Recorder&) = delete;
+    virtual ~Recorder() = default;
+
+    /// A new attempt at a planned trial. @param scene  of its first interval
+    [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned,
+                                              const SceneConstants& scene) = 0;
+    /// The next interval of the running trial begins: its ticks are counted from 0.
+    virtual void begin_interval(TrialId trial,
+                                const Presentation& presentation,
+                                const SceneConstants& scene) {
+        static_cast<void>(trial);
+        static_cast<void>(presentation);
+        static_cast<void>(scene);
+    }
+    /// The next ticks of the running interval, in order and without gaps. Durable with the next save().
+    virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
+    /// Makes durable what was appended. @return false if it has to be tried again, nothing is lost
+    virtual bool save() { return true; }
+    virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
+    /// Something that happened: "break", "abort", "fault", "reconnect", "go on",
+    /// "timing", ... with a sentence.
+    virtual void event(std::string_view kind, std::string_view text) = 0;
+    /// The answer of a trial that has ended does not count after all: it stays, with the reason.
+    virtual void mark(TrialId trial, std::string_view reason) {
+        static_cast<void>(trial);
+        static_cast<void>(reason);
+    }
+    /// All planned trials are done.
+    virtual void finish_session() = 0;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,52 @@
+#include "protocols/session/stroke_counter.hpp"
+
+#include <algorithm>
+
+namespace palpate::protocols {
+namespace {
+
+/// t from F = fn n + ft t, where n is t turned to the left; not normalised. 0 without a force.
+engine::Vec2 along(const engine::TickRecord& tick) noexcept {
+    const double fn = tick.normal_force;
+    const double ft = tick.tangential_force;
+    const engine::Vec2 f = tick.force;
+    return {ft * f.x + fn * f.y, ft * f.y - fn * f.x};
+}
+
+}  // namespace
+
+void StrokeCounter::add(const engine::TickRecord& tick) noexcept {
+    const engine::Vec2 step = started_ ? tick.hip - last_hip_ : engine::Vec2{};
+    started_ = true;
+    last_hip_ = tick.hip;
+    if (tick.mode == engine::Mode::free) {
+        return;
+    }
+    if (tick.time_ns - last_contact_ > kLift) {
+        direction_ = 0;
+        place_ = low_ = high_ = 0.0;
+    }
+    last_contact_ = tick.time_ns;
+    const engine::Vec2 t = along(tick);
+    const double length = glm::length(t);
+    if (length > 0.0) {
+        go(glm::dot(step, t) / length);
+    }
+}
+
+void StrokeCounter::go(double step) noexcept {
+    place_ += step;
+    low_ = std::min(low_, place_);
+    high_ = std::max(high_, place_);
+    if (direction_ <= 0 && place_ - low_ >= kStroke) {
+        direction_ = 1;
+        ++strokes_;
+        high_ = place_;
+    } else if (direction_ >= 0 && high_ - place_ >= kStroke) {
+        direction_ = -1;
+        ++strokes_;
+        low_ = place_;
+    }
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "engine/rendering/energy_ledger.hpp"
+#include "protocols/protocol/protocol.hpp"
+#include "protocols/session/recorder.hpp"
+#include "protocols/session/stroke_counter.hpp"
+
+namespace palpate::protocols {
+
+/// Adds up a trial's ticks while they come.
+class TrialMeter {
+public:
+    /// @param stiffness  K of the contact, N/m
+    explicit TrialMeter(double stiffness) : ledger_(stiffness) {}
+    void add(std::span<const engine::TickRecord> ticks);
+    [[nodiscard]] TrialSummary summary() const;
+
+private:
+    TrialSummary sum_{};
+    engine::EnergyLedger<2> ledger_;
+    StrokeCounter strokes_;
+    double force_sum_ = 0.0;     ///< N, over contact ticks
+    double contact_path_ = 0.0;  ///< m, of the steps that end in contact
+    double contact_time_ = 0.0;  ///< s, of these steps
+    bool started_ = false;
+    engine::Vec2 last_hip_{};
+    engine::Vec2 last_force_{};
+    std::int64_t last_time_ = 0;  ///< ns
+};
+
+/// Two intervals as one: counts and ways are added up, the mean force weighs by contact, the largest and the
+/// first remain. first_contact_s is that of the first interval with any, within it.
+[[nodiscard]] TrialSummary together(const TrialSummary& first, const TrialSummary& second);
+
+/// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it counts.
+/// @param late_counts  false for a simulated hand: nobody felt the lateness
+[[nodiscard]] std::string why_invalid(const Protocol& protocol,
+                                      const TrialSummary& summary,
+                                      bool late_counts);
+/// Of all intervals of a trial: each has to be felt, and of two it is said which was not.
+[[nodiscard]] std::string why_invalid(const Protocol& protocol,
+                                      std::span<const TrialSummary> intervals,
+                                      bool late_counts);
+
+}  // namespace palpate::protocols

@@ -1,0 +1,256 @@
+#include "protocols/session/trial_runner.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "protocols/session/pending_trials.hpp"
+#include "protocols/trial/trial_scene.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+/// Switches the force off when the felt part ends, however it ends.
+class Felt {
+public:
+    Felt(Apparatus& apparatus,
+         const engine::Scene& scene,
+         const PlannedTrial& planned,
+         std::size_t interval)
+        : apparatus_(&apparatus) {
+        apparatus.begin(scene, planned, interval);
+    }
+    Felt(const Felt&) = delete;
+    Felt& operator=(const Felt&) = delete;
+    ~Felt() { end(); }
+    void end() {
+        if (apparatus_ != nullptr) {
+            apparatus_->end();
+            apparatus_ = nullptr;
+        }
+    }
+
+private:
+    Apparatus* apparatus_;
+};
+
+}  // namespace
+
+TrialRunner::TrialRunner(
+    const Protocol& protocol, const Plan& plan, Ports& ports, bool simulated, AdaptiveRuns& runs)
+    : protocol_(protocol),
+      plan_(plan),
+      ports_(ports),
+      simulated_(simulated),
+      runs_(runs),
+      pictures_(make_pictures(protocol, plan.picture_order)),
+      question_(question_of(protocol, pictures_)) {}
+
+TrialView TrialRunner::view_of(const TrialNumber& number, std::size_t done) const {
+    return {.number = number.number,
+            .total = number.total,
+            .practice = number.practice,
+            .done = done,
+            .explore_min_s = protocol_.timing.explore_min,
+            .explore_prompt_s = protocol_.timing.explore_prompt,
+            .explore_timeout_s = protocol_.timing.explore_timeout};
+}
+
+/// The participant is at the start of an interval. @return go_on, abort, or held_up
+Signal TrialRunner::begin(const TrialView& view) {
+    if (view.interval > 1 && ports_.observer.gap(protocol_.timing.gap) == Signal::abort) {
+        return Signal::abort;
+    }
+    const Signal signal = ports_.observer.ready(view);
+    return ports_.interrupted() ? Signal::abort : signal;
+}
+
+TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
+    TrialResult result;
+    const std::vector<Presentation> felt =
+        presentations_of(protocol_, planned, stimulus_for(protocol_, planned, runs_));
+    view.intervals = felt.size();
+    const Signal begun = begin(view);
+    if (begun != Signal::go_on || (ports_.desk != nullptr && ports_.desk->wants())) {
+        result.outcome = begun == Signal::abort ? Outcome::aborted : result.outcome;
+        result.begun = false;
+        return result;
+    }
+    TrialId id = 0;
+    bool timed_out = false;
+    for (const Presentation& one : felt) {
+        view.interval = one.interval;
+        if (one.interval > 1 && begin(view) != Signal::go_on) {
+            result.outcome = Outcome::aborted;
+            break;
+        }
+        const engine::Scene scene = make_scene(protocol_, one);
+        const SceneConstants constants{.slip_decay = scene.decay().slip,
+                                       .heal_decay = scene.decay().heal};
+        if (one.interval == 1) {
+            id = ports_.recorder.begin_trial(planned, constants);
+            last_ = id;
+        }
+        ports_.recorder.begin_interval(id, one, constants);
+        feel(id, planned, one, scene, view, result);
+        timed_out = timed_out || result.outcome == Outcome::timed_out;
+        if (!is_answered(result.outcome)) {
+            break;
+        }
+    }
+    if (is_answered(result.outcome)) {
+        result.outcome = timed_out ? Outcome::timed_out : Outcome::complete;
+        answer(id, planned, felt, view, result);
+    }
+    ports_.recorder.end_trial(id, result);
+    note_lost_ticks(planned);
+    return result;
+}
+
+void TrialRunner::feel(TrialId id,
+                       const PlannedTrial& planned,
+                       const Presentation& felt,
+                       const engine::Scene& scene,
+                       const TrialView& view,
+                       TrialResult& result) {
+    meter_ = TrialMeter(protocol_.apparatus.stiffness);
+    tripped_s_.reset();
+    result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
+    {
+        Felt force(ports_.apparatus, scene, planned, felt.interval);
+        explore(id, view, result);
+        force.end();
+        drain(id, false);
+    }
+    note_fault(planned, result);
+    result.intervals.push_back({.done_s = result.done_s,
+                                .done_uncertainty_s = result.done_uncertainty_s,
+                                .summary = meter_.summary()});
+    result.summary = result.intervals.size() == 1 ? meter_.summary()
+                                                  : together(result.summary, meter_.summary());
+}
+
+void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result) {
+    const TimingSpec& timing = protocol_.timing;
+    for (;;) {
+        const engine::ServoStatus status = ports_.apparatus.advance();
+        drain(id, true);
+        const double elapsed = ports_.apparatus.elapsed_s();
+        result.done_s = elapsed;
+        if (status == engine::ServoStatus::faulted) {
+            result.outcome = Outcome::faulted;
+            return;
+        }
+        const Exploring exploring = ports_.observer.explore(view, elapsed);
+        if (exploring.signal == Signal::abort || ports_.interrupted()) {
+            result.outcome = Outcome::aborted;
+            return;
+        }
+        if (exploring.signal == Signal::done && exploring.at_s >= timing.explore_min) {
+            result.outcome = Outcome::complete;
+            result.done_s = exploring.at_s;
+            result.done_uncertainty_s = exploring.uncertainty_s;
+            return;
+        }
+        if (ports_.apparatus.exhausted()) {
+            result.outcome = Outcome::complete;
+            return;
+        }
+        if (elapsed >= timing.explore_timeout) {
+            result.outcome = Outcome::timed_out;
+            return;
+        }
+    }
+}
+
+/// A trip before done spoils the trial, also when it was seen only afterwards; one in the ramp out of the
+/// force spoils nothing that was felt.
+void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
+    const bool felt = tripped_s_ && *tripped_s_ <= result.done_s;
+    if (is_answered(result.outcome) && felt) {
+        result.outcome = Outcome::faulted;
+        result.done_s = *tripped_s_;
+    }
+    const engine::Trip cause = ports_.apparatus.trip();
+    if (result.outcome != Outcome::faulted) {
+        if (tripped_s_) {
+            ports_.recorder.event("fault",
+                                  fmt::format("after the exploration at position {} had ended: {}",
+                                              planned.position, to_string(cause)));
+        }
+        return;
+    }
+    const std::string trouble = ports_.apparatus.trouble();
+    result.fault = Fault{.cause = cause,
+                         .text = trouble.empty() ? std::string(explanation(cause)) : trouble,
+                         .last = ports_.apparatus.last_ticks()};
+}
+
+void TrialRunner::answer(TrialId id,
+                         const PlannedTrial& planned,
+                         std::span<const Presentation> felt,
+                         const TrialView& view,
+                         TrialResult& result) {
+    const Choice choice = ports_.observer.choose(view, question_);
+    if (choice.signal == Signal::abort) {
+        result.outcome = Outcome::aborted;
+        return;
+    }
+    Response response{.place = choice.place,
+                      .correct = is_right(protocol_, plan_, planned, felt, choice.place),
+                      .reaction_s = choice.reaction_s,
+                      .uncertainty_s = choice.uncertainty_s,
+                      .input = choice.input,
+                      .confidence = question_.confidence ? choice.confidence : std::nullopt,
+                      .confidence_reaction_s = choice.confidence_reaction_s,
+                      .early_presses = choice.early_presses,
+                      .confirmation = choice.confirmation,
+                      .confidence_confirmation = choice.confidence_confirmation};
+    if (question_.kind == ResponseKind::identification) {
+        response.object = plan_.picture_order.at(choice.place);
+    }
+    std::vector<TrialSummary> summaries;
+    for (const IntervalResult& one : result.intervals) {
+        summaries.push_back(one.summary);
+    }
+    if (!ports_.apparatus.repeats()) {
+        result.invalid = why_invalid(protocol_, summaries, !simulated_);
+    }
+    if (planned.adaptive && planned.phase != Phase::practice && result.invalid.empty()) {
+        const double stimulus =
+            felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1].stimulus.value();
+        result.step = runs_.update(planned.adaptive->run, stimulus,
+                                   outcome_of(protocol_, planned, response), id);
+    }
+    result.response = response;
+}
+
+/// @param exploring  the ticks count for the summary and for the observer; the ramp out does not
+void TrialRunner::drain(TrialId id, bool exploring) {
+    for (;;) {
+        const std::size_t n = ports_.apparatus.ring().pop(buffer_);
+        if (n == 0) {
+            return;
+        }
+        const std::span<const engine::TickRecord> ticks(buffer_.data(), n);
+        for (const engine::TickRecord& tick : ticks) {
+            if ((tick.flags & engine::tick_fault) != 0 && !tripped_s_) {
+                tripped_s_ = static_cast<double>(tick.time_ns) * 1e-9;
+            }
+        }
+        if (exploring) {
+            meter_.add(ticks);
+            ports_.observer.feel(ticks);
+        }
+        ports_.recorder.append(id, ticks);
+    }
+}
+
+void TrialRunner::note_lost_ticks(const PlannedTrial& planned) {
+    if (const std::int64_t lost = ports_.apparatus.dropped() - dropped_; lost > 0) {
+        dropped_ += lost;
+        ports_.recorder.event("ticks lost", fmt::format("{} found the ring full at position {}",
+                                                        counted(lost, "tick"), planned.position));
+    }
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,42 @@
+#include "protocols/session/trouble.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+
+namespace palpate::protocols {
+
+Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
+    TroubleView view{.sentence = fault.text,
+                     .in_a_row = in_a_row,
+                     .by_hand = fault.cause == engine::Trip::stopped};
+    for (std::size_t slice = 0;; ++slice) {
+        if (!view.solved && slice % kSlicesPerTry == 0) {
+            view.solved = ports.apparatus.reconnect();
+            if (view.solved) {
+                view.sentence = fault.text;  // no longer why it could not be reached
+                ports.recorder.event(
+                    "reconnect",
+                    "the device works, after " + counted(view.tries, "try", "tries") + " in vain");
+            } else {
+                ++view.tries;
+                const std::string trouble = ports.apparatus.trouble();
+                view.sentence = trouble.empty() ? fault.text : trouble;
+            }
+        }
+        if (ports.interrupted()) {
+            return {Signal::abort, view.tries};
+        }
+        const std::optional<Signal> said = ports.observer.trouble(view);
+        if (said == Signal::abort || said == Signal::give_up) {
+            return {*said, view.tries};
+        }
+        if (said == Signal::go_on && view.solved) {
+            ports.recorder.event("go on", fmt::format("after {}", to_string(fault.cause)));
+            return {Signal::go_on, view.tries};
+        }
+        ports.pause(kTroubleSlice);
+    }
+}
+
+}  // namespace palpate::protocols

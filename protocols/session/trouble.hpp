@@ -1,0 +1,21 @@
+#pragma once
+
+#include "protocols/session/ports.hpp"
+
+namespace palpate::protocols {
+
+/// Between two questions to the observer after a fault, s; the device is asked every tenth time.
+inline constexpr double kTroubleSlice = 0.05;
+inline constexpr std::size_t kSlicesPerTry = 10;
+
+struct Mended {
+    Signal signal = Signal::go_on;  ///< go_on, abort or give_up
+    std::size_t tries = 0;          ///< how often the device was asked to come back, in vain
+};
+
+/// After a faulted trial: asks the device to come back, at once and then every half second, and the
+/// observer whether to go on, until one of both settles it. What comes of it is an event.
+/// @param in_a_row  faulted trials since the last good one, this one too
+[[nodiscard]] Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row);
+
+}  // namespace palpate::protocols

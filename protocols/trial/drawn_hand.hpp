@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "engine/device/hand_path.hpp"
+#include "protocols/design/plan.hpp"
+#include "protocols/protocol/protocol.hpp"
+
+namespace palpate::protocols {
+
+/// How a simulated participant explores. Every trial's way is drawn from the stream "hand" of its
+/// position, that of a second interval from "hand.second", so that a resumed session explores as the unbroken one.
+class DrawnHand {
+public:
+    DrawnHand(const Protocol& protocol,
+              std::string protocol_hash,
+              SessionKey key,
+              std::uint64_t seed);
+
+    [[nodiscard]] engine::Exploration at(std::size_t position, std::size_t interval = 1) const;
+
+private:
+    OutlineSpec outline_;
+    engine::Vec2 start_;
+    std::string protocol_hash_;
+    SessionKey key_;
+    std::uint64_t seed_;
+};
+
+}  // namespace palpate::protocols

@@ -1,0 +1,51 @@
+#include "protocols/trial/presentation.hpp"
+
+#include <stdexcept>
+
+#include "protocols/design/adaptive_plan.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+Presentation comparison_of(const Protocol& protocol, const PlannedTrial& planned, double stimulus) {
+    const AdaptiveSpec& spec = *protocol.procedure;
+    Presentation felt{.interval = planned.adaptive->comparison,
+                      .object = protocol.objects.at(planned.condition.object),
+                      .friction = protocol.frictions.at(planned.condition.friction),
+                      .stimulus = stimulus};
+    const double value = felt_value(spec, stimulus);
+    if (spec.varies == Varies::curvature) {
+        felt.object.curvature = value;
+    } else {
+        felt.friction.mu_d = value * (felt.friction.mu_d / felt.friction.mu_s);
+        felt.friction.mu_s = value;
+    }
+    return felt;
+}
+
+}  // namespace
+
+std::vector<Presentation> presentations_of(const Protocol& protocol,
+                                           const PlannedTrial& planned,
+                                           std::optional<double> stimulus) {
+    if (planned.adaptive.has_value() != stimulus.has_value()) {
+        throw std::invalid_argument(stimulus ? "a stimulus for a trial without a rule"
+                                             : "no stimulus for a trial of a rule");
+    }
+    if (!planned.adaptive) {
+        return {{.interval = 1,
+                 .object = protocol.objects.at(planned.condition.object),
+                 .friction = protocol.frictions.at(planned.condition.friction)}};
+    }
+    std::vector<Presentation> intervals{comparison_of(protocol, planned, *stimulus)};
+    if (intervals_of(protocol) == 2) {
+        const std::size_t other = 3 - planned.adaptive->comparison;
+        intervals.insert(other == 1 ? intervals.begin() : intervals.end(),
+                         {.interval = other,
+                          .object = protocol.objects.at(planned.condition.object),
+                          .friction = protocol.frictions.at(planned.adaptive->standard_friction)});
+    }
+    return intervals;
+}
+
+}  // namespace palpate::protocols

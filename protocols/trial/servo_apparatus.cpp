@@ -1,0 +1,125 @@
+#include "protocols/trial/servo_apparatus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "engine/safety/passivity.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+
+namespace palpate::protocols {
+namespace {
+
+/// m/s between two readings beyond any hand: an encoder skipped or a cable came loose.
+constexpr double kJumpSpeed = 10.0;
+/// s without a new reading after which the force has nothing to stand on.
+constexpr double kSilence = 0.010;
+
+}  // namespace
+
+engine::ServoSpec servo_spec(const Protocol& protocol,
+                             const engine::Device& device,
+                             double spin_share) {
+    const ApparatusSpec& apparatus = protocol.apparatus;
+    const SafetySpec& safety = protocol.safety;
+    const engine::DeviceTraits traits = device.traits();
+    const double period = 1.0 / apparatus.rate_hz;
+    engine::SafetyLimits limits{.period = period,
+                                .most = apparatus.force_limit,
+                                .ramp_step = engine::ramp_step(apparatus.force_ramp, period),
+                                .slew = safety.slew_limit * period,
+                                .stiffness = apparatus.stiffness};
+    if (traits.gives_force) {
+        limits.speed = safety.speed_limit;
+        limits.jump = kJumpSpeed * period;
+        limits.late_run = static_cast<std::int32_t>(safety.late_run);
+        limits.late_share = static_cast<std::int32_t>(safety.late_share);
+        limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
+        limits.energy = safety.energy_limit;
+        limits.damping = std::max(traits.damping.value_or(0.0),
+                                  engine::least_damping(apparatus.stiffness, period,
+                                                        traits.delay_ticks, apparatus.damping));
+        limits.delay_ticks = traits.delay_ticks;
+        limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
+        limits.watch_encoders = true;
+        limits.dead_man = safety.dead_man;
+    }
+    return {
+        .rate_hz = apparatus.rate_hz, .limits = limits, .realtime = {}, .spin_share = spin_share};
+}
+
+std::string ServoApparatus::timing() const {
+    const bool ticked = servo().real_time() && servo().lateness().count() > 0;
+    return ticked ? describe(servo().lateness()) : std::string();
+}
+
+SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
+                                       DrawnHand hand,
+                                       double pace,
+                                       const engine::PantographModel& model)
+    : hand_(std::move(hand)),
+      device_(model, 1.0 / protocol.apparatus.rate_hz),
+      servo_(device_, servo_spec(protocol, device_), pace) {}
+
+void SimulatedApparatus::begin(const engine::Scene& scene,
+                               const PlannedTrial& planned,
+                               std::size_t interval) {
+    device_.begin(hand_.at(planned.position, interval));
+    servo_.begin(scene);
+}
+
+ReplayApparatus::ReplayApparatus(const Protocol& protocol,
+                                 std::vector<Recording> recordings,
+                                 std::string source,
+                                 double pace)
+    : recordings_(std::move(recordings)),
+      intervals_(intervals_of(protocol)),
+      source_(std::move(source)),
+      servo_(device_, servo_spec(protocol, device_), pace) {
+    if (recordings_.empty()) {
+        throw std::invalid_argument(source_ + " holds no recorded trial to replay");
+    }
+    for (const Recording& recording : recordings_) {
+        if (recording.empty()) {
+            throw std::invalid_argument(source_ +
+                                        " holds a trial without ticks: name another trial");
+        }
+    }
+}
+
+void ReplayApparatus::begin(const engine::Scene& scene,
+                            const PlannedTrial& planned,
+                            std::size_t interval) {
+    const std::size_t at = planned.position * intervals_ + interval - 1;
+    device_.begin(recordings_[at % recordings_.size()]);
+    servo_.begin(scene);
+}
+
+bool ReplayApparatus::exhausted() const noexcept {
+    // The recording's last ticks are its ramp out: leave them for ours.
+    return static_cast<std::int64_t>(device_.left()) <= servo_.ramp_ticks();
+}
+
+DeviceApparatus::DeviceApparatus(const Protocol& protocol,
+                                 std::unique_ptr<engine::Device> device,
+                                 double spin_share)
+    : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_, spin_share)) {}
+
+void DeviceApparatus::begin(const engine::Scene& scene,
+                            const PlannedTrial& /*planned*/,
+                            std::size_t /*interval*/) {
+    servo_.begin(scene);
+}
+
+PointerApparatus::PointerApparatus(const Protocol& protocol)
+    : servo_(device_, servo_spec(protocol, device_)) {
+    device_.publish(protocol.apparatus.start);
+}
+
+void PointerApparatus::begin(const engine::Scene& scene,
+                             const PlannedTrial& /*planned*/,
+                             std::size_t /*interval*/) {
+    servo_.begin(scene);
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,159 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "engine/device/pointer_device.hpp"
+#include "engine/device/replay_device.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+#include "engine/realtime/thread_servo.hpp"
+#include "protocols/protocol/protocol.hpp"
+#include "protocols/trial/apparatus.hpp"
+#include "protocols/trial/drawn_hand.hpp"
+
+namespace palpate::protocols {
+
+/// What protocol and device together ask of the servo. Limits on motion, energy, heat and lateness are for
+/// devices that give force. @param spin_share  see engine::ServoSpec
+[[nodiscard]] engine::ServoSpec servo_spec(const Protocol& protocol,
+                                           const engine::Device& device,
+                                           double spin_share = 0.0);
+
+/// An apparatus that is a servo and a little more.
+class ServoApparatus : public Apparatus {
+public:
+    engine::ServoStatus advance() override { return servo().advance(); }
+    void end() override { servo().end(); }
+    [[nodiscard]] engine::TickRing& ring() noexcept override { return servo().ring(); }
+    [[nodiscard]] double elapsed_s() const noexcept override { return servo().elapsed_s(); }
+    [[nodiscard]] std::int64_t dropped() const noexcept override { return servo().dropped(); }
+    void hold(bool held) override { servo().hold(held); }
+    void stop() override { servo().stop(); }
+    [[nodiscard]] engine::Trip trip() const override { return servo().trip(); }
+    [[nodiscard]] std::vector<engine::TickRecord> last_ticks() const override {
+        return servo().last_ticks();
+    }
+
+    [[nodiscard]] std::string timing() const override;
+
+    [[nodiscard]] virtual const engine::Device& device() const noexcept = 0;
+    /// Its clock is that of the wall.
+    [[nodiscard]] bool real_time() const noexcept { return servo().real_time(); }
+    /// What the system granted to its servo.
+    [[nodiscard]] const engine::RealtimeRights& rights() const noexcept { return servo().rights(); }
+
+protected:
+    [[nodiscard]] virtual engine::Servo& servo() noexcept = 0;
+    [[nodiscard]] virtual const engine::Servo& servo() const noexcept = 0;
+};
+
+/// The simulated pantograph and hand on a virtual clock.
+class SimulatedApparatus : public ServoApparatus {
+public:
+    /// @param pace  multiple of real time, 0: as fast as the machine
+    SimulatedApparatus(const Protocol& protocol,
+                       DrawnHand hand,
+                       double pace = 0.0,
+                       const engine::PantographModel& model = {});
+
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
+    [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
+    [[nodiscard]] std::string device_name() const override { return device_.name(); }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    DrawnHand hand_;
+    engine::SimulatedPantograph device_;
+    engine::VirtualServo servo_;
+};
+
+/// Recorded hands: interval k of the plan, counted through all its trials from 0, gets recording k modulo
+/// their number.
+class ReplayApparatus : public ServoApparatus {
+public:
+    using Recording = std::vector<engine::Reading>;
+
+    /// @throws std::invalid_argument without recordings, or if one is empty
+    ReplayApparatus(const Protocol& protocol,
+                    std::vector<Recording> recordings,
+                    std::string source,
+                    double pace = 0.0);
+
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
+    [[nodiscard]] bool hand_is_done() const noexcept override { return exhausted(); }
+    [[nodiscard]] bool exhausted() const noexcept override;
+    [[nodiscard]] std::string device_name() const override { return "replay of " + source_; }
+    [[nodiscard]] bool repeats() const noexcept override { return true; }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    std::vector<Recording> recordings_;
+    std::size_t intervals_;  ///< of a trial
+    std::string source_;
+    engine::ReplayDevice device_;
+    engine::VirtualServo servo_;
+};
+
+/// A real device in real time, on the servo's own thread.
+class DeviceApparatus : public ServoApparatus {
+public:
+    /// @param spin_share  see engine::ServoSpec
+    DeviceApparatus(const Protocol& protocol,
+                    std::unique_ptr<engine::Device> device,
+                    double spin_share = 0.0);
+
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
+    [[nodiscard]] bool reconnect() override {
+        servo_.park();  // nobody else may use the device meanwhile
+        return device_->reconnect();
+    }
+    [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
+    [[nodiscard]] std::string device_name() const override { return device_->name(); }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return *device_; }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    std::unique_ptr<engine::Device> device_;
+    engine::ThreadServo servo_;
+};
+
+/// The screen pointer as the handle, in real time on a thread of its own.
+class PointerApparatus : public ServoApparatus {
+public:
+    explicit PointerApparatus(const Protocol& protocol);
+
+    void begin(const engine::Scene& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
+    [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }
+    [[nodiscard]] std::string device_name() const override { return device_.name(); }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    engine::PointerDevice device_;
+    engine::ThreadServo servo_;
+};
+
+}  // namespace palpate::protocols

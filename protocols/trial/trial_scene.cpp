@@ -1,0 +1,51 @@
+#include "protocols/trial/trial_scene.hpp"
+
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/object_outline.hpp"
+
+namespace palpate::protocols {
+
+engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
+    return make_scene(protocol,
+                      Presentation{.object = protocol.objects.at(condition.object),
+                                   .friction = protocol.frictions.at(condition.friction)});
+}
+
+engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
+    const FrictionSpec& friction = felt.friction;
+    const ApparatusSpec& apparatus = protocol.apparatus;
+    return {outline_of(protocol, felt.object),
+            {.stiffness = apparatus.stiffness,
+             .damping = apparatus.damping,
+             .period = 1.0 / apparatus.rate_hz,
+             .friction = {.mu_s = friction.mu_s,
+                          .mu_d = friction.mu_d,
+                          .tau_slip = friction.tau_slip,
+                          .tau_heal = friction.tau_heal},
+             .slew = {.speed = apparatus.vertex_slew, .radius = apparatus.vertex_radius}}};
+}
+
+std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std::size_t> order) {
+    std::vector<Picture> pictures;
+    pictures.reserve(order.size());
+    for (const std::size_t object : order) {
+        pictures.push_back({.outline = silhouette_of(protocol, object)});
+    }
+    return pictures;
+}
+
+Question question_of(const Protocol& protocol, std::span<const Picture> pictures) {
+    const ResponseSpec& response = protocol.response;
+    const bool labelled =
+        response.kind == ResponseKind::yes_no || response.kind == ResponseKind::rating;
+    return {
+        .kind = response.kind,
+        .text = response.question,
+        .pictures = pictures,
+        .answers = answers_of(protocol),
+        .labels = labelled ? std::vector{response.low, response.high} : std::vector<std::string>(),
+        .confidence = response.confidence,
+        .confirm = response.confirm};
+}
+
+}  // namespace palpate::protocols

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/rendering/scene.hpp"
+#include "protocols/protocol/protocol.hpp"
+#include "protocols/trial/observer.hpp"
+#include "protocols/trial/presentation.hpp"
+
+/// From a condition to what is felt and what is shown.
+namespace palpate::protocols {
+
+/// The compiled scene of an interval. @throws std::invalid_argument if it cannot be built
+[[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Presentation& felt);
+
+/// The compiled scene of a condition. @throws std::invalid_argument if it cannot be built
+[[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Condition& condition);
+
+/// The pictures in the order of the screen. @param order  place -> index into Protocol::objects
+[[nodiscard]] std::vector<Picture> make_pictures(const Protocol& protocol,
+                                                 std::span<const std::size_t> order);
+
+/// What is asked after every trial. @param pictures  outlive it
+[[nodiscard]] Question question_of(const Protocol& protocol, std::span<const Picture> pictures);
+
+}  // namespace palpate::protocols

@@ -1,0 +1,91 @@
+#include "ui/rig/device_choice.hpp"
+
+#include <array>
+#include <charconv>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using Kind = DeviceChoice::Kind;
+
+/// What stands after `word:` in `text`; none if it is not there.
+std::optional<std::string> after(std::string_view text, std::string_view word) {
+    if (text.size() <= word.size() + 1 || !text.starts_with(word) || text[word.size()] != ':') {
+        return std::nullopt;
+    }
+    return std::string(text.substr(word.size() + 1));
+}
+
+DeviceChoice replay_of(std::string file) {
+    DeviceChoice choice{.kind = Kind::replay, .file = std::move(file)};
+    const std::size_t colon = choice.file.rfind(':');
+    if (colon != std::string::npos && colon > 0 && colon + 1 < choice.file.size()) {
+        const char* begin = choice.file.data() + colon + 1;
+        const char* end = choice.file.data() + choice.file.size();
+        std::int64_t trial = 0;
+        const auto [stop, error] = std::from_chars(begin, end, trial);
+        if (error == std::errc{} && stop == end) {
+            choice.trial = trial;
+            choice.file.resize(colon);
+        }
+    }
+    return choice;
+}
+
+}  // namespace
+
+DeviceChoice parse_device(std::string_view text) {
+    if (text == "sim") {
+        return {};
+    }
+    if (text == "mouse") {
+        return {.kind = Kind::mouse, .file = {}};
+    }
+    if (text == "haply-emulator") {
+        return {.kind = Kind::haply_emulator, .file = {}};
+    }
+    if (auto file = after(text, "replay")) {
+        return replay_of(*std::move(file));
+    }
+    if (auto port = after(text, "haply")) {
+        return {.kind = Kind::haply, .file = *std::move(port)};
+    }
+    if (auto file = after(text, "comedi")) {
+        return {.kind = Kind::comedi, .file = *std::move(file)};
+    }
+    constexpr std::array<std::string_view, 6> kNames{"sim",    "mouse", "haply", "haply-emulator",
+                                                     "comedi", "replay"};
+    const std::string_view name = text.substr(0, text.find(':'));
+    throw std::invalid_argument(fmt::format("--device {}: no such device{}; give {}", text,
+                                            suggestion(name, kNames, ""), kDeviceWords));
+}
+
+bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
+    using enum protocols::DeviceClass;
+    switch (asked) {
+        case any:
+            return true;
+        case haply:
+            return kind == DeviceChoice::Kind::haply;
+        case comedi:
+            return kind == DeviceChoice::Kind::comedi;
+        case mouse:
+            return kind == DeviceChoice::Kind::mouse;
+    }
+    return false;
+}
+
+bool gives_force(Kind kind) noexcept {
+    return kind != Kind::mouse && kind != Kind::replay;
+}
+
+bool held_by_a_person(Kind kind) noexcept {
+    return kind == Kind::mouse || kind == Kind::haply || kind == Kind::comedi;
+}
+
+}  // namespace palpate::ui

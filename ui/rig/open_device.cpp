@@ -1,0 +1,40 @@
+#include "ui/rig/open_device.hpp"
+
+#include <stdexcept>
+
+#include "engine/device/drivers/comedi_card.hpp"
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/pointer_device.hpp"
+#include "protocols/file/calibration_file.hpp"
+
+namespace palpate::ui {
+
+using Kind = DeviceChoice::Kind;
+
+engine::Calibration calibration_of(const DeviceChoice& choice, const std::string& name_or_file) {
+    if (!name_or_file.empty()) {
+        return protocols::load_calibration(name_or_file);
+    }
+    const bool haply = choice.kind == Kind::haply || choice.kind == Kind::haply_emulator;
+    return protocols::load_calibration(haply ? "2diy_gen3" : "mk2");
+}
+
+std::unique_ptr<engine::Device> open_device(const DeviceChoice& choice,
+                                            const engine::Calibration& calibration,
+                                            double period) {
+    switch (choice.kind) {
+        case Kind::mouse:
+            return std::make_unique<engine::PointerDevice>();
+        case Kind::haply:
+            return engine::open_haply(choice.file, calibration, {.period = period});
+        case Kind::comedi:
+            return engine::open_comedi(choice.file, calibration);
+        case Kind::simulated:
+        case Kind::haply_emulator:
+        case Kind::replay:
+            break;
+    }
+    throw std::invalid_argument("a simulated hand is no device that can be opened alone");
+}
+
+}  // namespace palpate::ui

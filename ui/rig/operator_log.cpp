@@ -1,0 +1,158 @@
+#include "ui/rig/operator_log.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "ui/rig/fault_text.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using protocols::Progress;
+
+/// What to do about an attempt that does not count, by each of its reasons as why_invalid() words them.
+std::vector<std::string> advice_for(const protocols::TrialResult& result) {
+    std::vector<std::string> advice;
+    if (result.fault) {
+        advice.push_back(fmt::format("faults: {}", explanation(result.fault->cause)));
+    }
+    const auto says = [&](std::string_view reason) {
+        return result.invalid.find(reason) != std::string::npos;
+    };
+    if (says("late ")) {
+        advice.emplace_back("late ticks: close other programs; palpate doctor says what else");
+    }
+    if (says("contact ")) {
+        advice.emplace_back(
+            "too little contact: explain again that the object is to be felt, not only touched");
+    }
+    if (says("path ")) {
+        advice.emplace_back("too short a way: explain again to go along both sides");
+    }
+    return advice;
+}
+
+std::string outcome_text(const Progress& progress, const std::string& what) {
+    const protocols::TrialResult& result = progress.result;
+    const std::string_view again =
+        progress.runs_again ? "runs again later in its block" : "is not run again";
+    if (result.fault) {
+        return fault_text(*result.fault) + fmt::format("; {}", again);
+    }
+    if (!result.response) {
+        return fmt::format("{}; comes first when the session goes on", to_string(result.outcome));
+    }
+    return result.invalid.empty()
+             ? what
+             : fmt::format("{}  does not count: {}; {}", what, result.invalid, again);
+}
+
+}  // namespace
+
+std::string shell_word(const std::string& word) {
+    constexpr std::string_view kPlain =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_./:=+,@%";
+    if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) {
+        return word;
+    }
+    std::string text = "'";
+    for (const char c : word) {
+        text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    }
+    return text + "'";
+}
+
+std::string number_text(const protocols::TrialNumber& number) {
+    return fmt::format("{} {} of {}", number.practice ? "practice" : "trial", number.number,
+                       number.total);
+}
+
+std::string OperatorLog::left_text(const Progress& progress, double now_s) const {
+    if (progress.left == 0) {
+        return "none left";
+    }
+    std::string text = fmt::format("{} left", progress.left);
+    if (ended_ > 0) {
+        const double minutes = (now_s - begun_s_) / static_cast<double>(ended_) *
+                               static_cast<double>(progress.left) / 60.0;
+        text += minutes < 1.0 ? std::string(", less than a minute")
+                              : fmt::format(", about {:.0f} min", minutes);
+    }
+    return text;
+}
+
+std::string OperatorLog::alarm() const {
+    std::map<std::string, std::size_t> reasons;
+    std::size_t lost = 0;
+    for (const auto& advice : advice_) {
+        lost += advice.empty() ? 0U : 1U;
+        for (const std::string& one : advice) {
+            ++reasons[one];
+        }
+    }
+    if (lost < kAlarm) {
+        return {};
+    }
+    std::vector<std::pair<std::string, std::size_t>> by_number(reasons.begin(), reasons.end());
+    std::ranges::stable_sort(by_number, {}, [](const auto& one) { return -int(one.second); });
+    std::string text = fmt::format("ATTENTION: {} of the last {} trials do not count.", lost,
+                                   std::max(advice_.size(), kAlarm));
+    for (const auto& [advice, times] : by_number) {
+        text += fmt::format("\n    {} x {}", times, advice);
+    }
+    return text + '\n';
+}
+
+std::string OperatorLog::line(const Progress& progress, const std::string& what, double now_s) {
+    const std::size_t attempt = ++attempts_[progress.planned.position];
+    const bool lost = progress.result.fault || !progress.result.invalid.empty();
+    if ((progress.result.response || progress.result.fault) && !progress.runs_again) {
+        ++ended_;
+    }
+    std::string text = fmt::format("{:<16}", number_text(progress.number));
+    text += attempt > 1 ? fmt::format("  attempt {}", attempt) : "";
+    text += fmt::format("  {}  ({})\n", outcome_text(progress, what), left_text(progress, now_s));
+    if (progress.result.response || progress.result.fault) {
+        advice_.push_back(advice_for(progress.result));
+        if (advice_.size() > kLookBack) {
+            advice_.pop_front();
+        }
+    }
+    return text + (lost ? alarm() : std::string());
+}
+
+std::string go_on_command(const std::vector<std::string>& words) {
+    const char* launcher = std::getenv("PALPATE_WORD");
+    std::string text;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        if (words[i] == "--resume") {
+            ++i;
+        } else if (!words[i].starts_with("--resume=")) {
+            const bool first = i == 0 && launcher != nullptr && *launcher != '\0';
+            text += (text.empty() ? "" : " ") + shell_word(first ? launcher : words[i]);
+        }
+    }
+    return text;
+}
+
+std::string run_summary(data::Database& database,
+                        std::int64_t session,
+                        std::int64_t after,
+                        double minutes) {
+    data::Statement row = database.prepare(
+        "SELECT count(response.trial), count(invalid), count(*) FILTER (WHERE outcome = 'faulted'),"
+        " coalesce(sum(late_ticks) * 100.0 / nullif(sum(ticks), 0), 0.0) FROM trial"
+        " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 AND trial.id > ?2");
+    row.bind(1, session).bind(2, after).step();
+    return fmt::format(
+        "This run: {} answered, {} of them {} not count, {} faulted, {:.1f} min, "
+        "{:.3g} % of the ticks late.\n",
+        row.integer(0), row.integer(1), row.integer(1) == 1 ? "does" : "do", row.integer(2),
+        minutes, row.real(3));
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "protocols/session/ports.hpp"
+#include "data/store/database.hpp"
+
+/// What a session says on the operator's terminal. A participant may see it: of people's sessions nothing about
+/// the stimulus or the answer.
+namespace palpate::ui {
+
+/// "trial 12 of 104", "practice 3 of 10": as the participant's screen numbers it.
+[[nodiscard]] std::string number_text(const protocols::TrialNumber& number);
+
+/// The lines of a run, one an attempt. What came before this run counts for the number of the attempt alone: the
+/// pace, and the trials that the alarm looks at, are of this run.
+class OperatorLog {
+public:
+    /// Trials that the alarm looks back on, and how many of them must not count for it.
+    static constexpr std::size_t kLookBack = 6;
+    static constexpr std::size_t kAlarm = 3;
+
+    /// @param attempts  so far, by position
+    /// @param now_s     on any clock that goes on
+    OperatorLog(std::map<std::size_t, std::size_t> attempts, double now_s)
+        : attempts_(std::move(attempts)), begun_s_(now_s) {}
+
+    /// What became of an attempt, how many trials are left and for how long; after a trial that does not count
+    /// a second line if it is the kAlarm-th of the last kLookBack: why, and what to do.
+    /// @param what  of an answer: whatever may be said of it
+    [[nodiscard]] std::string line(const protocols::Progress& progress,
+                                   const std::string& what,
+                                   double now_s);
+
+private:
+    [[nodiscard]] std::string left_text(const protocols::Progress& progress, double now_s) const;
+    [[nodiscard]] std::string alarm() const;
+
+    std::map<std::size_t, std::size_t> attempts_;
+    double begun_s_;
+    std::size_t ended_ = 0;                        ///< trials that need not run again, in this run
+    std::deque<std::vector<std::string>> advice_;  ///< of the last attempts; none: it counts
+};
+
+/// As a shell takes it for one word.
+[[nodiscard]] std::string shell_word(const std::string& word);
+
+/// The command that goes on with a session: the words that it was run with, as a shell takes them, without what
+/// would begin something again. The launcher says how it was called itself (PALPATE_WORD).
+[[nodiscard]] std::string go_on_command(const std::vector<std::string>& words);
+
+/// What the attempts of a run came to: answered, not counting, faulted, minutes, late ticks.
+/// @param after  the last trial of the session before this run; 0: none
+[[nodiscard]] std::string run_summary(data::Database& database,
+                                      std::int64_t session,
+                                      std::int64_t after,
+                                      double minutes);
+
+}  // namespace palpate::ui
