@@ -12,14 +12,13 @@ using tests::TemporaryFolder;
 
 namespace {
 
-std::string readme() {
-    std::ifstream file(PALPATE_SOURCE_DIR "/README.md");
+std::string page(const std::string& name) {
+    std::ifstream file(PALPATE_SOURCE_DIR "/" + name);
     return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// Every fenced block of README in this language.
-std::vector<std::string> blocks(const std::string& language) {
-    const std::string text = readme();
+/// Every fenced block of a page in this language.
+std::vector<std::string> blocks(const std::string& text, const std::string& language) {
     const std::string open = "\n```" + language + "\n";
     std::vector<std::string> found;
     for (std::size_t at = text.find(open); at != std::string::npos; at = text.find(open, at + 1)) {
@@ -31,11 +30,11 @@ std::vector<std::string> blocks(const std::string& language) {
 
 }  // namespace
 
-TEST_CASE("the example queries of README run as printed, and answer", "[readme][law]") {
+TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[readme][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("demo.sqlite");
     REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
-    const auto queries = blocks("sql");
+    const auto queries = blocks(page("docs/data.md"), "sql");
     CHECK(queries.size() >= 3);
     for (const std::string& query : queries) {
         CAPTURE(query);
@@ -46,15 +45,16 @@ TEST_CASE("the example queries of README run as printed, and answer", "[readme][
     }
 }
 
-TEST_CASE("README names every table and view of the schema, and every file it points at is there",
-          "[readme][law]") {
+TEST_CASE(
+    "docs/data.md names every table and view of the schema, and every file it points at is there",
+    "[readme][law]") {
     const TemporaryFolder folder;
     REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("d.sqlite")}).code == 0);
     const tests::Finished names =
         tests::Process({"sqlite3", folder.file("d.sqlite"),
                         "SELECT name FROM sqlite_master WHERE type IN ('table', 'view')"})
             .wait();
-    const std::string text = readme();
+    const std::string text = page("docs/data.md");
     std::istringstream lines(names.out);
     for (std::string name; std::getline(lines, name);) {
         CAPTURE(name);
@@ -65,7 +65,7 @@ TEST_CASE("README names every table and view of the schema, and every file it po
         const std::string target = text.substr(at + 2, text.find(')', at) - at - 2);
         if (target.rfind("http", 0) != 0 && target.rfind('#', 0) != 0) {
             CAPTURE(target);
-            CHECK(std::filesystem::exists(std::string(PALPATE_SOURCE_DIR "/") + target));
+            CHECK(std::filesystem::exists(std::string(PALPATE_SOURCE_DIR "/docs/") + target));
             ++files;
         }
     }
