@@ -335,11 +335,16 @@ void SqliteRecorder::finish_session() {
 
 void SqliteRecorder::write_finished() {
     Transaction all(database_);
-    database_.prepare("UPDATE session SET finished = 1, finished_utc = ?2 WHERE id = ?1")
+    database_
+        .prepare(
+            "UPDATE session SET finished = 1, finished_utc = ?2 WHERE id = ?1 AND finished = 0")
         .bind(1, session_)
         .bind(2, utc_now())
         .run();
-    chain_session(database_, session_);
+    // Power may fail once the end is on the disk and before anybody is told: it ended then, and has its link.
+    if (database_.changes() > 0) {
+        chain_session(database_, session_);
+    }
     all.commit();
 }
 

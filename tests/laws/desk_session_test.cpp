@@ -87,11 +87,16 @@ public:
     void wait_for(const std::string& rows, int n) {
         session_.wait_until(count(rows), std::to_string(n));
     }
-    /// The experimenter ends the session.
+    /// The experimenter ends the session, and asks again where a fault took the question away.
     void stop() {
-        session_.hand().chord("q");
-        pause(0.3);
-        session_.hand().key("y");
+        for (int tries = 0; tries < 20 && session_.program().running(); ++tries) {
+            session_.hand().chord("q");
+            pause(0.3);
+            session_.hand().key("y");
+            for (int i = 0; i < 100 && session_.program().running(); ++i) {
+                pause(0.03);
+            }
+        }
         const tests::Finished end = session_.finish();
         CAPTURE(end.out, end.error);
         CHECK(end.code == 3);
