@@ -45,9 +45,7 @@ TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[re
     }
 }
 
-TEST_CASE(
-    "docs/data.md names every table and view of the schema, and every file it points at is there",
-    "[readme][law]") {
+TEST_CASE("docs/data.md names every table and view of the schema", "[readme][law]") {
     const TemporaryFolder folder;
     REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("d.sqlite")}).code == 0);
     const tests::Finished names =
@@ -60,14 +58,4 @@ TEST_CASE(
         CAPTURE(name);
         CHECK(text.find("`" + name + "`") != std::string::npos);
     }
-    int files = 0;
-    for (std::size_t at = text.find("]("); at != std::string::npos; at = text.find("](", at + 1)) {
-        const std::string target = text.substr(at + 2, text.find(')', at) - at - 2);
-        if (target.rfind("http", 0) != 0 && target.rfind('#', 0) != 0) {
-            CAPTURE(target);
-            CHECK(std::filesystem::exists(std::string(PALPATE_SOURCE_DIR "/docs/") + target));
-            ++files;
-        }
-    }
-    CHECK(files >= 6);
 }

@@ -1,0 +1,301 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using tests::palpate_command;
+using tests::palpate_program;
+using tests::TemporaryFolder;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kRoot = PALPATE_SOURCE_DIR;
+
+std::vector<std::string> lines_of(const fs::path& file) {
+    std::ifstream stream(file);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(stream, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+std::vector<fs::path> pages() {
+    std::vector<fs::path> found{kRoot / "README.md", kRoot / "CHANGELOG.md"};
+    for (const auto& entry : fs::directory_iterator(kRoot / "docs")) {
+        if (entry.path().extension() == ".md") {
+            found.push_back(entry.path());
+        }
+    }
+    return found;
+}
+
+bool is_fence(const std::string& line) {
+    return line.find_first_not_of(' ') != std::string::npos &&
+           line.compare(line.find_first_not_of(' '), 3, "```") == 0;
+}
+
+/// What follows `open` up to `close`, every time.
+std::vector<std::string> between(const std::string& text,
+                                 const std::string& open,
+                                 const std::string& close) {
+    std::vector<std::string> found;
+    for (std::size_t at = text.find(open); at != std::string::npos;) {
+        const std::size_t begin = at + open.size();
+        const std::size_t end = text.find(close, begin);
+        if (end == std::string::npos) {
+            break;
+        }
+        found.push_back(text.substr(begin, end - begin));
+        at = text.find(open, end + close.size());
+    }
+    return found;
+}
+
+/// A page's text without its fenced blocks, one line.
+std::string prose_of(const fs::path& page) {
+    std::string text;
+    bool fenced = false;
+    for (const std::string& line : lines_of(page)) {
+        fenced = fenced != is_fence(line);
+        text += fenced || is_fence(line) ? "" : line + ' ';
+    }
+    return text;
+}
+
+/// Lines of a page's fenced blocks of shell commands, without comments and prompts.
+std::vector<std::string> shell_lines(const fs::path& page) {
+    std::vector<std::string> found;
+    bool fenced = false;
+    bool shell = false;
+    for (const std::string& line : lines_of(page)) {
+        if (is_fence(line)) {
+            fenced = !fenced;
+            shell = fenced && line == "```sh";
+        } else if (shell) {
+            found.push_back(line.substr(0, line.find(" #")));
+        }
+    }
+    return found;
+}
+
+/// The anchors of a page's headings, as GitHub and GitLab make them.
+std::set<std::string> anchors_of(const fs::path& page) {
+    std::set<std::string> found;
+    bool fenced = false;
+    for (const std::string& line : lines_of(page)) {
+        fenced = fenced != is_fence(line);
+        const std::size_t text = line.find_first_not_of('#');
+        if (fenced || text == 0 || text == std::string::npos || line[text] != ' ') {
+            continue;
+        }
+        std::string anchor;
+        for (const char c : line.substr(text + 1)) {
+            const auto byte = static_cast<unsigned char>(c);
+            if (c == ' ') {
+                anchor += '-';
+            } else if (std::isalnum(byte) != 0 || c == '-' || c == '_') {
+                anchor += static_cast<char>(std::tolower(byte));
+            }
+        }
+        found.insert(anchor);
+    }
+    return found;
+}
+
+std::string help_of(const std::string& command) {
+    static std::map<std::string, std::string> known;
+    if (!known.contains(command)) {
+        const tests::Finished help = palpate_command({command, "--help"});
+        known[command] = help.code == 0 ? ' ' + help.out : "";
+    }
+    return known[command];
+}
+
+/// The words behind "palpate" in a command, up to a pipe or a redirection.
+std::vector<std::string> words_of(const std::string& command) {
+    std::istringstream stream(command);
+    std::vector<std::string> words;
+    for (std::string word; stream >> word && word != "|" && word != ">" && word != "&&";) {
+        words.push_back(word);
+    }
+    return words;
+}
+
+/// Looks up a command and its options in the program's own help.
+void check_command(const std::vector<std::string>& words) {
+    const std::string& command = words.front();
+    const std::string help = help_of(command);
+    CHECK_FALSE(help.empty());
+    bool quoted = false;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        const std::string option = words[i].substr(0, words[i].find('='));
+        const bool is_option = !quoted && option.size() > 1 && option[0] == '-' &&
+                               std::isalpha(static_cast<unsigned char>(option.back())) != 0;
+        quoted = quoted != (std::count(words[i].begin(), words[i].end(), '"') % 2 == 1);
+        CAPTURE(option);
+        const bool known = help.find(' ' + option + ' ') != std::string::npos ||
+                           help.find(',' + option + ' ') != std::string::npos ||
+                           help.find(' ' + option + ',') != std::string::npos ||
+                           help.find(' ' + option + '\n') != std::string::npos ||
+                           help.find(',' + option + '\n') != std::string::npos;
+        CHECK((!is_option || known));
+    }
+}
+
+/// Words that the launcher answers by itself.
+bool is_the_launchers(const std::string& word) {
+    return word == "test" || word == "bench" || word == "--no-install" || word == "--help";
+}
+
+}  // namespace
+
+TEST_CASE("every link and anchor of README, CHANGELOG and docs leads somewhere",
+          "[documents][law]") {
+    int links = 0;
+    for (const fs::path& page : pages()) {
+        for (const std::string& target : between(prose_of(page), "](", ")")) {
+            if (target.rfind("http", 0) == 0) {
+                continue;
+            }
+            CAPTURE(page, target);
+            const std::size_t hash = target.find('#');
+            const fs::path file =
+                hash == 0 ? page
+                          : fs::weakly_canonical(page.parent_path() / target.substr(0, hash));
+            CHECK(fs::exists(file));
+            CHECK(fs::relative(file, fs::canonical(kRoot)).string().rfind("..", 0) != 0);
+            if (hash != std::string::npos) {
+                CHECK(anchors_of(file).contains(target.substr(hash + 1)));
+            }
+            ++links;
+        }
+    }
+    CHECK(links > 80);
+}
+
+TEST_CASE("README fits into 150 lines, and says near its top that nothing was tried on hardware",
+          "[documents]") {
+    const auto lines = lines_of(kRoot / "README.md");
+    CHECK(lines.size() <= 150);
+    const auto told = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
+        return line.find("Nothing was tried on hardware") != std::string::npos;
+    });
+    CHECK(told - lines.begin() < 20);
+}
+
+TEST_CASE("every command that a document shows exists, with every option", "[documents][law]") {
+    int commands = 0;
+    for (const fs::path& page : pages()) {
+        std::vector<std::string> shown = shell_lines(page);
+        for (const std::string& code : between(prose_of(page), "`", "`")) {
+            // `run --durable` says less, and means the same.
+            const auto words = words_of(code);
+            const bool is_short = words.size() > 1 && words[1].rfind("--", 0) == 0 &&
+                                  std::isalpha(static_cast<unsigned char>(code[0])) != 0 &&
+                                  !help_of(words[0]).empty();
+            shown.push_back(is_short ? "palpate " + code : code);
+        }
+        for (const std::string& line : shown) {
+            for (std::size_t at = line.find("palpate "); at != std::string::npos;
+                 at = line.find("palpate ", at + 1)) {
+                const std::string before = line.substr(0, at);
+                const bool is_command = before.empty() || before == "./" ||
+                                        before.ends_with("build/") || before.ends_with("$(./") ||
+                                        before.ends_with(" ./");
+                const auto words = words_of(line.substr(at + 8));
+                if (is_command && !words.empty() && !is_the_launchers(words.front())) {
+                    CAPTURE(page, line);
+                    check_command(words);
+                    ++commands;
+                }
+            }
+        }
+    }
+    CHECK(commands > 40);
+}
+
+TEST_CASE(
+    "the study of README goes from registration to export as printed, rehearsed without a rig",
+    "[documents][law]") {
+    const TemporaryFolder folder;
+    fs::create_symlink(palpate_program(), folder.path() / "palpate");
+    const auto lines = shell_lines(kRoot / "README.md");
+    const auto first = std::find_if(lines.begin(), lines.end(), [](const std::string& line) {
+        return line.rfind("./palpate new ", 0) == 0;
+    });
+    REQUIRE(first != lines.end());
+    const auto run = [&](std::string line, const std::string& person) {
+        const auto replace = [&line](const std::string& what, const std::string& by) {
+            if (const std::size_t at = line.find(what); at != std::string::npos) {
+                line.replace(at, what.size(), by);
+            }
+        };
+        replace("P01", person);
+        replace("shape_friction_haply", "shape_friction_demo");  // ten trials of it
+        replace("--device haply:/dev/ttyACM0 --calibration desk.toml", "");
+        if (line.find("export") != std::string::npos) {
+            line += " --kind all";
+        }
+        CAPTURE(line);
+        const tests::Finished done =
+            tests::Process(
+                {"sh", "-c", "cd '" + folder.path().string() + "' && RIG=--headless && " + line})
+                .wait();
+        CAPTURE(done.out, done.error);
+        CHECK(done.code == 0);
+    };
+    int steps = 0;
+    for (auto line = first; line != lines.end(); ++line) {
+        const auto has = [&line](const char* word) {
+            return line->find(word) != std::string::npos;
+        };
+        if (!has("./palpate") || has("calibrate") || has("doctor")) {
+            continue;
+        }
+        run(*line, "P01");
+        if (has("P01")) {
+            run(*line, "P12");
+        }
+        ++steps;
+    }
+    CHECK(steps >= 9);
+    CHECK(fs::exists(folder.path() / "shared" / "dataset_description.json"));
+}
+
+TEST_CASE("the drawing of the house has every folder of every room, in order", "[documents][law]") {
+    // From the top of the drawing down; the lists of CMake go up.
+    std::vector<std::string> drawn;
+    for (const std::string& line : lines_of(kRoot / "docs" / "architecture.md")) {
+        for (const std::string& bar : {"┌─ ", "├─ ", "│ "}) {
+            if (line.rfind(bar, 0) == 0 &&
+                std::islower(static_cast<unsigned char>(line[bar.size()])) != 0) {
+                drawn.push_back(words_of(line.substr(bar.size())).front());
+            }
+        }
+        if (line.rfind("└", 0) == 0) {
+            break;
+        }
+    }
+    std::vector<std::string> built;
+    for (const char* room : {"engine", "stimuli", "protocols", "data", "ui"}) {
+        for (const std::string& line : lines_of(kRoot / room / "CMakeLists.txt")) {
+            if (line.rfind("palpate_folder(", 0) == 0) {
+                const std::string name = line.substr(15);
+                built.push_back(name.substr(0, name.find_first_of(" )")));
+            }
+        }
+        built.push_back(room);
+    }
+    std::reverse(built.begin(), built.end());
+    CHECK(drawn == built);
+}
