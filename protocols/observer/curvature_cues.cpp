@@ -9,7 +9,6 @@ namespace {
 
 using engine::Vec2;
 
-constexpr double kLeastForce = 0.05;  ///< N, a touch below is not felt as a direction
 constexpr double kMiddle = 0.8;       ///< share of a chord: ends and vertex are felt as corners
 constexpr double kSettled = 0.003;    ///< m; after a turn friction still points the old way
 constexpr double kSmoothing = 0.2;    ///< per tick: 5 ms, above the quantum of the encoders
@@ -73,7 +72,7 @@ bool CurvatureCues::sliding(const engine::TickRecord& tick, std::size_t chord) n
 }
 
 void CurvatureCues::add(const engine::TickRecord& tick) noexcept {
-    const bool pressed = tick.mode != engine::Mode::free && tick.normal_force > kLeastForce;
+    const bool pressed = tick.mode != engine::Mode::free && tick.normal_force > kFeltForce;
     const std::size_t where = pressed ? chord_at(tick.hip) : kNone;
     if (!sliding(tick, where)) {
         return;

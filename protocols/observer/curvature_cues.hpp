@@ -10,6 +10,9 @@
 
 namespace palpate::protocols {
 
+/// A press below this is not felt as a direction, N.
+inline constexpr double kFeltForce = 0.05;
+
 /// What a hand can tell of the curvature of a two-curve object, from the ticks alone.
 struct Cues {
     std::optional<double> force;     ///< 1/m, from how the force turns along a stroke

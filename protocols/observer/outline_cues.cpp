@@ -4,13 +4,10 @@
 #include <cmath>
 
 #include "protocols/design/object_outline.hpp"
+#include "protocols/observer/curvature_cues.hpp"
 
 namespace palpate::protocols {
-namespace {
-
-constexpr double kLeastForce = 0.05;  ///< N, a touch below is not felt as a direction
-
-}  // namespace
+namespace {}  // namespace
 
 OutlineCues::OutlineCues(const Protocol& protocol, const std::vector<std::size_t>& pictures)
     : softness_(1.0 / protocol.apparatus.stiffness) {
@@ -30,7 +27,7 @@ void OutlineCues::forget() noexcept {
 void OutlineCues::add(std::span<const engine::TickRecord> ticks) noexcept {
     for (const engine::TickRecord& tick : ticks) {
         const double pressed = glm::length(tick.force);
-        if (tick.mode == engine::Mode::free || !(pressed > kLeastForce) || tick_++ % kEach != 0) {
+        if (tick.mode == engine::Mode::free || !(pressed > kFeltForce) || tick_++ % kEach != 0) {
             continue;
         }
         const engine::Vec2 surface = tick.hip + softness_ * tick.force;

@@ -15,7 +15,7 @@ namespace {
 
 using Level = std::size_t Condition::*;
 
-std::map<std::size_t, std::size_t> counts_of(std::span<const Condition> trials, Level factor) {
+std::map<std::size_t, std::size_t> occurrences(std::span<const Condition> trials, Level factor) {
     std::map<std::size_t, std::size_t> counts;
     for (const Condition& condition : trials) {
         ++counts[condition.*factor];
@@ -30,7 +30,7 @@ std::optional<Infeasible> too_many_of_one_level(std::span<const Condition> trial
     if (limit == 0) {
         return std::nullopt;
     }
-    for (const auto& [level, count] : counts_of(trials, factor)) {
+    for (const auto& [level, count] : occurrences(trials, factor)) {
         const std::size_t others = trials.size() - count;
         const std::size_t needed = (count + others) / (others + 1);  // ceil(count / (others + 1))
         if (needed > limit) {
@@ -70,8 +70,8 @@ std::optional<Infeasible> why_infeasible(std::span<const Condition> trials,
         return why;
     }
     const bool both_alternate = limits.object == 1 && limits.friction == 1 &&
-                                counts_of(trials, &Condition::object).size() == 2 &&
-                                counts_of(trials, &Condition::friction).size() == 2;
+                                occurrences(trials, &Condition::object).size() == 2 &&
+                                occurrences(trials, &Condition::friction).size() == 2;
     if (both_alternate && std::set<Condition>(trials.begin(), trials.end()).size() > 2) {
         return Infeasible{friction,
                           "object and friction would both alternate in every trial, so that an "

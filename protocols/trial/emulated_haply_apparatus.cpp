@@ -21,7 +21,7 @@ engine::Calibration as_emulated(engine::Calibration machine) {
 
 /// An emulated board runs when the system lets it, and hurts nobody: a machine that is busy makes ticks
 /// late and readings stale, which are counted, and does not spoil trials.
-constexpr double kSilence = 5.0;  // s
+constexpr double kBoardSilence = 5.0;  // s
 constexpr engine::GuardTiming kGuard{.wait_ms = 5, .patience = 1000, .alive_ms = 5000};
 
 engine::ServoSpec patient(engine::ServoSpec spec) {
@@ -44,7 +44,7 @@ engine::EmulatedHaply emulated_haply(const engine::Calibration& machine,
                                      const std::string& link) {
     return {as_emulated(machine),
             hand_on(machine),
-            {.period = period, .silence = kSilence},
+            {.period = period, .silence = kBoardSilence},
             kGuard,
             link};
 }

@@ -18,7 +18,7 @@ public:
     [[nodiscard]] std::string name() const override { return "pressed"; }
 };
 
-Scene scene() {
+Scene rest_scene() {
     return {stimuli::make_outline({.curvature = 5.0}), {}};
 }
 
@@ -56,7 +56,7 @@ TEST_CASE("motors that tripped by heat are still hot in the next trial of a real
           "[servo][safety][law]") {
     Pressed device;
     ThreadServo servo(device, spec());
-    const Scene felt = scene();
+    const Scene felt = rest_scene();
     CHECK(ticks_to_the_trip(servo, felt) >= kColdTicks);
     for (int trial = 0; trial < 3; ++trial) {  // to cool by half takes 690 s
         CHECK(ticks_to_the_trip(servo, felt) < kColdTicks / 2);
@@ -67,7 +67,7 @@ TEST_CASE("parking and reading between trials cool no motor faster than time doe
           "[servo][safety]") {
     Pressed device;
     ThreadServo servo(device, spec());
-    const Scene felt = scene();
+    const Scene felt = rest_scene();
     CHECK(ticks_to_the_trip(servo, felt) >= kColdTicks);
     servo.park();
     servo.unpark();
@@ -80,7 +80,7 @@ TEST_CASE("on the virtual clock every trial begins cold, so that a resumed sessi
           "[servo][safety][law]") {
     Pressed device;
     VirtualServo servo(device, spec());
-    const Scene felt = scene();
+    const Scene felt = rest_scene();
     const std::size_t first = ticks_to_the_trip(servo, felt);
     CHECK(first >= kColdTicks);
     CHECK(ticks_to_the_trip(servo, felt) == first);

@@ -12,7 +12,7 @@ using namespace palpate::engine;
 
 namespace {
 
-constexpr Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+constexpr Friction kSliding{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
 
 /// Sides of 56.6 mm with a sagitta of 5 mm have this curvature: R = 82.5 mm.
 constexpr double kSagitta5mm = 1.0 / 0.0825;
@@ -61,9 +61,9 @@ TEST_CASE("a finger sliding on a concave, straight or convex side never jams and
         std::make_shared<const Outline>(std::vector{make_arc({-0.04, 0.0}, vertex, curvature),
                                                     make_arc(vertex, {0.04, 0.0}, curvature)},
                                         false);
-    const Scene scene(sides, {.friction = kFriction});
+    const Scene scene(sides, {.friction = kSliding});
     const double chord = std::hypot(0.04, 0.04);
-    const double turn_round = 2.0 * 0.7 * 0.002 / speed + 8.0 * kFriction.tau_slip;
+    const double turn_round = 2.0 * 0.7 * 0.002 / speed + 8.0 * kSliding.tau_slip;
     REQUIRE(0.8 * chord / speed > turn_round);
     int jammed = 0;
     int sliding = 0;
@@ -117,7 +117,7 @@ TEST_CASE("the same path feels the same at 1, 4 and 10 kHz", "[friction][law]") 
     };
     const auto forces = [&](int per_millisecond) {
         const double period = 1e-3 / per_millisecond;
-        const Scene scene(outline, {.period = period, .friction = kFriction});
+        const Scene scene(outline, {.period = period, .friction = kSliding});
         ContactState state;
         std::vector<double> each_millisecond;
         const int ticks = static_cast<int>(kSeconds * 1000.0) * per_millisecond;

@@ -10,7 +10,7 @@ using namespace palpate::tests;
 
 namespace {
 
-constexpr double kTick = 0.001;
+constexpr double kStep = 0.001;
 
 }  // namespace
 
@@ -24,15 +24,15 @@ TEST_CASE("theorem 2.1.1 needs sub-steps: its gain holds the error in continuous
     CHECK(lambda == Approx(5e4));
     const NurbsCurve<2> edge = line({0.0, 0.0}, {kLength, 0.0});
     // Euler's factor in the form in which the thesis writes it, with |f'| = 0.1: 5, above 2.
-    CHECK(lambda * kLength * kTick == Approx(5.0));
+    CHECK(lambda * kLength * kStep == Approx(5.0));
     const auto worst = [&](int sub_steps) {
         const CurveTracker tracker(edge,
                                    {.gain = lambda / (kLength * kLength), .sub_steps = sub_steps});
         TrackerState state = tracker.start_at(0.5);
         double most = 0.0;
         for (int k = 0; k < 200; ++k) {
-            const double x = 0.05 + 0.045 * std::sin(kSpeed / 0.045 * k * kTick);
-            most = std::max(most, std::fabs(tracker.step(state, {x, 0.005}, kTick).psi));
+            const double x = 0.05 + 0.045 * std::sin(kSpeed / 0.045 * k * kStep);
+            most = std::max(most, std::fabs(tracker.step(state, {x, 0.005}, kStep).psi));
         }
         return most;
     };
@@ -60,14 +60,14 @@ TEST_CASE("on a convex curve the theorem's gain keeps the projection error below
     double reach = 0.0;
     double speed = 0.0;
     for (int k = 1; k <= 5000; ++k) {
-        const double t = k * kTick;
+        const double t = k * kStep;
         const Jet<2> jet = curve.at(0.5 + 0.45 * std::sin(8.0 * t));
         const double offset = 0.004 * std::sin(5.0 * t);
         const Vec2 hip = jet.point + offset * perp(glm::normalize(jet.first));
-        const TrackedFoot foot = tracker.step(state, hip, kTick);
+        const TrackedFoot foot = tracker.step(state, hip, kStep);
         worst = std::max(worst, std::fabs(foot.psi));
         reach = std::max(reach, glm::length(foot.point - hip));
-        speed = std::max(speed, glm::length(hip - last) / kTick);
+        speed = std::max(speed, glm::length(hip - last) / kStep);
         last = hip;
     }
     CAPTURE(worst, reach, speed);
