@@ -21,8 +21,8 @@ using People = std::map<std::string, Judged>;
 
 void count_answers(Database& database, std::int64_t study, std::string_view kind, People& people) {
     Statement session = database.prepare(
-        "SELECT code, sum(finished = 0) FROM session JOIN participant ON participant.id ="
-        " participant WHERE study = ?1 AND kind = ?2 GROUP BY code");
+        "SELECT participant_code, sum(finished = 0) FROM session JOIN participant USING "
+        "(participant_id) WHERE study_id = ?1 AND session_kind = ?2 GROUP BY participant_code");
     session.bind(1, study).bind(2, kind);
     while (session.step()) {
         Judged& one = people[session.text(0)];
@@ -30,13 +30,11 @@ void count_answers(Database& database, std::int64_t study, std::string_view kind
         one.unfinished = session.integer(1);
     }
     Statement row = database.prepare(
-        "SELECT code, count(*), sum(invalid IS NOT NULL), sum(invalid IS NULL AND correct),"
-        " sum(invalid IS NULL AND outcome = 'timed_out') FROM trial"
-        " JOIN response ON response.trial = trial.id"
-        " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
-        " JOIN session ON session.id = trial.session"
-        " JOIN participant ON participant.id = session.participant"
-        " WHERE study = ?1 AND kind = ?2 AND phase = 'main' GROUP BY code");
+        "SELECT participant_code, count(*), sum(invalid_reason IS NOT NULL), sum(invalid_reason IS "
+        "NULL AND correct), sum(invalid_reason IS NULL AND outcome = 'timed_out') FROM trial JOIN "
+        "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session USING "
+        "(session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND session_kind "
+        "= ?2 AND phase = 'main' GROUP BY participant_code");
     row.bind(1, study).bind(2, kind);
     while (row.step()) {
         Judged& one = people.at(row.text(0));
@@ -75,12 +73,10 @@ void count_catches(Database& database,
                    const Protocol& protocol,
                    People& people) {
     Statement row = database.prepare(
-        "SELECT code, plan.object, response.object FROM trial"
-        " JOIN response ON response.trial = trial.id"
-        " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
-        " JOIN session ON session.id = trial.session"
-        " JOIN participant ON participant.id = session.participant"
-        " WHERE study = ?1 AND kind = ?2 AND phase = 'catch' AND invalid IS NULL");
+        "SELECT participant_code, plan.planned_object, response.chosen_object FROM trial JOIN "
+        "response USING (trial_id) JOIN plan USING (session_id, plan_position) JOIN session USING "
+        "(session_id) JOIN participant USING (participant_id) WHERE study_id = ?1 AND session_kind "
+        "= ?2 AND phase = 'catch' AND invalid_reason IS NULL");
     row.bind(1, study).bind(2, kind);
     while (row.step()) {
         Judged& one = people.at(row.text(0));
@@ -127,7 +123,8 @@ Exclusions judge(Database& database, std::string_view study, std::string_view ki
     if (!database.prepare("SELECT 1 FROM sqlite_schema WHERE name = 'invalid_trial'").step()) {
         return found;
     }
-    Statement row = database.prepare("SELECT id, protocol_toml FROM study WHERE name = ?1");
+    Statement row =
+        database.prepare("SELECT study_id, protocol_toml FROM study WHERE study_name = ?1");
     row.bind(1, study);
     while (row.step()) {
         Protocol protocol;

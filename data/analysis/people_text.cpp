@@ -138,7 +138,7 @@ enum class Asks : std::uint8_t { correct, yes, level };
 /// Where answers are neither right nor wrong, yes/no and ratings are told apart by the last protocol.
 Asks asks(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT protocol_toml FROM study WHERE name = ?1 ORDER BY id DESC LIMIT 1");
+        "SELECT protocol_toml FROM study WHERE study_name = ?1 ORDER BY study_id DESC LIMIT 1");
     try {
         const auto kind = row.bind(1, group.study).step()
                             ? protocols::stored_protocol(row.text(0)).response.kind
@@ -154,8 +154,8 @@ Asks asks(Database& database, const Group& group) {
 std::vector<std::string> names(Database& database, const Group& group, const std::string& order) {
     Statement row = database.prepare(
         "SELECT " + order.substr(0, order.find(' ')) +
-        " FROM plan JOIN session ON session.id = plan.session JOIN study ON study.id = study"
-        " WHERE name = ?1 AND kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY " +
+        " FROM plan JOIN session USING (session_id) JOIN study USING (study_id) WHERE study_name = "
+        "?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY " +
         order.substr(order.find(' ') + 1));
     row.bind(1, group.study).bind(2, group.kind);
     std::vector<std::string> all;
@@ -176,15 +176,15 @@ PeopleTable table_of(Database& database,
                       .share = what != Asks::level,
                       .conditions = names(database, group, "friction min(mu_s), friction")};
     const std::string value = what == Asks::correct ? "trial_result.correct"
-                            : what == Asks::yes     ? "answer"
-                                                    : "answer + 1";
+                            : what == Asks::yes     ? "answer_code"
+                                                    : "answer_code + 1";
     Statement row = database.prepare(
-        "SELECT participant, friction, sum(" + value + "), count(" + value +
-        ") FROM trial_result JOIN response USING (trial) WHERE study = ?1 AND kind = ?2 AND phase ="
-        " 'main' AND (?3 = '' OR trial_result.object = ?3) AND " +
+        "SELECT participant_code, friction, sum(" + value + "), count(" + value +
+        ") FROM trial_result JOIN response USING (trial_id) WHERE study_name = ?1 AND session_kind "
+        "= ?2 AND phase = 'main' AND (?3 = '' OR trial_result.planned_object = ?3) AND " +
         value +
-        " IS NOT NULL AND NOT EXISTS (SELECT 1 FROM adaptive_step WHERE adaptive_step.trial ="
-        " trial_result.trial) GROUP BY 1, 2");
+        " IS NOT NULL AND NOT EXISTS (SELECT 1 FROM adaptive_step WHERE adaptive_step.trial_id = "
+        "trial_result.trial_id) GROUP BY 1, 2");
     row.bind(1, group.study).bind(2, group.kind).bind(3, object);
     while (row.step()) {
         table.people[row.text(0)][row.text(1)] = {
@@ -235,7 +235,7 @@ std::string answers_text(Database& database,
     const Asks what = asks(database, group);
     std::vector<std::string> objects{""};
     if (what != Asks::correct) {
-        objects = names(database, group, "object min(curvature_per_m), object");
+        objects = names(database, group, "planned_object min(curvature_per_m), planned_object");
     }
     std::string text;
     for (const std::string& object : objects) {
@@ -260,8 +260,8 @@ std::string answers_text(Database& database,
 
 std::string no_correct_text(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT count(*) - count(correct), count(*) FROM trial_result WHERE study = ?1 AND kind ="
-        " ?2 AND phase = 'main'");
+        "SELECT count(*) - count(correct), count(*) FROM trial_result WHERE study_name = ?1 AND "
+        "session_kind = ?2 AND phase = 'main'");
     row.bind(1, group.study).bind(2, group.kind).step();
     return row.integer(0) == 0
              ? std::string()

@@ -32,10 +32,10 @@ struct Run {
 
 std::vector<Run> runs_of(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT participant, adaptive_trial.session, trial.session, run, run_name, count(*),"
-        " sum(NOT counts), sum(correct IS NULL) FROM adaptive_trial JOIN trial ON trial.id ="
-        " adaptive_trial.trial WHERE study = ?1 AND kind = ?2 GROUP BY trial.session, run"
-        " ORDER BY participant, adaptive_trial.session, run");
+        "SELECT participant_code, adaptive_trial.session_number, trial.session_id, run_number, "
+        "run_name, count(*), sum(NOT counts), sum(correct IS NULL) FROM adaptive_trial JOIN trial "
+        "USING (trial_id) WHERE study_name = ?1 AND session_kind = ?2 GROUP BY trial.session_id, "
+        "run_number ORDER BY participant_code, adaptive_trial.session_number, run_number");
     row.bind(1, group.study).bind(2, group.kind);
     std::vector<Run> all;
     while (row.step()) {
@@ -47,7 +47,8 @@ std::vector<Run> runs_of(Database& database, const Group& group) {
 
 std::optional<Protocol> protocol_of(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT protocol_toml FROM session JOIN study ON study.id = study WHERE session.id = ?1");
+        "SELECT protocol_toml FROM session JOIN study USING (study_id) WHERE session.session_id = "
+        "?1");
     try {
         return row.bind(1, session).step() ? std::optional(protocols::stored_protocol(row.text(0)))
                                            : std::nullopt;
@@ -81,15 +82,15 @@ std::string estimate_line(const Estimate& one, std::size_t width) {
 /// How often each stimulus of a rule that estimates nothing was answered with 1.
 std::string constant_lines(Database& database, const Run& run) {
     Statement row = database.prepare(
-        "SELECT stimulus, sum(step.outcome), count(*), max(step.outcome) FROM adaptive_trial AS "
-        "step"
-        " JOIN trial ON trial.id = step.trial WHERE trial.session = ?1 AND run = ?2 AND counts"
-        " GROUP BY stimulus ORDER BY stimulus");
+        "SELECT stimulus, sum(step.rule_outcome), count(*), max(step.rule_outcome) FROM "
+        "adaptive_trial AS step JOIN trial USING (trial_id) WHERE trial.session_id = ?1 AND "
+        "run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus");
     row.bind(1, run.session).bind(2, run.run);
     std::string text;
     while (row.step()) {
         if (row.integer(3) > 1) {
-            return "      more than two answers: SELECT stimulus, outcome FROM adaptive_trial\n";
+            return "      more than two answers: SELECT stimulus, rule_outcome FROM "
+                   "adaptive_trial\n";
         }
         const Interval ci = wilson(row.integer(1), row.integer(2));
         text +=

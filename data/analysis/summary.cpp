@@ -17,8 +17,9 @@ namespace {
 std::vector<Group> groups(Database& database) {
     std::vector<Group> all;
     Statement row = database.prepare(
-        "SELECT study, kind FROM trial_result WHERE phase = 'main' UNION"
-        " SELECT study, kind FROM invalid_trial WHERE phase = 'main' ORDER BY kind, study");
+        "SELECT study_name, session_kind FROM trial_result WHERE phase = 'main' UNION SELECT "
+        "study_name, session_kind FROM invalid_trial WHERE phase = 'main' ORDER BY session_kind, "
+        "study_name");
     while (row.step()) {
         all.push_back({row.text(0), row.text(1)});
     }
@@ -39,9 +40,9 @@ std::string title(const Group& group) {
 std::vector<std::string> objects(Database& database, const Group& group) {
     std::vector<std::string> names;
     Statement row = database.prepare(
-        "SELECT object FROM plan JOIN session ON session.id = plan.session"
-        " JOIN study ON study.id = session.study WHERE name = ?1 AND kind = ?2 AND phase = 'main'"
-        " GROUP BY object ORDER BY min(curvature_per_m), object");
+        "SELECT planned_object FROM plan JOIN session USING (session_id) JOIN study USING "
+        "(study_id) WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY "
+        "planned_object ORDER BY min(curvature_per_m), planned_object");
     row.bind(1, group.study).bind(2, group.kind);
     while (row.step()) {
         names.push_back(row.text(0));
@@ -60,8 +61,8 @@ std::size_t width_of(const std::vector<std::string>& texts, std::size_t least) {
 /// Nothing where the answers are no pictures.
 std::string confusion_text(Database& database, const Group& group) {
     Statement pictures = database.prepare(
-        "SELECT 1 FROM picture JOIN session ON session.id = picture.session"
-        " JOIN study ON study.id = session.study WHERE name = ?1 AND kind = ?2");
+        "SELECT 1 FROM picture JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
+        "study_name = ?1 AND session_kind = ?2");
     pictures.bind(1, group.study).bind(2, group.kind);
     if (!pictures.step()) {
         return {};
@@ -69,8 +70,8 @@ std::string confusion_text(Database& database, const Group& group) {
     const std::vector<std::string> names = objects(database, group);
     std::map<std::pair<std::string, std::string>, std::int64_t> counts;
     Statement row = database.prepare(
-        "SELECT object, choice, sum(n) FROM confusion WHERE study = ?1 AND kind = ?2 GROUP BY 1, "
-        "2");
+        "SELECT planned_object, chosen_object, sum(n) FROM confusion WHERE study_name = ?1 AND "
+        "session_kind = ?2 GROUP BY 1, 2");
     row.bind(1, group.study).bind(2, group.kind);
     while (row.step()) {
         counts[{row.text(0), row.text(1)}] = row.integer(2);
@@ -127,9 +128,8 @@ std::string exclusions_text(Database& database, const Group& group) {
 /// Trials that a fault cut short; nothing as long as there are none.
 std::string faults_text(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT count(*) FROM trial JOIN session ON session.id = trial.session"
-        " JOIN study ON study.id = session.study"
-        " WHERE name = ?1 AND kind = ?2 AND outcome = 'faulted'");
+        "SELECT count(*) FROM trial JOIN session USING (session_id) JOIN study USING (study_id) "
+        "WHERE study_name = ?1 AND session_kind = ?2 AND outcome = 'faulted'");
     row.bind(1, group.study).bind(2, group.kind).step();
     const std::int64_t n = row.integer(0);
     return n == 0 ? std::string()
@@ -139,8 +139,8 @@ std::string faults_text(Database& database, const Group& group) {
 
 /// Answers that do not count; nothing as long as there are none.
 std::string invalid_text(Database& database, const Group& group) {
-    Statement row =
-        database.prepare("SELECT count(*) FROM invalid_trial WHERE study = ?1 AND kind = ?2");
+    Statement row = database.prepare(
+        "SELECT count(*) FROM invalid_trial WHERE study_name = ?1 AND session_kind = ?2");
     row.bind(1, group.study).bind(2, group.kind).step();
     const std::int64_t n = row.integer(0);
     return n == 0 ? std::string()
@@ -177,14 +177,12 @@ std::string summary_text(Database& database) {
 std::string example_queries(const std::string& file) {
     const std::string name = quoted(file);
     return fmt::format(
-        "Two queries to try:\n"
-        "  sqlite3 -box {0} \"SELECT object, friction, choice, correct, done_s, reaction_s FROM "
-        "trial_result\"\n"
-        "  sqlite3 -box {0} \"SELECT kind, friction, count(*) AS people, avg(share) AS mean_share, "
-        "avg(force_n) AS normal_force_n FROM (SELECT kind, friction, participant, avg(correct) AS "
+        "Two queries to try:\n  sqlite3 -box {0} \"SELECT planned_object, friction, chosen_object, "
+        "correct, done_s, reaction_s FROM trial_result\"\n  sqlite3 -box {0} \"SELECT "
+        "session_kind, friction, count(*) AS people, avg(share) AS mean_share, avg(force_n) AS "
+        "normal_force_n FROM (SELECT session_kind, friction, participant_code, avg(correct) AS "
         "share, avg(mean_normal_force_n) AS force_n FROM trial_result WHERE phase = 'main' GROUP "
-        "BY "
-        "1, 2, 3) GROUP BY 1, 2\"\n",
+        "BY 1, 2, 3) GROUP BY 1, 2\"\n",
         name);
 }
 

@@ -76,11 +76,11 @@ void write_participants(Database& database, bool details, const fs::path& folder
     }
     file.end_row();
     // The standard's word for both.
-    write_rows(database.prepare(fmt::format(
-                   "SELECT DISTINCT chosen.subject, replace({}, 'both', 'ambidextrous'){} FROM "
-                   "chosen JOIN session ON session.id = session JOIN participant"
-                   " ON participant.id = participant ORDER BY chosen.subject",
-                   kHandednessSql, score)),
+    write_rows(database.prepare(
+                   fmt::format("SELECT DISTINCT chosen.subject, replace({}, 'both', "
+                               "'ambidextrous'){} FROM chosen JOIN session USING (session_id) JOIN "
+                               "participant USING (participant_id) ORDER BY chosen.subject",
+                               kHandednessSql, score)),
                file);
     write_json(folder / "participants.json", sidecar);
 }
@@ -92,7 +92,7 @@ void write_sessions(Database& database,
     DelimitedFile file(folder / (subject + "_sessions.tsv"), Delimited::tsv);
     JsonMembers sidecar{{"session_id", described("the same number in every study of the session")},
                         {"studies", described("the tasks of the session")},
-                        {"kind", described(trials_column("kind"))}};
+                        {"session_kind", described(trials_column("session_kind"))}};
     if (details) {
         sidecar.emplace_back(
             "day",
@@ -103,12 +103,12 @@ void write_sessions(Database& database,
         file.text(name);
     }
     file.end_row();
-    Statement row = database.prepare(fmt::format(
-        "SELECT printf('ses-%02d', chosen.number), group_concat(label, ' '),"
-        " group_concat(DISTINCT kind){} FROM (SELECT * FROM chosen ORDER BY label) AS chosen"
-        " JOIN session ON session.id = session WHERE subject = ?1 GROUP BY chosen.number"
-        " ORDER BY chosen.number",
-        details ? ", min(day)" : ""));
+    Statement row = database.prepare(
+        fmt::format("SELECT printf('ses-%02d', chosen.session_number), group_concat(label, ' '), "
+                    "group_concat(DISTINCT session_kind){} FROM (SELECT * FROM chosen ORDER BY "
+                    "label) AS chosen JOIN session USING (session_id) WHERE subject = ?1 GROUP BY "
+                    "chosen.session_number ORDER BY chosen.session_number",
+                    details ? ", min(day)" : ""));
     row.bind(1, std::string_view(subject));
     write_rows(std::move(row), file);
     write_json(folder / (subject + "_sessions.json"), sidecar);
@@ -118,7 +118,8 @@ void write_sessions(Database& database,
 std::vector<ExportColumn> beh_columns(bool details) {
     std::vector<ExportColumn> columns = visible_columns(export_table("trials"), details);
     std::erase_if(columns, [](const ExportColumn& column) {
-        return column.name == "subject" || column.name == "study" || column.name == "session";
+        return column.name == "subject" || column.name == "study_label" ||
+               column.name == "session_number";
     });
     return columns;
 }
@@ -139,7 +140,7 @@ void write_beh(Database& database,
     }
     file.end_row();
     Statement row =
-        database.prepare(select_sql(export_table("trials"), columns, "chosen.session = ?1"));
+        database.prepare(select_sql(export_table("trials"), columns, "chosen.session_id = ?1"));
     row.bind(1, session.id);
     write_rows(std::move(row), file);
     write_json(folder / (stem + ".json"), sidecar);
@@ -164,7 +165,7 @@ std::string readme(const Selection& selection, const ExportOptions& options) {
         options.traces
             ? ", motion (the handle as POS; contact, rendered force, encoder\n"
               "counts and flags as MISC) and stim (the commanded force). run is the "
-              "column trial of beh.\n"
+              "column trial_number of beh.\n"
               "motion.tsv has no head line, by the standard: channels.tsv names its columns.\n"
               "A lost tick is a row of n/a: row k is always tick k"
             : "",

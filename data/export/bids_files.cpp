@@ -1,7 +1,6 @@
 #include "data/export/bids_files.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <limits>
@@ -13,105 +12,36 @@
 #include "data/export/delimited_file.hpp"
 #include "data/export/json_text.hpp"
 #include "data/store/reader.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 namespace {
 
 using engine::TickRecord;
 
+/// A column of a tick as BIDS asks for it: all but the number of the tick, which is the row's, and the
+/// commanded force, which is a stimulus.
 struct Channel {
-    std::string_view name, component, type, units, description;
-    double (*value)(const TickRecord&);
+    const TraceColumn* column;
+    std::string_view component, type;
 };
 
-constexpr std::array kChannels{
-    Channel{"latency", "n/a", "LATENCY", "s",
-            "since the first tick's deadline, by the servo's clock", nullptr},
-    Channel{"hip_x", "x", "POS", "m", "handle, to the right",
-            [](const TickRecord& t) {
-                return t.hip.x;
-            }},
-    Channel{"hip_y", "y", "POS", "m", "handle, away from the person",
-            [](const TickRecord& t) {
-                return t.hip.y;
-            }},
-    Channel{"cp_x", "x", "MISC", "m", "closest point of the object",
-            [](const TickRecord& t) {
-                return t.cp.x;
-            }},
-    Channel{"cp_y", "y", "MISC", "m", "closest point of the object",
-            [](const TickRecord& t) {
-                return t.cp.y;
-            }},
-    Channel{"go_x", "x", "MISC", "m", "god-object",
-            [](const TickRecord& t) {
-                return t.go.x;
-            }},
-    Channel{"go_y", "y", "MISC", "m", "god-object",
-            [](const TickRecord& t) {
-                return t.go.y;
-            }},
-    Channel{"force_x", "x", "MISC", "N", "force as rendered, on the person",
-            [](const TickRecord& t) {
-                return t.force.x;
-            }},
-    Channel{"force_y", "y", "MISC", "N", "force as rendered, on the person",
-            [](const TickRecord& t) {
-                return t.force.y;
-            }},
-    Channel{"normal_force", "n/a", "MISC", "N", "part along the normal at the god-object",
-            [](const TickRecord& t) {
-                return t.normal_force;
-            }},
-    Channel{"tangential_force", "n/a", "MISC", "N", "part along the direction of travel",
-            [](const TickRecord& t) {
-                return t.tangential_force;
-            }},
-    Channel{"mu", "n/a", "MISC", "n/a", "coefficient of friction",
-            [](const TickRecord& t) {
-                return t.mu;
-            }},
-    Channel{"parameter", "n/a", "MISC", "n/a", "place on the segment, or rad at a vertex",
-            [](const TickRecord& t) {
-                return t.parameter;
-            }},
-    Channel{"feature", "n/a", "MISC", "n/a", ">= 0: segment; -1 - j: vertex j",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.feature);
-            }},
-    Channel{"mode", "n/a", "MISC", "n/a", "0 free, 1 stuck, 2 slip, 3 transition",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.mode);
-            }},
-    Channel{"flags", "n/a", "MISC", "n/a",
-            "1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 held, 64 slewed, 128 stale",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.flags);
-            }},
-    Channel{"count_1", "n/a", "MISC", "n/a", "encoder counts of motor 1",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.counts[0]);
-            }},
-    Channel{"count_2", "n/a", "MISC", "n/a", "encoder counts of motor 2",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.counts[1]);
-            }},
-    Channel{"code_1", "n/a", "MISC", "n/a", "converter code of motor 1",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.codes[0]);
-            }},
-    Channel{"code_2", "n/a", "MISC", "n/a", "converter code of motor 2",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.codes[1]);
-            }},
-    Channel{"lateness", "n/a", "MISC", "us", "how late the servo woke",
-            [](const TickRecord& t) {
-                return static_cast<double>(t.lateness_us);
-            }},
-};
-
-double seconds(std::int64_t ns) {
-    return static_cast<double>(ns) * 1e-9;
+std::vector<Channel> channels() {
+    std::vector<Channel> all;
+    for (const TraceColumn& column : trace_columns()) {
+        const std::string_view name = column.name;
+        if (name == "tick" || name.starts_with("commanded_")) {
+            continue;
+        }
+        all.push_back({&column,
+                       name.find("_x_") != std::string_view::npos   ? "x"
+                       : name.find("_y_") != std::string_view::npos ? "y"
+                                                                    : "n/a",
+                       name == "time_s"           ? "LATENCY"
+                       : name.starts_with("hip_") ? "POS"
+                                                  : "MISC"});
+    }
+    return all;
 }
 
 /// As LATENCY asks for it: seconds and their fraction, no exponent.
@@ -136,14 +66,14 @@ void each_tick(const std::vector<TickRecord>& ticks, const Row& row) {
 
 void write_motion(const std::vector<TickRecord>& ticks, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::tsv);
-    each_tick(ticks, [&file](const TickRecord* tick) {
-        for (const Channel& channel : kChannels) {
+    each_tick(ticks, [&file, all = channels()](const TickRecord* tick) {
+        for (const Channel& channel : all) {
             if (tick == nullptr) {
                 file.none();
-            } else if (channel.value == nullptr) {
+            } else if (channel.type == "LATENCY") {
                 file.text(latency_text(tick->time_ns));
             } else {
-                file.real(channel.value(*tick));
+                file.value(channel.column->value(*tick));
             }
         }
         file.end_row();
@@ -158,15 +88,17 @@ void write_channels(double rate_hz, const std::filesystem::path& path) {
         file.text(name);
     }
     file.end_row();
-    for (const Channel& channel : kChannels) {
+    for (const Channel& channel : channels()) {
+        const std::string_view unit = channel.column->unit;
         for (const std::string_view word :
-             {channel.name, channel.component, channel.type,
-              std::string_view(channel.type == "POS" ? "handle" : "n/a"), channel.units,
+             {channel.column->name, channel.component, channel.type,
+              std::string_view(channel.type == "POS" ? "handle" : "n/a"),
+              unit.empty() || unit.starts_with('1') ? std::string_view("n/a") : unit,
               std::string_view(channel.component == "n/a" ? "n/a" : "object")}) {
             file.text(word);
         }
         file.real(rate_hz);
-        file.text(channel.description);
+        file.text(channel.column->meaning);
         file.end_row();
     }
     file.close();
@@ -188,15 +120,14 @@ std::string channels_json() {
 }
 
 std::int64_t channels_of(std::string_view type) {
-    return std::count_if(kChannels.begin(), kChannels.end(),
-                         [type](const Channel& channel) { return channel.type == type; });
+    return std::ranges::count(channels(), type, &Channel::type);
 }
 
 std::string motion_json(const ChosenSession& session, const std::vector<TickRecord>& ticks) {
     const auto count = [](std::int64_t n) {
         return fmt::format("{}", n);
     };
-    const double duration = seconds(ticks.back().time_ns - ticks.front().time_ns);
+    const double duration = seconds_of(ticks.back().time_ns - ticks.front().time_ns);
     const auto steps = static_cast<double>(ticks.back().tick - ticks.front().tick);
     return json_object(
         {{"TaskName", json_string(session.study)},
@@ -206,7 +137,7 @@ std::string motion_json(const ChosenSession& session, const std::vector<TickReco
          {"SamplingFrequencyEffective",
           json_number(duration > 0.0 ? steps / duration : session.rate_hz)},
          {"RecordingDuration", json_number(duration)},
-         {"MotionChannelCount", count(static_cast<std::int64_t>(kChannels.size()))},
+         {"MotionChannelCount", count(static_cast<std::int64_t>(channels().size()))},
          {"POSChannelCount", count(channels_of("POS"))},
          {"LATENCYChannelCount", count(channels_of("LATENCY"))},
          {"MISCChannelCount", count(channels_of("MISC"))},
@@ -231,11 +162,11 @@ std::string stim_json(const ChosenSession& session) {
     return json_object(
         {{"SamplingFrequency", json_number(session.rate_hz)},
          {"StartTime", "0"},
-         {"Columns", json_array({json_string("command_x"), json_string("command_y")})},
-         {"command_x",
-          column("force commanded to the motors after the safety chain, to the right")},
-         {"command_y",
-          column("force commanded to the motors after the safety chain, away from the person")}});
+         {"Columns", json_array({json_string("commanded_x_n"), json_string("commanded_y_n")})},
+         {"commanded_x_n",
+          column("force commanded to the device after the safety chain, to the right")},
+         {"commanded_y_n",
+          column("force commanded to the device after the safety chain, away from the person")}});
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 #include "data/export/csv_export.hpp"
 
-#include <cstring>
 #include <utility>
 
 #include <fmt/format.h>
@@ -13,29 +12,6 @@
 
 namespace palpate::data {
 namespace {
-
-template <class T>
-T value_at(const std::byte* at) {
-    T value{};
-    std::memcpy(&value, at, sizeof value);
-    return value;
-}
-
-void write_value(DelimitedFile& file, const TraceColumn& column, const std::byte* at) {
-    if (column.type == "f64le") {
-        file.real(value_at<double>(at));
-    } else if (column.type == "f32le") {
-        file.real(static_cast<double>(value_at<float>(at)));
-    } else if (column.type == "i64le") {
-        file.integer(value_at<std::int64_t>(at));
-    } else if (column.type == "i32le") {
-        file.integer(value_at<std::int32_t>(at));
-    } else if (column.type == "i16le") {
-        file.integer(value_at<std::int16_t>(at));
-    } else {
-        file.integer(value_at<std::uint8_t>(at));
-    }
-}
 
 void describe(const ExportOptions& options, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::csv);
@@ -61,8 +37,7 @@ void describe(const ExportOptions& options, const std::filesystem::path& path) {
             row({"ticks", key.name, key.type, key.unit, key.meaning, key.levels});
         }
         for (const TraceColumn& column : trace_columns()) {
-            row({"ticks", column.name, column.type.starts_with('f') ? "real" : "integer",
-                 column.unit, column.meaning, ""});
+            row({"ticks", column.name, column.type, column.unit, column.meaning, ""});
         }
     }
     file.close();
@@ -73,7 +48,8 @@ std::string words(const Selection& selection, const ExportOptions& options) {
         "Exported by palpate: {}, kind {}.\n"
         "One file a table; columns.csv says type, unit (SI) and meaning of every column. The keys "
         "are\n"
-        "subject, study, session, trial. Text is UTF-8; an empty field: not known or not so. "
+        "subject, study_label, session_number, trial_number. Text is UTF-8; an empty field: not "
+        "known or not so. "
         "Numbers read\n"
         "back to the same bits in C, Python and R. A text that a spreadsheet would take for a "
         "formula "
@@ -129,7 +105,7 @@ void write_session_table(Database& database,
                          const ChosenSession& session,
                          const std::filesystem::path& path) {
     const auto columns = visible_columns(table, options.details);
-    Statement row = database.prepare(select_sql(table, columns, "chosen.session = ?1"));
+    Statement row = database.prepare(select_sql(table, columns, "chosen.session_id = ?1"));
     row.bind(1, session.id);
     write_rows(std::move(row), columns, path);
 }
@@ -156,8 +132,7 @@ void write_ticks(Database& database,
             file.integer(number);
             file.integer(interval);
             for (const TraceColumn& column : trace_columns()) {
-                write_value(file, column,
-                            reinterpret_cast<const std::byte*>(&tick) + column.offset);
+                file.value(column.value(tick));
             }
             file.end_row();
         }
@@ -168,11 +143,11 @@ void write_ticks(Database& database,
 void write_codes(Database& database, const std::filesystem::path& path) {
     DelimitedFile file(path, Delimited::csv);
     file.text("subject");
-    file.text("code");
+    file.text("participant_code");
     file.end_row();
     Statement row = database.prepare(
-        "SELECT DISTINCT chosen.subject, code FROM chosen JOIN session ON session.id = session"
-        " JOIN participant ON participant.id = participant ORDER BY chosen.subject");
+        "SELECT DISTINCT chosen.subject, participant_code FROM chosen JOIN session USING "
+        "(session_id) JOIN participant USING (participant_id) ORDER BY chosen.subject");
     while (row.step()) {
         file.text(row.text(0));
         file.text(row.text(1));

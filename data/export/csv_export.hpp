@@ -45,9 +45,9 @@ void write_codes(Database& database, const std::filesystem::path& file);
 template <class Visit>
 void each_traced_trial(Database& database, const ChosenSession& session, const Visit& visit) {
     Statement row = database.prepare(
-        "SELECT trial.id, number FROM trial JOIN numbered ON numbered.trial = trial.id"
-        " WHERE trial.session = ?1 AND EXISTS"
-        " (SELECT 1 FROM trace_chunk WHERE trace_chunk.trial = trial.id) ORDER BY trial.id");
+        "SELECT trial.trial_id, trial_number FROM trial JOIN numbered USING (trial_id) WHERE "
+        "trial.session_id = ?1 AND EXISTS (SELECT 1 FROM trace_chunk WHERE trace_chunk.trial_id = "
+        "trial.trial_id) ORDER BY trial.trial_id");
     row.bind(1, session.id);
     while (row.step()) {
         visit(row.integer(0), row.integer(1));

@@ -59,6 +59,16 @@ void DelimitedFile::none() {
     raw(style_ == Delimited::tsv ? "n/a" : "");
 }
 
+void DelimitedFile::value(const TickValue& value) {
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+        integer(*whole);
+    } else if (const auto* number = std::get_if<double>(&value)) {
+        real(*number);
+    } else {
+        text(std::get<std::string_view>(value));
+    }
+}
+
 void DelimitedFile::value(const Statement& row, int column) {
     switch (row.type(column)) {
         case 1:

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "data/store/statement.hpp"
+#include "data/trace/columns.hpp"
 
 namespace palpate::data {
 
@@ -27,6 +28,7 @@ public:
     void integer(std::int64_t value);
     void real(double value);
     void none();
+    void value(const TickValue& value);
     /// Column `column` of a query's row.
     void value(const Statement& row, int column);
     void end_row();

@@ -55,8 +55,7 @@ Types tick_types() {
         types.emplace_back(std::string(key.name), type_of(key.type));
     }
     for (const TraceColumn& column : trace_columns()) {
-        types.emplace_back(std::string(column.name),
-                           column.type.starts_with('f') ? "DOUBLE" : "BIGINT");
+        types.emplace_back(std::string(column.name), type_of(column.type));
     }
     return types;
 }

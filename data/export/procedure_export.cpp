@@ -13,8 +13,8 @@ void export_procedures(Database& database,
                        const Selection& selection,
                        const std::filesystem::path& folder) {
     int runs = 0;
-    Statement row =
-        database.prepare("SELECT DISTINCT run FROM adaptive_plan WHERE session = ?1 ORDER BY run");
+    Statement row = database.prepare(
+        "SELECT DISTINCT run_number FROM adaptive_plan WHERE session_id = ?1 ORDER BY run_number");
     for (const ChosenSession& session : selection.sessions()) {
         row.bind(1, session.id);
         for (; row.step(); ++runs) {

@@ -58,7 +58,7 @@ std::string variables(const ExportOptions& options) {
             add(key);
         }
         for (const TraceColumn& column : trace_columns()) {
-            add({column.name, "", column.unit, column.meaning, ""});
+            add({column.name, column.type, column.unit, column.meaning, ""});
         }
     }
     return json_array(all);

@@ -30,7 +30,8 @@ std::string label_of(std::string_view name, std::set<std::string>& taken) {
 std::map<std::int64_t, std::string> study_labels(Database& database) {
     std::map<std::int64_t, std::string> labels;
     std::set<std::string> taken;
-    Statement row = database.prepare("SELECT id, name FROM study ORDER BY protocol_sha256");
+    Statement row =
+        database.prepare("SELECT study_id, study_name FROM study ORDER BY protocol_sha256");
     while (row.step()) {
         labels[row.integer(0)] = label_of(row.text(1), taken);
     }
@@ -48,36 +49,32 @@ std::int64_t count(Database& database, std::string_view sql, const std::string& 
 Selection::Selection(Database& database, const ExportOptions& options)
     : database_(database), now_(database) {
     database_.execute(
-        "PRAGMA temp_store = MEMORY;"
-        "CREATE TEMP TABLE chosen (session INTEGER PRIMARY KEY, subject TEXT, label TEXT, day"
-        " INTEGER, number INTEGER);"
-        "CREATE TEMP TABLE numbered (trial INTEGER PRIMARY KEY, number INTEGER NOT NULL,"
-        " zero_ns INTEGER);"
-        "CREATE TEMP TABLE happened (event INTEGER PRIMARY KEY, since_ns INTEGER);");
+        "PRAGMA temp_store = MEMORY;CREATE TEMP TABLE chosen (session_id INTEGER PRIMARY KEY, "
+        "subject TEXT, label TEXT, day INTEGER, session_number INTEGER);CREATE TEMP TABLE numbered "
+        "(trial_id INTEGER PRIMARY KEY, trial_number INTEGER NOT NULL, zero_ns INTEGER);CREATE "
+        "TEMP TABLE happened (event_id INTEGER PRIMARY KEY, since_ns INTEGER);");
     choose(options.kind);
     number_sessions();
     name_subjects();
     database_.execute(
-        "UPDATE chosen SET day = (SELECT CAST(julianday(date(mine.started_utc))"
-        " - julianday(date(min(other.started_utc))) AS INTEGER) FROM session AS mine"
-        " JOIN session AS other ON other.participant = mine.participant"
-        " JOIN chosen AS too ON too.session = other.id WHERE mine.id = chosen.session);"
+        "UPDATE chosen SET day = (SELECT CAST(julianday(date(mine.started_utc)) - "
+        "julianday(date(min(other.started_utc))) AS INTEGER) FROM session AS mine JOIN session AS "
+        "other ON other.participant_id = mine.participant_id JOIN chosen AS too ON too.session_id "
+        "= other.session_id WHERE mine.session_id = chosen.session_id);"
         // The servo's clock says when its machine was switched on, and so who came first: it counts from the
         // first of attempts that follow each other within an hour.
-        "WITH begun AS (SELECT id, session, started_ns, started_ns - lag(started_ns) OVER "
-        "(PARTITION"
-        " BY session ORDER BY id) AS gap FROM trial WHERE session IN (SELECT session FROM chosen)),"
-        " part AS (SELECT *, sum(gap IS NULL OR gap NOT BETWEEN 0 AND 3600000000000) OVER "
-        "(PARTITION"
-        " BY session ORDER BY id) AS part FROM begun)"
-        " INSERT INTO numbered SELECT id, row_number() OVER (PARTITION BY session ORDER BY id),"
-        " first_value(started_ns) OVER (PARTITION BY session, part ORDER BY id) FROM part;"
-        "INSERT INTO happened SELECT event, since_ns FROM (SELECT event.id AS event, event.at_ns -"
-        " zero_ns AS since_ns, row_number() OVER (PARTITION BY event.id ORDER BY abs(event.at_ns -"
-        " begun.started_ns)) AS nearest FROM event JOIN chosen ON chosen.session = event.session"
-        " JOIN trial AS begun ON begun.session = event.session JOIN numbered"
-        " ON numbered.trial = begun.id WHERE abs(event.at_ns - begun.started_ns) < 3600000000000)"
-        " WHERE nearest = 1;");
+        "WITH begun AS (SELECT trial_id, session_id, started_ns, started_ns - lag(started_ns) OVER "
+        "(PARTITION BY session_id ORDER BY trial_id) AS gap FROM trial WHERE session_id IN (SELECT "
+        "session_id FROM chosen)), part AS (SELECT *, sum(gap IS NULL OR gap NOT BETWEEN 0 AND "
+        "3600000000000) OVER (PARTITION BY session_id ORDER BY trial_id) AS part FROM begun) "
+        "INSERT INTO numbered SELECT trial_id, row_number() OVER (PARTITION BY session_id ORDER BY "
+        "trial_id), first_value(started_ns) OVER (PARTITION BY session_id, part ORDER BY trial_id) "
+        "FROM part;INSERT INTO happened SELECT event_id, since_ns FROM (SELECT event.event_id AS "
+        "event_id, event.at_ns - zero_ns AS since_ns, row_number() OVER (PARTITION BY "
+        "event.event_id ORDER BY abs(event.at_ns - begun.started_ns)) AS nearest FROM event JOIN "
+        "chosen ON chosen.session_id = event.session_id JOIN trial AS begun ON begun.session_id = "
+        "event.session_id JOIN numbered ON numbered.trial_id = begun.trial_id WHERE "
+        "abs(event.at_ns - begun.started_ns) < 3600000000000) WHERE nearest = 1;");
 }
 
 std::string Selection::titles() const {
@@ -89,16 +86,17 @@ std::string Selection::titles() const {
 }
 
 void Selection::choose(const std::string& kind) {
-    constexpr std::string_view kOfKind = "SELECT count(*) FROM session WHERE ?1 IN ('all', kind)";
+    constexpr std::string_view kOfKind =
+        "SELECT count(*) FROM session WHERE ?1 IN ('all', session_kind)";
     constexpr std::string_view kRefused =
-        "SELECT count(DISTINCT participant.id) FROM session JOIN participant"
-        " ON participant.id = participant WHERE ?1 IN ('all', kind) AND consent = 0";
+        "SELECT count(DISTINCT participant.participant_id) FROM session JOIN participant USING "
+        "(participant_id) WHERE ?1 IN ('all', session_kind) AND consent = 0";
     without_consent_ = count(database_, kRefused, kind);
     database_
         .prepare(
-            "INSERT INTO chosen (session) SELECT session.id FROM session JOIN participant"
-            " ON participant.id = participant"
-            " WHERE ?1 IN ('all', kind) AND consent IS NOT 0")
+            "INSERT INTO chosen (session_id) SELECT session.session_id FROM session JOIN "
+            "participant USING (participant_id) WHERE ?1 IN ('all', session_kind) AND consent IS "
+            "NOT 0")
         .bind(1, std::string_view(kind))
         .run();
     if (count(database_, "SELECT count(*) FROM chosen WHERE ?1 = ?1", kind) == 0) {
@@ -116,21 +114,21 @@ void Selection::choose(const std::string& kind) {
 /// A gap would say that somebody had a session of another kind before.
 void Selection::number_sessions() {
     database_.execute(
-        "UPDATE chosen SET number = n FROM (SELECT session.id, dense_rank() OVER (PARTITION BY"
-        " participant, name ORDER BY session.number) AS n FROM chosen JOIN session"
-        " ON session.id = session JOIN study ON study.id = study) AS ranked"
-        " WHERE ranked.id = chosen.session");
+        "UPDATE chosen SET session_number = n FROM (SELECT session.session_id, dense_rank() OVER "
+        "(PARTITION BY participant_id, study_name ORDER BY session.session_number) AS n FROM "
+        "chosen JOIN session USING (session_id) JOIN study USING (study_id)) AS ranked WHERE "
+        "ranked.session_id = chosen.session_id");
 }
 
 void Selection::name_subjects() {
     const auto labels = study_labels(database_);
     Statement session = database_.prepare(
-        "SELECT session.id, study, chosen.number, rate_hz, name, title, participant.subject"
-        " FROM chosen JOIN session ON session.id = session JOIN study ON study.id = study"
-        " JOIN participant ON participant.id = participant"
-        " ORDER BY participant.subject, protocol_sha256, chosen.number");
+        "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, title, "
+        "participant.subject FROM chosen JOIN session USING (session_id) JOIN study USING "
+        "(study_id) JOIN participant USING (participant_id) ORDER BY participant.subject, "
+        "protocol_sha256, chosen.session_number");
     Statement set =
-        database_.prepare("UPDATE chosen SET subject = ?2, label = ?3 WHERE session = ?1");
+        database_.prepare("UPDATE chosen SET subject = ?2, label = ?3 WHERE session_id = ?1");
     while (session.step()) {
         ChosenSession& one = sessions_.emplace_back();
         one = {.id = session.integer(0),

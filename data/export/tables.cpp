@@ -11,10 +11,12 @@ namespace {
 constexpr ExportColumn kSubject{"subject", "text", "",
                                 "the participant, in every export: a number that says nothing",
                                 "chosen.subject"};
-constexpr ExportColumn kStudy{"study", "text", "", "the study, as in sessions", "chosen.label"};
-constexpr ExportColumn kSession{"session", "integer", "1",
-                                "the participant's sessions of the study here, from 1",
-                                "chosen.number"};
+constexpr ExportColumn kStudy{"study_label", "text", "", "the study, as in sessions",
+                              "chosen.label"};
+constexpr ExportColumn kSession{
+    "session_number", "integer", "1",
+    "the participant's sessions of the study, counted from 1 among those of this export",
+    "chosen.session_number"};
 constexpr std::string_view kHands = "left = score -40 or less; right = 40 or more; both = between";
 constexpr std::string_view kYesNo = "0 = no; 1 = yes";
 constexpr std::string_view kPhases =
@@ -24,17 +26,17 @@ constexpr std::string_view kSure =
     "1 = a guess; 2 = nearer to a guess; 3 = nearer to sure; 4 = sure";
 constexpr std::string_view kKinds =
     "real = a session of the study; pilot = to try it; simulated = computed hand and answers";
-constexpr ExportColumn kKind{"kind",         "text", "",    "what the session is",
-                             "session.kind", false,  kKinds};
-constexpr ExportColumn kTrial{"trial", "integer", "1",
+constexpr ExportColumn kKind{"session_kind",         "text", "",    "what the session is",
+                             "session.session_kind", false,  kKinds};
+constexpr ExportColumn kTrial{"trial_number", "integer", "1",
                               "attempts at trials of the session, counted from 1 in the order run",
-                              "numbered.number"};
+                              "numbered.trial_number"};
 
 constexpr ExportColumn kRunName{"run_name", "text", "", "of a rule that chooses: which run",
                                 "adaptive_plan.run_name"};
-constexpr ExportColumn kComparison{"comparison", "integer", "1",
+constexpr ExportColumn kComparison{"comparison_interval", "integer", "1",
                                    "the interval with the rule's stimulus",
-                                   "adaptive_plan.comparison"};
+                                   "adaptive_plan.comparison_interval"};
 
 constexpr std::array kParticipants{
     kSubject,
@@ -58,10 +60,11 @@ constexpr std::array kSessions{
     kKind,
     ExportColumn{"day", "integer", "d", "days since the participant's first session here",
                  "chosen.day", true},
-    ExportColumn{"number", "integer", "1", "of the session in the lab", "session.number", true},
+    ExportColumn{"lab_session_number", "integer", "1", "session.session_number of the database",
+                 "session.session_number", true},
     ExportColumn{"finished", "integer", "1", "1: all planned trials were run", "session.finished",
                  false, kYesNo},
-    ExportColumn{"study_name", "text", "", "the protocol's id", "study.name"},
+    ExportColumn{"study_name", "text", "", "the protocol's id", "study.study_name"},
     ExportColumn{"study_title", "text", "", "the protocol's title", "study.title"},
     ExportColumn{"protocol_sha256", "text", "", "SHA-256 of the protocol's canonical text",
                  "study.protocol_sha256"},
@@ -91,10 +94,12 @@ constexpr std::array kPlan{
     kSubject,
     kStudy,
     kSession,
-    ExportColumn{"position", "integer", "1", "place in the plan, from 0", "plan.position"},
+    ExportColumn{"plan_position", "integer", "1", "place in the plan, from 0",
+                 "plan.plan_position"},
     ExportColumn{"phase", "text", "", "part of the session", "plan.phase", false, kPhases},
     ExportColumn{"block", "integer", "1", "block of the main phase; 0 in practice", "plan.block"},
-    ExportColumn{"object", "text", "", "what was presented", "plan.object"},
+    ExportColumn{"planned_object", "text", "",
+                 "what the plan says; of two intervals: the standard's", "plan.planned_object"},
     ExportColumn{"curvature_per_m", "real", "1/m", "> 0 convex, 0 straight, < 0 concave",
                  "plan.curvature_per_m"},
     ExportColumn{"friction", "text", "", "friction condition", "plan.friction"},
@@ -105,8 +110,9 @@ constexpr std::array kPlan{
 
 constexpr std::array kPictures{
     kSubject, kStudy, kSession,
-    ExportColumn{"place", "integer", "1", "from left to right, from 0", "picture.place"},
-    ExportColumn{"object", "text", "", "which picture", "picture.object"}};
+    ExportColumn{"picture_place", "integer", "1", "from left to right, from 0",
+                 "picture.picture_place"},
+    ExportColumn{"picture_object", "text", "", "which picture", "picture.picture_object"}};
 
 constexpr std::array kTrials{
     kSubject,
@@ -114,11 +120,13 @@ constexpr std::array kTrials{
     kSession,
     kKind,
     kTrial,
-    ExportColumn{"position", "integer", "1", "place in the plan, from 0", "trial.position"},
+    ExportColumn{"plan_position", "integer", "1", "place in the plan, from 0",
+                 "trial.plan_position"},
     ExportColumn{"attempt", "integer", "1", "attempts at this position, from 1", "trial.attempt"},
     ExportColumn{"phase", "text", "", "part of the session", "plan.phase", false, kPhases},
     ExportColumn{"block", "integer", "1", "block of the main phase; 0 in practice", "plan.block"},
-    ExportColumn{"object", "text", "", "what was presented", "plan.object"},
+    ExportColumn{"planned_object", "text", "",
+                 "what the plan says; of two intervals: the standard's", "plan.planned_object"},
     ExportColumn{"curvature_per_m", "real", "1/m", "> 0 convex, 0 straight, < 0 concave",
                  "plan.curvature_per_m"},
     ExportColumn{"friction", "text", "", "friction condition", "plan.friction"},
@@ -130,27 +138,29 @@ constexpr std::array kTrials{
         "aborted = the experimenter ended it; interrupted = the program or machine stopped; "
         "faulted = the force went off by itself; running = not ended when exported"},
     ExportColumn{"counts", "integer", "1", "1: answered, and the answer counts",
-                 "response.trial IS NOT NULL AND trial.invalid IS NULL", false, kYesNo},
-    ExportColumn{"invalid", "text", "",
+                 "response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL", false, kYesNo},
+    ExportColumn{"invalid_reason", "text", "",
                  "why the answer does not count; \"marked\": somebody said so",
-                 "iif(EXISTS (SELECT 1 FROM event WHERE event.trial = trial.id AND event.kind ="
-                 " 'mark'), 'marked', trial.invalid)"},
+                 "iif(EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND "
+                 "event.event_kind ="
+                 " 'mark'), 'marked', trial.invalid_reason)"},
     ExportColumn{"invalid_words", "text", "", "the same with the words of the mark",
-                 "trial.invalid", true},
-    ExportColumn{"fault", "text", "", "why the force went off", "trial.fault"},
-    ExportColumn{"choice", "text", "", "the answer: the object of the picture chosen",
-                 "response.object"},
+                 "trial.invalid_reason", true},
+    ExportColumn{"fault_cause", "text", "", "why the force went off", "trial.fault_cause"},
+    ExportColumn{"chosen_object", "text", "", "the answer: the object of the picture chosen",
+                 "response.chosen_object"},
     ExportColumn{"correct", "integer", "1", "1: the choice is the object", "response.correct",
                  false, kYesNo},
-    ExportColumn{"answer", "integer", "1",
+    ExportColumn{"answer_code", "integer", "1",
                  "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
-                 "response.answer"},
+                 "response.answer_code"},
     ExportColumn{"confidence", "integer", "1", "how sure", "response.confidence", false, kSure},
     kRunName,
     kComparison,
-    ExportColumn{"stimulus", "real", "", "what the rule chose for it, in the protocol's unit",
-                 "(SELECT stimulus FROM presentation WHERE presentation.trial = trial.id AND"
-                 " presentation.interval = adaptive_plan.comparison)"},
+    ExportColumn{
+        "stimulus", "real", "", "what the rule chose for it, in the protocol's unit",
+        "(SELECT stimulus FROM presentation WHERE presentation.trial_id = trial.trial_id AND"
+        " presentation.interval = adaptive_plan.comparison_interval)"},
     ExportColumn{"first_contact_s", "real", "s", "first tick to first contact",
                  "trial.first_contact_s"},
     ExportColumn{"done_s", "real", "s", "first tick to done", "trial.done_s"},
@@ -158,16 +168,16 @@ constexpr std::array kTrials{
                  "trial.done_uncertainty_s"},
     ExportColumn{"reaction_s", "real", "s", "question shown to the press that gave this answer",
                  "response.reaction_s"},
-    ExportColumn{"uncertainty_s", "real", "s", "how late the answer may have been seen",
-                 "response.uncertainty_s"},
+    ExportColumn{"reaction_uncertainty_s", "real", "s", "how late the answer may have been seen",
+                 "response.reaction_uncertainty_s"},
     ExportColumn{"ticks", "integer", "1", "servo ticks", "trial.ticks"},
     ExportColumn{"contact_ticks", "integer", "1", "of them in contact", "trial.contact_ticks"},
     ExportColumn{"slip_ticks", "integer", "1", "of them slipping", "trial.slip_ticks"},
     ExportColumn{"late_ticks", "integer", "1", "of them late", "trial.late_ticks"},
     ExportColumn{"saturated_ticks", "integer", "1", "of them with the force at its limit",
                  "trial.saturated_ticks"},
-    ExportColumn{"slewed_ticks", "integer", "1", "of them held back by the slew limit",
-                 "trial.slewed_ticks"},
+    ExportColumn{"force_slew_ticks", "integer", "1",
+                 "of them with the force changing as fast as it may", "trial.force_slew_ticks"},
     ExportColumn{"stale_ticks", "integer", "1", "of them without a new reading",
                  "trial.stale_ticks"},
     ExportColumn{"skipped_ticks", "integer", "1", "of them out of reach", "trial.skipped_ticks"},
@@ -209,18 +219,20 @@ constexpr std::array kResponses{
     kStudy,
     kSession,
     kTrial,
-    ExportColumn{"place", "integer", "1", "place of the picture chosen, from 0", "response.place"},
-    ExportColumn{"object", "text", "", "the object of that picture", "response.object"},
+    ExportColumn{"chosen_place", "integer", "1", "place of the picture chosen, from 0",
+                 "response.chosen_place"},
+    ExportColumn{"chosen_object", "text", "", "the object of that picture",
+                 "response.chosen_object"},
     ExportColumn{"correct", "integer", "1", "1: it is the object presented", "response.correct",
                  false, kYesNo},
     ExportColumn{"reaction_s", "real", "s", "question shown to the press that gave this answer",
                  "response.reaction_s"},
-    ExportColumn{"uncertainty_s", "real", "s", "how late the answer may have been seen",
-                 "response.uncertainty_s"},
+    ExportColumn{"reaction_uncertainty_s", "real", "s", "how late the answer may have been seen",
+                 "response.reaction_uncertainty_s"},
     ExportColumn{"input", "text", "", "key, arrows, mouse or simulated", "response.input"},
-    ExportColumn{"answer", "integer", "1",
+    ExportColumn{"answer_code", "integer", "1",
                  "picture from the left, from 0; interval - 1; 0 no, 1 yes; level of a rating",
-                 "response.answer"},
+                 "response.answer_code"},
     ExportColumn{"confidence", "integer", "1", "how sure", "response.confidence", false, kSure},
     ExportColumn{"confidence_reaction_s", "real", "s", "scale shown to confidence",
                  "response.confidence_reaction_s"},
@@ -250,7 +262,7 @@ constexpr std::array kPresentations{
     ExportColumn{"interval", "integer", "1", "1 or 2", "presentation.interval"},
     ExportColumn{"stimulus", "real", "", "what the rule chose, in the protocol's unit",
                  "presentation.stimulus"},
-    ExportColumn{"object", "text", "", "what was felt", "presentation.object"},
+    ExportColumn{"felt_object", "text", "", "what was felt", "presentation.felt_object"},
     ExportColumn{"curvature_per_m", "real", "1/m", "as felt", "presentation.curvature_per_m"},
     ExportColumn{"friction", "text", "", "friction condition", "presentation.friction"},
     ExportColumn{"mu_s", "real", "1", "as felt", "presentation.mu_s"},
@@ -280,14 +292,14 @@ constexpr std::array kSteps{
     kStudy,
     kSession,
     kTrial,
-    ExportColumn{"run", "integer", "1", "one rule with its own answers, from 0",
-                 "adaptive_plan.run"},
+    ExportColumn{"run_number", "integer", "1", "one rule with its own answers, from 0",
+                 "adaptive_plan.run_number"},
     kRunName,
     kComparison,
     ExportColumn{"standard_friction", "text", "", "friction of the other interval",
                  "adaptive_plan.standard_friction"},
-    ExportColumn{"outcome", "integer", "1", "as the rule took it: 1 the comparison was named",
-                 "adaptive_step.outcome"},
+    ExportColumn{"rule_outcome", "integer", "1", "as the rule took it: 1 the comparison was named",
+                 "adaptive_step.rule_outcome"},
     ExportColumn{"estimate", "real", "", "mean of the first estimate with this answer",
                  "adaptive_step.estimate"},
     ExportColumn{"estimates", "text", "", "all of them, as JSON", "adaptive_step.estimates"},
@@ -298,20 +310,21 @@ constexpr std::array kEvents{
     kSubject,
     kStudy,
     kSession,
-    ExportColumn{"event", "integer", "1", "events of the session, counted from 1",
-                 "row_number() OVER (PARTITION BY event.session ORDER BY event.id)"},
-    ExportColumn{"trial", "integer", "1", "the attempt it belongs to",
-                 "(SELECT number FROM numbered WHERE numbered.trial = event.trial)"},
-    ExportColumn{"kind", "text", "", "break, abort, fault, go on, timing, mark, ...", "event.kind"},
+    ExportColumn{"event_number", "integer", "1", "events of the session, counted from 1",
+                 "row_number() OVER (PARTITION BY event.session_id ORDER BY event.event_id)"},
+    ExportColumn{"trial_number", "integer", "1", "the attempt it belongs to",
+                 "(SELECT trial_number FROM numbered WHERE numbered.trial_id = event.trial_id)"},
+    ExportColumn{"event_kind", "text", "", "break, abort, fault, go on, timing, mark, ...",
+                 "event.event_kind"},
     ExportColumn{"text", "text", "", "what palpate noted itself",
-                 "iif(event.kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
+                 "iif(event.event_kind IN ('break', 'abort', 'gave up', 'timing', 'go on', 'fault',"
                  " 'interrupted'), event.text, NULL)"},
     ExportColumn{"words", "text", "", "the same, with notes, names and versions", "event.text",
                  true},
     ExportColumn{"operator", "text", "", "who noted it", "event.operator", true},
     ExportColumn{"since_first_ns", "integer", "ns",
                  "as in trials; empty: no attempt is within an hour of it",
-                 "(SELECT since_ns FROM happened WHERE happened.event = event.id)"},
+                 "(SELECT since_ns FROM happened WHERE happened.event_id = event.event_id)"},
     ExportColumn{"at_ns", "integer", "ns", "on the clock of the trials' started_ns", "event.at_ns",
                  true},
     ExportColumn{"at_utc", "text", "", "wall clock", "event.at_utc", true}};
@@ -321,56 +334,51 @@ constexpr std::array kTickKeys{
     ExportColumn{"interval", "integer", "1", "of a trial with two things to feel: 1 or 2", ""}};
 
 // Joins that several tables share: string literals cannot be joined at compile time.
-#define PALPATE_SESSIONS                                                                        \
-    "chosen JOIN session ON session.id = chosen.session JOIN study ON study.id = session.study" \
-    " JOIN participant ON participant.id = session.participant"
-#define PALPATE_TRIALS                                                          \
-    PALPATE_SESSIONS                                                            \
-    " JOIN trial ON trial.session = session.id JOIN numbered ON numbered.trial" \
-    " = trial.id"
-#define PALPATE_ORDER "chosen.subject, chosen.label, chosen.number"
+#define PALPATE_SESSIONS                                                 \
+    "chosen JOIN session USING (session_id) JOIN study USING (study_id)" \
+    " JOIN participant USING (participant_id)"
+#define PALPATE_TRIALS \
+    PALPATE_SESSIONS   \
+    " JOIN trial USING (session_id) JOIN numbered USING (trial_id)"
+#define PALPATE_ORDER "chosen.subject, chosen.label, chosen.session_number"
 
 constexpr std::array kTables{
     ExportTable{"participants", "one row a participant",
-                PALPATE_SESSIONS " GROUP BY participant.id", "chosen.subject", kParticipants},
+                PALPATE_SESSIONS " GROUP BY participant.participant_id", "chosen.subject",
+                kParticipants},
     ExportTable{"participant_details", "what else was asked of participants",
-                "(SELECT DISTINCT subject, participant FROM chosen JOIN session"
-                " ON session.id = chosen.session) AS chosen"
-                " JOIN participant_detail ON participant_detail.participant = chosen.participant",
+                "(SELECT DISTINCT subject, participant_id FROM chosen JOIN session USING "
+                "(session_id)) AS chosen"
+                " JOIN participant_detail USING (participant_id)",
                 "chosen.subject, participant_detail.key", kDetails, true},
     ExportTable{"sessions", "one row a session", PALPATE_SESSIONS, PALPATE_ORDER, kSessions},
     ExportTable{"provenance", "versions, machine, calibration",
-                PALPATE_SESSIONS
-                " JOIN session_provenance ON session_provenance.session = session.id",
+                PALPATE_SESSIONS " JOIN session_provenance USING (session_id)",
                 PALPATE_ORDER ", session_provenance.key", kProvenance, true},
     ExportTable{"plan", "the whole order, complete before the first trial",
-                PALPATE_SESSIONS " JOIN plan ON plan.session = session.id",
-                PALPATE_ORDER ", plan.position", kPlan},
+                PALPATE_SESSIONS " JOIN plan USING (session_id)",
+                PALPATE_ORDER ", plan.plan_position", kPlan},
     ExportTable{"pictures", "which picture stood at which place",
-                PALPATE_SESSIONS " JOIN picture ON picture.session = session.id",
-                PALPATE_ORDER ", picture.place", kPictures},
-    ExportTable{"trials", "one row an attempt at a planned trial, with its answer",
-                PALPATE_TRIALS
-                " JOIN plan ON plan.session = session.id AND plan.position ="
-                " trial.position LEFT JOIN response ON response.trial = trial.id LEFT JOIN"
-                " adaptive_plan ON adaptive_plan.session = session.id AND adaptive_plan.position ="
-                " trial.position",
-                PALPATE_ORDER ", trial.id", kTrials},
-    ExportTable{"responses", "one row an answer",
-                PALPATE_TRIALS " JOIN response ON response.trial = trial.id",
-                PALPATE_ORDER ", trial.id", kResponses},
+                PALPATE_SESSIONS " JOIN picture USING (session_id)",
+                PALPATE_ORDER ", picture.picture_place", kPictures},
+    ExportTable{
+        "trials", "one row an attempt at a planned trial, with its answer",
+        PALPATE_TRIALS
+        " JOIN plan USING (session_id, plan_position) LEFT JOIN response USING (trial_id) LEFT JOIN"
+        " adaptive_plan USING (session_id, plan_position)",
+        PALPATE_ORDER ", trial.trial_id", kTrials},
+    ExportTable{"responses", "one row an answer", PALPATE_TRIALS " JOIN response USING (trial_id)",
+                PALPATE_ORDER ", trial.trial_id", kResponses},
     ExportTable{"presentations", "one row an interval of an attempt: what was felt, and how",
-                PALPATE_TRIALS " JOIN presentation ON presentation.trial = trial.id",
-                PALPATE_ORDER ", trial.id, presentation.interval", kPresentations},
+                PALPATE_TRIALS " JOIN presentation USING (trial_id)",
+                PALPATE_ORDER ", trial.trial_id, presentation.interval", kPresentations},
     ExportTable{"adaptive_steps", "one row an answer that a rule took in",
-                PALPATE_TRIALS
-                " JOIN adaptive_step ON adaptive_step.trial = trial.id JOIN adaptive_plan"
-                " ON adaptive_plan.session = session.id AND adaptive_plan.position ="
-                " trial.position",
-                PALPATE_ORDER ", trial.id", kSteps},
+                PALPATE_TRIALS " JOIN adaptive_step USING (trial_id) JOIN adaptive_plan"
+                               " USING (session_id, plan_position)",
+                PALPATE_ORDER ", trial.trial_id", kSteps},
     ExportTable{"events", "breaks, stops, resumes, faults",
-                PALPATE_SESSIONS " JOIN event ON event.session = session.id",
-                PALPATE_ORDER ", event.id", kEvents},
+                PALPATE_SESSIONS " JOIN event USING (session_id)", PALPATE_ORDER ", event.event_id",
+                kEvents},
 };
 #undef PALPATE_ORDER
 #undef PALPATE_TRIALS

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "data/trace/columns.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -26,10 +28,10 @@ void fail(const TrialPart& part, const std::string& why) {
 std::span<const engine::TickRecord> ticks_in(std::span<const engine::TickRecord> ticks,
                                              const TickRange& range) noexcept {
     const auto early = [&range](const engine::TickRecord& tick) {
-        return tick.tick < range.first || static_cast<double>(tick.time_ns) * 1e-9 < range.from_s;
+        return tick.tick < range.first || seconds_of(tick.time_ns) < range.from_s;
     };
     const auto inside = [&range](const engine::TickRecord& tick) {
-        return tick.tick <= range.last && static_cast<double>(tick.time_ns) * 1e-9 <= range.to_s;
+        return tick.tick <= range.last && seconds_of(tick.time_ns) <= range.to_s;
     };
     auto first = std::partition_point(ticks.begin(), ticks.end(), early);
     const auto last = std::partition_point(first, ticks.end(), inside);
@@ -40,11 +42,11 @@ std::span<const engine::TickRecord> ticks_in(std::span<const engine::TickRecord>
 PartChunks::PartChunks(sqlite3* db, const TrialPart& part)
     : part_(part),
       rows_(db,
-            "SELECT first_tick, ticks, codec, crc32, period_ns, holds, derived, data"
-            " FROM main.trace_chunk WHERE trial = ?1 AND interval = ?2 AND first_tick = ?3") {
+            "SELECT first_tick, ticks, codec, crc32, period_ns, holds, derived, data FROM "
+            "main.trace_chunk WHERE trial_id = ?1 AND interval = ?2 AND first_tick = ?3") {
     Query heads(db,
-                "SELECT first_tick, ticks FROM main.trace_chunk WHERE trial = ?1 AND interval = ?2"
-                " ORDER BY first_tick");
+                "SELECT first_tick, ticks FROM main.trace_chunk WHERE trial_id = ?1 AND interval = "
+                "?2 ORDER BY first_tick");
     heads.bind(1, part.trial).bind(2, part.interval);
     std::vector<std::int64_t> counts;
     while (heads.step()) {
@@ -55,11 +57,10 @@ PartChunks::PartChunks(sqlite3* db, const TrialPart& part)
 }
 
 void PartChunks::require_all(sqlite3* db, const std::vector<std::int64_t>& counts) {
-    Query told(
-        db,
-        "SELECT session.id, rate_hz, felt.ticks FROM main.trial JOIN main.presentation AS felt"
-        " ON felt.trial = trial.id AND felt.interval = ?2"
-        " JOIN main.session ON session.id = trial.session WHERE trial.id = ?1");
+    Query told(db,
+               "SELECT session.session_id, rate_hz, felt.ticks FROM main.trial JOIN "
+               "main.presentation AS felt ON felt.trial_id = trial.trial_id AND felt.interval = ?2 "
+               "JOIN main.session USING (session_id) WHERE trial.trial_id = ?1");
     if (!told.bind(1, part_.trial).bind(2, part_.interval).step()) {
         fail(part_, "it has ticks, but no row in trial and presentation");
     }
@@ -79,7 +80,7 @@ void PartChunks::require_all(sqlite3* db, const std::vector<std::int64_t>& count
     if (missing.empty()) {
         return;
     }
-    Query lost(db, "SELECT 1 FROM main.event WHERE session = ?1 AND kind = 'ticks lost'");
+    Query lost(db, "SELECT 1 FROM main.event WHERE session_id = ?1 AND event_kind = 'ticks lost'");
     if (!lost.bind(1, told.integer(0)).step()) {
         fail(part_, missing);
     }

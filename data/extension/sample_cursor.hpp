@@ -17,7 +17,7 @@ struct SampleScan {
     TrialRange trials{};
     std::optional<std::int64_t> interval{};  ///< only this one
     TickRange range{};
-    bool by_time = false;  ///< within a trial by t_s, also where it has two intervals
+    bool by_time = false;  ///< within a trial by time_s, also where it has two intervals
     bool by_tick = false;  ///< the same by tick
     bool nothing = false;  ///< no row can be meant
 };

@@ -1,8 +1,8 @@
 #include "data/extension/sample_module.hpp"
 
-#include <array>
 #include <memory>
 #include <string>
+#include <variant>
 
 #include <sqlite3ext.h>
 
@@ -10,11 +10,15 @@
 #include "data/extension/part_chunks.hpp"
 #include "data/extension/query.hpp"
 #include "data/extension/sample_scan.hpp"
+#include "data/trace/columns.hpp"
 
 SQLITE_EXTENSION_INIT3
 
 namespace palpate::data {
 namespace {
+
+constexpr auto kKeys =
+    static_cast<std::size_t>(SampleColumn::tick);  // columns before those of a tick
 
 struct Table : sqlite3_vtab {
     explicit Table(sqlite3* db) : sqlite3_vtab{}, store(db) {}
@@ -47,7 +51,7 @@ int connect(sqlite3* db,
             const char* const* /*words*/,
             sqlite3_vtab** table,
             char** /*error*/) {
-    const int code = sqlite3_declare_vtab(db, std::string(sample_declaration()).c_str());
+    const int code = sqlite3_declare_vtab(db, sample_declaration().c_str());
     if (code != SQLITE_OK) {
         return code;
     }
@@ -99,107 +103,45 @@ int at_end(sqlite3_vtab_cursor* cursor) {
     return static_cast<Cursor*>(cursor)->cursor.at_end() ? 1 : 0;
 }
 
-void give_mode(sqlite3_context* context, engine::Mode mode) {
-    constexpr std::array<const char*, 4> kNames{"free", "stuck", "slip", "transition"};
-    sqlite3_result_text(context, kNames.at(static_cast<std::size_t>(mode)), -1, SQLITE_STATIC);
-}
-
-/// Whole numbers and texts. @return false: the column is a REAL
-bool give_whole(sqlite3_context* context, const SampleCursor& at, SampleColumn column) {
-    const engine::TickRecord& tick = at.tick();
-    const auto give = [context](std::int64_t value) {
-        sqlite3_result_int64(context, value);
-    };
-    switch (column) {
-        case SampleColumn::trial_id:
-            give(at.part().trial);
-            return true;
-        case SampleColumn::interval:
-            give(at.part().interval);
-            return true;
-        case SampleColumn::tick:
-            give(tick.tick);
-            return true;
-        case SampleColumn::mode:
-            give_mode(context, tick.mode);
-            return true;
-        case SampleColumn::segment:
-            give(tick.feature);
-            return true;
-        case SampleColumn::flags:
-            give(tick.flags);
-            return true;
-        case SampleColumn::count_1:
-            give(tick.counts[0]);
-            return true;
-        case SampleColumn::count_2:
-            give(tick.counts[1]);
-            return true;
-        case SampleColumn::code_1:
-            give(tick.codes[0]);
-            return true;
-        case SampleColumn::code_2:
-            give(tick.codes[1]);
-            return true;
-        default:
-            return false;
-    }
-}
-
 /// The command as chunks hold it, whatever else of the tick is exact: the same number with and without a
 /// replay.
 double in_whole_steps(double command) noexcept {
     return steps_in_newton(in_steps(command, kCommandSteps));
 }
 
-double real(const SampleCursor& at, SampleColumn column) {
-    const engine::TickRecord& tick = at.tick();
+void give(sqlite3_context* context, const TickValue& value) {
+    if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+        sqlite3_result_int64(context, *whole);
+    } else if (const auto* number = std::get_if<double>(&value)) {
+        sqlite3_result_double(context, *number);  // NaN is NULL
+    } else {
+        const auto text = std::get<std::string_view>(value);  // of a name that stays
+        sqlite3_result_text(context, text.data(), static_cast<int>(text.size()), SQLITE_STATIC);
+    }
+}
+
+TickValue value_of(const SampleCursor& at, SampleColumn column) {
     switch (column) {
-        case SampleColumn::t_s:
-            return static_cast<double>(tick.time_ns) * 1e-9;
-        case SampleColumn::x_m:
-            return tick.hip.x;
-        case SampleColumn::y_m:
-            return tick.hip.y;
-        case SampleColumn::vx_m_per_s:
+        case SampleColumn::trial_id:
+            return at.part().trial;
+        case SampleColumn::interval:
+            return at.part().interval;
+        case SampleColumn::hip_vx_m_per_s:
             return at.velocity().x;
-        case SampleColumn::vy_m_per_s:
+        case SampleColumn::hip_vy_m_per_s:
             return at.velocity().y;
-        case SampleColumn::cp_x_m:
-            return tick.cp.x;
-        case SampleColumn::cp_y_m:
-            return tick.cp.y;
-        case SampleColumn::go_x_m:
-            return tick.go.x;
-        case SampleColumn::go_y_m:
-            return tick.go.y;
-        case SampleColumn::u:
-            return tick.parameter;
-        case SampleColumn::mu:
-            return tick.mu;
-        case SampleColumn::fn_n:
-            return tick.normal_force;
-        case SampleColumn::ft_n:
-            return tick.tangential_force;
-        case SampleColumn::rendered_x_n:
-            return tick.force.x;
-        case SampleColumn::rendered_y_n:
-            return tick.force.y;
-        case SampleColumn::fx_n:
-            return in_whole_steps(tick.command.x);
-        case SampleColumn::fy_n:
-            return in_whole_steps(tick.command.y);
+        case SampleColumn::commanded_x_n:
+            return in_whole_steps(at.tick().command.x);
+        case SampleColumn::commanded_y_n:
+            return in_whole_steps(at.tick().command.y);
         default:
-            return static_cast<double>(tick.lateness_us);
+            return trace_columns()[static_cast<std::size_t>(column) - kKeys].value(at.tick());
     }
 }
 
 int column(sqlite3_vtab_cursor* cursor, sqlite3_context* context, int number) {
     const SampleCursor& at = static_cast<Cursor*>(cursor)->cursor;
-    const auto column = static_cast<SampleColumn>(number);
-    if (!give_whole(context, at, column)) {
-        sqlite3_result_double(context, real(at, column));  // NaN is NULL
-    }
+    give(context, value_of(at, static_cast<SampleColumn>(number)));
     return SQLITE_OK;
 }
 

@@ -27,14 +27,14 @@ char letter(int column, unsigned char op) {
             return equal ? 'I' : '\0';
         case SampleColumn::tick:
             return equal ? 'k' : above ? 'a' : below ? 'b' : '\0';
-        case SampleColumn::t_s:
+        case SampleColumn::time_s:
             return equal ? 's' : above ? 'f' : below ? 't' : '\0';
         default:
             return '\0';
     }
 }
 
-/// How the rows come by themselves: trial_id, interval, tick or t_s; or the trial's intervals merged.
+/// How the rows come by themselves: trial_id, interval, tick or time_s; or the trial's intervals merged.
 /// @return '\0' if they do not, else 'n', or 'm' (by time) or 'M' (by tick) for merged
 char order_of(const sqlite3_index_info& info, const std::string& letters) {
     const bool one_trial = letters.find('T') != std::string::npos;
@@ -51,9 +51,9 @@ char order_of(const sqlite3_index_info& info, const std::string& letters) {
             next = std::max(next, 1);
         } else if (column == SampleColumn::interval && !merged && (next == 1 || one_interval)) {
             next = std::max(next, next == 0 ? 0 : 2);
-        } else if ((column == SampleColumn::t_s || column == SampleColumn::tick) && next >= 1) {
+        } else if ((column == SampleColumn::time_s || column == SampleColumn::tick) && next >= 1) {
             merged = next == 1 && !one_interval;
-            by = !merged ? 'n' : column == SampleColumn::t_s ? 'm' : 'M';
+            by = !merged ? 'n' : column == SampleColumn::time_s ? 'm' : 'M';
             next = 3;
         } else {
             return '\0';

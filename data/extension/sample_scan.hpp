@@ -13,7 +13,7 @@ namespace palpate::data {
 /// Which constraints of a query on `sample` narrow its scan, in which order its rows come, and what that
 /// costs: what xBestIndex answers. Writes the choice as info.idxStr.
 ///
-/// Used are: trial_id and interval with = or IS, ranges of trial_id, tick and t_s. All else SQLite looks at row by
+/// Used are: trial_id and interval with = or IS, ranges of trial_id, tick and time_s. All else SQLite looks at row by
 /// row.
 void choose_scan(sqlite3_index_info& info);
 

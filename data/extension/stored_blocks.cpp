@@ -4,6 +4,7 @@
 
 #include "data/extension/part_chunks.hpp"
 #include "data/trace/chunk.hpp"
+#include "data/trace/columns.hpp"
 #include "data/trace/replay.hpp"
 #include "data/trace/retrace.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 using engine::TickRecord;
 using C = SampleColumn;
 
-constexpr SampleColumns kTime = bit(C::t_s) | kVelocityColumns;
+constexpr SampleColumns kTime = bit(C::time_s) | kVelocityColumns;
 
 class StoredBlocks : public TickStore::Blocks {
 public:
@@ -27,7 +28,7 @@ public:
             hip_.emplace(*machine);
         }
         if (range.to_s < kNoTime || range.from_s > -kNoTime) {
-            columns_ |= bit(C::t_s);
+            columns_ |= bit(C::time_s);
         }
         next_ = of_part(part_, [this] { return first_chunk(); });
     }
@@ -42,7 +43,6 @@ public:
 
 private:
     static constexpr double kNoTime = 1e299;
-    static double seconds(std::int64_t ns) noexcept { return static_cast<double>(ns) * 1e-9; }
 
     /// The last chunk that begins at or before the first tick wanted; with velocities, at the one before.
     /// A chunk's ticks may jump, but never beyond the next chunk; nor does time go back.
@@ -64,7 +64,7 @@ private:
         const PartChunk chunk = chunks_.at(i);
         std::vector<std::int64_t> times(chunk.view.ticks);
         read_stored(chunk.view, Stored::time_ns, times);
-        return times.size() > 1 && seconds(times[1]) < range_.from_s;
+        return times.size() > 1 && seconds_of(times[1]) < range_.from_s;
     }
 
     [[nodiscard]] bool wants(SampleColumns columns) const noexcept {
@@ -109,9 +109,9 @@ private:
              [&](TickRecord& t, std::int64_t v) { t.codes[1] = small(v); });
         each(reader, Stored::flags, bit(C::flags),
              [](TickRecord& t, std::int64_t v) { t.flags = static_cast<std::uint8_t>(v); });
-        each(reader, Stored::command_x, bit(C::fx_n),
+        each(reader, Stored::command_x, bit(C::commanded_x_n),
              [](TickRecord& t, std::int64_t v) { t.command.x = steps_in_newton(v); });
-        each(reader, Stored::command_y, bit(C::fy_n),
+        each(reader, Stored::command_y, bit(C::commanded_y_n),
              [](TickRecord& t, std::int64_t v) { t.command.y = steps_in_newton(v); });
     }
 

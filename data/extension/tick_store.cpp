@@ -59,16 +59,14 @@ struct TickStore::State {
 
 TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
     Query row(db,
-              "SELECT coalesce(felt.object, plan.object), coalesce(felt.friction, plan.friction),"
-              " coalesce(felt.slip_decay, trial.slip_decay), coalesce(felt.heal_decay, "
-              "trial.heal_decay), felt.curvature_per_m, felt.mu_s, felt.mu_d, study.protocol_toml,"
-              " (SELECT value FROM main.session_provenance AS p"
-              " WHERE p.session = session.id AND p.key = 'calibration')"
-              " FROM main.trial JOIN main.plan USING (session, position)"
-              " JOIN main.session ON session.id = trial.session"
-              " JOIN main.study ON study.id = session.study"
-              " LEFT JOIN main.presentation AS felt ON felt.trial = trial.id"
-              " AND felt.interval = ?2 WHERE trial.id = ?1");
+              "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
+              "plan.friction), coalesce(felt.slip_decay, trial.slip_decay), "
+              "coalesce(felt.heal_decay, trial.heal_decay), felt.curvature_per_m, felt.mu_s, "
+              "felt.mu_d, study.protocol_toml, (SELECT value FROM main.session_provenance AS p "
+              "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
+              "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "
+              "(session_id) JOIN main.study USING (study_id) LEFT JOIN main.presentation AS felt "
+              "ON felt.trial_id = trial.trial_id AND felt.interval = ?2 WHERE trial.trial_id = ?1");
     if (!row.bind(1, part.trial).bind(2, part.interval).step()) {
         fail(part, "it has ticks, but no row in trial");
     }
@@ -159,9 +157,9 @@ std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
     // A part whose chunks are gone is one too: it is refused.
     std::vector<TrialPart> parts;
     Query query(state_->db,
-                "SELECT trial, interval FROM main.trace_chunk WHERE trial BETWEEN ?1 AND ?2"
-                " UNION SELECT trial, interval FROM main.presentation"
-                " WHERE trial BETWEEN ?1 AND ?2 AND ticks > 0 ORDER BY 1, 2");
+                "SELECT trial_id, interval FROM main.trace_chunk WHERE trial_id BETWEEN ?1 AND ?2 "
+                "UNION SELECT trial_id, interval FROM main.presentation WHERE trial_id BETWEEN ?1 "
+                "AND ?2 AND ticks > 0 ORDER BY 1, 2");
     query.bind(1, trials.first).bind(2, trials.last);
     while (query.step()) {
         parts.push_back({.trial = query.integer(0), .interval = query.integer(1)});

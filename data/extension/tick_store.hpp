@@ -37,7 +37,7 @@ struct TrialRange {
 struct TickRange {
     std::int64_t first = 0;  ///< tick >= first
     std::int64_t last = INT64_MAX;
-    double from_s = -1e300;  ///< t_s >= from_s
+    double from_s = -1e300;  ///< time_s >= from_s
     double to_s = 1e300;
 
     friend bool operator==(const TickRange&, const TickRange&) = default;

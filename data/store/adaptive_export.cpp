@@ -10,9 +10,9 @@ namespace palpate::data {
 
 ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t run) {
     Statement row = database.prepare(
-        "SELECT protocol_toml, protocol_sha256, code, number, seed, secret FROM session"
-        " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
-        " WHERE session.id = ?1");
+        "SELECT protocol_toml, protocol_sha256, participant_code, session_number, seed, secret "
+        "FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
+        "session.session_id = ?1");
     const bool there = row.bind(1, session).step();
     const protocols::Protocol protocol =
         there ? protocols::stored_protocol(row.text(0)) : protocols::Protocol{};
@@ -30,12 +30,11 @@ ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t 
                     stream_origin(run_key(session_key, static_cast<std::size_t>(run))));
     made.responses = "stimulus,response\n";
     Statement step = database.prepare(
-        "SELECT presentation.stimulus, adaptive_step.outcome FROM adaptive_step"
-        " JOIN trial ON trial.id = adaptive_step.trial JOIN presentation"
-        " ON presentation.trial = trial.id AND presentation.stimulus IS NOT NULL"
-        " JOIN adaptive_plan USING (session, position)"
-        " WHERE trial.session = ?1 AND adaptive_plan.run = ?2 AND trial.invalid IS NULL"
-        " ORDER BY trial.id");
+        "SELECT presentation.stimulus, adaptive_step.rule_outcome FROM adaptive_step JOIN trial "
+        "USING (trial_id) JOIN presentation ON presentation.trial_id = trial.trial_id AND "
+        "presentation.stimulus IS NOT NULL JOIN adaptive_plan USING (session_id, plan_position) "
+        "WHERE trial.session_id = ?1 AND adaptive_plan.run_number = ?2 AND trial.invalid_reason IS "
+        "NULL ORDER BY trial.trial_id");
     step.bind(1, session).bind(2, run);
     while (step.step()) {
         made.responses += fmt::format("{},{}\n", step.real(0), step.integer(1));

@@ -13,20 +13,20 @@ const char* const kAdaptive = R"sql(
 CREATE TABLE adaptive_plan (
     -- Of trials whose stimulus a rule chooses, beside their rows of plan: these have the standard object and
     -- the friction of the comparison.
-    session           INTEGER NOT NULL,             -- session.id
-    position          INTEGER NOT NULL,             -- plan.position
-    run               INTEGER NOT NULL CHECK (run >= 0),  -- from 0; a run is one rule with its own answers
+    session_id        INTEGER NOT NULL,             -- session.session_id
+    plan_position     INTEGER NOT NULL,             -- plan.plan_position
+    run_number        INTEGER NOT NULL CHECK (run_number >= 0),  -- from 0; a run is one rule with its own answers
     run_name          TEXT NOT NULL,                -- its name in the protocol
-    comparison        INTEGER NOT NULL CHECK (comparison IN (1, 2)),  -- the interval with the rule's stimulus
+    comparison_interval INTEGER NOT NULL CHECK (comparison_interval IN (1, 2)),  -- the interval with the rule's stimulus
     standard_friction TEXT NOT NULL,                -- of the other interval
-    PRIMARY KEY (session, position),
-    FOREIGN KEY (session, position) REFERENCES plan (session, position)
+    PRIMARY KEY (session_id, plan_position),
+    FOREIGN KEY (session_id, plan_position) REFERENCES plan (session_id, plan_position)
 ) STRICT;
 
 CREATE TABLE adaptive_step (
     -- Answers that a rule took in. Stimulus: presentation.stimulus of the trial.
-    trial        INTEGER PRIMARY KEY REFERENCES trial,  -- trial.id
-    outcome      INTEGER NOT NULL CHECK (outcome >= 0),  -- two intervals: 1 if the comparison was named
+    trial_id     INTEGER PRIMARY KEY REFERENCES trial,  -- trial.trial_id
+    rule_outcome INTEGER NOT NULL CHECK (rule_outcome >= 0),  -- two intervals: 1 if the comparison was named
     estimate     REAL,                              -- mean of the first estimate with this answer; NULL: none
     estimates    TEXT NOT NULL,                     -- all of them, as JSON: {"name": {"mean": x, "mode": x}, ...}
     state_sha256 TEXT NOT NULL CHECK (length(state_sha256) = 64)  -- of the rule with this answer
@@ -36,34 +36,34 @@ CREATE TABLE adaptive_step (
 const char* const kAdaptiveViews = R"sql(
 CREATE VIEW adaptive_trial AS
 -- One row per answer that a rule took in, in the order of its run; counts = 0: it was marked later.
-SELECT trial.id AS trial,  -- trial.id
-       study.name AS study,  -- study.name
-       participant.code AS participant,  -- pseudonym
-       session.number AS session,  -- number of the participant's session
-       session.kind AS kind,  -- real, pilot, simulated
-       adaptive_plan.run AS run,  -- from 0
+SELECT trial.trial_id AS trial_id,  -- trial.trial_id
+       study.study_name AS study_name,  -- study.study_name
+       participant.participant_code AS participant_code,  -- pseudonym
+       session.session_number AS session_number,  -- number of the participant's session
+       session.session_kind AS session_kind,  -- real, pilot, simulated
+       adaptive_plan.run_number AS run_number,  -- from 0
        adaptive_plan.run_name AS run_name,  -- its name in the protocol
-       row_number() OVER (PARTITION BY trial.session, adaptive_plan.run ORDER BY trial.id) AS n,  -- of the run, from 1
-       trial.position AS position,  -- in the plan, from 0
-       adaptive_plan.comparison AS comparison,  -- the interval with the rule's stimulus
+       row_number() OVER (PARTITION BY trial.session_id, adaptive_plan.run_number ORDER BY trial.trial_id) AS run_trial_number,  -- of the run, from 1
+       trial.plan_position AS plan_position,  -- in the plan, from 0
+       adaptive_plan.comparison_interval AS comparison_interval,  -- the interval with the rule's stimulus
        presentation.stimulus AS stimulus,  -- what the rule chose, as it counts
        presentation.curvature_per_m AS curvature_per_m,  -- as felt
        presentation.mu_s AS mu_s,  -- as felt
-       response.answer AS answer,  -- picture from the left; interval - 1; 0 no, 1 yes; level
-       adaptive_step.outcome AS outcome,  -- as the rule counts
+       response.answer_code AS answer_code,  -- picture from the left; interval - 1; 0 no, 1 yes; level
+       adaptive_step.rule_outcome AS rule_outcome,  -- as the rule counts
        response.correct AS correct,  -- 1: right; NULL: neither right nor wrong
        adaptive_step.estimate AS estimate,  -- mean of the first estimate with this answer
        adaptive_step.estimates AS estimates,  -- all of them, as JSON
        adaptive_step.state_sha256 AS state_sha256,  -- of the rule with this answer
-       trial.invalid IS NULL AS counts  -- 0: marked later
+       trial.invalid_reason IS NULL AS counts  -- 0: marked later
 FROM adaptive_step
-JOIN trial ON trial.id = adaptive_step.trial
-JOIN response ON response.trial = trial.id
-JOIN presentation ON presentation.trial = trial.id AND presentation.stimulus IS NOT NULL
-JOIN adaptive_plan ON adaptive_plan.session = trial.session AND adaptive_plan.position = trial.position
-JOIN session ON session.id = trial.session
-JOIN participant ON participant.id = session.participant
-JOIN study ON study.id = session.study;
+JOIN trial USING (trial_id)
+JOIN response USING (trial_id)
+JOIN presentation ON presentation.trial_id = trial.trial_id AND presentation.stimulus IS NOT NULL
+JOIN adaptive_plan USING (session_id, plan_position)
+JOIN session USING (session_id)
+JOIN participant USING (participant_id)
+JOIN study USING (study_id);
 )sql";
 
 void write_adaptive_plan(Database& database,
@@ -126,13 +126,11 @@ protocols::AdaptiveRuns rebuilt_runs(Database& database,
         });
     };
     Statement row = database.prepare(
-        "SELECT trial.id, adaptive_plan.run, presentation.stimulus, adaptive_step.outcome,"
-        " state_sha256"
-        " FROM adaptive_step JOIN trial ON trial.id = adaptive_step.trial"
-        " JOIN adaptive_plan ON adaptive_plan.session = trial.session"
-        " AND adaptive_plan.position = trial.position"
-        " JOIN presentation ON presentation.trial = trial.id AND stimulus IS NOT NULL"
-        " WHERE trial.session = ?1 ORDER BY trial.id");
+        "SELECT trial.trial_id, adaptive_plan.run_number, presentation.stimulus, "
+        "adaptive_step.rule_outcome, state_sha256 FROM adaptive_step JOIN trial USING (trial_id) "
+        "JOIN adaptive_plan USING (session_id, plan_position) JOIN presentation ON "
+        "presentation.trial_id = trial.trial_id AND stimulus IS NOT NULL WHERE trial.session_id = "
+        "?1 ORDER BY trial.trial_id");
     row.bind(1, session);
     while (row.step()) {
         const std::int64_t trial = row.integer(0);
@@ -171,9 +169,9 @@ protocols::AdaptiveRuns rebuilt_runs(Database& database,
 
 protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT protocol_toml, protocol_sha256, code, number, seed, secret FROM session"
-        " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
-        " WHERE session.id = ?1");
+        "SELECT protocol_toml, protocol_sha256, participant_code, session_number, seed, secret "
+        "FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
+        "session.session_id = ?1");
     row.bind(1, session).step();
     SessionSpec spec;
     spec.protocol = protocols::stored_protocol(row.text(0));
@@ -182,8 +180,9 @@ protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session
     spec.seed = std::stoull(row.text(4));
     protocols::AdaptiveRuns runs(spec.protocol, session_stream(spec));
     Statement step = database.prepare(
-        "SELECT run, stimulus, adaptive_trial.outcome, trial.id FROM adaptive_trial JOIN trial ON"
-        " trial.id = adaptive_trial.trial WHERE trial.session = ?1 AND counts ORDER BY trial.id");
+        "SELECT run_number, stimulus, adaptive_trial.rule_outcome, trial.trial_id FROM "
+        "adaptive_trial JOIN trial USING (trial_id) WHERE trial.session_id = ?1 AND counts ORDER "
+        "BY trial.trial_id");
     step.bind(1, session);
     while (step.step()) {
         runs.update(static_cast<std::size_t>(step.integer(0)), step.real(1),

@@ -14,9 +14,10 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::string_view kNotOfSession[] = {"id",    "study",        "participant",  "finished",
-                                              "chain", "finished_utc", "chain_events", "head"};
-constexpr std::string_view kNotOfTrial[] = {"id", "session", "chain", "trial"};
+constexpr std::string_view kNotOfSession[] = {"session_id",  "study_id",   "participant_id",
+                                              "finished",    "seal",       "finished_utc",
+                                              "seal_events", "newest_seal"};
+constexpr std::string_view kNotOfTrial[] = {"event_id", "session_id", "seal", "trial_id"};
 
 /// "table;column:type:length:value;..." of the row that `row` is at.
 std::string line_of(std::string_view table,
@@ -52,12 +53,12 @@ std::string lines_of(Database& database,
 std::string first_head(Database& database, std::int64_t session) {
     std::string text = lines_of(
         database, "session",
-        "SELECT session.*, protocol_sha256, code FROM session JOIN study ON study.id = study"
-        " JOIN participant ON participant.id = participant WHERE session.id = ?1",
+        "SELECT session.*, protocol_sha256, participant_code FROM session JOIN study USING "
+        "(study_id) JOIN participant USING (participant_id) WHERE session.session_id = ?1",
         session, kNotOfSession);
     for (const char* table : {"session_provenance", "plan", "picture", "adaptive_plan"}) {
         text += lines_of(database, table,
-                         fmt::format("SELECT * FROM {} WHERE session = ?1 ORDER BY 1, 2", table),
+                         fmt::format("SELECT * FROM {} WHERE session_id = ?1 ORDER BY 1, 2", table),
                          session, kNotOfTrial);
     }
     return sha256_hex(text);
@@ -69,7 +70,7 @@ std::vector<std::string> tables_of_trials(Database& database) {
     Statement row = database.prepare(
         "SELECT s.name FROM sqlite_schema AS s, pragma_table_info(s.name) AS c WHERE s.type = "
         "'table'"
-        " AND c.name = 'trial' AND s.name <> 'event' ORDER BY s.name");
+        " AND c.name = 'trial_id' AND s.name NOT IN ('event', 'trial') ORDER BY s.name");
     while (row.step()) {
         names.push_back(row.text(0));
     }
@@ -77,7 +78,7 @@ std::vector<std::string> tables_of_trials(Database& database) {
 }
 
 std::int64_t events_now(Database& database, std::int64_t session) {
-    Statement row = database.prepare("SELECT count(*) FROM event WHERE session = ?1");
+    Statement row = database.prepare("SELECT count(*) FROM event WHERE session_id = ?1");
     row.bind(1, session).step();
     return row.integer(0);
 }
@@ -89,32 +90,32 @@ std::string trial_head(Database& database, std::int64_t trial, const std::string
     const bool marked = find_mark(database, trial).has_value();
     std::vector<std::string_view> without(std::begin(kNotOfTrial), std::end(kNotOfTrial));
     if (marked) {
-        without.emplace_back("invalid");
+        without.emplace_back("invalid_reason");
     }
-    text += lines_of(database, "trial", "SELECT * FROM trial WHERE id = ?1", trial, without);
+    text += lines_of(database, "trial", "SELECT * FROM trial WHERE trial_id = ?1", trial, without);
     for (const std::string& table : tables_of_trials(database)) {
-        text += lines_of(database, table,
-                         fmt::format("SELECT * FROM {} WHERE trial = ?1 ORDER BY 1, 2, 3", table),
-                         trial, kNotOfTrial);
+        text +=
+            lines_of(database, table,
+                     fmt::format("SELECT * FROM {} WHERE trial_id = ?1 ORDER BY 1, 2, 3", table),
+                     trial, kNotOfTrial);
     }
     return sha256_hex(text);
 }
 
 std::string event_head(Database& database, std::int64_t event, const std::string& before) {
-    return sha256_hex(
-        before + '\n' +
-        lines_of(database, "event",
-                 "SELECT event.*, position, attempt FROM event LEFT JOIN trial ON trial.id = trial"
-                 " WHERE event.id = ?1",
-                 event, kNotOfTrial));
+    return sha256_hex(before + '\n' +
+                      lines_of(database, "event",
+                               "SELECT event.*, plan_position, attempt FROM event LEFT JOIN trial "
+                               "USING (trial_id) WHERE event.event_id = ?1",
+                               event, kNotOfTrial));
 }
 
 std::string session_head(Database& database, std::int64_t session, const std::string& before) {
     return sha256_hex(
         before + '\n' +
         lines_of(database, "session",
-                 "SELECT finished, finished_utc, chain_events FROM session WHERE id = ?1", session,
-                 {}));
+                 "SELECT finished, finished_utc, seal_events FROM session WHERE session_id = ?1",
+                 session, {}));
 }
 
 /// What the next link begins with.
@@ -129,11 +130,11 @@ void keep_head(Database& database,
                std::int64_t row,
                std::int64_t session,
                const std::string& head) {
-    database.prepare(fmt::format("UPDATE {} SET chain = ?2 WHERE id = ?1", table))
+    database.prepare(fmt::format("UPDATE {0} SET seal = ?2 WHERE {0}_id = ?1", table))
         .bind(1, row)
         .bind(2, std::string_view(head))
         .run();
-    database.prepare("UPDATE session SET head = ?2 WHERE id = ?1")
+    database.prepare("UPDATE session SET newest_seal = ?2 WHERE session_id = ?1")
         .bind(1, session)
         .bind(2, std::string_view(head))
         .run();
@@ -143,7 +144,7 @@ void keep_events(Database& database,
                  std::string_view table,
                  std::int64_t row,
                  std::int64_t session) {
-    database.prepare(fmt::format("UPDATE {} SET chain_events = ?2 WHERE id = ?1", table))
+    database.prepare(fmt::format("UPDATE {0} SET seal_events = ?2 WHERE {0}_id = ?1", table))
         .bind(1, row)
         .bind(2, events_now(database, session))
         .run();
@@ -156,40 +157,40 @@ public:
         : database_(database),
           session_(session),
           head_(first_head(database, session)),
-          events_(database.prepare("SELECT event.id, chain, kind, coalesce(trial, 0) FROM event"
-                                   " WHERE session = ?1 ORDER BY id")) {
+          events_(database.prepare("SELECT event.event_id, seal, event_kind, coalesce(trial_id, 0) "
+                                   "FROM event WHERE session_id = ?1 ORDER BY event_id")) {
         events_.bind(1, session);
     }
 
     std::vector<ChainBreak> all() {
         Statement trial = database_.prepare(
-            "SELECT id, chain, chain_events, outcome, invalid FROM trial WHERE session = ?1 ORDER"
-            " BY id");
+            "SELECT trial_id, seal, seal_events, outcome, invalid_reason FROM trial WHERE "
+            "session_id = ?1 ORDER BY trial_id");
         trial.bind(1, session_);
         while (trial.step()) {
             const std::int64_t id = trial.integer(0);
             check_mark(id, trial.text(4));
             if (trial.null(1)) {
                 if (trial.text(3) != "running") {
-                    breaks_.push_back({id, "trial.chain", "NULL", "the head after this trial"});
+                    breaks_.push_back({id, "trial.seal", "NULL", "the head after this trial"});
                 }
                 continue;
             }
             events_until(trial.integer(2));
-            link(id, "trial.chain", trial.text(1), trial_head(database_, id, head_));
+            link(id, "trial.seal", trial.text(1), trial_head(database_, id, head_));
         }
         Statement end = database_.prepare(
-            "SELECT chain, chain_events, finished, head FROM session WHERE id = ?1");
+            "SELECT seal, seal_events, finished, newest_seal FROM session WHERE session_id = ?1");
         end.bind(1, session_).step();
         if (!end.null(0)) {
             events_until(end.integer(1));
-            link(0, "session.chain", end.text(0), session_head(database_, session_, head_));
+            link(0, "session.seal", end.text(0), session_head(database_, session_, head_));
         } else if (end.integer(2) != 0) {
-            breaks_.push_back({0, "session.chain", "NULL", "the head after the last trial"});
+            breaks_.push_back({0, "session.seal", "NULL", "the head after the last trial"});
         }
         events_until(std::nullopt);
         if (links_ > 0 ? end.text(3) != head_ : !end.null(3)) {
-            breaks_.push_back({0, "session.head", end.null(3) ? "NULL" : end.text(3),
+            breaks_.push_back({0, "session.newest_seal", end.null(3) ? "NULL" : end.text(3),
                                links_ > 0 ? head_ : "NULL"});
         }
         return std::move(breaks_);
@@ -211,7 +212,7 @@ private:
     void events_until(std::optional<std::int64_t> count) {
         while ((!count || seen_ < *count) && events_.step()) {
             ++seen_;
-            const std::string what = fmt::format("event.chain ({} {})", events_.text(2), seen_);
+            const std::string what = fmt::format("event.seal ({} {})", events_.text(2), seen_);
             link(events_.integer(3), what, events_.null(1) ? "NULL" : events_.text(1),
                  event_head(database_, events_.integer(0), head_));
         }
@@ -220,7 +221,7 @@ private:
     void check_mark(std::int64_t trial, const std::string& invalid) {
         const auto mark = find_mark(database_, trial);
         if (mark && mark->reason != invalid) {
-            breaks_.push_back({trial, "trial.invalid", invalid.empty() ? "NULL" : invalid,
+            breaks_.push_back({trial, "trial.invalid_reason", invalid.empty() ? "NULL" : invalid,
                                mark->reason + ", as its mark says"});
         }
     }
@@ -237,7 +238,7 @@ private:
 }  // namespace
 
 void chain_trial(Database& database, std::int64_t trial) {
-    Statement whose = database.prepare("SELECT session FROM trial WHERE id = ?1");
+    Statement whose = database.prepare("SELECT session_id FROM trial WHERE trial_id = ?1");
     whose.bind(1, trial).step();
     const std::int64_t session = whose.integer(0);
     whose.reset();
@@ -255,8 +256,8 @@ void chain_session(Database& database, std::int64_t session) {
 std::string add_event(Database& database, const EventRow& event) {
     const std::string before = head_now(database, event.session);
     Statement row = database.prepare(
-        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns, operator)"
-        " VALUES (?1, ?2, ?3, ?4, ?5, ?6, nullif(?7, ''))");
+        "INSERT INTO event (session_id, trial_id, event_kind, text, at_utc, at_ns, operator) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, nullif(?7, ''))");
     row.bind(1, event.session)
         .bind(2, event.trial)
         .bind(3, event.kind)
@@ -273,7 +274,8 @@ std::string add_event(Database& database, const EventRow& event) {
 
 void chain_anew(Database& database, std::int64_t session) {
     std::vector<std::int64_t> events;
-    Statement row = database.prepare("SELECT id FROM event WHERE session = ?1 ORDER BY id");
+    Statement row =
+        database.prepare("SELECT event_id FROM event WHERE session_id = ?1 ORDER BY event_id");
     row.bind(1, session);
     while (row.step()) {
         events.push_back(row.integer(0));
@@ -286,7 +288,8 @@ void chain_anew(Database& database, std::int64_t session) {
 }
 
 std::string chain_head(Database& database, std::int64_t session) {
-    Statement row = database.prepare("SELECT coalesce(head, '') FROM session WHERE id = ?1");
+    Statement row =
+        database.prepare("SELECT coalesce(newest_seal, '') FROM session WHERE session_id = ?1");
     row.bind(1, session);
     return row.step() ? row.text(0) : std::string();
 }

@@ -36,7 +36,7 @@ std::vector<std::string> tables(Database& database) {
 /// From run to run, though nothing else differs.
 bool varies(std::string_view column) {
     return column.ends_with("_utc") || column == "at_ns" || column == "started_ns" ||
-           column == "uuid" || column == "chain" || column == "head";
+           column == "uuid" || column == "seal" || column == "newest_seal";
 }
 
 void add_table(Database& database, const std::string& table, Content& content) {
@@ -57,7 +57,7 @@ void add_table(Database& database, const std::string& table, Content& content) {
 
 void add_traces(Database& database, Content& content) {
     std::vector<std::pair<std::int64_t, std::int64_t>> intervals;
-    Statement row = database.prepare("SELECT trial, interval FROM presentation ORDER BY 1, 2");
+    Statement row = database.prepare("SELECT trial_id, interval FROM presentation ORDER BY 1, 2");
     while (row.step()) {
         intervals.emplace_back(row.integer(0), row.integer(1));
     }

@@ -5,13 +5,14 @@
 namespace palpate::data {
 namespace {
 
-constexpr const char* kPictures = "SELECT object FROM picture WHERE session = ?1 ORDER BY place";
+constexpr const char* kPictures =
+    "SELECT picture_object FROM picture WHERE session_id = ?1 ORDER BY picture_place";
 
 // Frictions by their first block, if no block has two.
 constexpr const char* kFrictions =
-    "SELECT friction FROM plan WHERE session = ?1 AND phase = 'main' AND NOT EXISTS"
-    " (SELECT 1 FROM plan WHERE session = ?1 AND phase = 'main' GROUP BY block"
-    " HAVING count(DISTINCT friction) > 1) GROUP BY friction ORDER BY min(position)";
+    "SELECT friction FROM plan WHERE session_id = ?1 AND phase = 'main' AND NOT EXISTS (SELECT 1 "
+    "FROM plan WHERE session_id = ?1 AND phase = 'main' GROUP BY block HAVING count(DISTINCT "
+    "friction) > 1) GROUP BY friction ORDER BY min(plan_position)";
 
 std::vector<std::string> order_of(Database& database, const char* sql, std::int64_t session) {
     Statement row = database.prepare(sql);
@@ -30,9 +31,10 @@ LevelOrders orders_of(Database& database,
     const Snapshot view(database);
     LevelOrders orders;
     Statement other = database.prepare(
-        "SELECT session.id, code, EXISTS (SELECT 1 FROM trial WHERE trial.session = session.id)"
-        " FROM session JOIN study ON study.id = study JOIN participant ON participant.id ="
-        " participant WHERE name = ?1 AND code <> ?2 AND kind = 'real' ORDER BY code, number");
+        "SELECT session.session_id, participant_code, EXISTS (SELECT 1 FROM trial WHERE "
+        "trial.session_id = session.session_id) FROM session JOIN study USING (study_id) JOIN "
+        "participant USING (participant_id) WHERE study_name = ?1 AND participant_code <> ?2 AND "
+        "session_kind = 'real' ORDER BY participant_code, session_number");
     other.bind(1, study).bind(2, key.participant);
     std::string last;
     while (other.step()) {
@@ -43,10 +45,10 @@ LevelOrders orders_of(Database& database,
         }
     }
     Statement own = database.prepare(
-        "SELECT session.id FROM session JOIN study ON study.id = study"
-        " JOIN participant ON participant.id = participant WHERE name = ?1 AND code = ?2"
-        " AND EXISTS (SELECT 1 FROM trial WHERE trial.session = session.id)"
-        " ORDER BY number = ?3 DESC, number, session.id LIMIT 1");
+        "SELECT session.session_id FROM session JOIN study USING (study_id) JOIN participant USING "
+        "(participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND EXISTS (SELECT 1 "
+        "FROM trial WHERE trial.session_id = session.session_id) ORDER BY session_number = ?3 "
+        "DESC, session_number, session.session_id LIMIT 1");
     own.bind(1, study).bind(2, key.participant).bind(3, static_cast<std::int64_t>(key.session));
     if (own.step()) {
         orders.own = order_of(database, sql, own.integer(0));

@@ -40,7 +40,8 @@ std::string heard(std::string_view code) {
 }  // namespace
 
 std::optional<std::string> similar_participant(Database& database, std::string_view code) {
-    Statement row = database.prepare("SELECT code FROM participant ORDER BY id");
+    Statement row =
+        database.prepare("SELECT participant_code FROM participant ORDER BY participant_id");
     std::optional<std::string> found;
     while (row.step()) {
         const std::string other = row.text(0);
@@ -56,9 +57,9 @@ std::optional<std::string> similar_participant(Database& database, std::string_v
 
 std::optional<Participant> find_participant(Database& database, std::string_view code) {
     Statement row = database.prepare(
-        "SELECT id, handedness, consent, coalesce(consent_utc, ''),"
-        " (SELECT count(*) FROM session WHERE session.participant = participant.id), subject"
-        " FROM participant WHERE code = ?1");
+        "SELECT participant_id, handedness, consent, coalesce(consent_utc, ''), (SELECT count(*) "
+        "FROM session WHERE session.participant_id = participant.participant_id), subject FROM "
+        "participant WHERE participant_code = ?1");
     if (!row.bind(1, code).step()) {
         return std::nullopt;
     }
@@ -71,7 +72,7 @@ std::optional<Participant> find_participant(Database& database, std::string_view
         found.notes.consent = row.integer(2) != 0;
     }
     Statement detail = database.prepare(
-        "SELECT key, value FROM participant_detail WHERE participant = ?1 ORDER BY key");
+        "SELECT key, value FROM participant_detail WHERE participant_id = ?1 ORDER BY key");
     detail.bind(1, row.integer(0));
     while (detail.step()) {
         found.notes.details.emplace_back(detail.text(0), detail.text(1));
@@ -110,7 +111,7 @@ void note_participant(Database& database,
     Transaction all(database);
     participant_row(database, code, own_secret(database));
     if (notes.handedness) {
-        database.prepare("UPDATE participant SET handedness = ?2 WHERE code = ?1")
+        database.prepare("UPDATE participant SET handedness = ?2 WHERE participant_code = ?1")
             .bind(1, code)
             .bind(2, *notes.handedness)
             .run();
@@ -119,8 +120,8 @@ void note_participant(Database& database,
     if (notes.consent) {
         database
             .prepare(
-                "UPDATE participant SET consent = ?2, consent_utc = ?3"
-                " WHERE code = ?1 AND consent IS NOT ?2")
+                "UPDATE participant SET consent = ?2, consent_utc = ?3 WHERE participant_code = ?1 "
+                "AND consent IS NOT ?2")
             .bind(1, code)
             .bind(2, std::int64_t{*notes.consent ? 1 : 0})
             .bind(3, utc_now())
@@ -128,8 +129,9 @@ void note_participant(Database& database,
         tell_sessions(database, code, consent_text(*notes.consent), operator_name);
     }
     Statement detail = database.prepare(
-        "INSERT INTO participant_detail SELECT id, ?2, ?3 FROM participant WHERE code = ?1"
-        " ON CONFLICT (participant, key) DO UPDATE SET value = excluded.value");
+        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3 FROM participant WHERE "
+        "participant_code = ?1 ON CONFLICT (participant_id, key) DO UPDATE SET value = "
+        "excluded.value");
     for (const auto& [key, value] : notes.details) {
         detail.bind(1, code).bind(2, key).bind(3, value).run();
         tell_sessions(database, code, "detail " + key, operator_name);
@@ -139,8 +141,8 @@ void note_participant(Database& database,
 
 void note_at_beginning(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT handedness, consent FROM participant JOIN session ON participant.id = participant"
-        " WHERE session.id = ?1");
+        "SELECT handedness, consent FROM participant JOIN session USING (participant_id) WHERE "
+        "session.session_id = ?1");
     row.bind(1, session).step();
     std::vector<std::string> texts;
     if (!row.null(0)) {
@@ -158,15 +160,13 @@ void note_at_beginning(Database& database, std::int64_t session) {
 std::vector<NoteBreak> note_breaks(Database& database) {
     // A session's last word on each is what was noted last: a note goes to all sessions that are there.
     Statement row = database.prepare(
-        "SELECT DISTINCT code, what, stored, text FROM (SELECT code, substr(text, 1, instr(text, ' "
-        "')"
-        " - 1) AS what, text, iif(text LIKE 'handedness %', coalesce('handedness ' || handedness,"
-        " 'NULL'), coalesce('consent ' || iif(consent, 'yes', 'no'), 'NULL')) AS stored,"
-        " row_number() OVER (PARTITION BY session, substr(text, 1, instr(text, ' ')) ORDER BY"
-        " event.id DESC) AS back FROM event JOIN session ON session.id = session JOIN participant "
-        "ON"
-        " participant.id = participant WHERE event.kind = ?1 AND text NOT LIKE 'detail %')"
-        " WHERE back = 1 AND stored <> text ORDER BY 1, 2");
+        "SELECT DISTINCT participant_code, what, stored, text FROM (SELECT participant_code, "
+        "substr(text, 1, instr(text, ' ') - 1) AS what, text, iif(text LIKE 'handedness %', "
+        "coalesce('handedness ' || handedness, 'NULL'), coalesce('consent ' || iif(consent, 'yes', "
+        "'no'), 'NULL')) AS stored, row_number() OVER (PARTITION BY session_id, substr(text, 1, "
+        "instr(text, ' ')) ORDER BY event.event_id DESC) AS back FROM event JOIN session USING "
+        "(session_id) JOIN participant USING (participant_id) WHERE event.event_kind = ?1 AND text "
+        "NOT LIKE 'detail %') WHERE back = 1 AND stored <> text ORDER BY 1, 2");
     row.bind(1, kNoted);
     std::vector<NoteBreak> breaks;
     while (row.step()) {
@@ -181,9 +181,9 @@ std::vector<SessionRow> sessions_of(Database& database,
                                     std::string_view code,
                                     std::optional<std::size_t> number) {
     Statement row = database.prepare(
-        "SELECT session.id, name, number FROM session JOIN study ON study.id = study"
-        " JOIN participant ON participant.id = participant"
-        " WHERE code = ?1 AND (?2 IS NULL OR number = ?2) ORDER BY session.id DESC");
+        "SELECT session.session_id, study_name, session_number FROM session JOIN study USING "
+        "(study_id) JOIN participant USING (participant_id) WHERE participant_code = ?1 AND (?2 IS "
+        "NULL OR session_number = ?2) ORDER BY session.session_id DESC");
     row.bind(1, code).bind(
         2, number ? std::optional(static_cast<std::int64_t>(*number)) : std::nullopt);
     std::vector<SessionRow> all;
@@ -206,7 +206,7 @@ std::string add_note(Database& database,
 }
 
 std::string after_attempts(Database& database, std::int64_t session, std::string_view what) {
-    Statement row = database.prepare("SELECT count(*) FROM trial WHERE session = ?1");
+    Statement row = database.prepare("SELECT count(*) FROM trial WHERE session_id = ?1");
     row.bind(1, session).step();
     return fmt::format("after {} attempts: {}", row.integer(0), what);
 }
@@ -217,12 +217,13 @@ Marked mark_invalid(Database& database,
                     std::string_view operator_name) {
     Transaction all(database);
     Statement row = database.prepare(
-        "SELECT outcome, response.trial IS NOT NULL, invalid, finished, session.id FROM trial"
-        " JOIN session ON session.id = trial.session"
-        " LEFT JOIN response ON response.trial = trial.id WHERE trial.id = ?1");
+        "SELECT outcome, response.trial_id IS NOT NULL, invalid_reason, finished, "
+        "session.session_id FROM trial JOIN session USING (session_id) LEFT JOIN response USING "
+        "(trial_id) WHERE trial.trial_id = ?1");
     if (!row.bind(1, trial).step()) {
-        throw std::invalid_argument(fmt::format(
-            "{}: there is no trial {}; SELECT id FROM trial lists them", database.file(), trial));
+        throw std::invalid_argument(
+            fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
+                        database.file(), trial));
     }
     if (row.integer(1) == 0) {
         throw std::invalid_argument(
@@ -236,7 +237,7 @@ Marked mark_invalid(Database& database,
     const bool finished = row.integer(3) != 0;
     const std::int64_t session = row.integer(4);
     row.reset();
-    database.prepare("UPDATE trial SET invalid = ?2 WHERE id = ?1")
+    database.prepare("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1")
         .bind(1, trial)
         .bind(2, reason)
         .run();
@@ -261,16 +262,16 @@ std::optional<Mark> read_mark(Database& database, std::int64_t session, std::str
     }
     mark.reason = text.substr(text.find(": ") + 2);
     Statement last = database.prepare(
-        "SELECT coalesce(max(id), 0) FROM (SELECT id FROM trial WHERE session = ?1 ORDER BY id"
-        " LIMIT ?2)");
+        "SELECT coalesce(max(trial_id), 0) FROM (SELECT trial_id FROM trial WHERE session_id = ?1 "
+        "ORDER BY trial_id LIMIT ?2)");
     last.bind(1, session).bind(2, mark.after).step();
     mark.after = last.integer(0);
     return mark;
 }
 
 std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
-    Statement row =
-        database.prepare("SELECT text, session FROM event WHERE trial = ?1 AND kind = 'mark'");
+    Statement row = database.prepare(
+        "SELECT text, session_id FROM event WHERE trial_id = ?1 AND event_kind = 'mark'");
     if (!row.bind(1, trial).step()) {
         return std::nullopt;
     }

@@ -11,10 +11,10 @@ const char* const kPresentation = R"sql(
 CREATE TABLE presentation (
     -- What each interval of a trial let one feel, and how it was felt, from its first tick to done. Trials
     -- with two intervals are comparisons; the numbers of the trial are those of both together.
-    trial               INTEGER NOT NULL REFERENCES trial,  -- trial.id
+    trial_id               INTEGER NOT NULL REFERENCES trial,  -- trial.trial_id
     interval            INTEGER NOT NULL CHECK (interval IN (1, 2)),  -- of the trial
     stimulus            REAL,                       -- what the rule chose, as it counts; NULL: not chosen by a rule
-    object              TEXT NOT NULL,              -- its name in the protocol
+    felt_object         TEXT NOT NULL,              -- its name in the protocol
     curvature_per_m     REAL,                       -- as felt; NULL: no two-curve object
     friction            TEXT NOT NULL,              -- its name in the protocol
     mu_s                REAL NOT NULL CHECK (mu_s >= mu_d),  -- as felt
@@ -32,22 +32,22 @@ CREATE TABLE presentation (
     path_length_m       REAL,                       -- of HIP
     mean_normal_force_n REAL,                       -- over contact, 0 without
     max_normal_force_n  REAL,                       -- largest
-    PRIMARY KEY (trial, interval)
+    PRIMARY KEY (trial_id, interval)
 ) STRICT;
 )sql";
 
 const char* const kResponse = R"sql(
 CREATE TABLE response (
     -- The answer of a trial.
-    trial          INTEGER PRIMARY KEY REFERENCES trial,    -- trial.id
-    place          INTEGER CHECK (place >= 0),      -- of the chosen picture, from the left; NULL: no pictures
-    object         TEXT,                            -- of the chosen picture; NULL: no pictures
+    trial_id       INTEGER PRIMARY KEY REFERENCES trial,    -- trial.trial_id
+    chosen_place   INTEGER CHECK (chosen_place >= 0),      -- of the chosen picture: picture.picture_place; NULL: no pictures
+    chosen_object  TEXT,                            -- of the chosen picture; NULL: no pictures
     correct        INTEGER CHECK (correct IN (0, 1)),       -- NULL: the answer is neither right nor wrong
     reaction_s     REAL NOT NULL CHECK (reaction_s >= 0),   -- question shown -> the press that gave this answer
-    uncertainty_s  REAL NOT NULL CHECK (uncertainty_s >= 0),  -- may have been up to this much earlier
+    reaction_uncertainty_s REAL NOT NULL CHECK (reaction_uncertainty_s >= 0),  -- may have been up to this much earlier
     input          TEXT NOT NULL            -- how it was given
                        CHECK (input IN ('simulated', 'key', 'arrows', 'mouse')),
-    answer         INTEGER NOT NULL CHECK (answer >= 0),    -- picture from the left; interval - 1; 0 no, 1 yes; level
+    answer_code    INTEGER NOT NULL CHECK (answer_code >= 0),    -- picture from the left; interval - 1; 0 no, 1 yes; level
     confidence     INTEGER CHECK (confidence BETWEEN 1 AND 4),        -- 1 a guess, 4 sure; NULL: not asked for
     confidence_reaction_s REAL CHECK (confidence_reaction_s >= 0),    -- scale shown -> confidence
     early_presses  INTEGER NOT NULL DEFAULT 0 CHECK (early_presses >= 0),  -- within the guard time of question or scale: no answers
@@ -66,9 +66,9 @@ void write_presentation(Database& database,
                         const protocols::SceneConstants& scene) {
     database
         .prepare(
-            "INSERT INTO presentation (trial, interval, stimulus, object, curvature_per_m, "
-            "friction, "
-            "mu_s, mu_d, slip_decay, heal_decay) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)")
+            "INSERT INTO presentation (trial_id, interval, stimulus, felt_object, curvature_per_m, "
+            "friction, mu_s, mu_d, slip_decay, heal_decay) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, "
+            "?9, ?10)")
         .bind(1, trial)
         .bind(2, static_cast<std::int64_t>(felt.interval))
         .bind(3, felt.stimulus)
@@ -89,10 +89,10 @@ void write_interval_result(Database& database,
     const protocols::TrialSummary& sum = result.summary;
     database
         .prepare(
-            "UPDATE presentation SET done_s = ?3, done_uncertainty_s = ?4, first_contact_s = ?5,"
-            " ticks = ?6, contact_ticks = ?7, slip_ticks = ?8, late_ticks = ?9, saturated_ticks = "
-            "?10, path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13"
-            " WHERE trial = ?1 AND interval = ?2")
+            "UPDATE presentation SET done_s = ?3, done_uncertainty_s = ?4, first_contact_s = ?5, "
+            "ticks = ?6, contact_ticks = ?7, slip_ticks = ?8, late_ticks = ?9, saturated_ticks = "
+            "?10, path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13 WHERE "
+            "trial_id = ?1 AND interval = ?2")
         .bind(1, trial)
         .bind(2, interval)
         .bind(3, result.done_s)

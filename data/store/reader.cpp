@@ -13,8 +13,8 @@ namespace palpate::data {
 std::vector<std::int64_t> answered_trials(Database& database) {
     std::vector<std::int64_t> ids;
     Statement row = database.prepare(
-        "SELECT trial.id FROM trial JOIN response ON response.trial = trial.id"
-        " ORDER BY session, position, attempt");
+        "SELECT trial.trial_id FROM trial JOIN response USING (trial_id) ORDER BY session_id, "
+        "plan_position, attempt");
     while (row.step()) {
         ids.push_back(row.integer(0));
     }
@@ -24,7 +24,7 @@ std::vector<std::int64_t> answered_trials(Database& database) {
 std::vector<std::int64_t> intervals_of(Database& database, std::int64_t trial) {
     std::vector<std::int64_t> intervals;
     Statement row =
-        database.prepare("SELECT interval FROM presentation WHERE trial = ?1 ORDER BY 1");
+        database.prepare("SELECT interval FROM presentation WHERE trial_id = ?1 ORDER BY 1");
     row.bind(1, trial);
     while (row.step()) {
         intervals.push_back(row.integer(0));
@@ -81,8 +81,7 @@ std::vector<engine::TickRecord> TraceReader::read(std::int64_t trial, std::int64
         ++next;
     }
     Statement counted = database_.prepare(
-        "SELECT coalesce(max(ticks), 0) FROM presentation"
-        " WHERE trial = ?1 AND interval = ?2");
+        "SELECT coalesce(max(ticks), 0) FROM presentation WHERE trial_id = ?1 AND interval = ?2");
     counted.bind(1, trial).bind(2, interval).step();
     if (counted.integer(0) > next) {
         missing(next, counted.integer(0) - 1);

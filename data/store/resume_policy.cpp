@@ -26,8 +26,8 @@ std::string part_name(std::size_t part) {
 
 std::vector<Redo> redos_of(Database& database, std::int64_t session) {
     std::vector<Redo> redos;
-    Statement row =
-        database.prepare("SELECT text FROM event WHERE session = ?1 AND kind = 'redo' ORDER BY id");
+    Statement row = database.prepare(
+        "SELECT text FROM event WHERE session_id = ?1 AND event_kind = 'redo' ORDER BY event_id");
     row.bind(1, session);
     while (row.step()) {
         const auto note = read_mark(database, session, row.text(0));
@@ -53,8 +53,8 @@ bool begin_again(Database& database,
     const std::string reason = fmt::format("{} was run again", part_name(part));
     std::vector<std::int64_t> trials;
     Statement row = database.prepare(
-        "SELECT trial.id, position FROM trial JOIN response ON response.trial = trial.id"
-        " WHERE session = ?1 AND invalid IS NULL ORDER BY trial.id");
+        "SELECT trial.trial_id, plan_position FROM trial JOIN response USING (trial_id) WHERE "
+        "session_id = ?1 AND invalid_reason IS NULL ORDER BY trial.trial_id");
     row.bind(1, session);
     while (row.step()) {
         if (pending.part_of(static_cast<std::size_t>(row.integer(1))) == part) {
@@ -65,7 +65,7 @@ bool begin_again(Database& database,
     if (trials.empty()) {
         return false;
     }
-    Statement mark = database.prepare("UPDATE trial SET invalid = ?2 WHERE id = ?1");
+    Statement mark = database.prepare("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1");
     const auto event = [&](std::string_view kind, std::optional<std::int64_t> trial,
                            std::string_view what) {
         add_event(database, {.session = session,
@@ -95,8 +95,9 @@ protocols::PendingTrials what_is_left(Database& database,
         }
     };
     Statement row = database.prepare(
-        "SELECT position, outcome, response.trial IS NOT NULL, invalid IS NULL, trial.id FROM trial"
-        " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 ORDER BY trial.id");
+        "SELECT plan_position, outcome, response.trial_id IS NOT NULL, invalid_reason IS NULL, "
+        "trial.trial_id FROM trial LEFT JOIN response USING (trial_id) WHERE session_id = ?1 ORDER "
+        "BY trial.trial_id");
     row.bind(1, session);
     while (row.step()) {
         again(row.integer(4));

@@ -26,8 +26,8 @@ CREATE TABLE secret (
 
 CREATE TABLE study (
     -- A protocol as it was read: the text is canonical, its SHA-256 the study's identity.
-    id              INTEGER PRIMARY KEY,            -- of this file alone; its identity is protocol_sha256
-    name            TEXT NOT NULL,                  -- the protocol's id
+    study_id        INTEGER PRIMARY KEY,            -- of this file alone; its identity is protocol_sha256
+    study_name      TEXT NOT NULL,                  -- the protocol's id
     title           TEXT NOT NULL,                  -- for people
     protocol_sha256 TEXT NOT NULL UNIQUE CHECK (length(protocol_sha256) = 64),  -- of protocol_toml
     protocol_toml   TEXT NOT NULL                   -- the protocol's canonical text
@@ -35,9 +35,9 @@ CREATE TABLE study (
 
 CREATE TABLE participant (
     -- Pseudonyms only.
-    id          INTEGER PRIMARY KEY,                -- of this file alone; people are known by code
-    code        TEXT NOT NULL UNIQUE                -- the pseudonym
-                    CHECK (length(code) BETWEEN 1 AND 64 AND code NOT GLOB '*[^A-Za-z0-9_-]*'),
+    participant_id INTEGER PRIMARY KEY,                -- of this file alone; people are known by participant_code
+    participant_code TEXT NOT NULL UNIQUE                -- the pseudonym
+                    CHECK (length(participant_code) BETWEEN 1 AND 64 AND participant_code NOT GLOB '*[^A-Za-z0-9_-]*'),
     handedness  INTEGER CHECK (handedness BETWEEN -100 AND 100),  -- Edinburgh score: -100 left, 100 right
     consent     INTEGER CHECK (consent IN (0, 1)),  -- to take part; NULL: nobody noted it
     consent_utc TEXT,                               -- when that was noted
@@ -50,11 +50,11 @@ CREATE TABLE participant (
 constexpr const char* kSession = R"sql(
 CREATE TABLE session (
     -- One sitting of a participant with a study, resumed or not.
-    id                  INTEGER PRIMARY KEY,        -- of this file alone; its identity is uuid
-    study               INTEGER NOT NULL REFERENCES study,              -- study.id
-    participant         INTEGER NOT NULL REFERENCES participant,        -- participant.id
-    number              INTEGER NOT NULL CHECK (number >= 1),           -- 1: the participant's first
-    kind                TEXT NOT NULL CHECK (kind IN ('real', 'pilot', 'simulated')),  -- real data, or not
+    session_id          INTEGER PRIMARY KEY,        -- of this file alone; its identity is uuid
+    study_id            INTEGER NOT NULL REFERENCES study,        -- study.study_id
+    participant_id      INTEGER NOT NULL REFERENCES participant,  -- participant.participant_id
+    session_number      INTEGER NOT NULL CHECK (session_number >= 1),           -- counted within the participant and study; 1: the first
+    session_kind        TEXT NOT NULL CHECK (session_kind IN ('real', 'pilot', 'simulated')),  -- real data, or not
     seed                TEXT NOT NULL               -- unsigned 64 bit, decimal
                             CHECK (length(seed) BETWEEN 1 AND 20 AND seed NOT GLOB '*[^0-9]*'),
     plan_sha256         TEXT NOT NULL CHECK (length(plan_sha256) = 64),  -- of the whole order
@@ -69,10 +69,10 @@ CREATE TABLE session (
     uuid                TEXT NOT NULL UNIQUE        -- RFC 9562, random (version 4)
                             CHECK (length(uuid) = 36 AND uuid NOT GLOB '*[^0-9a-f-]*'),
     secret              TEXT NOT NULL REFERENCES secret,   -- secret.hex with which its orders were drawn
-    chain               TEXT CHECK (length(chain) = 64),   -- head of its chain of hashes when it was finished
-    chain_events        INTEGER,                    -- how many of its events came before that
-    head                TEXT CHECK (length(head) = 64),    -- newest head: of its last trial, event or its end
-    UNIQUE (study, participant, number)
+    seal                TEXT CHECK (length(seal) = 64),   -- hash over all of its results when it was finished
+    seal_events         INTEGER,                    -- how many of its events came before that
+    newest_seal         TEXT CHECK (length(newest_seal) = 64),    -- newest seal: of its last trial, event or its end
+    UNIQUE (study_id, participant_id, session_number)
 ) STRICT;
 )sql";
 
@@ -80,42 +80,42 @@ constexpr const char* kTables2 = R"sql(
 CREATE TABLE session_provenance (
     -- What shaped the session besides its protocol: versions, compiler, kernel, the device's calibration,
     -- what the force loop was allowed (scheduling, memory).
-    session INTEGER NOT NULL REFERENCES session,    -- session.id
+    session_id INTEGER NOT NULL REFERENCES session,    -- session.session_id
     key     TEXT NOT NULL,                          -- what, e.g. build id
     value   TEXT NOT NULL,                          -- as it was when the session began
-    PRIMARY KEY (session, key)
+    PRIMARY KEY (session_id, key)
 ) STRICT;
 
 CREATE TABLE plan (
     -- The whole order, complete before the first trial.
-    session          INTEGER NOT NULL REFERENCES session,  -- session.id
-    position         INTEGER NOT NULL CHECK (position >= 0),  -- from 0, in the order planned
+    session_id       INTEGER NOT NULL REFERENCES session,  -- session.session_id
+    plan_position    INTEGER NOT NULL CHECK (plan_position >= 0),  -- from 0, in the order planned
     phase            TEXT NOT NULL CHECK (phase IN ('practice', 'main', 'catch')),  -- analyse main
-    object           TEXT NOT NULL,                 -- its name in the protocol
+    planned_object   TEXT NOT NULL,                 -- its name in the protocol; of two intervals: the standard's
     friction         TEXT NOT NULL,                 -- the condition's name in the protocol
     mu_s             REAL NOT NULL CHECK (mu_s >= mu_d),  -- static friction coefficient
     mu_d             REAL NOT NULL CHECK (mu_d >= 0),     -- dynamic friction coefficient
     break_before     INTEGER NOT NULL CHECK (break_before IN (0, 1)),  -- 1: a break comes first
     block            INTEGER NOT NULL DEFAULT 0 CHECK (block >= 0),  -- of the main phase; 0 in practice
     curvature_per_m  REAL,                          -- > 0 convex, 0 straight, < 0 concave; NULL: a free form
-    PRIMARY KEY (session, position)
+    PRIMARY KEY (session_id, plan_position)
 ) STRICT;
 
 CREATE TABLE picture (
     -- The pictures from left to right, the same for all trials of a participant.
-    session INTEGER NOT NULL REFERENCES session,    -- session.id
-    place   INTEGER NOT NULL CHECK (place >= 0),    -- from 0, from the left
-    object  TEXT NOT NULL,                          -- its name in the protocol
-    PRIMARY KEY (session, place),
-    UNIQUE (session, object)
+    session_id INTEGER NOT NULL REFERENCES session,    -- session.session_id
+    picture_place INTEGER NOT NULL CHECK (picture_place >= 0),    -- from 0, from the left
+    picture_object TEXT NOT NULL,                          -- its name in the protocol
+    PRIMARY KEY (session_id, picture_place),
+    UNIQUE (session_id, picture_object)
 ) STRICT;
 
 CREATE TABLE trial (
     -- One attempt at a planned trial. Attempts that faulted or do not count stay, and the position is run
     -- again at a random later place of its block (practice, or main and catch); others at once.
-    id                  INTEGER PRIMARY KEY,        -- in the order in which they began
-    session             INTEGER NOT NULL,           -- session.id
-    position            INTEGER NOT NULL,           -- plan.position
+    trial_id            INTEGER PRIMARY KEY,        -- in the order in which they began
+    session_id          INTEGER NOT NULL,           -- session.session_id
+    plan_position            INTEGER NOT NULL,           -- plan.plan_position
     attempt             INTEGER NOT NULL CHECK (attempt >= 1),  -- at this position
     outcome             TEXT NOT NULL CHECK (outcome IN  -- complete and timed_out have an answer
                             ('running', 'complete', 'timed_out', 'aborted', 'interrupted', 'faulted')),
@@ -138,32 +138,32 @@ CREATE TABLE trial (
     contact_episodes    INTEGER,                    -- times that HIP came into contact
     worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
     skipped_ticks       INTEGER,                    -- out of reach: nothing was computed
-    fault               TEXT CHECK (fault IS NULL OR outcome = 'faulted'),  -- why the force went off, e.g. over_speed
-    slewed_ticks        INTEGER,                    -- the slew limit held the force back
+    fault_cause         TEXT CHECK (fault_cause IS NULL OR outcome = 'faulted'),  -- why the force went off, e.g. over_speed
+    force_slew_ticks    INTEGER,                    -- the force slew kept the force back
     stale_ticks         INTEGER,                    -- without a new reading
-    invalid             TEXT CHECK (length(invalid) > 0),  -- why its answer does not count; NULL: it does
-    chain               TEXT CHECK (length(chain) = 64),   -- head of the session's chain of hashes at its end
-    chain_events        INTEGER,                    -- how many of the session's events came before that
+    invalid_reason      TEXT CHECK (length(invalid_reason) > 0),  -- why its answer does not count; NULL: it does
+    seal                TEXT CHECK (length(seal) = 64),   -- hash over all results of the session up to its end
+    seal_events         INTEGER,                    -- how many of the session's events came before that
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
     before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
     after_vertex_ticks  INTEGER,                    -- in contact with the second curve, right of the vertex
     started_ns          INTEGER,                    -- when it began, on the servo's clock
-    UNIQUE (session, position, attempt),
-    FOREIGN KEY (session, position) REFERENCES plan (session, position)
+    UNIQUE (session_id, plan_position, attempt),
+    FOREIGN KEY (session_id, plan_position) REFERENCES plan (session_id, plan_position)
 ) STRICT;
 
 CREATE TABLE event (
     -- What happened in a session beside its trials.
-    id      INTEGER PRIMARY KEY,                    -- in the order in which they happened
-    session INTEGER NOT NULL REFERENCES session,    -- session.id
-    trial   INTEGER REFERENCES trial,               -- trial.id; NULL: of the session as a whole
-    kind    TEXT NOT NULL,                          -- break, abort, fault, resume, note, ...
+    event_id INTEGER PRIMARY KEY,                    -- in the order in which they happened
+    session_id INTEGER NOT NULL REFERENCES session,    -- session.session_id
+    trial_id INTEGER REFERENCES trial,              -- trial.trial_id; NULL: of the session as a whole
+    event_kind TEXT NOT NULL,                          -- break, abort, fault, resume, note, ...
     text    TEXT NOT NULL,                          -- a sentence
     at_utc  TEXT NOT NULL,                          -- wall clock, ISO 8601
     at_ns   INTEGER,                                -- servo's clock (CLOCK_MONOTONIC of the rig), as trial.started_ns
     operator TEXT,                                  -- who noted it, as given; NULL: nobody said
-    chain   TEXT CHECK (length(chain) = 64)         -- head of the session's chain of hashes with this event
+    seal    TEXT CHECK (length(seal) = 64)         -- hash over all results of the session with this event
 ) STRICT;
 )sql";
 
@@ -173,7 +173,7 @@ CREATE TABLE trace_chunk (
     -- codec 1, up to 4096 ticks: data are the sizes of the columns' streams (u32le each), then the streams,
     -- columns in the order of trace_column without the parts that the chunk does not hold. A stream is a
     -- zlib stream of the values, bytes shuffled: all first bytes, all second bytes, ... Size 0: all bytes 0.
-    trial      INTEGER NOT NULL REFERENCES trial,   -- trial.id
+    trial_id      INTEGER NOT NULL REFERENCES trial,   -- trial.trial_id
     interval   INTEGER NOT NULL CHECK (interval BETWEEN 1 AND 2),  -- of a trial with two things to feel
     first_tick INTEGER NOT NULL CHECK (first_tick >= 0),  -- number of its first tick
     ticks      INTEGER NOT NULL CHECK (ticks BETWEEN 1 AND 4096),  -- how many it has
@@ -183,7 +183,7 @@ CREATE TABLE trace_chunk (
     crc32      INTEGER NOT NULL,                    -- of data
     derived    INTEGER NOT NULL,                    -- XXH3 of the ticks as the servo had them
     data       BLOB NOT NULL,                       -- the columns
-    PRIMARY KEY (trial, interval, first_tick)
+    PRIMARY KEY (trial_id, interval, first_tick)
 ) STRICT;
 
 CREATE TABLE trace_column (
@@ -191,10 +191,10 @@ CREATE TABLE trace_column (
     -- nothing; delta the value before; after one more than the value before (before the first: first_tick - 1);
     -- clock tick * period_ns, then as delta; exact nothing. All but plain and exact are folded: 0, -1, 1, -2
     -- are 0, 1, 2, 3, in two's complement of the type. part: only chunks that hold it have the column; in
-    -- others it follows by replay from the scene. *_xor_*: bits of the command XOR bits of fx_n, fy_n.
+    -- others it follows by replay from the scene. *_xor_*: bits of the commanded force XOR bits of the rendered one.
     -- -2147483648 in a column of 100 nm or 100 uN: not a number; 2147483647: that much or more.
     codec    INTEGER NOT NULL,                      -- trace_chunk.codec
-    position INTEGER NOT NULL,                      -- from 0, in the order of the bytes
+    column_position INTEGER NOT NULL,                      -- from 0, in the order of the bytes
     name     TEXT NOT NULL,                         -- of the column
     type     TEXT NOT NULL                          -- of a number as written, little-endian
                  CHECK (type IN ('f64le', 'f32le', 'i64le', 'u64le', 'i32le', 'i16le', 'u8')),
@@ -204,7 +204,7 @@ CREATE TABLE trace_column (
                  CHECK (rule IN ('plain', 'after', 'clock', 'delta', 'exact')),
     part     TEXT NOT NULL                          -- '': in every chunk, else in those that hold the part
                  CHECK (part IN ('', 'hip', 'contact', 'command', 'lateness')),
-    PRIMARY KEY (codec, position)
+    PRIMARY KEY (codec, column_position)
 ) STRICT;
 )sql";
 
@@ -212,11 +212,11 @@ constexpr const char* kPeople = R"sql(
 CREATE TABLE participant_detail (
     -- What a study asks of its participants besides: age, gender, ... In a table of its own, so that what
     -- is handed on can leave it out.
-    participant INTEGER NOT NULL REFERENCES participant,  -- participant.id
+    participant_id INTEGER NOT NULL REFERENCES participant,  -- participant.participant_id
     key         TEXT NOT NULL                       -- what, e.g. age
                     CHECK (length(key) BETWEEN 1 AND 64 AND key NOT GLOB '*[^a-z0-9_]*'),
     value       TEXT NOT NULL,                      -- as given
-    PRIMARY KEY (participant, key)
+    PRIMARY KEY (participant_id, key)
 ) STRICT;
 )sql";
 
@@ -225,35 +225,35 @@ constexpr const char* kFaults = R"sql(
 CREATE TABLE fault_tick (
     -- The last ticks before the force went off by itself, at most 100, the last one the fault's own. Here
     -- also when the trace lost them; named as in trace_column, NULL for what was not a number.
-    -- flags: 1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 held, 64 slewed (the force changed as
-    -- fast as it may), 128 stale (no new reading: the last HIP again).
-    -- mode: 0 free, 1 stuck, 2 slip, 3 transition. feature: >= 0 a segment, -1 - j vertex j.
-    trial       INTEGER NOT NULL REFERENCES trial,  -- trial.id
+    -- flags: 1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 force cut, 64 force slew (the
+    -- force changed as fast as it may), 128 stale (no new reading: the last HIP again).
+    trial_id       INTEGER NOT NULL REFERENCES trial,  -- trial.trial_id
     tick        INTEGER NOT NULL,                   -- number of the tick, from 0
-    time_ns     INTEGER NOT NULL,                   -- since the trial's first deadline
+    time_s      REAL NOT NULL,                      -- since the interval's first deadline, on the servo's clock
     count_1     INTEGER NOT NULL,                   -- encoder 1
     count_2     INTEGER NOT NULL,                   -- encoder 2
     code_1      INTEGER NOT NULL,                   -- as written to motor 1
     code_2      INTEGER NOT NULL,                   -- as written to motor 2
     lateness_us REAL,                               -- wake-up minus deadline
     flags       INTEGER NOT NULL,                   -- bits, see the table
-    mode        INTEGER NOT NULL,                   -- of the contact, see the table
-    feature     INTEGER NOT NULL,                   -- under the god-object, see the table
-    parameter   REAL,                               -- u on the segment, or angle in rad on a vertex
+    mode        TEXT NOT NULL                       -- of the contact
+                    CHECK (mode IN ('free', 'stuck', 'slip', 'transition')),
+    segment     INTEGER NOT NULL,                   -- under the god-object: from 0 in the direction of travel; -1 - j: on vertex j
+    u           REAL,                               -- of the god-object on its segment, 0 to 1; on a vertex its angle, rad
     hip_x_m     REAL,                               -- haptic interaction point
     hip_y_m     REAL,                               -- its y
     cp_x_m      REAL,                               -- closest point of the outline
     cp_y_m      REAL,                               -- its y
     go_x_m      REAL,                               -- god-object
     go_y_m      REAL,                               -- its y
-    fx_n        REAL,                               -- rendered force on the user
-    fy_n        REAL,                               -- its y
-    command_x_n REAL,                               -- force asked of the device, after the safety chain
-    command_y_n REAL,                               -- its y
-    fn_n        REAL,                               -- F . n at the god-object
-    ft_n        REAL,                               -- F . t at the god-object
+    rendered_x_n REAL,                               -- rendered force on the user
+    rendered_y_n REAL,                               -- its y
+    commanded_x_n REAL,                               -- force asked of the device, after the safety chain
+    commanded_y_n REAL,                               -- its y
+    rendered_normal_n REAL,                               -- F . n at the god-object
+    rendered_tangential_n REAL,                               -- F . t at the god-object
     mu          REAL,                               -- friction coefficient in force
-    PRIMARY KEY (trial, tick)
+    PRIMARY KEY (trial_id, tick)
 ) STRICT;
 )sql";
 

@@ -75,7 +75,8 @@ void set_secret(Database& database, std::string_view hex) {
 }
 
 std::int64_t participant_row(Database& database, std::string_view code, std::string_view secret) {
-    Statement there = database.prepare("SELECT id FROM participant WHERE code = ?1");
+    Statement there =
+        database.prepare("SELECT participant_id FROM participant WHERE participant_code = ?1");
     if (there.bind(1, code).step()) {
         return there.integer(0);
     }
@@ -85,7 +86,7 @@ std::int64_t participant_row(Database& database, std::string_view code, std::str
         subject = subject_of(code, secret, draw);
         taken.reset();
     }
-    database.prepare("INSERT INTO participant (code, subject) VALUES (?1, ?2)")
+    database.prepare("INSERT INTO participant (participant_code, subject) VALUES (?1, ?2)")
         .bind(1, code)
         .bind(2, subject)
         .run();

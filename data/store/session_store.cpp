@@ -26,22 +26,23 @@ using protocols::PlannedTrial;
 std::int64_t study_row(Database& database, const SessionSpec& spec) {
     database
         .prepare(
-            "INSERT INTO study (name, title, protocol_sha256, protocol_toml)"
-            " VALUES (?1, ?2, ?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING")
+            "INSERT INTO study (study_name, title, protocol_sha256, protocol_toml) VALUES (?1, ?2, "
+            "?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING")
         .bind(1, spec.protocol.id)
         .bind(2, spec.protocol.title)
         .bind(3, spec.protocol_hash)
         .bind(4, protocols::to_toml(spec.protocol))
         .run();
-    Statement row = database.prepare("SELECT id FROM study WHERE protocol_sha256 = ?1");
+    Statement row = database.prepare("SELECT study_id FROM study WHERE protocol_sha256 = ?1");
     row.bind(1, spec.protocol_hash).step();
     return row.integer(0);
 }
 
 void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
     Statement trial = database.prepare(
-        "INSERT INTO plan (session, position, phase, object, curvature_per_m, friction, mu_s,"
-        " mu_d, break_before, block) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
+        "INSERT INTO plan (session_id, plan_position, phase, planned_object, curvature_per_m, "
+        "friction, mu_s, mu_d, break_before, block) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
+        "?10)");
     for (const PlannedTrial& planned : spec.plan.trials) {
         const auto& object = spec.protocol.objects.at(planned.condition.object);
         const auto& friction = spec.protocol.frictions.at(planned.condition.friction);
@@ -100,10 +101,11 @@ std::int64_t create(Database& database,
     database.prepare("INSERT OR IGNORE INTO secret VALUES (?1)").bind(1, spec.key.secret).run();
     database
         .prepare(
-            "INSERT OR REPLACE INTO session (id, study, participant, number, kind, seed,"
-            " plan_sha256, shuffles, device, rate_hz, stiffness_n_per_m, started_utc, operator,"
-            " uuid, secret) VALUES (?14, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11,"
-            " nullif(?12, ''), coalesce((SELECT uuid FROM session WHERE id = ?14), ?13), ?15)")
+            "INSERT OR REPLACE INTO session (session_id, study_id, participant_id, session_number, "
+            "session_kind, seed, plan_sha256, shuffles, device, rate_hz, stiffness_n_per_m, "
+            "started_utc, operator, uuid, secret) VALUES (?14, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
+            "?10, ?11, nullif(?12, ''), coalesce((SELECT uuid FROM session WHERE session_id = "
+            "?14), ?13), ?15)")
         .bind(1, study)
         .bind(2, participant)
         .bind(3, static_cast<std::int64_t>(spec.key.session))
@@ -152,9 +154,10 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
                    fmt::format("goes on with {}", spec.operator_name));
     }
     Statement row = database.prepare(
-        "SELECT coalesce((SELECT text FROM event WHERE session = ?1 AND kind = 'provenance'"
-        " AND substr(text, 1, length(?2) + 2) = ?2 || ': ' ORDER BY id DESC LIMIT 1),"
-        " (SELECT ?2 || ': ' || value FROM session_provenance WHERE session = ?1 AND key = ?2))");
+        "SELECT coalesce((SELECT text FROM event WHERE session_id = ?1 AND event_kind = "
+        "'provenance' AND substr(text, 1, length(?2) + 2) = ?2 || ': ' ORDER BY event_id DESC "
+        "LIMIT 1), (SELECT ?2 || ': ' || value FROM session_provenance WHERE session_id = ?1 AND "
+        "key = ?2))");
     for (const auto& [key, value] : spec.provenance) {
         const std::string now = fmt::format("{}: {}", key, value);
         row.bind(1, there.id).bind(2, key).step();
@@ -168,10 +171,10 @@ void note_changes(Database& database, const Existing& there, const SessionSpec& 
 
 std::optional<Existing> existing_session(Database& database, const SessionSpec& spec) {
     Statement row = database.prepare(
-        "SELECT session.id, protocol_sha256, plan_sha256, kind, device, seed, finished,"
-        " coalesce(operator, '') FROM session"
-        " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
-        " WHERE name = ?1 AND code = ?2 AND number = ?3");
+        "SELECT session.session_id, protocol_sha256, plan_sha256, session_kind, device, seed, "
+        "finished, coalesce(operator, '') FROM session JOIN study USING (study_id) JOIN "
+        "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2 AND "
+        "session_number = ?3");
     row.bind(1, spec.protocol.id)
         .bind(2, spec.key.participant)
         .bind(3, static_cast<std::int64_t>(spec.key.session));
@@ -217,14 +220,14 @@ bool planned_anew(Database& database, const Existing& there, const SessionSpec& 
     const bool same = there.protocol_hash == spec.protocol_hash &&
                       there.plan_hash == spec.plan.hash &&
                       there.seed == std::to_string(spec.seed) && there.kind == to_string(spec.kind);
-    Statement trial = database.prepare("SELECT 1 FROM trial WHERE session = ?1 LIMIT 1");
+    Statement trial = database.prepare("SELECT 1 FROM trial WHERE session_id = ?1 LIMIT 1");
     trial.bind(1, there.id);
     if (same || trial.step()) {
         return false;
     }
     const std::string head = chain_head(database, there.id);
     for (const char* table : {"session_provenance", "adaptive_plan", "plan", "picture"}) {
-        database.prepare(fmt::format("DELETE FROM {} WHERE session = ?1", table))
+        database.prepare(fmt::format("DELETE FROM {} WHERE session_id = ?1", table))
             .bind(1, there.id)
             .run();
     }
@@ -232,7 +235,8 @@ bool planned_anew(Database& database, const Existing& there, const SessionSpec& 
     chain_anew(database, there.id);
     database
         .prepare(
-            "DELETE FROM study WHERE NOT EXISTS (SELECT 1 FROM session WHERE study = study.id)")
+            "DELETE FROM study WHERE NOT EXISTS (SELECT 1 FROM session WHERE study_id = "
+            "study.study_id)")
         .run();
     note_event(
         database, there.id, "planned again",
@@ -243,7 +247,8 @@ bool planned_anew(Database& database, const Existing& there, const SessionSpec& 
 
 std::size_t mark_interrupted(Database& database, std::int64_t session) {
     Statement count = database.prepare(
-        "SELECT id FROM trial WHERE session = ?1 AND outcome = 'running' ORDER BY id");
+        "SELECT trial_id FROM trial WHERE session_id = ?1 AND outcome = 'running' ORDER BY "
+        "trial_id");
     std::vector<std::int64_t> found;
     count.bind(1, session);
     while (count.step()) {
@@ -258,7 +263,8 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
     }
     database
         .prepare(
-            "UPDATE trial SET outcome = 'interrupted' WHERE session = ?1 AND outcome = 'running'")
+            "UPDATE trial SET outcome = 'interrupted' WHERE session_id = ?1 AND outcome = "
+            "'running'")
         .bind(1, session)
         .run();
     for (const std::int64_t trial : found) {
@@ -269,7 +275,8 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
 
 void count_attempts(Database& database, OpenedSession& opened) {
     Statement row = database.prepare(
-        "SELECT position, count(*), max(id) FROM trial WHERE session = ?1 GROUP BY position");
+        "SELECT plan_position, count(*), max(trial_id) FROM trial WHERE session_id = ?1 GROUP BY "
+        "plan_position");
     row.bind(1, opened.id);
     while (row.step()) {
         opened.attempts[static_cast<std::size_t>(row.integer(0))] =
@@ -330,8 +337,8 @@ std::optional<SessionState> state_of(Statement& row) {
 }
 
 constexpr const char* kStates =
-    "SELECT number, seed, finished, secret FROM session JOIN study ON study.id = study"
-    " JOIN participant ON participant.id = participant WHERE name = ?1 AND code = ?2";
+    "SELECT session_number, seed, finished, secret FROM session JOIN study USING (study_id) JOIN "
+    "participant USING (participant_id) WHERE study_name = ?1 AND participant_code = ?2";
 
 }  // namespace
 
@@ -358,7 +365,8 @@ protocols::StreamKey session_stream(const SessionSpec& spec) {
 std::optional<SessionState> latest_session(Database& database,
                                            std::string_view study,
                                            std::string_view participant) {
-    Statement row = database.prepare(std::string(kStates) + " ORDER BY number DESC LIMIT 1");
+    Statement row =
+        database.prepare(std::string(kStates) + " ORDER BY session_number DESC LIMIT 1");
     row.bind(1, study).bind(2, participant);
     return state_of(row);
 }

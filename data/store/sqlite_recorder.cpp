@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include <fmt/format.h>
 
@@ -32,29 +32,8 @@ std::int64_t period_of(double rate_hz) {
     return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
 }
 
-/// A value of a tick as SQL has it, by the type of its column.
-void bind_value(Statement& row, int parameter, const TraceColumn& column, const std::byte* at) {
-    const auto value = [at](auto sample) {
-        std::memcpy(&sample, at, sizeof sample);
-        return sample;
-    };
-    if (column.type == "f64le") {
-        row.bind(parameter, value(double{}));
-    } else if (column.type == "f32le") {
-        row.bind(parameter, static_cast<double>(value(float{})));
-    } else if (column.type == "i64le") {
-        row.bind(parameter, value(std::int64_t{}));
-    } else if (column.type == "i32le") {
-        row.bind(parameter, std::int64_t{value(std::int32_t{})});
-    } else if (column.type == "i16le") {
-        row.bind(parameter, std::int64_t{value(std::int16_t{})});
-    } else {
-        row.bind(parameter, std::int64_t{value(std::uint8_t{})});
-    }
-}
-
 std::string insert_fault_tick() {
-    std::string names = "trial";
+    std::string names = "trial_id";
     std::string places = "?1";
     int place = 1;
     for (const TraceColumn& column : trace_columns()) {
@@ -114,11 +93,9 @@ TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned,
     Transaction all(database_);
     database_
         .prepare(
-            "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
-            "started_utc, started_ns)"
-            " SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4, ?5, ?6 FROM trial WHERE session = ?1 "
-            "AND "
-            "position = ?2")
+            "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
+            "heal_decay, started_utc, started_ns) SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4, "
+            "?5, ?6 FROM trial WHERE session_id = ?1 AND plan_position = ?2")
         .bind(1, session_)
         .bind(2, static_cast<std::int64_t>(planned.position))
         .bind(3, scene.slip_decay)
@@ -246,16 +223,14 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
     database_
         .prepare(
             "UPDATE trial SET outcome = ?2, done_s = ?3, done_uncertainty_s = ?4, first_contact_s "
-            "= ?5,"
-            " ticks = ?6, contact_ticks = ?7, slip_ticks = ?8, late_ticks = ?9, saturated_ticks = "
-            "?10,"
-            " path_length_m = ?11, mean_normal_force_n = ?12, max_normal_force_n = ?13, energy_j = "
-            "?14,"
-            " ended_utc = ?15, contact_episodes = ?16, worst_episode_j = ?17, skipped_ticks = ?18,"
-            " slewed_ticks = ?19, stale_ticks = ?20, fault = ?21, invalid = ?22,"
-            " strokes = ?23, mean_speed_m_per_s = ?24, before_vertex_ticks = ?25,"
-            " after_vertex_ticks = ?26"
-            " WHERE id = ?1 AND outcome = 'running'")
+            "= ?5, ticks = ?6, contact_ticks = ?7, slip_ticks = ?8, late_ticks = ?9, "
+            "saturated_ticks = ?10, path_length_m = ?11, mean_normal_force_n = ?12, "
+            "max_normal_force_n = ?13, energy_j = ?14, ended_utc = ?15, contact_episodes = ?16, "
+            "worst_episode_j = ?17, skipped_ticks = ?18, force_slew_ticks = ?19, stale_ticks = "
+            "?20, "
+            "fault_cause = ?21, invalid_reason = ?22, strokes = ?23, mean_speed_m_per_s = ?24, "
+            "before_vertex_ticks = ?25, after_vertex_ticks = ?26 WHERE trial_id = ?1 AND outcome = "
+            "'running'")
         .bind(1, trial)
         .bind(2, to_string(result.outcome))
         .bind(3, result.done_s)
@@ -309,8 +284,7 @@ void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
         row.bind(1, trial);
         int parameter = 1;
         for (const TraceColumn& column : trace_columns()) {
-            bind_value(row, ++parameter, column,
-                       reinterpret_cast<const std::byte*>(&tick) + column.offset);
+            std::visit([&](auto value) { row.bind(++parameter, value); }, column.value(tick));
         }
         row.run();
     }
@@ -337,7 +311,8 @@ void SqliteRecorder::write_finished() {
     Transaction all(database_);
     database_
         .prepare(
-            "UPDATE session SET finished = 1, finished_utc = ?2 WHERE id = ?1 AND finished = 0")
+            "UPDATE session SET finished = 1, finished_utc = ?2 WHERE session_id = ?1 AND finished "
+            "= 0")
         .bind(1, session_)
         .bind(2, utc_now())
         .run();

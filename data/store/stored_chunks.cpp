@@ -10,16 +10,15 @@ namespace {
 
 constexpr const char* kChunks =
     "SELECT first_tick, ticks, codec, crc32, data, interval, period_ns, holds, derived FROM "
-    "trace_chunk"
-    " WHERE trial = ?1 AND interval = ?2 ORDER BY first_tick";
+    "trace_chunk WHERE trial_id = ?1 AND interval = ?2 ORDER BY first_tick";
 
 /// An interval that was never begun has no presentation, and no chunks.
 constexpr const char* kContext =
-    "SELECT trial.session, coalesce(p.object, plan.object), coalesce(p.friction, plan.friction),"
-    " coalesce(p.slip_decay, trial.slip_decay), coalesce(p.heal_decay, trial.heal_decay),"
-    " p.curvature_per_m, p.mu_s, p.mu_d FROM trial"
-    " JOIN plan ON plan.session = trial.session AND plan.position = trial.position"
-    " LEFT JOIN presentation AS p ON p.trial = trial.id AND p.interval = ?2 WHERE trial.id = ?1";
+    "SELECT trial.session_id, coalesce(p.felt_object, plan.planned_object), coalesce(p.friction, "
+    "plan.friction), coalesce(p.slip_decay, trial.slip_decay), coalesce(p.heal_decay, "
+    "trial.heal_decay), p.curvature_per_m, p.mu_s, p.mu_d FROM trial JOIN plan USING (session_id, "
+    "plan_position) LEFT JOIN presentation AS p ON p.trial_id = trial.trial_id AND p.interval = ?2 "
+    "WHERE trial.trial_id = ?1";
 
 std::uint32_t crc_of(std::int64_t stored) {
     if (stored < 0 || stored > std::numeric_limits<std::uint32_t>::max()) {
@@ -56,8 +55,9 @@ StoredChunks stored_chunks(Database& database, std::int64_t trial, std::int64_t 
 TrialContext trial_context(Database& database, std::int64_t trial, std::int64_t interval) {
     Statement row = database.prepare(kContext);
     if (!row.bind(1, trial).bind(2, interval).step()) {
-        throw std::invalid_argument(fmt::format(
-            "{}: there is no trial {}; SELECT id FROM trial lists them", database.file(), trial));
+        throw std::invalid_argument(
+            fmt::format("{}: there is no trial {}; SELECT trial_id FROM trial lists them",
+                        database.file(), trial));
     }
     const auto number = [&row](int column) {
         return row.null(column) ? std::nullopt : std::optional(row.real(column));
@@ -74,14 +74,15 @@ TrialContext trial_context(Database& database, std::int64_t trial, std::int64_t 
 
 std::string first_calibration(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT value FROM session_provenance WHERE session = ?1 AND key = 'calibration'");
+        "SELECT value FROM session_provenance WHERE session_id = ?1 AND key = 'calibration'");
     row.bind(1, session);
     return row.step() ? row.text(0) : std::string();
 }
 
 SessionTraces session_traces(Database& database, std::int64_t session) {
     Statement row = database.prepare(
-        "SELECT protocol_toml FROM session JOIN study ON study.id = study WHERE session.id = ?1");
+        "SELECT protocol_toml FROM session JOIN study USING (study_id) WHERE session.session_id = "
+        "?1");
     row.bind(1, session).step();
     return {row.text(0), first_calibration(database, session)};
 }

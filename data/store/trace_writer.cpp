@@ -51,8 +51,7 @@ void TraceWriter::write() {
         "INSERT INTO trace_chunk VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
     Statement replace = database_.prepare(
         "UPDATE trace_chunk SET ticks = ?4, codec = ?5, period_ns = ?6, holds = ?7, crc32 = ?8, "
-        "derived = ?9,"
-        " data = ?10 WHERE trial = ?1 AND interval = ?2 AND first_tick = ?3");
+        "derived = ?9, data = ?10 WHERE trial_id = ?1 AND interval = ?2 AND first_tick = ?3");
     for (std::size_t first = 0; first < ticks_.size(); first += kChunkTicks) {
         const std::size_t n = std::min(kChunkTicks, ticks_.size() - first);
         const auto ticks = std::span(ticks_).subspan(first, n);

@@ -67,12 +67,13 @@ std::string OwnedTable::insert(std::string_view owner) const {
 Layout read_layout(Database& database) {
     static const std::set<std::string> own{"study", "participant", "session", "trial", "event"};
     Layout layout;
-    const std::set<std::string> at_end{"finished", "finished_utc", "chain", "chain_events"};
-    layout.session = without(database, "session", {"id", "study", "participant", "head"});
+    const std::set<std::string> at_end{"finished", "finished_utc", "seal", "seal_events"};
+    layout.session =
+        without(database, "session", {"session_id", "study_id", "participant_id", "newest_seal"});
     layout.session_end = layout.session;
     std::erase_if(layout.session.columns, [&](const auto& c) { return at_end.contains(c); });
     std::erase_if(layout.session_end.columns, [&](const auto& c) { return !at_end.contains(c); });
-    layout.trial = without(database, "trial", {"id", "session", "invalid"});
+    layout.trial = without(database, "trial", {"trial_id", "session_id", "invalid_reason"});
     for (const std::string& table :
          names(database,
                "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
@@ -85,12 +86,12 @@ Layout read_layout(Database& database) {
         if (own.contains(table)) {
             continue;
         }
-        if (has("trial")) {
-            layout.of_trial.push_back(without(database, table, {"id", "trial"}));
-        } else if (has("session")) {
-            layout.of_session.push_back(without(database, table, {"id", "session"}));
-        } else if (has("participant")) {
-            layout.of_participant.push_back(without(database, table, {"id", "participant"}));
+        if (has("trial_id")) {
+            layout.of_trial.push_back(without(database, table, {"trial_id"}));
+        } else if (has("session_id")) {
+            layout.of_session.push_back(without(database, table, {"session_id"}));
+        } else if (has("participant_id")) {
+            layout.of_participant.push_back(without(database, table, {"participant_id"}));
         } else {
             layout.of_file.push_back(without(database, table, {}));
         }

@@ -12,7 +12,7 @@ namespace palpate::data {
 /// A table whose rows belong to one session, trial or participant.
 struct OwnedTable {
     std::string name;
-    std::vector<std::string> columns;  ///< without the owner's and without a number of its own (id)
+    std::vector<std::string> columns;  ///< without the owner's
 
     /// "a, b, c"
     [[nodiscard]] std::string list() const;
@@ -27,9 +27,10 @@ struct Layout {
     std::vector<OwnedTable> of_trial;        ///< response, trace_chunk, ...
     std::vector<OwnedTable> of_participant;  ///< participant_detail
     std::vector<OwnedTable> of_file;  ///< trace_column: nobody's, the same in every file; secret
-    OwnedTable session;      ///< set before the first trial: without id, study, participant, head
+    OwnedTable
+        session;  ///< set before the first trial: without session_id, study_id, participant_id, newest_seal
     OwnedTable session_end;  ///< set when it finished
-    OwnedTable trial;        ///< without id, session, invalid
+    OwnedTable trial;        ///< without trial_id, session_id, invalid_reason
 };
 
 /// @throws StoreError if a table refers to one that this cannot follow

@@ -35,7 +35,8 @@ void PeopleMerge::say(const std::string& code, const std::string& key, const Sai
 
 void PeopleMerge::read(Database& database, const std::string& file) {
     Statement row = database.prepare(
-        "SELECT code, handedness, consent, consent_utc, printf('%010d', subject) FROM participant");
+        "SELECT participant_code, handedness, consent, consent_utc, printf('%010d', subject) FROM "
+        "participant");
     while (row.step()) {
         const std::string code = row.text(0);
         people_[code];
@@ -47,8 +48,8 @@ void PeopleMerge::read(Database& database, const std::string& file) {
         }
     }
     Statement detail = database.prepare(
-        "SELECT code, key, value FROM participant_detail JOIN participant"
-        " ON participant.id = participant");
+        "SELECT participant_code, key, value FROM participant_detail JOIN participant USING "
+        "(participant_id)");
     while (detail.step()) {
         say(detail.text(0), std::string(kDetail) + detail.text(1), {detail.text(2), file});
     }
@@ -73,14 +74,14 @@ void PeopleMerge::number() {
 
 void PeopleMerge::write(Database& out) const {
     Statement add = out.prepare(
-        "INSERT INTO participant (code, subject) VALUES (?1, CAST(?2 AS INTEGER))"
-        " ON CONFLICT (code) DO NOTHING");
+        "INSERT INTO participant (participant_code, subject) VALUES (?1, CAST(?2 AS INTEGER)) ON "
+        "CONFLICT (participant_code) DO NOTHING");
     Statement note = out.prepare(
-        "UPDATE participant SET handedness = CAST(?2 AS INTEGER), consent = CAST(?3 AS INTEGER),"
-        " consent_utc = ?4, subject = CAST(?5 AS INTEGER) WHERE code = ?1");
+        "UPDATE participant SET handedness = CAST(?2 AS INTEGER), consent = CAST(?3 AS INTEGER), "
+        "consent_utc = ?4, subject = CAST(?5 AS INTEGER) WHERE participant_code = ?1");
     Statement detail = out.prepare(
-        "INSERT INTO participant_detail SELECT id, ?2, ?3 FROM participant WHERE code = ?1"
-        " ON CONFLICT (participant, key) DO NOTHING");
+        "INSERT INTO participant_detail SELECT participant_id, ?2, ?3 FROM participant WHERE "
+        "participant_code = ?1 ON CONFLICT (participant_id, key) DO NOTHING");
     for (const auto& [code, person] : people_) {
         if (in_conflict_.contains(code)) {
             continue;

@@ -39,7 +39,7 @@ PostgresTable owned(Database& database,
     std::vector<std::pair<std::string, std::string>> types;
     while (row.step()) {
         types.emplace_back(row.text(0), type_of(row.text(1)));
-        if (row.integer(2) > 0 && row.text(0) != owner && row.text(0) != "id") {
+        if (row.integer(2) > 0 && row.text(0) != owner && row.text(0) != from.name + "_id") {
             to.key.push_back(row.text(0));
         }
     }
@@ -61,37 +61,39 @@ Layout pushed_layout(Database& database) {
 }
 
 std::vector<PostgresTable> postgres_tables(Database& database, const Layout& layout) {
-    const PostgresTable of_session{{}, {{"session", "uuid"}}, {"session"}};
-    const PostgresTable of_trial{
-        {}, {{"session", "uuid"}, {"trial", "bigint"}}, {"session", "trial"}};
+    const PostgresTable of_session{{}, {{"session_uuid", "uuid"}}, {"session_uuid"}};
+    const PostgresTable of_trial{{},
+                                 {{"session_uuid", "uuid"}, {"trial_number", "bigint"}},
+                                 {"session_uuid", "trial_number"}};
     std::vector<PostgresTable> tables{
         {"study",
          {{"protocol_sha256", "text"},
-          {"name", "text"},
+          {"study_name", "text"},
           {"title", "text"},
           {"protocol_toml", "text"}},
          {"protocol_sha256"}},
         {"participant_note",
-         {{"participant", "text"}, {"key", "text"}, {"value", "text"}},
-         {"participant", "key"}},
+         {{"participant_code", "text"}, {"key", "text"}, {"value", "text"}},
+         {"participant_code", "key"}},
         {"trial_invalid",
-         {{"session", "uuid"}, {"trial", "bigint"}, {"reason", "text"}},
-         {"session", "trial"}},
+         {{"session_uuid", "uuid"}, {"trial_number", "bigint"}, {"invalid_reason", "text"}},
+         {"session_uuid", "trial_number"}},
         {"event",
-         {{"session", "uuid"},
-          {"event", "bigint"},
-          {"trial", "bigint"},
-          {"kind", "text"},
+         {{"session_uuid", "uuid"},
+          {"event_number", "bigint"},
+          {"trial_number", "bigint"},
+          {"event_kind", "text"},
           {"text", "text"},
           {"at_utc", "text"},
           {"operator", "text"},
-          {"chain", "text"},
+          {"seal", "text"},
           {"content", "text"}},
-         {"session", "event"}}};
+         {"session_uuid", "event_number"}}};
     PostgresTable session = owned(database, layout.session, of_session, "");
-    session.columns.insert(
-        session.columns.end(),
-        {{"study", "text"}, {"participant", "text"}, {"head", "text"}, {"file_schema", "bigint"}});
+    session.columns.insert(session.columns.end(), {{"protocol_sha256", "text"},
+                                                   {"participant_code", "text"},
+                                                   {"began_sha256", "text"},
+                                                   {"file_schema", "bigint"}});
     tables.push_back(session);
     PostgresTable end = owned(database, layout.session_end, of_session, "");
     end.name = "session_end";
@@ -100,10 +102,10 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
     trial.columns.insert(trial.columns.end(), {{"content", "text"}, {"file_schema", "bigint"}});
     tables.push_back(trial);
     for (const OwnedTable& table : layout.of_session) {
-        tables.push_back(owned(database, table, of_session, "session"));
+        tables.push_back(owned(database, table, of_session, "session_id"));
     }
     for (const OwnedTable& table : layout.of_trial) {
-        tables.push_back(owned(database, table, of_trial, "trial"));
+        tables.push_back(owned(database, table, of_trial, "trial_id"));
     }
     for (const OwnedTable& table : layout.of_file) {
         tables.push_back(owned(database, table, {}, ""));

@@ -116,8 +116,8 @@ private:
     void flush() { report_.rows += server_.flush(); }
 
     void push_shared() {
-        Statement study =
-            database_.prepare("SELECT protocol_sha256, name, title, protocol_toml FROM study");
+        Statement study = database_.prepare(
+            "SELECT protocol_sha256, study_name, title, protocol_toml FROM study");
         while (study.step()) {
             PostgresRow row;
             add_values(study, row);
@@ -138,14 +138,13 @@ private:
     void push_people() {
         std::map<std::string, std::string> there;
         for (const auto& row : server_.rows(
-                 "SELECT participant || ' ' || key, value FROM palpate.participant_note")) {
+                 "SELECT participant_code || ' ' || key, value FROM palpate.participant_note")) {
             there[*row[0]] = *row[1];
         }
         Statement note = database_.prepare(
-            "SELECT code, 'handedness', CAST(handedness AS TEXT) FROM participant"
-            " WHERE handedness IS NOT NULL UNION ALL"
-            " SELECT code, 'consent', CAST(consent AS TEXT) FROM participant"
-            " WHERE consent IS NOT NULL");
+            "SELECT participant_code, 'handedness', CAST(handedness AS TEXT) FROM participant "
+            "WHERE handedness IS NOT NULL UNION ALL SELECT participant_code, 'consent', "
+            "CAST(consent AS TEXT) FROM participant WHERE consent IS NOT NULL");
         while (note.step()) {
             const auto found = there.find(note.text(0) + ' ' + note.text(1));
             if (found != there.end() && found->second != note.text(2)) {
@@ -163,8 +162,9 @@ private:
     /// Compares how the session began, if it is there. @return nothing in conflict
     bool same_head(const SessionVersion& session) {
         const auto there = server_.rows(
-            "SELECT session, head, file_schema FROM palpate.session WHERE session = $1::uuid OR"
-            " (study = $2 AND participant = $3 AND number = $4)",
+            "SELECT session_uuid, began_sha256, file_schema FROM palpate.session WHERE "
+            "session_uuid = $1::uuid OR (protocol_sha256 = $2 AND participant_code = $3 AND "
+            "session_number = $4)",
             PostgresRow()
                 .text(session.uuid)
                 .text(session.study)
@@ -190,7 +190,7 @@ private:
             return;
         }
         Statement line = database_.prepare(
-            fmt::format("SELECT {} FROM session WHERE id = ?1", layout_.session.list()));
+            fmt::format("SELECT {} FROM session WHERE session_id = ?1", layout_.session.list()));
         line.bind(1, session.id).step();
         PostgresRow row;
         row.text(session.uuid);
@@ -201,7 +201,7 @@ private:
             .integer(kSchemaVersion);
         send("session", row);
         for (const OwnedTable& table : layout_.of_session) {
-            push_owned(table, "session", session.id, PostgresRow().text(session.uuid));
+            push_owned(table, "session_id", session.id, PostgresRow().text(session.uuid));
         }
         flush();
     }
@@ -225,9 +225,9 @@ private:
 
     void push_trials(const SessionVersion& session) {
         std::map<std::string, std::pair<std::string, std::string>> there;
-        for (const auto& row : server_.rows(
-                 "SELECT trial, content, file_schema FROM palpate.trial WHERE session = $1::uuid",
-                 PostgresRow().text(session.uuid))) {
+        for (const auto& row : server_.rows("SELECT trial_number, content, file_schema FROM "
+                                            "palpate.trial WHERE session_uuid = $1::uuid",
+                                            PostgresRow().text(session.uuid))) {
             there[*row[0]] = {*row[1], *row[2]};
         }
         std::int64_t number = 0;
@@ -254,10 +254,10 @@ private:
         PostgresRow key;
         key.text(session.uuid).integer(number);
         for (const OwnedTable& table : layout_.of_trial) {
-            push_owned(table, "trial", trial.id, key);
+            push_owned(table, "trial_id", trial.id, key);
         }
         Statement line = database_.prepare(
-            fmt::format("SELECT {} FROM trial WHERE id = ?1", layout_.trial.list()));
+            fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout_.trial.list()));
         line.bind(1, trial.id).step();
         PostgresRow row = key;
         add_values(line, row);
@@ -268,9 +268,9 @@ private:
 
     /// Compares the events that are there. @return nothing in conflict
     bool same_events(const SessionVersion& session) {
-        const auto there =
-            server_.rows("SELECT event, content FROM palpate.event WHERE session = $1::uuid",
-                         PostgresRow().text(session.uuid));
+        const auto there = server_.rows(
+            "SELECT event_number, content FROM palpate.event WHERE session_uuid = $1::uuid",
+            PostgresRow().text(session.uuid));
         for (const auto& row : there) {
             const auto number = static_cast<std::size_t>(std::stoull(*row[0]));
             if (number <= session.events.size() && session.events[number - 1] != *row[1]) {
@@ -283,8 +283,8 @@ private:
 
     void push_events(const SessionVersion& session) {
         Statement line = database_.prepare(
-            "SELECT trial, kind, text, at_utc, operator, chain FROM event WHERE session = ?1"
-            " ORDER BY id");
+            "SELECT trial_id, event_kind, text, at_utc, operator, seal FROM event WHERE session_id "
+            "= ?1 ORDER BY event_id");
         line.bind(1, session.id);
         for (std::int64_t number = 1; line.step(); ++number) {
             PostgresRow row;
@@ -313,8 +313,8 @@ private:
         if (session.finished) {
             PostgresRow row;
             row.text(session.uuid);
-            Statement line = database_.prepare(
-                fmt::format("SELECT {} FROM session WHERE id = ?1", layout_.session_end.list()));
+            Statement line = database_.prepare(fmt::format(
+                "SELECT {} FROM session WHERE session_id = ?1", layout_.session_end.list()));
             line.bind(1, session.id).step();
             add_values(line, row);
             send("session_end", row);

@@ -29,14 +29,15 @@ void copy_owned(const SessionVersion& from,
 
 std::int64_t study_of(const SessionVersion& from, Database& out) {
     Statement row = from.database->prepare(
-        "SELECT name, title, protocol_sha256, protocol_toml FROM study WHERE protocol_sha256 = ?1");
+        "SELECT study_name, title, protocol_sha256, protocol_toml FROM study WHERE protocol_sha256 "
+        "= ?1");
     row.bind(1, std::string_view(from.study)).step();
     Statement add = out.prepare(
-        "INSERT INTO study (name, title, protocol_sha256, protocol_toml) VALUES (?1, ?2, ?3, ?4)"
-        " ON CONFLICT (protocol_sha256) DO NOTHING");
+        "INSERT INTO study (study_name, title, protocol_sha256, protocol_toml) VALUES (?1, ?2, ?3, "
+        "?4) ON CONFLICT (protocol_sha256) DO NOTHING");
     bind_row(row, add, 1);
     add.run();
-    Statement id = out.prepare("SELECT id FROM study WHERE protocol_sha256 = ?1");
+    Statement id = out.prepare("SELECT study_id FROM study WHERE protocol_sha256 = ?1");
     id.bind(1, std::string_view(from.study)).step();
     return id.integer(0);
 }
@@ -44,16 +45,16 @@ std::int64_t study_of(const SessionVersion& from, Database& out) {
 std::int64_t copy_session_row(const SessionVersion& from, Database& out, const Layout& layout) {
     const OwnedTable& table = layout.session;
     const std::int64_t study = study_of(from, out);
-    Statement row =
-        from.database->prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", table.list()));
+    Statement row = from.database->prepare(
+        fmt::format("SELECT {} FROM session WHERE session_id = ?1", table.list()));
     row.bind(1, from.id).step();
     std::string places;
     for (std::size_t i = 0; i < table.columns.size(); ++i) {
         places += fmt::format(", ?{}", i + 3);
     }
     Statement add = out.prepare(
-        fmt::format("INSERT INTO session (study, participant, {}) VALUES (?1, (SELECT id FROM"
-                    " participant WHERE code = ?2){})",
+        fmt::format("INSERT INTO session (study_id, participant_id, {}) VALUES (?1, (SELECT "
+                    "participant_id FROM participant WHERE participant_code = ?2){})",
                     table.list(), places));
     add.bind(1, study).bind(2, std::string_view(from.participant));
     bind_row(row, add, 3);
@@ -70,7 +71,7 @@ std::int64_t copy_trial_row(const SessionVersion& from,
                             std::int64_t id) {
     const OwnedTable& table = layout.trial;
     Statement row = from.database->prepare(
-        fmt::format("SELECT {}, invalid FROM trial WHERE id = ?1", table.list()));
+        fmt::format("SELECT {}, invalid_reason FROM trial WHERE trial_id = ?1", table.list()));
     row.bind(1, trial.id).step();
     std::string places;
     std::string set;
@@ -80,9 +81,11 @@ std::int64_t copy_trial_row(const SessionVersion& from,
     }
     const std::size_t last = table.columns.size() + 2;
     Statement write = out.prepare(
-        id == 0 ? fmt::format("INSERT INTO trial (session, {}, invalid) VALUES (?1, {}?{})",
-                              table.list(), places, last)
-                : fmt::format("UPDATE trial SET {}invalid = ?{} WHERE id = ?1", set, last));
+        id == 0
+            ? fmt::format("INSERT INTO trial (session_id, {}, invalid_reason) VALUES (?1, {}?{})",
+                          table.list(), places, last)
+            : fmt::format("UPDATE trial SET {}invalid_reason = ?{} WHERE trial_id = ?1", set,
+                          last));
     write.bind(1, id == 0 ? session : id);
     bind_row(row, write, 2);
     write.run();
@@ -98,11 +101,11 @@ std::int64_t copy_trial(const SessionVersion& from,
     const std::int64_t id = copy_trial_row(from, trial, out, layout, session, there);
     for (const OwnedTable& table : layout.of_trial) {
         if (there != 0) {
-            out.prepare(fmt::format("DELETE FROM {} WHERE trial = ?1", table.name))
+            out.prepare(fmt::format("DELETE FROM {} WHERE trial_id = ?1", table.name))
                 .bind(1, there)
                 .run();
         }
-        copy_owned(from, out, table, "trial", trial.id, id);
+        copy_owned(from, out, table, "trial_id", trial.id, id);
     }
     return id;
 }
@@ -113,13 +116,12 @@ void copy_events(const SessionVersion& from,
                  const Ids& trials,
                  std::size_t already) {
     Statement row = from.database->prepare(
-        "SELECT trial, kind, text, at_utc, at_ns, operator, chain FROM event WHERE session = ?1"
-        " ORDER BY id"
-        " LIMIT -1 OFFSET ?2");
+        "SELECT trial_id, event_kind, text, at_utc, at_ns, operator, seal FROM event WHERE "
+        "session_id = ?1 ORDER BY event_id LIMIT -1 OFFSET ?2");
     row.bind(1, from.id).bind(2, static_cast<std::int64_t>(already));
     Statement add = out.prepare(
-        "INSERT INTO event (session, trial, kind, text, at_utc, at_ns, operator, chain) VALUES (?1,"
-        " ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
+        "INSERT INTO event (session_id, trial_id, event_kind, text, at_utc, at_ns, operator, seal) "
+        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
     while (row.step()) {
         add.bind(1, session);
         bind_row(row, add, 2);
@@ -138,19 +140,19 @@ void copy_end(const SessionVersion& from,
               const Layout& layout,
               std::int64_t session) {
     const OwnedTable& end = layout.session_end;
-    Statement row =
-        from.database->prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", end.list()));
+    Statement row = from.database->prepare(
+        fmt::format("SELECT {} FROM session WHERE session_id = ?1", end.list()));
     row.bind(1, from.id).step();
     std::string set;
     for (std::size_t i = 0; i < end.columns.size(); ++i) {
         set += fmt::format("{}{} = ?{}", i == 0 ? "" : ", ", end.columns[i], i + 2);
     }
-    Statement write = out.prepare(fmt::format("UPDATE session SET {} WHERE id = ?1", set));
+    Statement write = out.prepare(fmt::format("UPDATE session SET {} WHERE session_id = ?1", set));
     write.bind(1, session);
     bind_row(row, write, 2);
     write.run();
     const std::string head = chain_head(*from.database, from.id);
-    out.prepare("UPDATE session SET head = nullif(?2, '') WHERE id = ?1")
+    out.prepare("UPDATE session SET newest_seal = nullif(?2, '') WHERE session_id = ?1")
         .bind(1, session)
         .bind(2, std::string_view(head))
         .run();
@@ -161,7 +163,7 @@ void copy_end(const SessionVersion& from,
 void add_session(const SessionVersion& from, Database& out, const Layout& layout) {
     const std::int64_t session = copy_session_row(from, out, layout);
     for (const OwnedTable& table : layout.of_session) {
-        copy_owned(from, out, table, "session", from.id, session);
+        copy_owned(from, out, table, "session_id", from.id, session);
     }
     Ids trials;
     for (const TrialVersion& trial : from.trials) {

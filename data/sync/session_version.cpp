@@ -41,13 +41,14 @@ std::vector<TrialVersion> trials_of(Database& database,
                                     std::int64_t session) {
     std::vector<TrialVersion> trials;
     Statement row = database.prepare(
-        "SELECT position, attempt, started_utc, slip_decay, heal_decay FROM trial WHERE id = ?1");
-    Statement all =
-        database.prepare(fmt::format("SELECT {} FROM trial WHERE id = ?1", layout.trial.list()));
+        "SELECT plan_position, attempt, started_utc, slip_decay, heal_decay FROM trial WHERE "
+        "trial_id = ?1");
+    Statement all = database.prepare(
+        fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout.trial.list()));
     Statement ids = database.prepare(
-        "SELECT id, outcome, coalesce(invalid, ''), (SELECT coalesce(sum(trace_chunk.ticks), 0)"
-        " FROM trace_chunk WHERE trace_chunk.trial = trial.id) FROM trial WHERE session = ?1"
-        " ORDER BY id");
+        "SELECT trial_id, outcome, coalesce(invalid_reason, ''), (SELECT "
+        "coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk WHERE trace_chunk.trial_id = "
+        "trial.trial_id) FROM trial WHERE session_id = ?1 ORDER BY trial_id");
     ids.bind(1, session);
     while (ids.step()) {
         TrialVersion& trial = trials.emplace_back();
@@ -62,7 +63,7 @@ std::vector<TrialVersion> trials_of(Database& database,
         std::string content = row_bytes(all);
         all.reset();
         for (const OwnedTable& table : layout.of_trial) {
-            content += rows_of(database, table, "trial", trial.id);
+            content += rows_of(database, table, "trial_id", trial.id);
         }
         trial.content = sha256_hex(content);
     }
@@ -77,8 +78,8 @@ std::size_t place_of(std::int64_t id, const std::vector<TrialVersion>& trials) {
 std::vector<std::string> events_of(Database& database, const SessionVersion& session) {
     std::vector<std::string> events;
     Statement row = database.prepare(
-        "SELECT coalesce(trial, 0), kind, text, at_utc, coalesce(operator, ''), coalesce(chain, '')"
-        " FROM event WHERE session = ?1 ORDER BY id");
+        "SELECT coalesce(trial_id, 0), event_kind, text, at_utc, coalesce(operator, ''), "
+        "coalesce(seal, '') FROM event WHERE session_id = ?1 ORDER BY event_id");
     row.bind(1, session.id);
     while (row.step()) {
         events.push_back(sha256_hex(fmt::format("{} {}:{} {} {} {}:{} ",
@@ -92,7 +93,7 @@ std::vector<std::string> events_of(Database& database, const SessionVersion& ses
 
 std::string session_row(Database& database, const OwnedTable& part, std::int64_t id) {
     Statement row =
-        database.prepare(fmt::format("SELECT {} FROM session WHERE id = ?1", part.list()));
+        database.prepare(fmt::format("SELECT {} FROM session WHERE session_id = ?1", part.list()));
     row.bind(1, id).step();
     return row_bytes(row);
 }
@@ -101,7 +102,7 @@ std::string head_of(Database& database, const Layout& layout, const SessionVersi
     std::string head = session.study + ' ' + session.participant + ' ' +
                        session_row(database, layout.session, session.id);
     for (const OwnedTable& table : layout.of_session) {
-        head += rows_of(database, table, "session", session.id);
+        head += rows_of(database, table, "session_id", session.id);
     }
     return sha256_hex(head);
 }
@@ -121,9 +122,9 @@ std::vector<SessionVersion> session_versions(Database& database,
                                              const std::string& file) {
     std::vector<SessionVersion> all;
     Statement row = database.prepare(
-        "SELECT session.id, uuid, protocol_sha256, name, code, number, finished FROM session"
-        " JOIN study ON study.id = study"
-        " JOIN participant ON participant.id = participant ORDER BY session.id");
+        "SELECT session.session_id, uuid, protocol_sha256, study_name, participant_code, "
+        "session_number, finished FROM session JOIN study USING (study_id) JOIN participant USING "
+        "(participant_id) ORDER BY session.session_id");
     while (row.step()) {
         SessionVersion& session = all.emplace_back();
         session.file = file;

@@ -2,7 +2,8 @@
 
 #include <array>
 #include <bit>
-#include <cstddef>
+#include <concepts>
+#include <cstring>
 
 namespace palpate::data {
 namespace {
@@ -15,52 +16,115 @@ static_assert(std::endian::native == std::endian::little,
 constexpr std::size_t kY = sizeof(double);
 constexpr std::size_t kSecond = sizeof(std::int32_t);
 
+template <class Field, std::size_t kAt>
+Field field(const TickRecord& tick) {
+    Field value{};
+    std::memcpy(&value, reinterpret_cast<const std::byte*>(&tick) + kAt, sizeof value);
+    return value;
+}
+
+template <class Field, std::size_t kAt>
+TickValue number(const TickRecord& tick) {
+    if constexpr (std::floating_point<Field>) {
+        return static_cast<double>(field<Field, kAt>(tick));
+    } else {
+        return std::int64_t{field<Field, kAt>(tick)};
+    }
+}
+
+TickValue time_of(const TickRecord& tick) {
+    return seconds_of(tick.time_ns);
+}
+TickValue mode_of(const TickRecord& tick) {
+    return to_string(tick.mode);
+}
+
+template <class Field, std::size_t kAt>
+constexpr TraceColumn column(std::string_view name,
+                             std::string_view unit,
+                             std::string_view meaning) {
+    constexpr bool real = std::floating_point<Field>;
+    constexpr std::string_view memory = real ? (sizeof(Field) == 8 ? "f64le" : "f32le")
+                                      : sizeof(Field) == 8 ? "i64le"
+                                      : sizeof(Field) == 4 ? "i32le"
+                                      : sizeof(Field) == 2 ? "i16le"
+                                                           : "u8";
+    return {
+        name, real ? "real" : "integer", unit, meaning, number<Field, kAt>, memory, sizeof(Field),
+        kAt};
+}
+
+/// A column that says its field in another way.
+constexpr TraceColumn said(TraceColumn column,
+                           std::string_view type,
+                           TickValue (*value)(const TickRecord&)) {
+    column.type = type;
+    column.value = value;
+    return column;
+}
+
 constexpr std::array kColumns{
-    TraceColumn{"tick", "i64le", "1", 8, offsetof(TickRecord, tick),
-                "number of the tick, from 0; a jump: ticks were lost"},
-    TraceColumn{"time_ns", "i64le", "ns", 8, offsetof(TickRecord, time_ns),
-                "since the first deadline, on the servo's clock"},
-    TraceColumn{"count_1", "i32le", "1", 4, offsetof(TickRecord, counts),
-                "encoder of motor 1 as read"},
-    TraceColumn{"count_2", "i32le", "1", 4, offsetof(TickRecord, counts) + kSecond,
-                "encoder of motor 2 as read"},
-    TraceColumn{"code_1", "i32le", "1", 4, offsetof(TickRecord, codes), "as written to motor 1"},
-    TraceColumn{"code_2", "i32le", "1", 4, offsetof(TickRecord, codes) + kSecond,
-                "as written to motor 2"},
-    TraceColumn{"lateness_us", "f32le", "us", 4, offsetof(TickRecord, lateness_us),
-                "wake-up minus deadline"},
-    TraceColumn{
-        "flags", "u8", "1", 1, offsetof(TickRecord, flags),
-        "sum of 1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped, 32 held, 64 slewed, 128 stale"},
-    TraceColumn{"mode", "u8", "1", 1, offsetof(TickRecord, mode),
-                "0 free, 1 stuck, 2 slip, 3 transition"},
-    TraceColumn{"feature", "i16le", "1", 2, offsetof(TickRecord, feature),
-                "under the god-object: >= 0 the segment, -1 - j the vertex j"},
-    TraceColumn{"parameter", "f64le", "1 or rad", 8, offsetof(TickRecord, parameter),
-                "of the god-object on its segment, 0 to 1; on a vertex its angle, rad"},
-    TraceColumn{"hip_x_m", "f64le", "m", 8, offsetof(TickRecord, hip), "handle, to the right"},
-    TraceColumn{"hip_y_m", "f64le", "m", 8, offsetof(TickRecord, hip) + kY,
-                "handle, away from the person"},
-    TraceColumn{"cp_x_m", "f64le", "m", 8, offsetof(TickRecord, cp),
-                "closest point of the outline, to the right"},
-    TraceColumn{"cp_y_m", "f64le", "m", 8, offsetof(TickRecord, cp) + kY,
-                "closest point of the outline, away from the person"},
-    TraceColumn{"go_x_m", "f64le", "m", 8, offsetof(TickRecord, go), "god-object, to the right"},
-    TraceColumn{"go_y_m", "f64le", "m", 8, offsetof(TickRecord, go) + kY,
-                "god-object, away from the person"},
-    TraceColumn{"fx_n", "f64le", "N", 8, offsetof(TickRecord, force),
-                "force as rendered, on the hand, to the right"},
-    TraceColumn{"fy_n", "f64le", "N", 8, offsetof(TickRecord, force) + kY,
-                "force as rendered, on the hand, away from the person"},
-    TraceColumn{"command_x_n", "f64le", "N", 8, offsetof(TickRecord, command),
-                "force asked of the device, after the safety chain"},
-    TraceColumn{"command_y_n", "f64le", "N", 8, offsetof(TickRecord, command) + kY,
-                "its other component, away from the person"},
-    TraceColumn{"fn_n", "f64le", "N", 8, offsetof(TickRecord, normal_force),
-                "rendered force along the outward normal at the god-object"},
-    TraceColumn{"ft_n", "f64le", "N", 8, offsetof(TickRecord, tangential_force),
-                "rendered force along the direction of travel"},
-    TraceColumn{"mu", "f64le", "1", 8, offsetof(TickRecord, mu), "friction coefficient in force"},
+    column<std::int64_t, offsetof(TickRecord, tick)>(
+        "tick", "1", "number of the tick in its interval, from 0; a jump: ticks were lost"),
+    said(column<std::int64_t, offsetof(TickRecord, time_ns)>(
+             "time_s",
+             "s",
+             "since the interval's first deadline, on the servo's clock, in whole ns"),
+         "real",
+         time_of),
+    column<std::int32_t, offsetof(TickRecord, counts)>(
+        "count_1", "1", "encoder of motor 1 as read"),
+    column<std::int32_t, offsetof(TickRecord, counts) + kSecond>(
+        "count_2", "1", "encoder of motor 2 as read"),
+    column<std::int32_t, offsetof(TickRecord, codes)>("code_1", "1", "as written to motor 1"),
+    column<std::int32_t, offsetof(TickRecord, codes) + kSecond>(
+        "code_2", "1", "as written to motor 2"),
+    column<float, offsetof(TickRecord, lateness_us)>("lateness_us", "us", "wake-up minus deadline"),
+    column<std::uint8_t, offsetof(TickRecord, flags)>(
+        "flags",
+        "1",
+        "sum of 1 saturated, 2 late, 4 ramped, 8 fault, 16 skipped (out of reach: nothing was "
+        "computed), "
+        "32 force cut, 64 force slew (it changed as fast as it may), 128 stale (no new reading)"),
+    said(column<std::uint8_t, offsetof(TickRecord, mode)>(
+             "mode", "", "of the contact: free, stuck, slip, transition"),
+         "text",
+         mode_of),
+    column<std::int16_t, offsetof(TickRecord, feature)>(
+        "segment",
+        "1",
+        "under the god-object: from 0 in the direction of travel; -1 - j: on vertex j"),
+    column<double, offsetof(TickRecord, parameter)>(
+        "u", "1 or rad", "of the god-object on its segment, 0 to 1; on a vertex its angle, rad"),
+    column<double, offsetof(TickRecord, hip)>(
+        "hip_x_m", "m", "haptic interaction point (HIP): the handle, to the right"),
+    column<double, offsetof(TickRecord, hip) + kY>("hip_y_m", "m", "handle, away from the person"),
+    column<double, offsetof(TickRecord, cp)>(
+        "cp_x_m",
+        "m",
+        "closest point of the outline, to the right; the last one found where flags has 16"),
+    column<double, offsetof(TickRecord, cp) + kY>(
+        "cp_y_m", "m", "closest point, away from the person"),
+    column<double, offsetof(TickRecord, go)>("go_x_m", "m", "god-object, to the right"),
+    column<double, offsetof(TickRecord, go) + kY>(
+        "go_y_m", "m", "god-object, away from the person"),
+    column<double, offsetof(TickRecord, force)>("rendered_x_n",
+                                                "N",
+                                                "rendered force on the hand, K (GO - HIP) and "
+                                                "damping, to the right; less where flags has 32"),
+    column<double, offsetof(TickRecord, force) + kY>(
+        "rendered_y_n", "N", "rendered force on the hand, away from the person"),
+    column<double, offsetof(TickRecord, command)>(
+        "commanded_x_n",
+        "N",
+        "commanded force: asked of the device, after the safety chain, to the right"),
+    column<double, offsetof(TickRecord, command) + kY>(
+        "commanded_y_n", "N", "commanded force, away from the person"),
+    column<double, offsetof(TickRecord, normal_force)>(
+        "rendered_normal_n", "N", "rendered force along the outward normal at the god-object"),
+    column<double, offsetof(TickRecord, tangential_force)>(
+        "rendered_tangential_n", "N", "rendered force along the direction of travel"),
+    column<double, offsetof(TickRecord, mu)>("mu", "1", "friction coefficient in force"),
 };
 
 constexpr std::size_t total_bytes() {
@@ -77,6 +141,7 @@ static_assert(total_bytes() == sizeof(TickRecord), "a field of TickRecord has no
 std::span<const TraceColumn> trace_columns() noexcept {
     return kColumns;
 }
+
 std::size_t bytes_per_tick() noexcept {
     return total_bytes();
 }

@@ -6,9 +6,9 @@
 read_trace <- function(file, trial, interval = 1) {
   db <- DBI::dbConnect(RSQLite::SQLite(), file, flags = RSQLite::SQLITE_RO)
   on.exit(DBI::dbDisconnect(db))
-  columns <- DBI::dbGetQuery(db, "SELECT name, type, rule, part FROM trace_column WHERE codec = 1 ORDER BY position")
+  columns <- DBI::dbGetQuery(db, "SELECT name, type, rule, part FROM trace_column WHERE codec = 1 ORDER BY column_position")
   chunks <- DBI::dbGetQuery(db, "SELECT CAST(first_tick AS REAL) AS first, ticks, CAST(period_ns AS REAL) AS period,
-    holds, data FROM trace_chunk WHERE trial = ? AND interval = ? AND codec = 1 ORDER BY first_tick", list(trial, interval))
+    holds, data FROM trace_chunk WHERE trial_id = ? AND interval = ? AND codec = 1 ORDER BY first_tick", list(trial, interval))
   trace <- sapply(columns$name[columns$part == ""], function(name) numeric(0), simplify = FALSE)
   for (k in seq_len(nrow(chunks))) {
     data <- chunks$data[[k]]; n <- chunks$ticks[k]; first <- chunks$first[k]

@@ -8,10 +8,10 @@ import pathlib, sqlite3, struct, sys, zlib
 def read_trace(file, trial, interval=1):
     """{column: [whole numbers]} of all ticks that codec 1 holds as such; every checksum is checked."""
     db = sqlite3.connect(pathlib.Path(file).resolve().as_uri() + "?mode=ro", uri=True)
-    columns = db.execute("SELECT name, type, rule, part FROM trace_column WHERE codec = 1 ORDER BY position").fetchall()
+    columns = db.execute("SELECT name, type, rule, part FROM trace_column WHERE codec = 1 ORDER BY column_position").fetchall()
     trace = {name: [] for name, _, _, part in columns if not part}
     chunks = """SELECT first_tick, ticks, period_ns, holds, crc32, data FROM trace_chunk
-                WHERE trial = ? AND interval = ? AND codec = 1 ORDER BY first_tick"""
+                WHERE trial_id = ? AND interval = ? AND codec = 1 ORDER BY first_tick"""
     for first, n, period, holds, crc, data in db.execute(chunks, (trial, interval)):
         if zlib.crc32(data) != crc:
             raise ValueError(f"trial {trial}: the chunk of tick {first} is damaged")

@@ -1,40 +1,40 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
+#include <string>
 
 namespace palpate::data {
 
-/// Columns of the virtual table `sample`, in their order.
+/// Columns of the virtual table `sample`, in their order: whose the tick is, those of trace_columns(), velocity.
 enum class SampleColumn : std::uint8_t {
     trial_id,
     interval,
     tick,
-    t_s,
-    x_m,
-    y_m,
-    vx_m_per_s,
-    vy_m_per_s,
-    cp_x_m,
-    cp_y_m,
-    go_x_m,
-    go_y_m,
-    mode,
-    segment,
-    u,
-    mu,
-    fn_n,
-    ft_n,
-    rendered_x_n,
-    rendered_y_n,
-    fx_n,
-    fy_n,
-    lateness_us,
-    flags,
+    time_s,
     count_1,
     count_2,
     code_1,
     code_2,
+    lateness_us,
+    flags,
+    mode,
+    segment,
+    u,
+    hip_x_m,
+    hip_y_m,
+    cp_x_m,
+    cp_y_m,
+    go_x_m,
+    go_y_m,
+    rendered_x_n,
+    rendered_y_n,
+    commanded_x_n,
+    commanded_y_n,
+    rendered_normal_n,
+    rendered_tangential_n,
+    mu,
+    hip_vx_m_per_s,
+    hip_vy_m_per_s,
     count_of_columns
 };
 
@@ -47,17 +47,18 @@ using SampleColumns = std::uint64_t;
 
 /// Columns that need HIP, and the tick before.
 inline constexpr SampleColumns kVelocityColumns =
-    bit(SampleColumn::vx_m_per_s) | bit(SampleColumn::vy_m_per_s);
+    bit(SampleColumn::hip_vx_m_per_s) | bit(SampleColumn::hip_vy_m_per_s);
 inline constexpr SampleColumns kHipColumns =
-    bit(SampleColumn::x_m) | bit(SampleColumn::y_m) | kVelocityColumns;
+    bit(SampleColumn::hip_x_m) | bit(SampleColumn::hip_y_m) | kVelocityColumns;
 /// Columns that follow from the hand's whole path: they need a replay.
 inline constexpr SampleColumns kReplayedColumns =
     bit(SampleColumn::cp_x_m) | bit(SampleColumn::cp_y_m) | bit(SampleColumn::go_x_m) |
     bit(SampleColumn::go_y_m) | bit(SampleColumn::mode) | bit(SampleColumn::segment) |
-    bit(SampleColumn::u) | bit(SampleColumn::mu) | bit(SampleColumn::fn_n) |
-    bit(SampleColumn::ft_n) | bit(SampleColumn::rendered_x_n) | bit(SampleColumn::rendered_y_n);
+    bit(SampleColumn::u) | bit(SampleColumn::mu) | bit(SampleColumn::rendered_normal_n) |
+    bit(SampleColumn::rendered_tangential_n) | bit(SampleColumn::rendered_x_n) |
+    bit(SampleColumn::rendered_y_n);
 
 /// The table as SQL: its columns with their comments.
-[[nodiscard]] std::string_view sample_declaration() noexcept;
+[[nodiscard]] std::string sample_declaration();
 
 }  // namespace palpate::data

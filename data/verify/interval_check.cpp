@@ -48,7 +48,7 @@ void check_row(const StoredRow& row, const Presentation& felt, Findings& finding
     constexpr std::string_view table = "presentation";
     findings.expect(table, "interval", row, static_cast<std::int64_t>(felt.interval));
     findings.expect(table, "stimulus", row, felt.stimulus ? Value(*felt.stimulus) : Value());
-    findings.expect(table, "object", row, felt.object.name);
+    findings.expect(table, "felt_object", row, felt.object.name);
     const auto curvature = protocols::curvature_of(felt.object);
     findings.expect(table, "curvature_per_m", row, curvature ? Value(*curvature) : Value());
     findings.expect(table, "friction", row, felt.friction.name);
@@ -102,9 +102,9 @@ std::vector<CheckedInterval> check_intervals(Database& database,
                                              bool answered,
                                              std::int64_t period_ns,
                                              Findings& findings) {
-    const std::int64_t id = trial.integer("id");
+    const std::int64_t id = trial.integer("trial_id");
     const auto rows =
-        rows_of(database, "SELECT * FROM presentation WHERE trial = ?1 ORDER BY interval", id);
+        rows_of(database, "SELECT * FROM presentation WHERE trial_id = ?1 ORDER BY interval", id);
     // What a rule chose is stored in a second step: a trial can be cut off before.
     const bool may_lack = !answered && expected.size() != rows.size() &&
                           (expected.size() > 1 || expected.front().stimulus);
@@ -139,17 +139,17 @@ bool check_response(const SessionFrame& frame,
         findings.differs("response.input", "\"simulated\"", "a person's: the session is real");
     }
     const bool pictures = frame.protocol.response.kind == protocols::ResponseKind::identification;
-    const std::int64_t answer = response.integer("answer");
+    const std::int64_t answer = response.integer("answer_code");
     const std::size_t answers =
         pictures ? frame.pictures.size() : protocols::answers_of(frame.protocol);
     if (answer < 0 || answer >= static_cast<std::int64_t>(answers)) {
-        findings.differs("response.answer", fmt::format("{}", answer),
+        findings.differs("response.answer_code", fmt::format("{}", answer),
                          fmt::format("one of {} {}", answers, pictures ? "pictures" : "answers"));
         return false;
     }
     const auto place = static_cast<std::size_t>(answer);
-    findings.expect("response", "place", response, pictures ? Value(answer) : Value());
-    findings.expect("response", "object", response,
+    findings.expect("response", "chosen_place", response, pictures ? Value(answer) : Value());
+    findings.expect("response", "chosen_object", response,
                     pictures ? Value(frame.pictures[place]) : Value());
     const auto right = is_right(frame.protocol, frame.plan, planned, felt, place);
     findings.expect("response", "correct", response,
@@ -173,8 +173,8 @@ void check_step(Database& database,
                 bool counted,
                 protocols::AdaptiveRuns& runs,
                 Findings& findings) {
-    const std::int64_t id = trial.integer("id");
-    const auto rows = rows_of(database, "SELECT * FROM adaptive_step WHERE trial = ?1", id);
+    const std::int64_t id = trial.integer("trial_id");
+    const auto rows = rows_of(database, "SELECT * FROM adaptive_step WHERE trial_id = ?1", id);
     const bool due = planned.adaptive && planned.phase != protocols::Phase::practice &&
                      response != nullptr && counted && stimulus;
     if (rows.size() != (due ? 1U : 0U)) {
@@ -185,8 +185,8 @@ void check_step(Database& database,
         return;
     }
     const protocols::Response given{
-        .place = static_cast<std::size_t>(response->integer("answer")),
-        .object = index_of(frame.protocol.objects, response->text("object"))};
+        .place = static_cast<std::size_t>(response->integer("answer_code")),
+        .object = index_of(frame.protocol.objects, response->text("chosen_object"))};
     const std::size_t outcome = outcome_of(frame.protocol, planned, given);
     try {
         const protocols::AdaptiveStep step =
@@ -195,7 +195,7 @@ void check_step(Database& database,
             return;
         }
         const auto& first = step.estimates;
-        findings.expect("adaptive_step", "outcome", rows.front(),
+        findings.expect("adaptive_step", "rule_outcome", rows.front(),
                         static_cast<std::int64_t>(outcome));
         findings.expect(
             "adaptive_step", "estimate", rows.front(),

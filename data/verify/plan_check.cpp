@@ -24,9 +24,9 @@ void check_row(const StoredRow& row,
     const auto& object = protocol.objects.at(planned.condition.object);
     const auto& friction = protocol.frictions.at(planned.condition.friction);
     const std::string table = fmt::format("plan at position {}", planned.position);
-    findings.expect(table, "position", row, static_cast<std::int64_t>(planned.position));
+    findings.expect(table, "plan_position", row, static_cast<std::int64_t>(planned.position));
     findings.expect(table, "phase", row, std::string(to_string(planned.phase)));
-    findings.expect(table, "object", row, object.name);
+    findings.expect(table, "planned_object", row, object.name);
     const auto curvature = curvature_of(object);
     findings.expect(table, "curvature_per_m", row, curvature ? Value(*curvature) : Value());
     findings.expect(table, "friction", row, friction.name);
@@ -55,7 +55,8 @@ void check_adaptive_rows(Database& database,
                          const SessionFrame& frame,
                          Findings& findings) {
     const auto rows = rows_of(
-        database, "SELECT * FROM adaptive_plan WHERE session = ?1 ORDER BY position", session);
+        database, "SELECT * FROM adaptive_plan WHERE session_id = ?1 ORDER BY plan_position",
+        session);
     std::size_t next = 0;
     for (const PlannedTrial& planned : frame.plan.trials) {
         if (!planned.adaptive) {
@@ -65,10 +66,11 @@ void check_adaptive_rows(Database& database,
             const StoredRow& row = rows[next];
             const protocols::AdaptiveTrial& adaptive = *planned.adaptive;
             const std::string table = fmt::format("adaptive_plan at position {}", planned.position);
-            findings.expect(table, "position", row, static_cast<std::int64_t>(planned.position));
-            findings.expect(table, "run", row, static_cast<std::int64_t>(adaptive.run));
+            findings.expect(table, "plan_position", row,
+                            static_cast<std::int64_t>(planned.position));
+            findings.expect(table, "run_number", row, static_cast<std::int64_t>(adaptive.run));
             findings.expect(table, "run_name", row, frame.protocol.runs.at(adaptive.run).name);
-            findings.expect(table, "comparison", row,
+            findings.expect(table, "comparison_interval", row,
                             static_cast<std::int64_t>(adaptive.comparison));
             findings.expect(table, "standard_friction", row,
                             frame.protocol.frictions.at(adaptive.standard_friction).name);
@@ -89,8 +91,9 @@ void check_pictures(const std::vector<StoredRow>& rows,
     }
     for (std::size_t place = 0; place < std::min(rows.size(), order.size()); ++place) {
         const std::string table = fmt::format("picture at place {}", place);
-        findings.expect(table, "place", rows[place], static_cast<std::int64_t>(place));
-        findings.expect(table, "object", rows[place], frame.protocol.objects.at(order[place]).name);
+        findings.expect(table, "picture_place", rows[place], static_cast<std::int64_t>(place));
+        findings.expect(table, "picture_object", rows[place],
+                        frame.protocol.objects.at(order[place]).name);
     }
 }
 
@@ -100,13 +103,13 @@ bool check_plan(Database& database,
                 const StoredRow& session,
                 SessionFrame& frame,
                 Findings& findings) {
-    const std::int64_t id = session.integer("id");
+    const std::int64_t id = session.integer("session_id");
     const auto rows =
-        rows_of(database, "SELECT * FROM plan WHERE session = ?1 ORDER BY position", id);
+        rows_of(database, "SELECT * FROM plan WHERE session_id = ?1 ORDER BY plan_position", id);
     const auto pictures =
-        rows_of(database, "SELECT * FROM picture WHERE session = ?1 ORDER BY place", id);
+        rows_of(database, "SELECT * FROM picture WHERE session_id = ?1 ORDER BY picture_place", id);
     for (const StoredRow& picture : pictures) {
-        frame.pictures.push_back(picture.text("object"));
+        frame.pictures.push_back(picture.text("picture_object"));
     }
     try {
         frame.plan = make_plan(frame.protocol, frame.protocol_hash, frame.key, frame.seed,

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "data/trace/columns.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/retrace.hpp"
 
@@ -51,16 +52,16 @@ constexpr std::array kColumns{
     column<&TickRecord::go>("trace.go"),
     column<&TickRecord::cp>("trace.cp"),
     column<&TickRecord::mu>("trace.mu"),
-    column<&TickRecord::normal_force>("trace.fn_n"),
-    column<&TickRecord::tangential_force>("trace.ft_n"),
-    column<&TickRecord::parameter>("trace.parameter"),
-    Column{"trace.feature", same_field<&TickRecord::feature>,
+    column<&TickRecord::normal_force>("trace.rendered_normal_n"),
+    column<&TickRecord::tangential_force>("trace.rendered_tangential_n"),
+    column<&TickRecord::parameter>("trace.u"),
+    Column{"trace.segment", same_field<&TickRecord::feature>,
            [](const TickRecord& tick) {
                return fmt::format("{}", tick.feature);
            }},
     Column{"trace.mode", same_field<&TickRecord::mode>,
            [](const TickRecord& tick) {
-               return fmt::format("{}", static_cast<unsigned>(tick.mode));
+               return std::string(to_string(tick.mode));
            }},
     Column{"trace.flags",
            [](const TickRecord& stored, const TickRecord& again) noexcept {
@@ -118,8 +119,8 @@ void check_times(const StoredTrace& trace, std::int64_t period_ns, Findings& fin
             findings.add({.kind = FindingKind::differs,
                           .trial = {},
                           .tick = tick.tick,
-                          .what = "trace.time_ns",
-                          .stored = fmt::format("{}", tick.time_ns),
+                          .what = "trace.time_s",
+                          .stored = fmt::format("{}", seconds_of(tick.time_ns)),
                           .recomputed = is_virtual ? fmt::format("{}", due)
                                                    : fmt::format("at least {}", before)});
             return;

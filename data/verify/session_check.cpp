@@ -33,7 +33,7 @@ bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& fin
         findings.differs("study.protocol_toml", e.what(), "a protocol");
         return false;
     }
-    findings.expect("study", "name", session, frame.protocol.id);
+    findings.expect("study", "study_name", session, frame.protocol.id);
     findings.expect("study", "title", session, frame.protocol.title);
     findings.expect("session", "rate_hz", session, frame.protocol.apparatus.rate_hz);
     findings.expect("session", "stiffness_n_per_m", session, frame.protocol.apparatus.stiffness);
@@ -43,9 +43,10 @@ bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& fin
 /// @return false if it is no number of 64 bits
 bool read_key(const StoredRow& session, SessionFrame& frame, Findings& findings) {
     frame.protocol_hash = session.text("protocol_sha256");
-    frame.key = {session.text("code"), static_cast<std::size_t>(session.integer("number")),
+    frame.key = {session.text("participant_code"),
+                 static_cast<std::size_t>(session.integer("session_number")),
                  session.text("secret")};
-    frame.simulated = session.text("kind") == "simulated";
+    frame.simulated = session.text("session_kind") == "simulated";
     frame.replayed = session.text("device").starts_with("replay of ");
     const std::string seed = session.text("seed");
     const auto read = std::from_chars(seed.data(), seed.data() + seed.size(), frame.seed);
@@ -101,8 +102,9 @@ void check_provenance(Database& database,
                       SessionFrame& frame,
                       Findings& findings) {
     Provenance provenance;
-    for (const StoredRow& row : rows_of(
-             database, "SELECT key, value FROM session_provenance WHERE session = ?1", session)) {
+    for (const StoredRow& row :
+         rows_of(database, "SELECT key, value FROM session_provenance WHERE session_id = ?1",
+                 session)) {
         provenance[row.text("key")] = row.text("value");
     }
     check_objects(frame, provenance, findings);
@@ -110,16 +112,17 @@ void check_provenance(Database& database,
     if (const auto text = provenance.find(kCalibration); text != provenance.end()) {
         frame.machine = machine_of(text->second);
     }
-    for (const StoredRow& row : rows_of(
-             database, "SELECT text FROM event WHERE session = ?1 AND kind = 'device'", session)) {
+    for (const StoredRow& row :
+         rows_of(database, "SELECT text FROM event WHERE session_id = ?1 AND event_kind = 'device'",
+                 session)) {
         frame.replayed = frame.replayed || row.text("text").starts_with("goes on with replay of ");
     }
     // What a resumed session went on with.
     bool changed = false;
-    for (const StoredRow& row :
-         rows_of(database,
-                 "SELECT text FROM event WHERE session = ?1 AND kind = 'provenance' ORDER BY id",
-                 session)) {
+    for (const StoredRow& row : rows_of(database,
+                                        "SELECT text FROM event WHERE session_id = ?1 AND "
+                                        "event_kind = 'provenance' ORDER BY event_id",
+                                        session)) {
         const std::string text = row.text("text");
         if (const std::size_t colon = text.find(": "); colon != std::string::npos) {
             provenance[text.substr(0, colon)] = text.substr(colon + 2);
@@ -148,7 +151,7 @@ void check_all(Database& database,
                const StoredRow& session,
                SessionReport& report,
                Findings& findings) {
-    const std::int64_t id = session.integer("id");
+    const std::int64_t id = session.integer("session_id");
     SessionFrame frame;
     if (!check_protocol(session, frame, findings) || !read_key(session, frame, findings)) {
         return;
@@ -159,7 +162,7 @@ void check_all(Database& database,
     }
     TrialCheck trials(database, id, frame, findings);
     for (const StoredRow& trial :
-         rows_of(database, "SELECT * FROM trial WHERE session = ?1 ORDER BY id", id)) {
+         rows_of(database, "SELECT * FROM trial WHERE session_id = ?1 ORDER BY trial_id", id)) {
         ++report.trials;
         trials.check(trial);
         report.replayed = trials.replayed();
@@ -183,11 +186,11 @@ void check_chain(Database& database,
 }  // namespace
 
 SessionReport check_session(Database& database, const StoredRow& session) {
-    SessionReport report{.id = session.integer("id"),
-                         .study = session.text("name"),
-                         .participant = session.text("code"),
-                         .number = session.integer("number"),
-                         .kind = session.text("kind"),
+    SessionReport report{.id = session.integer("session_id"),
+                         .study = session.text("study_name"),
+                         .participant = session.text("participant_code"),
+                         .number = session.integer("session_number"),
+                         .kind = session.text("session_kind"),
                          .finished = session.integer("finished") != 0};
     Findings findings(report.findings);
     try {

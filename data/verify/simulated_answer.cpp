@@ -41,7 +41,7 @@ void check_simulated_answer(const SessionFrame& frame,
     const auto pictures = protocols::make_pictures(frame.protocol, frame.plan.picture_order);
     const protocols::Choice choice =
         observer.choose({.done = done}, question_of(frame.protocol, pictures));
-    findings.expect("response", "answer", response, static_cast<std::int64_t>(choice.place));
+    findings.expect("response", "answer_code", response, static_cast<std::int64_t>(choice.place));
     findings.expect("response", "confidence", response,
                     choice.confidence ? Value(std::int64_t{*choice.confidence}) : Value());
     if (choice.confidence && !(std::fabs(response.real("confidence_reaction_s") -
@@ -52,7 +52,7 @@ void check_simulated_answer(const SessionFrame& frame,
     if (!(std::fabs(response.real("reaction_s") - choice.reaction_s) <= kSameTime)) {
         findings.expect("response", "reaction_s", response, choice.reaction_s);
     }
-    findings.expect("response", "uncertainty_s", response, choice.uncertainty_s);
+    findings.expect("response", "reaction_uncertainty_s", response, choice.uncertainty_s);
     findings.expect("response", "early_presses", response, std::int64_t{0});
 }
 

@@ -103,27 +103,12 @@ void check_done(std::string_view table,
 
 /// A column of a tick as SQL has it.
 Value value_of(const TickRecord& tick, const TraceColumn& column) {
-    const auto* at = reinterpret_cast<const std::byte*>(&tick) + column.offset;
-    const auto value = [at](auto sample) {
-        std::memcpy(&sample, at, sizeof sample);
-        return sample;
-    };
-    if (column.type == "f64le") {
-        return value(double{});
+    const TickValue value = column.value(tick);
+    if (const auto* text = std::get_if<std::string_view>(&value)) {
+        return std::string(*text);
     }
-    if (column.type == "f32le") {
-        return static_cast<double>(value(float{}));
-    }
-    if (column.type == "i64le") {
-        return value(std::int64_t{});
-    }
-    if (column.type == "i32le") {
-        return std::int64_t{value(std::int32_t{})};
-    }
-    if (column.type == "i16le") {
-        return std::int64_t{value(std::int16_t{})};
-    }
-    return std::int64_t{value(std::uint8_t{})};
+    const auto* number = std::get_if<double>(&value);
+    return number != nullptr ? Value(*number) : Value(std::get<std::int64_t>(value));
 }
 
 void check_fault_row(const StoredRow& row, const TickRecord& tick, Findings& findings) {
@@ -210,7 +195,7 @@ void check_summary(const SessionFrame& frame,
     findings.expect("trial", "contact_episodes", trial, sum.contact_episodes);
     findings.expect("trial", "worst_episode_j", trial, sum.worst_episode_j);
     findings.expect("trial", "skipped_ticks", trial, sum.skipped_ticks);
-    findings.expect("trial", "slewed_ticks", trial, sum.slewed_ticks);
+    findings.expect("trial", "force_slew_ticks", trial, sum.slewed_ticks);
     findings.expect("trial", "stale_ticks", trial, sum.stale_ticks);
     check_movement(trial, sum, findings);
 }
@@ -231,10 +216,10 @@ void check_invalid(Database& database,
                                                 static_cast<std::int64_t>(trace.ticks.size()))));
     }
     std::string why = why_invalid(frame.protocol, felt, !frame.simulated);
-    if (const auto mark = find_mark(database, trial.integer("id")); mark && why.empty()) {
+    if (const auto mark = find_mark(database, trial.integer("trial_id")); mark && why.empty()) {
         why = mark->reason;
     }
-    findings.expect("trial", "invalid", trial, why.empty() ? Value() : Value(why));
+    findings.expect("trial", "invalid_reason", trial, why.empty() ? Value() : Value(why));
 }
 
 void check_fault_ticks(Database& database,
@@ -242,8 +227,9 @@ void check_fault_ticks(Database& database,
                        const StoredTrace& trace,
                        Findings& findings) {
     const bool faulted = trial.text("outcome") == "faulted";
-    const auto rows = rows_of(database, "SELECT * FROM fault_tick WHERE trial = ?1 ORDER BY tick",
-                              trial.integer("id"));
+    const auto rows =
+        rows_of(database, "SELECT * FROM fault_tick WHERE trial_id = ?1 ORDER BY tick",
+                trial.integer("trial_id"));
     const std::size_t all = trace.ticks.size();
     const std::size_t expected = faulted ? std::min(all, kFaultTicks) : 0;
     if (!trace.whole) {

@@ -49,8 +49,8 @@ constexpr std::array kOfAnEnd{"done_s",
                               "contact_episodes",
                               "worst_episode_j",
                               "skipped_ticks",
-                              "fault",
-                              "slewed_ticks",
+                              "fault_cause",
+                              "force_slew_ticks",
                               "stale_ticks",
                               "strokes",
                               "mean_speed_m_per_s",
@@ -78,13 +78,13 @@ TrialCheck::TrialCheck(Database& database,
           static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5))) {}
 
 void TrialCheck::check(const StoredRow& trial) {
-    findings_.look_at(trial.integer("id"));
+    findings_.look_at(trial.integer("trial_id"));
     const auto responses =
-        rows_of(database_, "SELECT * FROM response WHERE trial = ?1", trial.integer("id"));
+        rows_of(database_, "SELECT * FROM response WHERE trial_id = ?1", trial.integer("trial_id"));
     heed_marks(trial);
     const std::size_t done = pending_.answered();
     check_attempt(trial, !responses.empty());
-    const auto position = static_cast<std::size_t>(trial.integer("position"));
+    const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
     const PlannedTrial* planned =
         position < frame_.plan.trials.size() ? &frame_.plan.trials[position] : nullptr;
     if (planned == nullptr) {
@@ -107,12 +107,12 @@ void TrialCheck::check(const StoredRow& trial) {
     if (answered && check_response(frame_, responses.front(), *planned, expected, findings_)) {
         check_simulated_answer(frame_, responses.front(), intervals, done, findings_);
     }
-    check_step(database_, frame_, trial, answered ? &responses.front() : nullptr, *planned,
-               stimulus,
-               !made_.empty() && made_.back().trial == trial.integer("id") && made_.back().counted,
-               runs_, findings_);
-    if (responses.empty() && !trial.null("invalid")) {
-        findings_.differs("trial.invalid", to_text(trial.at("invalid")),
+    check_step(
+        database_, frame_, trial, answered ? &responses.front() : nullptr, *planned, stimulus,
+        !made_.empty() && made_.back().trial == trial.integer("trial_id") && made_.back().counted,
+        runs_, findings_);
+    if (responses.empty() && !trial.null("invalid_reason")) {
+        findings_.differs("trial.invalid_reason", to_text(trial.at("invalid_reason")),
                           "NULL: there is no answer");
     }
     if (!never_ended(trial.text("outcome"))) {
@@ -130,7 +130,7 @@ void TrialCheck::check(const StoredRow& trial) {
 /// A session that goes on after a mark, or begins a part again, orders what is left as if the answers had
 /// never counted.
 void TrialCheck::heed_marks(const StoredRow& trial) {
-    const std::int64_t now = trial.integer("id");
+    const std::int64_t now = trial.integer("trial_id");
     bool changed = std::any_of(redos_.begin(), redos_.end(), [&](const Redo& redo) {
         return redo.after < now && redo.after >= last_;
     });
@@ -161,19 +161,20 @@ void TrialCheck::heed_marks(const StoredRow& trial) {
 }
 
 void TrialCheck::check_attempt(const StoredRow& trial, bool answered) {
-    const auto position = static_cast<std::size_t>(trial.integer("position"));
+    const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
     if (position != pending_.next()) {
-        findings_.differs("trial.position", fmt::format("{}", position),
+        findings_.differs("trial.plan_position", fmt::format("{}", position),
                           fmt::format("{}: the next one to run", pending_.next()));
     }
     findings_.expect("trial", "attempt", trial, ++attempts_[position]);
     if (!answered && trial.text("outcome") != "faulted") {
         return;
     }
-    const auto mark = find_mark(database_, trial.integer("id"));
-    const bool counted = trial.null("invalid") || mark.has_value();
+    const auto mark = find_mark(database_, trial.integer("trial_id"));
+    const bool counted = trial.null("invalid_reason") || mark.has_value();
     const auto outcome = answered ? protocols::Outcome::complete : protocols::Outcome::faulted;
-    made_.push_back({trial.integer("id"), position, outcome, counted, mark ? mark->after : 0});
+    made_.push_back(
+        {trial.integer("trial_id"), position, outcome, counted, mark ? mark->after : 0});
     pending_.note(position, outcome, counted);
 }
 
@@ -206,20 +207,21 @@ void TrialCheck::check_outcome(const StoredRow& trial,
     if (outcome != "faulted") {
         return;
     }
-    if (!is_trip(trial.text("fault"))) {
-        findings_.differs("trial.fault", to_text(trial.at("fault")), "a cause of faults");
+    if (!is_trip(trial.text("fault_cause"))) {
+        findings_.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
+                          "a cause of faults");
     }
     const auto notes = rows_of(
         database_,
-        "SELECT substr(text, length('position ' || position || ': ') + 1) AS text FROM event"
-        " JOIN trial USING (session) WHERE trial.id = ?1 AND event.kind = 'fault' AND"
-        " instr(text, 'position ' || position || ': ') = 1",
-        trial.integer("id"));
+        "SELECT substr(text, length('position ' || plan_position || ': ') + 1) AS text FROM event "
+        "JOIN trial USING (session_id) WHERE trial.trial_id = ?1 AND event.event_kind = 'fault' "
+        "AND instr(text, 'position ' || plan_position || ': ') = 1",
+        trial.integer("trial_id"));
     const bool noted = std::any_of(notes.begin(), notes.end(), [&](const StoredRow& note) {
-        return note.text("text").starts_with(trial.text("fault") + ":");
+        return note.text("text").starts_with(trial.text("fault_cause") + ":");
     });
-    if (!notes.empty() && !noted && !trial.null("fault")) {
-        findings_.differs("trial.fault", to_text(trial.at("fault")),
+    if (!notes.empty() && !noted && !trial.null("fault_cause")) {
+        findings_.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
                           fmt::format("the event says {}", notes.front().text("text")));
     }
 }

@@ -36,7 +36,8 @@ void ask_sqlite(Database& database, Findings& findings) {
 
 void check_columns(Database& database, Findings& findings) {
     const auto columns = stored_columns();
-    const auto rows = rows_of(database, "SELECT * FROM trace_column ORDER BY codec, position");
+    const auto rows =
+        rows_of(database, "SELECT * FROM trace_column ORDER BY codec, column_position");
     if (rows.size() != columns.size()) {
         findings.differs("trace_column", counted(rows.size(), "row"),
                          counted(columns.size(), "row"));
@@ -46,7 +47,7 @@ void check_columns(Database& database, Findings& findings) {
             findings.expect("trace_column", column, rows[i], value);
         };
         expect("codec", kTraceCodec);
-        expect("position", static_cast<std::int64_t>(i));
+        expect("column_position", static_cast<std::int64_t>(i));
         expect("name", std::string(columns[i].name));
         expect("type", std::string(columns[i].type));
         expect("unit", std::string(columns[i].unit));
@@ -64,12 +65,13 @@ void check_secrets(Database& database, Findings& findings) {
     if (secrets.empty()) {
         findings.differs("secret", "no row", "the one that was made with the file");
     }
-    for (const StoredRow& person : rows_of(database, "SELECT code, subject FROM participant")) {
+    for (const StoredRow& person :
+         rows_of(database, "SELECT participant_code, subject FROM participant")) {
         const std::int64_t stored = person.integer("subject");
         const bool drawn = std::ranges::any_of(secrets, [&](const StoredRow& secret) {
             int draw = 0;
-            while (draw < kDraws &&
-                   subject_of(person.text("code"), secret.text("hex"), draw) != stored) {
+            while (draw < kDraws && subject_of(person.text("participant_code"), secret.text("hex"),
+                                               draw) != stored) {
                 ++draw;
             }
             return draw < kDraws;
@@ -165,9 +167,9 @@ void try_to(Findings& findings, const char* what, const Check& check) {
 }
 
 constexpr const char* kSessions =
-    "SELECT session.*, name, title, protocol_sha256, protocol_toml, code FROM session"
-    " LEFT JOIN study ON study.id = study LEFT JOIN participant ON participant.id = participant"
-    " ORDER BY session.id";
+    "SELECT session.*, study_name, title, protocol_sha256, protocol_toml, participant_code FROM "
+    "session LEFT JOIN study USING (study_id) LEFT JOIN participant USING (participant_id) ORDER "
+    "BY session.session_id";
 
 }  // namespace
 

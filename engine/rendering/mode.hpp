@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 
 namespace palpate::engine {
 
@@ -11,5 +14,12 @@ enum class Mode : std::uint8_t {
     slip = 2,        ///< it moved, friction at its dynamic value
     transition = 3,  ///< it moved while mu still relaxes from mu_s to mu_d (Stribeck)
 };
+
+/// "free", "stuck", "slip", "transition"; "?" for a byte that is none of them.
+[[nodiscard]] constexpr std::string_view to_string(Mode mode) noexcept {
+    constexpr std::array<std::string_view, 4> kNames{"free", "stuck", "slip", "transition"};
+    const auto number = static_cast<std::size_t>(mode);
+    return number < kNames.size() ? kNames[number] : "?";
+}
 
 }  // namespace palpate::engine

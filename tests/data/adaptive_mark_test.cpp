@@ -123,14 +123,13 @@ SessionEnd run(Database& database,
 /// Every attempt in its order: what was felt, answered and taken in by the rule, and what was marked when.
 std::string attempts(Database& database) {
     std::string text;
-    for (const char* sql :
-         {"SELECT id, position, outcome, invalid, slip_decay, heal_decay, ticks, path_length_m "
-          "FROM "
-          "trial"
-          " ORDER BY id",
-          "SELECT * FROM presentation ORDER BY trial, interval",
-          "SELECT * FROM response ORDER BY trial", "SELECT * FROM adaptive_step ORDER BY trial",
-          "SELECT trial, kind, text FROM event WHERE kind = 'mark' ORDER BY id"}) {
+    for (const char* sql : {"SELECT trial_id, plan_position, outcome, invalid_reason, slip_decay, "
+                            "heal_decay, ticks, path_length_m FROM trial ORDER BY trial_id",
+                            "SELECT * FROM presentation ORDER BY trial_id, interval",
+                            "SELECT * FROM response ORDER BY trial_id",
+                            "SELECT * FROM adaptive_step ORDER BY trial_id",
+                            "SELECT trial_id, event_kind, text FROM event WHERE event_kind = "
+                            "'mark' ORDER BY event_id"}) {
         data::Statement row = database.prepare(sql);
         while (row.step()) {
             for (int column = 0; column < row.columns(); ++column) {
@@ -146,7 +145,8 @@ std::string attempts(Database& database) {
 
 std::set<TrialId> marked(Database& database) {
     std::set<TrialId> ids;
-    auto row = database.prepare("SELECT id FROM trial WHERE invalid = ?1 ORDER BY id");
+    auto row =
+        database.prepare("SELECT trial_id FROM trial WHERE invalid_reason = ?1 ORDER BY trial_id");
     row.bind(1, std::string_view(kMarkedAtDesk));
     while (row.step()) {
         ids.insert(row.integer(0));
@@ -204,7 +204,7 @@ TEST_CASE("a mark at the desk does to a rule what the same mark from outside and
         const std::set<TrialId> ids = marked(inside);
         marks += ids.size();
         of_the_rule += count(inside, "adaptive_trial WHERE NOT counts");
-        ruled_out += count(inside, "trial WHERE invalid IS NOT NULL") -
+        ruled_out += count(inside, "trial WHERE invalid_reason IS NOT NULL") -
                      static_cast<std::int64_t>(ids.size());
 
         Database outside(folder.file("outside.sqlite"), Access::write);

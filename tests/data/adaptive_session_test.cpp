@@ -76,20 +76,20 @@ private:
 std::string content(Database& database) {
     std::string text;
     for (const char* sql :
-         {"SELECT position, interval, stimulus, presentation.object, presentation.curvature_per_m, "
-          "friction, "
-          "mu_s,"
-          " mu_d, presentation.slip_decay, presentation.ticks, presentation.path_length_m,"
-          " presentation.mean_normal_force_n FROM presentation JOIN trial ON trial.id = trial"
-          " JOIN response USING (trial) WHERE invalid IS NULL ORDER BY position, interval",
-          "SELECT position, response.* FROM response JOIN trial ON trial.id = trial"
-          " WHERE invalid IS NULL ORDER BY position",
-          "SELECT position, n, run_name, stimulus, outcome, correct, estimate, estimates,"
-          " state_sha256 FROM adaptive_trial WHERE counts ORDER BY position"}) {
+         {"SELECT plan_position, interval, stimulus, presentation.felt_object, "
+          "presentation.curvature_per_m, friction, mu_s, mu_d, presentation.slip_decay, "
+          "presentation.ticks, presentation.path_length_m, presentation.mean_normal_force_n FROM "
+          "presentation JOIN trial USING (trial_id) JOIN response USING (trial_id) WHERE "
+          "invalid_reason IS NULL ORDER BY plan_position, interval",
+          "SELECT plan_position, response.* FROM response JOIN trial USING (trial_id) WHERE "
+          "invalid_reason IS NULL ORDER BY plan_position",
+          "SELECT plan_position, run_trial_number, run_name, stimulus, rule_outcome, correct, "
+          "estimate, estimates, state_sha256 FROM adaptive_trial WHERE counts ORDER BY "
+          "plan_position"}) {
         data::Statement row = database.prepare(sql);
         while (row.step()) {
             for (int column = 0; column < row.columns(); ++column) {
-                if (row.name(column) != "trial") {
+                if (row.name(column) != "trial_id") {
                     text += row.null(column)      ? "-"
                           : row.type(column) == 2 ? fmt::format("{} ", row.real(column))
                                                   : row.text(column) + ' ';
@@ -163,12 +163,13 @@ TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[a
     const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol());
     const char* edit = GENERATE(
-        "UPDATE presentation SET stimulus = stimulus + 2 WHERE trial = 6 AND stimulus IS NOT NULL",
-        "UPDATE adaptive_step SET outcome = 1 - outcome WHERE trial = 5",
-        "UPDATE adaptive_step SET state_sha256 = replace(state_sha256, substr(state_sha256, 9, 1),"
-        " 'x') WHERE trial = 4",
-        "UPDATE adaptive_plan SET run = 1 - run WHERE position = 4",
-        "DELETE FROM adaptive_step WHERE trial = 5");
+        "UPDATE presentation SET stimulus = stimulus + 2 WHERE trial_id = 6 AND stimulus IS NOT "
+        "NULL",
+        "UPDATE adaptive_step SET rule_outcome = 1 - rule_outcome WHERE trial_id = 5",
+        "UPDATE adaptive_step SET state_sha256 = replace(state_sha256, substr(state_sha256, 9, 1), "
+        "'x') WHERE trial_id = 4",
+        "UPDATE adaptive_plan SET run_number = 1 - run_number WHERE plan_position = 4",
+        "DELETE FROM adaptive_step WHERE trial_id = 5");
     Database database(folder.file("a.sqlite"), Access::write);
     const auto dying = [](protocols::Recorder& recorder) {
         return Killer(recorder, 50);
@@ -191,13 +192,13 @@ TEST_CASE("a trial that does not count leaves the rule as it was, and its stimul
     const data::SessionSpec spec = session_spec(protocol);
     Database database(folder.file("a.sqlite"), Access::write);
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
-    const std::int64_t invalid = count(
-        database,
-        "trial JOIN plan USING (session, position) WHERE phase = 'main' AND invalid IS NOT NULL");
+    const std::int64_t invalid = count(database,
+                                       "trial JOIN plan USING (session_id, plan_position) WHERE "
+                                       "phase = 'main' AND invalid_reason IS NOT NULL");
     CAPTURE(invalid);
     CHECK(invalid > 3);
     CHECK(count(database,
-                "adaptive_step JOIN trial ON trial.id = trial WHERE invalid IS NOT NULL") == 0);
+                "adaptive_step JOIN trial USING (trial_id) WHERE invalid_reason IS NOT NULL") == 0);
     CHECK(differences(database).empty());
 }
 
@@ -235,8 +236,8 @@ TEST_CASE("a run handed to palpate procedure gives the stored estimates and stat
                                        !ContainsSubstring(tests::kSecret) &&
                                        !ContainsSubstring(spec.protocol_hash));
         data::Statement row = database.prepare(
-            "SELECT stimulus, outcome, state_sha256, estimates FROM adaptive_trial WHERE run = ?1"
-            " ORDER BY n");
+            "SELECT stimulus, rule_outcome, state_sha256, estimates FROM adaptive_trial WHERE "
+            "run_number = ?1 ORDER BY run_trial_number");
         row.bind(1, run);
         std::string responses = "stimulus,response\n";
         for (int n = 0; row.step(); ++n) {
@@ -314,16 +315,18 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
         return data::open_session(database, spec).pending.order();
     }();
     CHECK(std::is_sorted(last.begin(), last.end()));
-    const std::int64_t marked = count(database, "trial WHERE invalid IS NOT NULL");
-    CHECK((marked > 0) == (count(database, "event WHERE kind = 'redo'") == 1));
-    CHECK(marked == count(database, "event WHERE kind = 'mark'"));
+    const std::int64_t marked = count(database, "trial WHERE invalid_reason IS NOT NULL");
+    CHECK((marked > 0) == (count(database, "event WHERE event_kind = 'redo'") == 1));
+    CHECK(marked == count(database, "event WHERE event_kind = 'mark'"));
     CHECK(count(database, "response") == answered);
     spec.resume = data::Resume::go_on;
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     CHECK(count(database,
-                "(SELECT DISTINCT position FROM trial JOIN response ON trial.id = trial"
-                " WHERE invalid IS NULL)") == static_cast<std::int64_t>(spec.plan.trials.size()));
-    CHECK(count(database, "trial JOIN response ON trial.id = trial WHERE invalid IS NULL") ==
+                "(SELECT DISTINCT plan_position FROM trial JOIN response ON trial.trial_id = "
+                "trial_id WHERE invalid_reason IS NULL)") ==
+          static_cast<std::int64_t>(spec.plan.trials.size()));
+    CHECK(count(database,
+                "trial JOIN response ON trial.trial_id = trial_id WHERE invalid_reason IS NULL") ==
           static_cast<std::int64_t>(spec.plan.trials.size()));
     CHECK(differences(database) == "");
     if (at == 25) {  // in a file where its trials have other numbers
@@ -357,9 +360,8 @@ TEST_CASE("the summary counts answers without pictures, and says what each run o
     }
     const auto estimate = [&](int n) {
         data::Statement row = database.prepare(
-            "SELECT iif(estimate IS NULL, 'unknown', printf('%.4g', estimate)), trial FROM "
-            "adaptive_trial"
-            " WHERE run = 1 AND n = ?1");
+            "SELECT iif(estimate IS NULL, 'unknown', printf('%.4g', estimate)), trial_id FROM "
+            "adaptive_trial WHERE run_number = 1 AND run_trial_number = ?1");
         REQUIRE(row.bind(1, std::int64_t{n}).step());
         return std::pair(row.text(0), row.integer(1));
     };

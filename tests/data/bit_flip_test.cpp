@@ -120,15 +120,20 @@ TEST_CASE(
     std::ifstream in(file, std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     const std::string queries[] = {
-        "SELECT trial_id, interval, count(*), sum(tick), sum(t_s), sum(count_1 - 3 * code_1), "
-        "sum(count_2 - 3 * code_2), sum(fx_n), sum(fy_n), sum(flags), sum(lateness_us) FROM sample "
+        "SELECT trial_id, interval, count(*), sum(tick), sum(time_s), sum(count_1 - 3 * code_1), "
+        "sum(count_2 - 3 * code_2), sum(commanded_x_n), sum(commanded_y_n), sum(flags), "
+        "sum(lateness_us) FROM sample "
         "GROUP BY 1, 2",
-        "SELECT trial_id, interval, sum(x_m), sum(y_m), sum(vx_m_per_s) FROM sample GROUP BY 1, 2",
-        "SELECT trial_id, interval, sum(fn_n), sum(mu), sum(u), sum(go_x_m), sum(mode = 'slip') "
+        "SELECT trial_id, interval, sum(hip_x_m), sum(hip_y_m), sum(hip_vx_m_per_s) FROM sample "
+        "GROUP BY 1, 2",
+        "SELECT trial_id, interval, sum(rendered_normal_n), sum(mu), sum(u), sum(go_x_m), sum(mode "
+        "= 'slip') "
         "FROM "
         "sample GROUP BY 1, 2",
-        "SELECT sum(t_s), sum(count_1), sum(tick) FROM sample WHERE trial_id = 3 AND tick >= 100",
-        "SELECT sum(x_m), sum(fn_n) FROM sample WHERE trial_id = 4 AND t_s > 0.1"};
+        "SELECT sum(time_s), sum(count_1), sum(tick) FROM sample WHERE trial_id = 3 AND tick >= "
+        "100",
+        "SELECT sum(hip_x_m), sum(rendered_normal_n) FROM sample WHERE trial_id = 4 AND time_s > "
+        "0.1"};
     const auto say = [&](const std::string& of, std::size_t i) {
         tests::Opened database(of);
         return tests::rows_of(database, queries[i]);

@@ -45,14 +45,14 @@ TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
     fill(database, 1);
     const std::string before = data::content_hash(database);
     const char* edits[] = {
-        "UPDATE response SET correct = 1 - correct WHERE trial = 3",
-        "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial = 1",
-        "UPDATE plan SET object = 'straight' WHERE position = 2",
+        "UPDATE response SET correct = 1 - correct WHERE trial_id = 3",
+        "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial_id = 1",
+        "UPDATE plan SET planned_object = 'straight' WHERE plan_position = 2",
         "UPDATE session SET seed = '8'",
-        "UPDATE trial SET slip_decay = 0.5 WHERE id = 2",
-        "UPDATE event SET text = 'another' WHERE kind = 'note'",
-        "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096",
-        "UPDATE picture SET place = 2 - place + 10",
+        "UPDATE trial SET slip_decay = 0.5 WHERE trial_id = 2",
+        "UPDATE event SET text = 'another' WHERE event_kind = 'note'",
+        "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096",
+        "UPDATE picture SET picture_place = 2 - picture_place + 10",
     };
     for (const char* sql : edits) {
         CAPTURE(sql);

@@ -110,7 +110,7 @@ TEST_CASE("a transaction that is not committed leaves nothing", "[store][law]") 
     Database database(folder.file("a.sqlite"), Access::write);
     {
         data::Transaction all(database);
-        database.execute("INSERT INTO participant (code, subject) VALUES ('P1', 1)");
+        database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
     }
     auto count = database.prepare("SELECT count(*) FROM participant");
     count.step();
@@ -123,27 +123,27 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
     Database database(folder.file("a.sqlite"), Access::write);
     static_cast<void>(data::open_session(database, tests::session_spec(tests::small_protocol())));
     const char* nonsense[] = {
-        "INSERT INTO participant (code, subject) VALUES ('Jane Doe', 1)",
-        "INSERT INTO participant (code, subject) VALUES ('', 1)",
-        "UPDATE session SET kind = 'maybe'",
+        "INSERT INTO participant (participant_code, subject) VALUES ('Jane Doe', 1)",
+        "INSERT INTO participant (participant_code, subject) VALUES ('', 1)",
+        "UPDATE session SET session_kind = 'maybe'",
         "UPDATE session SET rate_hz = 0",
         "UPDATE plan SET mu_s = 0.1, mu_d = 0.5",
         "UPDATE plan SET phase = 'other'",
-        "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
+        "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, heal_decay, "
         "started_utc) VALUES (1, 999, 1, 'running', 0, 0, '')",
-        "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
+        "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, heal_decay, "
         "started_utc) VALUES (1, 0, 1, 'lost', 0, 0, '')",
         "INSERT INTO response VALUES (77, 0, 'convex', 1, 1.0, 0.0, 'key')",
         "INSERT INTO trace_chunk VALUES (77, 1, 0, 1, 1, 1000000, '', 0, 0, x'00')",
-        "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay, "
-        "started_utc, fault) VALUES (1, 0, 1, 'complete', 0, 0, '', 'late')",
-        "INSERT INTO fault_tick (trial, tick, time_ns, count_1, count_2, code_1, code_2, flags, "
-        "mode, feature) VALUES (77, 0, 0, 0, 0, 0, 0, 0, 0, 0)",
-        "INSERT INTO event (session, kind, text, at_utc) VALUES (99, 'a', 'b', 'c')",
+        "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, heal_decay, "
+        "started_utc, fault_cause) VALUES (1, 0, 1, 'complete', 0, 0, '', 'late')",
+        "INSERT INTO fault_tick (trial_id, tick, time_s, count_1, count_2, code_1, code_2, flags, "
+        "mode, segment) VALUES (77, 0, 0, 0, 0, 0, 0, 0, 'free', 0)",
+        "INSERT INTO event (session_id, event_kind, text, at_utc) VALUES (99, 'a', 'b', 'c')",
         "DELETE FROM study",
-        "INSERT INTO study (name, title, protocol_sha256, protocol_toml) VALUES ('x', 'y', "
+        "INSERT INTO study (study_name, title, protocol_sha256, protocol_toml) VALUES ('x', 'y', "
         "'short', '')",
-        "UPDATE session SET number = 'one'",
+        "UPDATE session SET session_number = 'one'",
     };
     for (const char* sql : nonsense) {
         CAPTURE(sql);

@@ -114,18 +114,19 @@ std::string attempts(std::uint64_t seed, int stop_every) {
                                        .desk = &desk}));
         pauses += observer.pauses;
     }
-    CHECK(lines(database, "SELECT count(*) FROM event WHERE kind = 'mark'") ==
-          lines(database, "SELECT count(*) FROM trial WHERE invalid IS NOT NULL"));
-    CHECK(lines(database, "SELECT count(*) FROM event WHERE kind = 'pause'") ==
+    CHECK(lines(database, "SELECT count(*) FROM event WHERE event_kind = 'mark'") ==
+          lines(database, "SELECT count(*) FROM trial WHERE invalid_reason IS NOT NULL"));
+    CHECK(lines(database, "SELECT count(*) FROM event WHERE event_kind = 'pause'") ==
           std::to_string(pauses) + " \n");
     CHECK(lines(database, "SELECT finished FROM session") == "1 \n");
-    CHECK(lines(database, "SELECT count(*) FROM response JOIN trial ON trial = id") !=
+    CHECK(lines(database, "SELECT count(*) FROM response JOIN trial USING (trial_id)") !=
           lines(database, "SELECT count(*) FROM plan"));  // something was marked, its answer kept
     CHECK(lines(database,
-                "SELECT count(DISTINCT position) FROM trial WHERE invalid IS NULL AND"
-                " outcome = 'complete'") == lines(database, "SELECT count(*) FROM plan"));
+                "SELECT count(DISTINCT plan_position) FROM trial WHERE invalid_reason IS NULL AND "
+                "outcome = 'complete'") == lines(database, "SELECT count(*) FROM plan"));
     return lines(database,
-                 "SELECT position, outcome, coalesce(invalid, '-') FROM trial ORDER BY id");
+                 "SELECT plan_position, outcome, coalesce(invalid_reason, '-') FROM trial ORDER BY "
+                 "trial_id");
 }
 
 /// A simulated participant, and an experimenter at the desk on every screen.
@@ -210,8 +211,8 @@ TEST_CASE("verify finds nothing wrong in a session with marks and pauses on ever
                                             .desk = &desk});
         CHECK(end.why == SessionEnd::Why::finished);
     }
-    CHECK(lines(database, "SELECT count(*) > 2 FROM event WHERE kind = 'mark'") == "1 \n");
-    CHECK(lines(database, "SELECT count(*) > 1 FROM event WHERE kind = 'pause'") == "1 \n");
+    CHECK(lines(database, "SELECT count(*) > 2 FROM event WHERE event_kind = 'mark'") == "1 \n");
+    CHECK(lines(database, "SELECT count(*) > 1 FROM event WHERE event_kind = 'pause'") == "1 \n");
     const data::Verification found = data::verify(database);
     for (const auto& session : found.sessions) {
         for (const auto& finding : session.findings) {

@@ -146,7 +146,7 @@ TEST_CASE("kill -9 loses no tick that was saved, and ticks are saved before they
     const auto opened = data::open_session(database, spec);
     CHECK(opened.interrupted == 1);
     CHECK(opened.next == 0);
-    auto trial = database.prepare("SELECT id FROM trial WHERE outcome = 'interrupted'");
+    auto trial = database.prepare("SELECT trial_id FROM trial WHERE outcome = 'interrupted'");
     REQUIRE(trial.step());
     const auto ticks = data::stored_ticks(database, trial.integer(0));
     CHECK(static_cast<std::int64_t>(ticks.size()) >= said.back().ticks);
@@ -211,7 +211,7 @@ TEST_CASE("ticks that come slowly are saved by the clock, not by their number", 
 TEST_CASE("the log and its index are as private as the file", "[store][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
-    database.execute("INSERT INTO participant (code, subject) VALUES ('P1', 1)");
+    database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
     for (const char* name : {"a.sqlite", "a.sqlite-wal", "a.sqlite-shm"}) {
         CAPTURE(name);
         CHECK(std::filesystem::status(folder.file(name)).permissions() ==
@@ -258,27 +258,28 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
     CHECK(data::chain_head(database, session) == head);
     CHECK(data::chain_breaks(database, session).empty());
     const char* edits[] = {
-        "UPDATE trial SET started_utc = '' WHERE id = 1",
-        "UPDATE response SET input = 'mouse' WHERE trial = 3",
-        "UPDATE response SET place = 2, object = 'convex' WHERE trial = 4",
-        "UPDATE event SET text = 'before it' WHERE id = 3",
-        "UPDATE event SET operator = 'Bo' WHERE kind = 'mark'",
-        "UPDATE event SET chain = NULL WHERE id = 2",
-        "UPDATE session SET head = NULL",
-        "DELETE FROM event WHERE kind = 'mark'; UPDATE trial SET invalid = NULL",
-        "DELETE FROM event WHERE id = 1",
-        "INSERT INTO event (id, session, kind, text, at_utc) VALUES (0, 1, 'a', 'b', '')",
+        "UPDATE trial SET started_utc = '' WHERE trial_id = 1",
+        "UPDATE response SET input = 'mouse' WHERE trial_id = 3",
+        "UPDATE response SET chosen_place = 2, chosen_object = 'convex' WHERE trial_id = 4",
+        "UPDATE event SET text = 'before it' WHERE event_id = 3",
+        "UPDATE event SET operator = 'Bo' WHERE event_kind = 'mark'",
+        "UPDATE event SET seal = NULL WHERE event_id = 2",
+        "UPDATE session SET newest_seal = NULL",
+        "DELETE FROM event WHERE event_kind = 'mark'; UPDATE trial SET invalid_reason = NULL",
+        "DELETE FROM event WHERE event_id = 1",
+        "INSERT INTO event (event_id, session_id, event_kind, text, at_utc) VALUES (0, 1, 'a', "
+        "'b', '')",
         "UPDATE session SET device = 'another'",
         "UPDATE session SET uuid = replace(uuid, substr(uuid, 1, 8), '00000000')",
         "UPDATE session SET finished_utc = '2026'",
-        "UPDATE trace_chunk SET derived = derived + 1 WHERE trial = 5",
-        "DELETE FROM trace_chunk WHERE trial = 2",
-        "UPDATE trial SET chain = NULL",
-        "UPDATE trial SET chain = NULL WHERE id = 3",
-        "UPDATE trial SET chain_events = chain_events + 1 WHERE id = 3",
-        "UPDATE session SET chain = NULL",
-        "UPDATE participant SET code = 'P02'",
-        "UPDATE plan SET mu_s = 0.9 WHERE position = 3"};
+        "UPDATE trace_chunk SET derived = derived + 1 WHERE trial_id = 5",
+        "DELETE FROM trace_chunk WHERE trial_id = 2",
+        "UPDATE trial SET seal = NULL",
+        "UPDATE trial SET seal = NULL WHERE trial_id = 3",
+        "UPDATE trial SET seal_events = seal_events + 1 WHERE trial_id = 3",
+        "UPDATE session SET seal = NULL",
+        "UPDATE participant SET participant_code = 'P02'",
+        "UPDATE plan SET mu_s = 0.9 WHERE plan_position = 3"};
     for (const char* edit : edits) {
         CAPTURE(edit);
         database.execute("PRAGMA foreign_keys = OFF; BEGIN");
@@ -289,12 +290,11 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
     CHECK(data::chain_breaks(database, session).empty());
     // Row numbers are no part of it: files may be merged.
     database.execute(
-        "PRAGMA foreign_keys = OFF; UPDATE response SET trial = trial + 100;"
-        "UPDATE trace_chunk SET trial = trial + 100; UPDATE event SET trial = trial + 100;"
-        "UPDATE presentation SET trial = trial + 100;"
-        "UPDATE trial SET id = id + 100; UPDATE event SET text = 'mark after trial 106: the bell "
-        "rang'"
-        " WHERE kind = 'mark' AND 0");
+        "PRAGMA foreign_keys = OFF; UPDATE response SET trial_id = trial_id + 100;UPDATE "
+        "trace_chunk SET trial_id = trial_id + 100; UPDATE event SET trial_id = trial_id + "
+        "100;UPDATE presentation SET trial_id = trial_id + 100;UPDATE trial SET trial_id = "
+        "trial_id + 100; UPDATE event SET text = 'mark after trial 106: the bell rang' WHERE "
+        "event_kind = 'mark' AND 0");
     CHECK(data::chain_breaks(database, session).empty());
     CHECK(data::chain_head(database, session) == head);
 }

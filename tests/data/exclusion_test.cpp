@@ -73,7 +73,9 @@ void run(data::Database& database,
         ++main;
     }
     if (habits.finishes) {
-        database.prepare("UPDATE session SET finished = 1 WHERE id = ?1").bind(1, opened.id).run();
+        database.prepare("UPDATE session SET finished = 1 WHERE session_id = ?1")
+            .bind(1, opened.id)
+            .run();
     }
 }
 
@@ -140,8 +142,8 @@ TEST_CASE("the summary shows the shares of all and without those left out, by ha
     double kept[2] = {0.0, 0.0};
     int left_out = 0;
     data::Statement row = database.prepare(
-        "SELECT participant, sum(friction = 'off' AND correct), sum(friction = 'on' AND correct),"
-        " avg(correct) FROM trial_result WHERE phase = 'main' GROUP BY participant");
+        "SELECT participant_code, sum(friction = 'off' AND correct), sum(friction = 'on' AND "
+        "correct), avg(correct) FROM trial_result WHERE phase = 'main' GROUP BY participant_code");
     while (row.step()) {
         for (int k = 0; k < 2; ++k) {
             all[k] += row.real(1 + k) / 12.0;

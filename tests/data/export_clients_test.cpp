@@ -117,24 +117,22 @@ std::string recounted(const std::string& file) {
     std::string all;
     for (const char* format : {"csv", "bids", "psych-ds"}) {
         auto row = database.prepare(
-            "SELECT plan.object, friction, count(*), total(correct), max(reaction_s) FROM trial "
-            "JOIN"
-            " plan USING (session, position) JOIN response ON response.trial = trial.id"
-            " WHERE invalid IS NULL GROUP BY 1, 2 ORDER BY 1, 2");
+            "SELECT plan.planned_object, friction, count(*), total(correct), max(reaction_s) FROM "
+            "trial JOIN plan USING (session_id, plan_position) JOIN response USING (trial_id) "
+            "WHERE invalid_reason IS NULL GROUP BY 1, 2 ORDER BY 1, 2");
         while (row.step()) {
             all += fmt::format("{} {} {} {} {:.0f} {:.17g}\n", format, row.text(0), row.text(1),
                                row.integer(2), row.real(3), row.real(4));
         }
     }
     auto chosen = database.prepare(
-        "SELECT run_name, comparison, stimulus FROM trial JOIN adaptive_plan USING (session, "
-        "position)"
-        " JOIN presentation ON presentation.trial = trial.id AND interval = comparison ORDER BY"
-        " trial.id");
+        "SELECT run_name, comparison_interval, stimulus FROM trial JOIN adaptive_plan USING "
+        "(session_id, plan_position) JOIN presentation ON presentation.trial_id = trial.trial_id "
+        "AND interval = comparison_interval ORDER BY trial.trial_id");
     while (chosen.step()) {
         all += fmt::format("{} {} {:.17g}\n", chosen.text(0), chosen.integer(1), chosen.real(2));
     }
-    auto note = database.prepare("SELECT lower(hex(text)) FROM event WHERE kind = 'note'");
+    auto note = database.prepare("SELECT lower(hex(text)) FROM event WHERE event_kind = 'note'");
     while (note.step()) {
         all += "note " + note.text(0) + '\n';
     }
@@ -226,7 +224,8 @@ TEST_CASE("DuckDB reads from Parquet what stands in the CSV files, column by col
         std::getline(in, head);
         if (from.ends_with(".gz") || from.ends_with("*.csv.gz")) {
             head =
-                "trial,interval,tick,time_ns,count_1,lateness_us,hip_x_m,fx_n,command_x_n,fn_n,mu";
+                "trial_number,interval,tick,time_s,count_1,lateness_us,hip_x_m,rendered_x_n,"
+                "commanded_x_n,rendered_normal_n,mu";
         }
         std::string differs;
         for (std::size_t at = 0; at <= head.size();) {

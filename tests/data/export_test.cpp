@@ -61,25 +61,27 @@ std::string a_database(const TemporaryFolder& folder) {
                                {.handedness = 60, .details = {{"age", "SECRET age"}}});
         database
             .prepare(
-                "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
-                " started_utc, done_s) VALUES (?1, 0, 1, 'complete', 0.1, 0.3, ?2, 1.25)")
+                "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
+                "heal_decay, started_utc, done_s) VALUES (?1, 0, 1, 'complete', 0.1, 0.3, ?2, "
+                "1.25)")
             .bind(1, session)
             .bind(2, std::string_view(data::utc_now()))
             .run();
         const std::int64_t trial = database.last_row();
         // The servo's clock tells who came first.
-        database.prepare("UPDATE trial SET started_ns = ?2 WHERE id = ?1")
+        database.prepare("UPDATE trial SET started_ns = ?2 WHERE trial_id = ?1")
             .bind(1, trial)
             .bind(2, kClock + 1000 * trial)
             .run();
-        database.prepare("UPDATE event SET at_ns = ?2 WHERE session = ?1")
+        database.prepare("UPDATE event SET at_ns = ?2 WHERE session_id = ?1")
             .bind(1, session)
             .bind(2, kClock + 1000 * trial + 70)
             .run();
         database
             .prepare(
-                "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s, "
-                "input, answer) VALUES (?1, 0, 'straight', 1, 0.7, 0.0, 'key', 0)")
+                "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, reaction_s, "
+                "uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, 0.7, 0.0, 'key', "
+                "0)")
             .bind(1, trial)
             .run();
         (void)data::mark_invalid(database, trial, "SECRET reason");
@@ -160,8 +162,8 @@ TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export
     {
         Database database(file, Access::write);
         database.execute(
-            "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns, holds,"
-            " crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102')");
+            "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
+            "holds, crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102')");
     }
     CHECK_THROWS(data::export_file(file, ExportFormat::csv, {.traces = true}, folder.path() / "t"));
     for (const std::string& name : folder.names()) {
@@ -187,34 +189,34 @@ TEST_CASE("who does not consent is not exported", "[export][law]") {
 
 TEST_CASE("every column of the file is exported or known to be left out", "[export][law]") {
     // Keys that only the file has, and what the ticks' files hold.
-    const std::set<std::string> left_out{"study.id",
+    const std::set<std::string> left_out{"study.study_id",
                                          "study.protocol_toml",
-                                         "participant.id",
-                                         "participant.code",
+                                         "participant.participant_id",
+                                         "participant.participant_code",
                                          "participant.subject",
                                          "secret.hex",
                                          "session.secret",
-                                         "session.id",
-                                         "session.study",
-                                         "session.participant",
-                                         "session_provenance.session",
-                                         "plan.session",
-                                         "picture.session",
-                                         "trial.id",
-                                         "trial.session",
-                                         "trial.chain",
-                                         "presentation.trial",
-                                         "adaptive_plan.session",
-                                         "adaptive_plan.position",
-                                         "adaptive_step.trial",
-                                         "trial.chain_events",
-                                         "session.chain",
-                                         "session.chain_events",
-                                         "session.head",
-                                         "event.id",
-                                         "event.chain",
-                                         "event.session",
-                                         "participant_detail.participant"};
+                                         "session.session_id",
+                                         "session.study_id",
+                                         "session.participant_id",
+                                         "session_provenance.session_id",
+                                         "plan.session_id",
+                                         "picture.session_id",
+                                         "trial.trial_id",
+                                         "trial.session_id",
+                                         "trial.seal",
+                                         "presentation.trial_id",
+                                         "adaptive_plan.session_id",
+                                         "adaptive_plan.plan_position",
+                                         "adaptive_step.trial_id",
+                                         "trial.seal_events",
+                                         "session.seal",
+                                         "session.seal_events",
+                                         "session.newest_seal",
+                                         "event.event_id",
+                                         "event.seal",
+                                         "event.session_id",
+                                         "participant_detail.participant_id"};
     std::string sql;
     for (const data::ExportTable& table : data::export_tables()) {
         for (const data::ExportColumn& column : table.columns) {

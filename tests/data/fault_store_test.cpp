@@ -63,8 +63,8 @@ std::string lines(Database& database, const std::string& sql) {
 }
 
 constexpr const char* kFelt =
-    "SELECT position, outcome FROM trial WHERE outcome NOT IN ('running', 'interrupted') ORDER BY "
-    "id";
+    "SELECT plan_position, outcome FROM trial WHERE outcome NOT IN ('running', 'interrupted') "
+    "ORDER BY trial_id";
 
 /// Runs a session on a database until it is finished, killed after `kill_after` calls at a time.
 /// @return how often it was killed
@@ -75,7 +75,7 @@ int run_to_the_end(Database& database,
     tests::Random random(world.seed);
     for (int kills = 0;; ++kills) {
         world.faults.clear();  // a fault counts when it was written down
-        auto known = database.prepare("SELECT position FROM trial WHERE outcome = 'faulted'");
+        auto known = database.prepare("SELECT plan_position FROM trial WHERE outcome = 'faulted'");
         while (known.step()) {
             ++world.faults[static_cast<std::size_t>(known.integer(0))];
         }
@@ -117,15 +117,17 @@ TEST_CASE(
     CHECK(run_to_the_end(broken, spec, world, 25) > 0);
     CHECK(lines(broken, kFelt) == lines(unbroken, kFelt));
     // Each position is answered once, and its attempts count up.
-    CHECK(lines(broken, "SELECT count(*), count(DISTINCT position) FROM trial_result") ==
+    CHECK(lines(broken, "SELECT count(*), count(DISTINCT plan_position) FROM trial_result") ==
           lines(broken, "SELECT count(*), count(*) FROM plan"));
     CHECK(lines(broken,
-                "SELECT position FROM trial GROUP BY position HAVING count(*) <> "
+                "SELECT plan_position FROM trial GROUP BY plan_position HAVING count(*) <> "
                 "max(attempt) OR count(DISTINCT attempt) <> count(*)")
               .empty());
-    CHECK(lines(broken,
-                "SELECT count(*) FROM fault WHERE cause <> 'over_speed' OR ticks_kept <> 100") ==
-          "0 \n");
+    CHECK(
+        lines(
+            broken,
+            "SELECT count(*) FROM fault WHERE fault_cause <> 'over_speed' OR ticks_kept <> 100") ==
+        "0 \n");
 }
 
 TEST_CASE(
@@ -165,7 +167,7 @@ TEST_CASE(
         CHECK(row.integer(6) == tick.codes[1]);
         CHECK(same(7, double{tick.lateness_us}));
         CHECK(row.integer(8) == tick.flags);
-        CHECK(row.integer(9) == static_cast<int>(tick.mode));
+        CHECK(row.text(9) == to_string(tick.mode));
         CHECK(row.integer(10) == tick.feature);
         CHECK(same(12, tick.hip.x));
         CHECK(same(13, tick.hip.y));
@@ -174,9 +176,10 @@ TEST_CASE(
         CHECK(same(24, tick.mu));
     }
     CHECK_FALSE(row.step());
-    CHECK(lines(database, "SELECT trial, position, attempt, cause, ticks_kept FROM fault") ==
+    CHECK(lines(database,
+                "SELECT trial_id, plan_position, attempt, fault_cause, ticks_kept FROM fault") ==
           "1 0 1 device_lost " + std::to_string(ticks.size()) + " \n");
-    CHECK(lines(database, "SELECT slewed_ticks, stale_ticks FROM trial") == "3 2 \n");
+    CHECK(lines(database, "SELECT force_slew_ticks, stale_ticks FROM trial") == "3 2 \n");
 }
 
 TEST_CASE("a fault belongs to a faulted trial, and a refused result leaves nothing",

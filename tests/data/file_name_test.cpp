@@ -109,11 +109,11 @@ TEST_CASE("a database has the name it was given, whatever that name means to SQL
     const WorkingFolder here(folder.path());
     {
         Database database(name, Access::write);
-        database.execute("INSERT INTO participant (code, subject) VALUES ('P1', 1)");
+        database.execute("INSERT INTO participant (participant_code, subject) VALUES ('P1', 1)");
     }
     CHECK(folder.names() == std::vector<std::string>{name});
     Database again(name, Access::read);
-    auto row = again.prepare("SELECT code FROM participant");
+    auto row = again.prepare("SELECT participant_code FROM participant");
     REQUIRE(row.step());
     CHECK(row.text(0) == "P1");
 }

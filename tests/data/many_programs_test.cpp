@@ -137,8 +137,9 @@ TEST_CASE(
                     }
                 }) == rigs);
         CHECK(number(database,
-                     "SELECT count(DISTINCT o) FROM (SELECT group_concat(object) AS o FROM"
-                     " (SELECT * FROM picture ORDER BY session, place) GROUP BY session)") == rigs);
+                     "SELECT count(DISTINCT o) FROM (SELECT group_concat(picture_object) AS o FROM "
+                     "(SELECT * FROM picture ORDER BY session_id, picture_place) GROUP BY "
+                     "session_id)") == rigs);
     }
 }
 

@@ -32,28 +32,29 @@ std::string content(const std::string& file) {
     Database database(file, Access::read);
     std::string all;
     for (const char* sql :
-         {"SELECT code, handedness, consent, consent_utc FROM participant ORDER BY code",
-          "SELECT code, key, value FROM participant_detail JOIN participant ON participant.id ="
-          " participant ORDER BY code, key",
-          "SELECT protocol_sha256, protocol_toml, name, title FROM study ORDER BY 1",
-          "SELECT uuid, protocol_sha256, code, number, kind, seed, plan_sha256, shuffles, device,"
-          " rate_hz, stiffness_n_per_m, started_utc, finished_utc, finished, operator FROM session"
-          " JOIN study ON study.id = study JOIN participant ON participant.id = participant"
-          " ORDER BY uuid",
-          "SELECT uuid, key, value FROM session_provenance JOIN session ON session.id = session"
-          " ORDER BY 1, 2",
-          "SELECT uuid, position, phase, object, curvature_per_m, friction, mu_s, mu_d, "
-          "break_before,"
-          " block FROM plan JOIN session ON session.id = session ORDER BY uuid, position",
-          "SELECT uuid, position, attempt, outcome, trial.started_utc, ended_utc, done_s, invalid,"
-          " trial.ticks, energy_j, place, object, correct, reaction_s,"
-          " (SELECT group_concat(hex(data) || crc32 || first_tick, '/') FROM (SELECT * FROM"
-          " trace_chunk WHERE trace_chunk.trial = trial.id ORDER BY first_tick))"
-          " FROM trial JOIN session ON session.id = session LEFT JOIN response ON response.trial ="
-          " trial.id ORDER BY uuid, trial.id",
-          "SELECT uuid, event.kind, at_utc, position, attempt, text"
-          " FROM event JOIN session ON session.id = event.session"
-          " LEFT JOIN trial ON trial.id = event.trial ORDER BY uuid, event.id"}) {
+         {"SELECT participant_code, handedness, consent, consent_utc FROM participant ORDER BY "
+          "participant_code",
+          "SELECT participant_code, key, value FROM participant_detail JOIN participant USING "
+          "(participant_id) ORDER BY participant_code, key",
+          "SELECT protocol_sha256, protocol_toml, study_name, title FROM study ORDER BY 1",
+          "SELECT uuid, protocol_sha256, participant_code, session_number, session_kind, seed, "
+          "plan_sha256, shuffles, device, rate_hz, stiffness_n_per_m, started_utc, finished_utc, "
+          "finished, operator FROM session JOIN study USING (study_id) JOIN participant USING "
+          "(participant_id) ORDER BY uuid",
+          "SELECT uuid, key, value FROM session_provenance JOIN session USING (session_id) ORDER "
+          "BY 1, 2",
+          "SELECT uuid, plan_position, phase, planned_object, curvature_per_m, friction, mu_s, "
+          "mu_d, break_before, block FROM plan JOIN session USING (session_id) ORDER BY uuid, "
+          "plan_position",
+          "SELECT uuid, plan_position, attempt, outcome, trial.started_utc, ended_utc, done_s, "
+          "invalid_reason, trial.ticks, energy_j, chosen_place, chosen_object, correct, "
+          "reaction_s, (SELECT group_concat(hex(data) || crc32 || first_tick, '/') FROM (SELECT * "
+          "FROM trace_chunk WHERE trace_chunk.trial_id = trial.trial_id ORDER BY first_tick)) FROM "
+          "trial JOIN session USING (session_id) LEFT JOIN response USING (trial_id) ORDER BY "
+          "uuid, trial.trial_id",
+          "SELECT uuid, event.event_kind, at_utc, plan_position, attempt, text FROM event JOIN "
+          "session USING (session_id) LEFT JOIN trial USING (trial_id) ORDER BY uuid, "
+          "event.event_id"}) {
         auto row = database.prepare(sql);
         while (row.step()) {
             for (int column = 0; column < row.columns(); ++column) {
@@ -113,7 +114,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
     for (const auto& [table, column] :
          {std::pair{"response", "reaction_s"}, std::pair{"trial", "done_s"},
           std::pair{"trace_chunk", "data"}, std::pair{"plan", "mu_s"}, std::pair{"event", "text"},
-          std::pair{"session", "device"}, std::pair{"participant", "code"}}) {
+          std::pair{"session", "device"}, std::pair{"participant", "participant_code"}}) {
         CAPTURE(table, column);
         World world(7);
         const std::string damaged = world.rigs.front().file();
@@ -148,8 +149,8 @@ TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
         (void)data::merge_files(out, {file});
         Database database(out, Access::read);
         auto row = database.prepare(
-            "SELECT uuid || position || '.' || attempt, trial.id FROM trial JOIN session ON"
-            " session.id = session");
+            "SELECT uuid || plan_position || '.' || attempt, trial.trial_id FROM trial JOIN "
+            "session USING (session_id)");
         while (row.step()) {
             const auto [there, is_new] = ids.emplace(row.text(0), row.integer(1));
             CHECK(there->second == row.integer(1));
@@ -172,14 +173,13 @@ TEST_CASE(
     {
         Database database(rig.file(), Access::write);
         database.execute(
-            "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
-            " started_utc, done_s, invalid) VALUES (1, 0, 1, 'complete', 0.5, 0.5, '2026', 1.0,"
-            " 'talked');"
-            "INSERT INTO response (trial, place, object, correct, reaction_s, uncertainty_s, "
-            "input, answer)"
-            " VALUES (1, 0, 'straight', 1, 1.0, 0.0, 'key', 0);"
-            "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns, holds,"
-            " crc32, derived, data) VALUES (1, 1, 0, 1, 1, 1000000, '', 0, 0, x'0102');");
+            "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
+            "heal_decay, started_utc, done_s, invalid_reason) VALUES (1, 0, 1, 'complete', 0.5, "
+            "0.5, '2026', 1.0, 'talked');INSERT INTO response (trial_id, chosen_place, "
+            "chosen_object, correct, reaction_s, uncertainty_s, input, answer_code) VALUES (1, 0, "
+            "'straight', 1, 1.0, 0.0, 'key', 0);INSERT INTO trace_chunk (trial_id, interval, "
+            "first_tick, ticks, codec, period_ns, holds, crc32, derived, data) VALUES (1, 1, 0, 1, "
+            "1, 1000000, '', 0, 0, x'0102');");
         data::add_note(database, 1, "a note");
         database.checkpoint();
     }
@@ -201,8 +201,8 @@ TEST_CASE(
     CHECK(report.added == 1);
     Database database(out, Access::read);
     auto row = database.prepare(
-        "SELECT group_concat(code) FROM session JOIN participant ON"
-        " participant.id = participant");
+        "SELECT group_concat(participant_code) FROM session JOIN participant USING "
+        "(participant_id)");
     REQUIRE(row.step());
     CHECK(row.text(0) == "P07");
 }

@@ -50,8 +50,8 @@ void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, st
             }
             const std::size_t at = opened.pending.next();
             auto attempt = database.prepare(
-                "SELECT count(*) FROM response JOIN trial ON id = trial"
-                " WHERE position = ?1");
+                "SELECT count(*) FROM response JOIN trial USING (trial_id) WHERE plan_position = "
+                "?1");
             attempt.bind(1, static_cast<std::int64_t>(at)).step();
             auto result = tests::answered(0, false);
             result.invalid = reason_of(at, attempt.integer(0), seed);
@@ -66,7 +66,8 @@ void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, st
 }
 
 constexpr const char* kAnswered =
-    "SELECT position, coalesce(invalid, '-') FROM trial JOIN response ON trial = id ORDER BY id";
+    "SELECT plan_position, coalesce(invalid_reason, '-') FROM trial JOIN response USING (trial_id) "
+    "ORDER BY trial_id";
 
 }  // namespace
 
@@ -85,15 +86,16 @@ TEST_CASE("with answers that do not count, a session resumed anywhere runs as th
     run_on(broken, spec, 1 + static_cast<int>(seed % 5), seed);
     CHECK(lines(broken, kAnswered) == lines(unbroken, kAnswered));
     CHECK(lines(broken,
-                "SELECT position FROM trial GROUP BY position HAVING count(*) <> "
+                "SELECT plan_position FROM trial GROUP BY plan_position HAVING count(*) <> "
                 "max(attempt) OR count(DISTINCT attempt) <> count(*)")
               .empty());
     // One answer that counts, or one more than the repetitions that do not.
-    CHECK(lines(broken, fmt::format("SELECT position FROM trial JOIN response ON trial = id"
-                                    " GROUP BY position HAVING sum(invalid IS NULL) <> 1 AND"
-                                    " (sum(invalid IS NULL) > 1 OR count(*) <> {})",
-                                    protocol.invalid.requeue_most + 1))
-              .empty());
+    CHECK(
+        lines(broken, fmt::format("SELECT plan_position FROM trial JOIN response USING (trial_id) "
+                                  "GROUP BY plan_position HAVING sum(invalid_reason IS NULL) <> 1 "
+                                  "AND (sum(invalid_reason IS NULL) > 1 OR count(*) <> {})",
+                                  protocol.invalid.requeue_most + 1))
+            .empty());
     CHECK(lines(broken, "SELECT DISTINCT block FROM plan ORDER BY 1") == "0 \n1 \n");
 }
 
@@ -110,9 +112,9 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
     recorder.end_trial(id, bad);
     CHECK_THAT(data::summary_text(database), ContainsSubstring("1 answered trial is invalid"));
     recorder.end_trial(recorder.begin_trial(spec.plan.trials[1], {}), tests::answered(1, true));
-    CHECK(lines(database, "SELECT trial, reason FROM invalid_trial") ==
+    CHECK(lines(database, "SELECT trial_id, invalid_reason FROM invalid_trial") ==
           fmt::format("{} path 12.0 mm, below 160 mm \n", id));
-    CHECK(lines(database, "SELECT position FROM trial_result") == "1 \n");
+    CHECK(lines(database, "SELECT plan_position FROM trial_result") == "1 \n");
     CHECK(lines(database, "SELECT sum(n) FROM confusion") == "1 \n");
     CHECK(lines(database, "SELECT count(*) FROM response") == "2 \n");
     // The recorder takes no reason for what was not answered.
@@ -143,8 +145,8 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
     CHECK_THROWS_WITH(data::mark_invalid(database, 4, "x"), ContainsSubstring("aborted"));
     CHECK_FALSE(data::mark_invalid(database, 2, "she sneezed").finished);
     CHECK_THROWS_WITH(data::mark_invalid(database, 2, "again"), ContainsSubstring("she sneezed"));
-    CHECK(lines(database, "SELECT trial FROM trial_result ORDER BY 1") == "1 \n3 \n");
-    CHECK(lines(database, "SELECT trial, text FROM event WHERE kind = 'mark'") ==
+    CHECK(lines(database, "SELECT trial_id FROM trial_result ORDER BY 1") == "1 \n3 \n");
+    CHECK(lines(database, "SELECT trial_id, text FROM event WHERE event_kind = 'mark'") ==
           "2 after 4 attempts: she sneezed \n");
     {
         const auto opened = data::open_session(database, spec);
@@ -241,8 +243,8 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(palpate_command({"mark", file, "1", "--invalid", "bell rang"}).code == 2);
     Database database(file, Access::read);
     CHECK(lines(database,
-                "SELECT number, event.kind, text FROM event JOIN session ON session.id = session"
-                " WHERE event.kind <> 'participant' ORDER BY event.id") ==
+                "SELECT session_number, event.event_kind, text FROM event JOIN session USING "
+                "(session_id) WHERE event.event_kind <> 'participant' ORDER BY event.event_id") ==
           "2 note tired \n1 note early \n1 mark after 1 attempts: bell rang \n");
     CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
 }
@@ -293,7 +295,7 @@ TEST_CASE("words that are not UTF-8 are refused before they are kept", "[people]
                lines(database, "SELECT count(*) FROM participant_detail");
     };
     const std::string before = noted();
-    const std::string code = lines(database, "SELECT code FROM participant");
+    const std::string code = lines(database, "SELECT participant_code FROM participant");
     const std::string who = code.substr(0, code.find(' '));
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"note", file, "caf\xE9", "--participant", who},

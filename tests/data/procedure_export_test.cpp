@@ -40,12 +40,13 @@ TEST_CASE("palpate procedure prints the stored states of every exported run",
         REQUIRE(shown.code == 0);
         CHECK_THAT(tests::slurp(run.path() / "CONFIG.toml"), !ContainsSubstring("P0"));
         data::Statement person = database.prepare(
-            "SELECT code FROM participant WHERE instr(?1, printf('subject-%010d_', subject))");
+            "SELECT participant_code FROM participant WHERE instr(?1, printf('subject-%010d_', "
+            "subject))");
         REQUIRE(person.bind(1, std::string_view(name)).step());
         const std::string who = person.text(0);
         data::Statement row = database.prepare(
-            "SELECT stimulus, outcome, state_sha256 FROM adaptive_trial WHERE participant = ?1 AND"
-            " run = ?2 ORDER BY n");
+            "SELECT stimulus, rule_outcome, state_sha256 FROM adaptive_trial WHERE "
+            "participant_code = ?1 AND run_number = ?2 ORDER BY run_trial_number");
         row.bind(1, std::string_view(who)).bind(2, std::int64_t{name.back() - '0'});
         std::istringstream lines(shown.out);
         std::string line;

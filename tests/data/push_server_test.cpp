@@ -45,7 +45,8 @@ TEST_CASE("a damaged session does not reach the server", "[push][law]") {
     }
     const TemporaryFolder folder;
     const std::string file = a_database(folder);
-    Database(file, Access::write).execute("UPDATE response SET reaction_s = 9.0 WHERE trial = 3");
+    Database(file, Access::write)
+        .execute("UPDATE response SET reaction_s = 9.0 WHERE trial_id = 3");
     const PushReport report = data::push_file(file, server->url());
     REQUIRE(report.conflicts.size() == 1);
     CHECK_THAT(report.conflicts.front(), ContainsSubstring("palpate verify"));
@@ -103,13 +104,11 @@ TEST_CASE(
     const std::string together = new_database(*server, "together");
     Postgres admin(together);
     admin.run(
-        "CREATE SCHEMA palpate; CREATE TABLE palpate.trace_chunk (session uuid, trial bigint,"
-        " interval bigint, first_tick bigint, PRIMARY KEY (session, trial, interval, first_tick))"
-        " PARTITION BY HASH (session);"
-        "CREATE TABLE palpate.part_0 PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2,"
-        " REMAINDER 0);"
-        "CREATE TABLE palpate.part_1 PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2,"
-        " REMAINDER 1)");
+        "CREATE SCHEMA palpate; CREATE TABLE palpate.trace_chunk (session_id uuid, trial_id "
+        "bigint, interval bigint, first_tick bigint, PRIMARY KEY (session_id, trial_id, interval, "
+        "first_tick)) PARTITION BY HASH (session_id);CREATE TABLE palpate.part_0 PARTITION OF "
+        "palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 0);CREATE TABLE palpate.part_1 "
+        "PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 1)");
     std::vector<std::unique_ptr<Process>> pushes;
     for (int i = 0; i < 2; ++i) {
         for (const std::string& file : files) {

@@ -36,9 +36,9 @@ namespace {
 /// Makes the chains of a file hold again, as somebody who edits with care would.
 void chain_again(Database& database) {
     database.execute(
-        "UPDATE trial SET chain = NULL, chain_events = NULL;"
-        "UPDATE session SET chain = NULL, chain_events = NULL");
-    auto trial = database.prepare("SELECT id FROM trial ORDER BY id");
+        "UPDATE trial SET seal = NULL, seal_events = NULL;UPDATE session SET seal = NULL, "
+        "seal_events = NULL");
+    auto trial = database.prepare("SELECT trial_id FROM trial ORDER BY trial_id");
     while (trial.step()) {
         data::chain_trial(database, trial.integer(0));
     }
@@ -64,13 +64,13 @@ TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push
 
     Database database(file, Access::read);
     auto chunk = database.prepare(
-        "SELECT trial.id - (SELECT min(id) FROM trial) + 1, first_tick, lower(hex(data)), done_s"
-        " FROM trace_chunk JOIN trial ON trial.id = trial");
+        "SELECT trial.trial_id - (SELECT min(trial_id) FROM trial) + 1, first_tick, "
+        "lower(hex(data)), done_s FROM trace_chunk JOIN trial USING (trial_id)");
     Postgres there(server->url());
     while (chunk.step()) {
         const auto row = there.rows(fmt::format(
-            "SELECT encode(data, 'hex'), done_s FROM palpate.trace_chunk JOIN palpate.trial USING"
-            " (session, trial) WHERE trial = {} AND first_tick = {}",
+            "SELECT encode(data, 'hex'), done_s FROM palpate.trace_chunk JOIN palpate.trial USING "
+            "(session_id, trial_id) WHERE trial_id = {} AND first_tick = {}",
             chunk.integer(0), chunk.integer(1)));
         REQUIRE(row.size() == 1);
         CHECK(*row[0][0] == chunk.text(2));
@@ -83,7 +83,7 @@ TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push
     }
     CHECK(data::push_file(file, server->url()).rows == 1);
     const auto later = there.rows(
-        "SELECT operator, chain FROM palpate.event WHERE text = 'seen by the other lab too'");
+        "SELECT operator, seal FROM palpate.event WHERE text = 'seen by the other lab too'");
     REQUIRE(later.size() == 1);
     CHECK(*later[0][0] == "Ada");
     CHECK(*later[0][1] == data::chain_head(database, 1));
@@ -122,11 +122,11 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
                 continue;
             }
             // An attempt is there with all that belongs to it, or not at all.
-            CHECK(now.rows("SELECT session, trial FROM palpate.trial EXCEPT SELECT session, trial"
-                           " FROM palpate.trace_chunk")
+            CHECK(now.rows("SELECT session_id, trial_id FROM palpate.trial EXCEPT SELECT "
+                           "session_id, trial_id FROM palpate.trace_chunk")
                       .empty());
-            CHECK(now.rows("SELECT session, trial FROM palpate.trace_chunk EXCEPT SELECT session,"
-                           " trial FROM palpate.trial")
+            CHECK(now.rows("SELECT session_id, trial_id FROM palpate.trace_chunk EXCEPT SELECT "
+                           "session_id, trial_id FROM palpate.trial")
                       .empty());
         }
         CHECK(data::push_file(file, url).conflicts.empty());
@@ -159,14 +159,13 @@ TEST_CASE(
                         chunks));
         CHECK_THROWS_AS(data::push_file(file, server->url()), data::PostgresError);
         CHECK(admin
-                  .rows("SELECT session, trial FROM palpate.trial EXCEPT SELECT session, trial FROM"
-                        " palpate.trace_chunk")
+                  .rows("SELECT session_id, trial_id FROM palpate.trial EXCEPT SELECT session_id, "
+                        "trial_id FROM palpate.trace_chunk")
                   .empty());
-        CHECK(
-            admin
-                .rows("SELECT session, trial FROM palpate.trace_chunk EXCEPT SELECT session, trial"
-                      " FROM palpate.trial")
-                .empty());
+        CHECK(admin
+                  .rows("SELECT session_id, trial_id FROM palpate.trace_chunk EXCEPT SELECT "
+                        "session_id, trial_id FROM palpate.trial")
+                  .empty());
     }
     admin.run("DROP TRIGGER fail ON palpate.trace_chunk");
     const std::string whole = new_database(*server, "whole");
@@ -186,7 +185,8 @@ TEST_CASE("what the server has otherwise is a conflict, and stays", "[push][law]
     const std::string before = content(server->url());
     for (const char* change :
          {"UPDATE session SET device = 'other'", "UPDATE plan SET mu_s = mu_s + 1",
-          "UPDATE trial SET done_s = 99.0 WHERE id = 2", "UPDATE response SET reaction_s = 99.0",
+          "UPDATE trial SET done_s = 99.0 WHERE trial_id = 2",
+          "UPDATE response SET reaction_s = 99.0",
           "UPDATE session SET uuid = '00000000-0000-4000-8000-000000000000'"}) {
         CAPTURE(change);
         const std::string other = folder.file("other.sqlite");
@@ -232,8 +232,8 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
           "CREATE ROLE another", "SELECT * FROM pg_authid", "SELECT * FROM secret.diary"}) {
         CHECK_THROWS_AS(Postgres(writer).run(sql), data::PostgresError);
     }
-    CHECK_THROWS_AS(Postgres(reader).run("INSERT INTO palpate.session_end SELECT session FROM"
-                                         " palpate.session"),
+    CHECK_THROWS_AS(Postgres(reader).run(
+                        "INSERT INTO palpate.session_end SELECT session_id FROM palpate.session"),
                     data::PostgresError);
 
     const std::string empty = new_database(*server, "empty");

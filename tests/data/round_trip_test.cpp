@@ -45,8 +45,8 @@ bits = lambda x: struct.pack("<d", x)
 db = sqlite3.connect(file)
 db.row_factory = sqlite3.Row
 rows = db.execute("SELECT trial.*, reaction_s, uncertainty_s, mu_s, curvature_per_m FROM trial"
-                  " JOIN plan USING (session, position) LEFT JOIN response ON response.trial = trial.id"
-                  " ORDER BY trial.id").fetchall()
+                  " JOIN plan USING (session_id, plan_position) LEFT JOIN response USING (trial_id)"
+                  " ORDER BY trial.trial_id").fetchall()
 written = list(csv.DictReader(open(f"{out}/trials.csv", newline="")))
 assert len(rows) == len(written) == 10, (len(rows), len(written))
 seen = 0
@@ -63,7 +63,7 @@ for table in ("trials", "responses", "sessions", "plan", "events", "participants
         assert (table, name) in columns, (table, name)
 ticks = 0
 for row, line in zip(rows, written):
-    name = f"{out}/ticks/{line['subject']}_shapefrictiondemo_ses-01_trial-{int(line['trial']):04}.csv.gz"
+    name = f"{out}/ticks/{line['subject']}_shapefrictiondemo_ses-01_trial-{int(line['trial_number']):04}.csv.gz"
     hip = [float(t["hip_x_m"]) for t in csv.DictReader(gzip.open(name, "rt"))]
     assert len(hip) == row["ticks"] or len(hip) > row["ticks"]
     ticks += len(hip)
@@ -74,10 +74,10 @@ print(seen, ticks)
 constexpr const char* kR = R"r(
 words <- commandArgs(trailingOnly = TRUE)
 table <- read.csv(gzfile(words[1]), stringsAsFactors = FALSE, colClasses = "character")
-numbers <- sapply(c("hip_x_m", "hip_y_m", "fx_n", "fy_n", "parameter"),
+numbers <- sapply(c("hip_x_m", "hip_y_m", "rendered_x_n", "rendered_y_n", "u"),
                   function(name) as.numeric(table[[name]]))
 plain <- read.csv(gzfile(words[1]), stringsAsFactors = FALSE)
-stopifnot(identical(as.vector(numbers[, "fx_n"]), as.numeric(plain$fx_n)))
+stopifnot(identical(as.vector(numbers[, "rendered_x_n"]), as.numeric(plain$rendered_x_n)))
 writeBin(as.vector(t(numbers)), words[2], size = 8, endian = "little")
 )r";
 
@@ -112,7 +112,7 @@ TEST_CASE("R reads every number of the ticks to the bit that Python reads", "[ex
     const Finished python =
         Process({"python3", "-c",
                  "import csv, gzip, struct, sys\n"
-                 "names = ['hip_x_m', 'hip_y_m', 'fx_n', 'fy_n', 'parameter']\n"
+                 "names = ['hip_x_m', 'hip_y_m', 'rendered_x_n', 'rendered_y_n', 'u']\n"
                  "with open(sys.argv[2], 'wb') as out:\n"
                  "    for t in csv.DictReader(gzip.open(sys.argv[1], 'rt')):\n"
                  "        out.write(struct.pack('<5d', *(float(t[n]) for n in names)))\n",
@@ -171,7 +171,7 @@ for path in out.rglob("*_motion.tsv"):
     assert stim["StartTime"] == 0 and stim["SamplingFrequency"] == words["SamplingFrequency"]
     lines = gzip.open(force + ".tsv.gz", "rt").read().splitlines()
     assert len(lines) == len(rows) and all(len(l.split("\t")) == len(stim["Columns"]) for l in lines)
-    at = [c[0] for c in channels].index("latency")
+    at = [c[0] for c in channels].index("time_s")
     assert all(re.fullmatch(r"\d+\.\d{9}", row[at]) for row in rows)
     assert float(rows[0][at]) == 0 and abs(float(rows[-1][at]) - (len(rows) - 1) / 1000) < 1e-6
 assert runs == 10

@@ -63,7 +63,7 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
                                       : "SELECT DISTINCT mu_s FROM presentation")
               .size() > 3);
     std::size_t ticks = 0;
-    const auto trials = rows_of(database, "SELECT id FROM trial ORDER BY id");
+    const auto trials = rows_of(database, "SELECT trial_id FROM trial ORDER BY trial_id");
     REQUIRE(trials.size() == 9);
     for (const SampleRow& one : trials) {
         const std::int64_t trial = std::stoll(one[0]);

@@ -49,7 +49,7 @@ std::string random_condition(tests::Random& random, const std::string& trial) {
                 break;
             case 1:
                 where +=
-                    fmt::format(" AND t_s {} {}", op(), random.coin() ? number(10.0) : "2.048");
+                    fmt::format(" AND time_s {} {}", op(), random.coin() ? number(10.0) : "2.048");
                 break;
             case 2:
                 where += fmt::format(" AND tick {} {}", op(), number(9000.0));
@@ -68,13 +68,14 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
     const auto seed = GENERATE(range(0U, 100U));
     tests::Random with(seed);
     tests::Random without(seed);
-    const std::string columns[] = {"tick, t_s, x_m",       "t_s, vx_m_per_s, vy_m_per_s",
-                                   "fx_n, flags",          "tick, fn_n, mode, vx_m_per_s",
-                                   "count_1, lateness_us", "trial_id, interval"};
+    const std::string columns[] = {
+        "tick, time_s, hip_x_m", "time_s, hip_vx_m_per_s, hip_vy_m_per_s",
+        "commanded_x_n, flags",  "tick, rendered_normal_n, mode, hip_vx_m_per_s",
+        "count_1, lateness_us",  "trial_id, interval"};
     const std::string indexed = random_condition(with, "trial_id");
     // A + keeps SQLite from giving a condition to the table.
     std::string plain = random_condition(without, "+trial_id");
-    for (const std::string name : {" tick ", " t_s ", " interval "}) {
+    for (const std::string name : {" tick ", " time_s ", " interval "}) {
         for (std::size_t at = plain.find(name); at != std::string::npos;
              at = plain.find(name, at + 2)) {
             plain.insert(at + 1, 1, '+');
@@ -82,7 +83,7 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
     }
     CAPTURE(seed, indexed, plain);
     const auto sql = [&](const std::string& where) {
-        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, t_s",
+        return fmt::format("SELECT {} FROM sample WHERE {} ORDER BY trial_id, time_s",
                            columns[seed % 6], where);
     };
     const auto a = rows_of(database, sql(indexed));
@@ -93,34 +94,34 @@ TEST_CASE("a query gives the same rows with and without the index", "[sample][la
 
 TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[sample]") {
     Opened database(demo_file());
-    for (const char* sql : {"SELECT * FROM sample ORDER BY trial_id, t_s",
-                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY t_s",
-                            "SELECT t_s FROM sample WHERE trial_id = 3 ORDER BY trial_id, t_s",
-                            "SELECT * FROM sample ORDER BY trial_id, interval, tick",
-                            "SELECT trial_id, avg(fx_n) FROM sample GROUP BY trial_id",
-                            "SELECT trial.id, avg(fn_n) FROM trial JOIN sample ON trial_id = "
-                            "trial.id GROUP BY trial.id"}) {
+    for (const char* sql :
+         {"SELECT * FROM sample ORDER BY trial_id, time_s",
+          "SELECT time_s FROM sample WHERE trial_id = 3 ORDER BY time_s",
+          "SELECT time_s FROM sample WHERE trial_id = 3 ORDER BY trial_id, time_s",
+          "SELECT * FROM sample ORDER BY trial_id, interval, tick",
+          "SELECT trial_id, avg(commanded_x_n) FROM sample GROUP BY trial_id",
+          "SELECT trial.trial_id, avg(rendered_normal_n) FROM trial JOIN sample ON trial_id = "
+          "trial.trial_id GROUP BY trial.trial_id"}) {
         CAPTURE(sql, plan_of(database, sql));
         CHECK_THAT(plan_of(database, sql), !ContainsSubstring("TEMP B-TREE"));
     }
     for (const char* sql :
-         {"SELECT * FROM sample ORDER BY trial_id DESC", "SELECT * FROM sample ORDER BY t_s",
-          "SELECT * FROM sample ORDER BY trial_id, x_m"}) {
+         {"SELECT * FROM sample ORDER BY trial_id DESC", "SELECT * FROM sample ORDER BY time_s",
+          "SELECT * FROM sample ORDER BY trial_id, hip_x_m"}) {
         CAPTURE(sql);
         CHECK_THAT(plan_of(database, sql), ContainsSubstring("TEMP B-TREE"));
     }
     // A join asks for one trial after the other, whichever is named first.
     for (const char* sql :
-         {"SELECT count(*) FROM sample JOIN trial ON trial_id = trial.id WHERE outcome = "
+         {"SELECT count(*) FROM sample JOIN trial ON trial_id = trial.trial_id WHERE outcome = "
           "'complete'",
-          "SELECT count(*) FROM trial JOIN sample ON trial_id = trial.id WHERE ticks > 8000",
-          "SELECT count(*) FROM trial_result JOIN sample ON trial_id = trial WHERE friction = "
-          "'on'",
-          "SELECT object, avg(fn_n) FROM trial_result JOIN sample ON trial_id = trial WHERE mode "
-          "<> "
-          "'free' GROUP BY 1",
-          "SELECT object, avg(fn_n) FROM trial_summary, sample WHERE trial_id = trial GROUP BY 1",
-          "SELECT count(*) FROM sample JOIN event ON event.trial = trial_id WHERE t_s > 1"}) {
+          "SELECT count(*) FROM trial JOIN sample ON trial_id = trial.trial_id WHERE ticks > 8000",
+          "SELECT count(*) FROM trial_result JOIN sample USING (trial_id) WHERE friction = 'on'",
+          "SELECT planned_object, avg(rendered_normal_n) FROM trial_result JOIN sample USING "
+          "(trial_id) WHERE mode <> 'free' GROUP BY 1",
+          "SELECT planned_object, avg(rendered_normal_n) FROM trial_summary, sample WHERE trial_id "
+          "= trial_id GROUP BY 1",
+          "SELECT count(*) FROM sample JOIN event ON event.trial_id = trial_id WHERE time_s > 1"}) {
         CAPTURE(sql, plan_of(database, sql));
         const std::string plan = plan_of(database, sql);
         CHECK(plan.find("sample VIRTUAL TABLE") > plan.find('\n'));
@@ -136,9 +137,10 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
     const std::string file = folder.file("d.sqlite");
     std::filesystem::copy_file(demo_file(), file);
     Opened damaged(file, data::Access::write);
-    damaged.execute("UPDATE trace_chunk SET data = zeroblob(9) WHERE trial = 6");
+    damaged.execute("UPDATE trace_chunk SET data = zeroblob(9) WHERE trial_id = 6");
     const auto says = [](data::Database& of, const std::string& where) {
-        return rows_of(of, "SELECT count(*), sum(fn_n), sum(x_m) FROM sample WHERE " + where);
+        return rows_of(
+            of, "SELECT count(*), sum(rendered_normal_n), sum(hip_x_m) FROM sample WHERE " + where);
     };
     for (const std::string where :
          {"trial_id < 6", "trial_id <= 5", "trial_id < 5.5", "trial_id BETWEEN 2 AND 5.999",
@@ -153,8 +155,9 @@ TEST_CASE("a range of trials reads these alone, whatever the bounds are", "[samp
     for (const std::string where : {"trial_id < 6.5", "trial_id <= 6", "trial_id > 5",
                                     "trial_id BETWEEN 6 AND 6", "trial_id < 'a'"}) {
         CAPTURE(where);
-        CHECK_THAT(tests::error_of(damaged, "SELECT sum(fn_n) FROM sample WHERE " + where),
-                   ContainsSubstring("trial 6"));
+        CHECK_THAT(
+            tests::error_of(damaged, "SELECT sum(rendered_normal_n) FROM sample WHERE " + where),
+            ContainsSubstring("trial 6"));
     }
 }
 
@@ -165,7 +168,7 @@ TEST_CASE("a tick joined with the tick before gives what lag() gives, also of tw
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
     tests::add_interval(database);
-    const std::string what = GENERATE("x_m", "fn_n", "count_1");
+    const std::string what = GENERATE("hip_x_m", "rendered_normal_n", "count_1");
     const std::string range = "BETWEEN 4000 AND 4200";  // across the border of two chunks
     const auto joined =
         rows_of(database,
@@ -191,18 +194,18 @@ TEST_CASE(
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
     database.execute("PRAGMA foreign_keys = OFF");
-    const std::string what = GENERATE("count_1", "x_m", "t_s", "fn_n");
+    const std::string what = GENERATE("count_1", "hip_x_m", "time_s", "rendered_normal_n");
     const std::string query = "SELECT sum(" + what + ") FROM sample WHERE trial_id ";
     for (const std::string edit :
-         {"DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 0",
-          "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096",
-          "DELETE FROM trace_chunk WHERE trial = 4",
-          "UPDATE trace_chunk SET first_tick = 4097 WHERE trial = 4 AND first_tick = 4096",
-          "UPDATE trace_chunk SET first_tick = first_tick + 1 WHERE trial = 4",
-          "UPDATE trace_chunk SET trial = 44 WHERE trial = 4",
-          "UPDATE trace_chunk SET interval = 2 WHERE trial = 4",
-          "UPDATE trace_chunk SET period_ns = period_ns + 1 WHERE trial = 4",
-          "DELETE FROM trial WHERE id = 4", "DELETE FROM presentation WHERE trial = 4"}) {
+         {"DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 0",
+          "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096",
+          "DELETE FROM trace_chunk WHERE trial_id = 4",
+          "UPDATE trace_chunk SET first_tick = 4097 WHERE trial_id = 4 AND first_tick = 4096",
+          "UPDATE trace_chunk SET first_tick = first_tick + 1 WHERE trial_id = 4",
+          "UPDATE trace_chunk SET trial_id = 44 WHERE trial_id = 4",
+          "UPDATE trace_chunk SET interval = 2 WHERE trial_id = 4",
+          "UPDATE trace_chunk SET period_ns = period_ns + 1 WHERE trial_id = 4",
+          "DELETE FROM trial WHERE trial_id = 4", "DELETE FROM presentation WHERE trial_id = 4"}) {
         CAPTURE(what, edit);
         database.execute("BEGIN");
         database.execute(edit.c_str());
@@ -213,8 +216,8 @@ TEST_CASE(
     }
     // Where the session says that ticks were lost, what is left can be had.
     database.execute(
-        "DELETE FROM trace_chunk WHERE trial = 4 AND first_tick = 4096;"
-        "INSERT INTO event (session, kind, text, at_utc) VALUES (1, 'ticks lost', '4096', '')");
+        "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096;INSERT INTO event "
+        "(session_id, event_kind, text, at_utc) VALUES (1, 'ticks lost', '4096', '')");
     CHECK(tests::error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
 }
 

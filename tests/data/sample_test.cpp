@@ -96,30 +96,34 @@ TEST_CASE("a column says the same whichever others are asked for with it", "[sam
 
 TEST_CASE("no row is lost where a range begins or ends beside a chunk's border", "[sample][law]") {
     Opened database(demo_file());
-    const auto all =
-        rows_of(database, "SELECT tick, vx_m_per_s, fx_n, t_s FROM sample WHERE trial_id = 1");
+    const auto all = rows_of(
+        database,
+        "SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample WHERE trial_id = 1");
     const auto count = static_cast<std::int64_t>(all.size());
     for (const std::int64_t border :
          {0, 256, 3800, 4094, 4095, 4096, 4097, 4098, 8190, 8192, 8193}) {
         CAPTURE(border);
-        const auto from =
-            rows_of(database,
-                    fmt::format("SELECT tick, vx_m_per_s, fx_n, t_s FROM sample WHERE trial_id = 1"
-                                " AND tick >= {}",
-                                border));
+        const auto from = rows_of(
+            database,
+            fmt::format(
+                "SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample WHERE trial_id = 1"
+                " AND tick >= {}",
+                border));
         REQUIRE(static_cast<std::int64_t>(from.size()) ==
                 std::max<std::int64_t>(0, count - border));
         CHECK((from.empty() || from[0] == all[static_cast<std::size_t>(border)]));
-        const auto by_time =
-            rows_of(database,
-                    fmt::format("SELECT tick, vx_m_per_s, fx_n, t_s FROM sample WHERE trial_id = 1"
-                                " AND t_s >= {} * 1e-3 - 1e-6",
-                                border));
+        const auto by_time = rows_of(
+            database,
+            fmt::format(
+                "SELECT tick, hip_vx_m_per_s, commanded_x_n, time_s FROM sample WHERE trial_id = 1"
+                " AND time_s >= {} * 1e-3 - 1e-6",
+                border));
         CHECK((by_time == from));
         CHECK(static_cast<std::int64_t>(
                   rows_of(database,
-                          fmt::format("SELECT fx_n FROM sample WHERE trial_id = 1 AND tick < {}",
-                                      border))
+                          fmt::format(
+                              "SELECT commanded_x_n FROM sample WHERE trial_id = 1 AND tick < {}",
+                              border))
                       .size()) == std::min(count, border));
     }
 }
@@ -132,7 +136,7 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
     const auto seed = GENERATE(range(0U, 40U));
     tests::Random random(seed);
     const auto chunk =
-        rows_of(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial = 4");
+        rows_of(database, "SELECT rowid, length(data) FROM trace_chunk WHERE trial_id = 4");
     const auto& one = chunk[static_cast<std::size_t>(random.below(static_cast<int>(chunk.size())))];
     data::Statement read = database.prepare("SELECT data FROM trace_chunk WHERE rowid = " + one[0]);
     REQUIRE(read.step());
@@ -143,7 +147,7 @@ TEST_CASE("a damaged chunk is an error of SQL with a sentence, never a number", 
     database.prepare("UPDATE trace_chunk SET data = ?1 WHERE rowid = " + one[0])
         .bind(1, std::span<const std::byte>(bytes))
         .run();
-    const std::string what = GENERATE("fn_n", "x_m", "count_1");
+    const std::string what = GENERATE("rendered_normal_n", "hip_x_m", "count_1");
     CAPTURE(seed, what);
     CHECK_THAT(
         error_of(database, fmt::format("SELECT sum({}) FROM sample WHERE trial_id = 4", what)),
@@ -162,25 +166,27 @@ TEST_CASE(
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
     const auto before = rows_of(
-        database, "SELECT sum(count_1), sum(fx_n), sum(x_m) FROM sample WHERE trial_id = 6");
-    const std::string edit =
-        GENERATE("UPDATE trace_chunk SET derived = derived + 1 WHERE trial = 6 AND first_tick > 0",
-                 "UPDATE presentation SET slip_decay = 0.5, heal_decay = 0.5",
-                 "UPDATE presentation SET curvature_per_m = curvature_per_m + 1");
+        database,
+        "SELECT sum(count_1), sum(commanded_x_n), sum(hip_x_m) FROM sample WHERE trial_id = 6");
+    const std::string edit = GENERATE(
+        "UPDATE trace_chunk SET derived = derived + 1 WHERE trial_id = 6 AND first_tick > 0",
+        "UPDATE presentation SET slip_decay = 0.5, heal_decay = 0.5",
+        "UPDATE presentation SET curvature_per_m = curvature_per_m + 1");
     database.execute("PRAGMA foreign_keys = OFF");
     database.execute(edit.c_str());
     CAPTURE(edit);
-    const auto friction = rows_of(
-        database,
-        "SELECT friction FROM plan JOIN trial USING (session, position) WHERE trial.id = 6");
+    const auto friction = rows_of(database,
+                                  "SELECT friction FROM plan JOIN trial USING (session_id, "
+                                  "plan_position) WHERE trial.trial_id = 6");
     if (edit.find("decay") == std::string::npos || friction[0][0] != "off") {
-        CHECK_THAT(error_of(database, "SELECT sum(fn_n) FROM sample WHERE trial_id = 6"),
-                   ContainsSubstring("trial 6") && ContainsSubstring("replay") &&
-                       ContainsSubstring("the palpate that recorded it"));
+        CHECK_THAT(
+            error_of(database, "SELECT sum(rendered_normal_n) FROM sample WHERE trial_id = 6"),
+            ContainsSubstring("trial 6") && ContainsSubstring("replay") &&
+                ContainsSubstring("the palpate that recorded it"));
     }
     CHECK((rows_of(database,
-                   "SELECT sum(count_1), sum(fx_n), sum(x_m) FROM sample WHERE trial_id = 6") ==
-           before));
+                   "SELECT sum(count_1), sum(commanded_x_n), sum(hip_x_m) FROM sample WHERE "
+                   "trial_id = 6") == before));
 }
 
 TEST_CASE("a calibration that is not the recorded one is noticed in HIP alone", "[sample][law]") {
@@ -189,7 +195,7 @@ TEST_CASE("a calibration that is not the recorded one is noticed in HIP alone", 
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
     database.execute("DELETE FROM session_provenance WHERE key = 'calibration'");
-    CHECK_THAT(error_of(database, "SELECT sum(x_m) FROM sample WHERE trial_id = 6"),
+    CHECK_THAT(error_of(database, "SELECT sum(hip_x_m) FROM sample WHERE trial_id = 6"),
                ContainsSubstring("calibration"));
 }
 
@@ -198,8 +204,8 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
     const std::string file = folder.file("d.sqlite");
     std::filesystem::copy_file(demo_file(), file);
     Opened database(file, data::Access::write);
-    const std::string what = GENERATE("trial_id, interval, tick, vx_m_per_s, fn_n",
-                                      "trial_id, interval, t_s, vy_m_per_s, fx_n");
+    const std::string what = GENERATE("trial_id, interval, tick, hip_vx_m_per_s, rendered_normal_n",
+                                      "trial_id, interval, time_s, hip_vy_m_per_s, commanded_x_n");
     const auto once =
         rows_of(database, fmt::format("SELECT {} FROM sample WHERE trial_id = 3", what));
     tests::add_interval(database);
@@ -215,7 +221,8 @@ TEST_CASE("two intervals of a trial come one after the other, or merged by time"
     const auto ordered = [&](const std::string& source, const std::string& by) {
         return rows_of(database, fmt::format("SELECT {} FROM {} ORDER BY {}", what, source, by));
     };
-    for (const std::string by : {"trial_id, t_s", "trial_id, tick", "trial_id, interval, t_s"}) {
+    for (const std::string by :
+         {"trial_id, time_s", "trial_id, tick", "trial_id, interval, time_s"}) {
         CAPTURE(by, plan_of(database, "SELECT * FROM sample ORDER BY " + by));
         CHECK_THAT(plan_of(database, "SELECT * FROM sample ORDER BY " + by),
                    !ContainsSubstring("TEMP B-TREE"));

@@ -16,7 +16,7 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     const auto manual = data::schema_manual(data::schema_sql());
     // What has no unit though it is REAL.
-    const std::set<std::string> plain{"mu_s", "mu_d", "slip_decay", "heal_decay", "parameter", "mu",
+    const std::set<std::string> plain{"mu_s", "mu_d", "slip_decay", "heal_decay", "u", "mu",
                                       "scale",
                                       // In the unit of what the rule varies, on its scale.
                                       "stimulus", "estimate"};
@@ -49,8 +49,9 @@ TEST_CASE("every column of sample has a meaning, in the order of the program", "
     REQUIRE(manual.size() == 1);
     CHECK(manual[0].columns.size() ==
           static_cast<std::size_t>(data::SampleColumn::count_of_columns));
-    CHECK(manual[0].columns[static_cast<std::size_t>(data::SampleColumn::fn_n)].name == "fn_n");
-    CHECK(manual[0].columns.back().name == "code_2");
+    CHECK(manual[0].columns[static_cast<std::size_t>(data::SampleColumn::rendered_normal_n)].name ==
+          "rendered_normal_n");
+    CHECK(manual[0].columns.back().name == "hip_vy_m_per_s");
     for (const auto& column : manual[0].columns) {
         CAPTURE(column.name);
         CHECK_FALSE(column.meaning.empty());

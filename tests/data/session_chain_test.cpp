@@ -86,8 +86,8 @@ struct Run {
 
 /// Attempts in order, with outcome and cause.
 constexpr const char* kAttempts =
-    "SELECT trial.position, outcome, coalesce(cause, '-') FROM trial LEFT JOIN fault ON fault.trial"
-    " = trial.id ORDER BY trial.id";
+    "SELECT trial.plan_position, outcome, coalesce(fault_cause, '-') FROM trial LEFT JOIN fault ON "
+    "fault.trial_id = trial.trial_id ORDER BY trial.trial_id";
 
 /// The first trial faulted by `cause` and came again where its key says; all others went well.
 std::string one_fault(const data::SessionSpec& spec, const std::string& cause) {
@@ -102,7 +102,7 @@ std::string one_fault(const data::SessionSpec& spec, const std::string& cause) {
 
 /// What the database keeps of a trial that faulted: its trace and its last ticks end with the trip.
 void check_last_ticks(Run& run) {
-    auto row = run.database.prepare("SELECT trial FROM fault ORDER BY trial");
+    auto row = run.database.prepare("SELECT trial_id FROM fault ORDER BY trial_id");
     std::size_t faults = 0;
     while (row.step()) {
         ++faults;
@@ -116,7 +116,8 @@ void check_last_ticks(Run& run) {
             return (tick.flags & engine::tick_fault) != 0;
         }));
         auto kept = run.database.prepare(
-            "SELECT tick, hip_x_m, fy_n, flags FROM fault_tick WHERE trial = ?1 ORDER BY tick");
+            "SELECT tick, hip_x_m, rendered_y_n, flags FROM fault_tick WHERE trial_id = ?1 ORDER "
+            "BY tick");
         kept.bind(1, trial);
         for (std::size_t i = trace.size() - last; i < trace.size(); ++i) {
             REQUIRE(kept.step());
@@ -152,7 +153,8 @@ TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and a
     CHECK(run.lines("SELECT count(*), max(tick) FROM fault_tick") == "100 400 \n");
     CHECK(run.lines("SELECT count(*) FROM response") ==
           std::to_string(run.spec.plan.trials.size()) + " \n");
-    CHECK(run.lines("SELECT kind, text FROM event WHERE kind <> 'start' ORDER BY rowid") ==
+    CHECK(run.lines(
+              "SELECT event_kind, text FROM event WHERE event_kind <> 'start' ORDER BY rowid") ==
           "fault position 0: stopped: the experimenter stopped the force \n"
           "reconnect the device works, after 0 tries in vain \n"
           "go on after stopped \n");
@@ -185,7 +187,7 @@ TEST_CASE("whoever does not hold the key again gets no force at all, trial after
     CHECK(end.why == SessionEnd::Why::faulted);
     CHECK(end.in_a_row == 3);
     CHECK(end.fault == "the participant let go");
-    CHECK(run.lines("SELECT cause, ticks_kept FROM fault ORDER BY trial") ==
+    CHECK(run.lines("SELECT fault_cause, ticks_kept FROM fault ORDER BY trial_id") ==
           "let_go 100 \nlet_go 1 \nlet_go 1 \n");
 }
 
@@ -223,7 +225,7 @@ TEST_CASE("a hand above the protocol's speed trips as over_speed, one below it n
         CHECK(run.lines(kAttempts) ==
               "0 faulted over_speed \n1 faulted over_speed \n2 faulted over_speed \n");
         check_last_ticks(run);
-        CHECK(run.lines("SELECT count(*) FROM event WHERE kind = 'gave up'") == "1 \n");
+        CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'gave up'") == "1 \n");
     }
 }
 
@@ -233,8 +235,8 @@ TEST_CASE("a virtual clock records no timing, and two sessions on it have the sa
         Run run(held_protocol());
         Acting observer([&] { run.apparatus.stop(); });
         CHECK(run.with(observer).why == SessionEnd::Why::finished);
-        CHECK(run.lines("SELECT count(*) FROM event WHERE kind = 'timing'") == "0 \n");
-        return run.lines("SELECT kind, text FROM event ORDER BY rowid");
+        CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0 \n");
+        return run.lines("SELECT event_kind, text FROM event ORDER BY rowid");
     };
     CHECK(events() == events());
 }
@@ -274,8 +276,8 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
     CHECK(run_session(protocol, run.spec.plan, {}, opened.pending,
                       {.apparatus = apparatus, .observer = observer, .recorder = recorder})
               .why == SessionEnd::Why::finished);
-    CHECK(run.lines("SELECT count(*) FROM event WHERE kind = 'timing' AND text LIKE '% ticks, late "
-                    "by % (half of them), % (99 %), % (worst); %'") == "2 \n");
-    CHECK(run.lines("SELECT kind FROM event WHERE kind <> 'start' ORDER BY rowid") ==
+    CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'timing' AND text LIKE '% "
+                    "ticks, late by % (half of them), % (99 %), % (worst); %'") == "2 \n");
+    CHECK(run.lines("SELECT event_kind FROM event WHERE event_kind <> 'start' ORDER BY rowid") ==
           "fault \ntiming \nreconnect \ngo on \ntiming \n");
 }

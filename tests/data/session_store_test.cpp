@@ -48,8 +48,8 @@ TEST_CASE("the whole plan is stored before the first trial, as it was made", "[s
     CHECK_FALSE(opened.resumed);
     CHECK(opened.next == 0);
     auto row = database.prepare(
-        "SELECT position, phase, object, curvature_per_m, friction, mu_s FROM plan ORDER BY "
-        "position");
+        "SELECT plan_position, phase, planned_object, curvature_per_m, friction, mu_s FROM plan "
+        "ORDER BY plan_position");
     for (const auto& planned : spec.plan.trials) {
         REQUIRE(row.step());
         CHECK(row.integer(0) == static_cast<std::int64_t>(planned.position));
@@ -84,12 +84,12 @@ TEST_CASE("a session goes on at the first position without an answer, other atte
     CHECK(count(database, "trial WHERE outcome = 'interrupted'") == 1);
     CHECK(count(database, "trial WHERE outcome = 'aborted'") == 1);
     CHECK(count(database,
-                "trace_chunk JOIN trial ON trial.id = trial WHERE outcome = 'interrupted'") == 1);
-    CHECK(count(database, "event WHERE kind = 'interrupted'") == 1);
+                "trace_chunk JOIN trial USING (trial_id) WHERE outcome = 'interrupted'") == 1);
+    CHECK(count(database, "event WHERE event_kind = 'interrupted'") == 1);
     data::SqliteRecorder recorder(database, spec.protocol, session);
     const auto id = recorder.begin_trial(spec.plan.trials[2], {});
     recorder.end_trial(id, tests::answered(0, false));
-    CHECK(count(database, "trial WHERE position = 2 AND attempt = 3") == 1);
+    CHECK(count(database, "trial WHERE plan_position = 2 AND attempt = 3") == 1);
     CHECK(data::open_session(database, spec).next == 3);
     CHECK(count(database, "trial_result") == 3);
 }

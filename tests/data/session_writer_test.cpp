@@ -15,7 +15,7 @@ namespace {
 
 std::string outcomes(Database& database) {
     auto row = database.prepare(
-        "SELECT group_concat(outcome), (SELECT count(*) FROM event) FROM trial ORDER BY id");
+        "SELECT group_concat(outcome), (SELECT count(*) FROM event) FROM trial ORDER BY trial_id");
     row.step();
     return row.text(0) + ", events " + row.text(1);
 }

@@ -38,7 +38,7 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
     std::getline(lines, line);
     CHECK(line ==
           "tick,time_ns,count_1,count_2,code_1,code_2,lateness_ns,flags,hip_x_100nm,hip_y_100nm,"
-          "command_x_100un,command_y_100un");
+          "commanded_x_100un,commanded_y_100un");
     for (const engine::TickRecord& tick : ticks) {
         REQUIRE(std::getline(lines, line));
         std::istringstream words(line);

@@ -9,8 +9,8 @@
 namespace palpate::fuzz {
 
 void read_csv(Bytes bytes) {
-    constexpr std::array<std::string_view, 3> kWanted{"t_s", "x_m", "y_m"};
-    constexpr std::array<std::string_view, 1> kOptional{"z_m"};
+    constexpr std::array<std::string_view, 3> kWanted{"time_s", "hip_x_m", "hip_y_m"};
+    constexpr std::array<std::string_view, 1> kOptional{"hip_z_m"};
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     try {
         const data::NumberTable table = data::parse_numbers(text, "fuzz.csv", kWanted, kOptional);

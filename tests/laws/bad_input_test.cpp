@@ -277,8 +277,8 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
         return palpate_command(words);
     };
     const auto people = [&] {
-        return palpate_command(
-                   {"sql", db, "--csv", "-c", "SELECT group_concat(code) FROM participant"})
+        return palpate_command({"sql", db, "--csv", "-c",
+                                "SELECT group_concat(participant_code) FROM participant"})
             .out;
     };
     REQUIRE(run({"P03"}).code == 0);

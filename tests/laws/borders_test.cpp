@@ -104,7 +104,7 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
                         ContainsSubstring("'+1+1") && ContainsSubstring(",-3"));
     CHECK(all.find("'-") == std::string::npos);
     const Finished csv = palpate_command(
-        {"sql", db, "--csv", "-c", "SELECT text, -1 AS n FROM event WHERE kind = 'note'"});
+        {"sql", db, "--csv", "-c", "SELECT text, -1 AS n FROM event WHERE event_kind = 'note'"});
     CHECK_THAT(csv.out, ContainsSubstring("\"'=HYPERLINK(\"\"http://x\"\",\"\"y\"\")\",-1\n"));
 
     {
@@ -113,8 +113,8 @@ TEST_CASE("nothing that a file holds is an order to the terminal of who reads it
         for (const char* change :
              {"UPDATE event SET text = ?1", "UPDATE session SET device = ?1, operator = ?1",
               "UPDATE session SET uuid = ?1", "UPDATE participant_detail SET value = ?1",
-              "UPDATE study SET id = ?1", "UPDATE session SET study = ?1",
-              "UPDATE participant SET code = ?1", "UPDATE plan SET phase = ?1"}) {
+              "UPDATE study SET study_id = ?1", "UPDATE session SET study_id = ?1",
+              "UPDATE participant SET participant_code = ?1", "UPDATE plan SET phase = ?1"}) {
             try {
                 auto row = database.prepare(change);
                 row.bind(1, kOrders);

@@ -67,13 +67,14 @@ public:
     /// The pause has come for the `nth` time; ends it, and Ready waits for a press.
     void end_pause(int nth) {
         session_.wait_for_screen("pause");
-        session_.wait_until(count("event WHERE kind = 'pause'"), std::to_string(nth));
+        session_.wait_until(count("event WHERE event_kind = 'pause'"), std::to_string(nth));
         session_.hand().key("space");  // nobody but the experimenter goes on
         pause(0.3);
         CHECK(session_.screen_name() == "pause");
         session_.hand().chord("p");
-        session_.wait_until(count("event WHERE kind = 'go on' AND text LIKE 'after a pause%'"),
-                            std::to_string(nth));
+        session_.wait_until(
+            count("event WHERE event_kind = 'go on' AND text LIKE 'after a pause%'"),
+            std::to_string(nth));
         stays_ready();
     }
     /// No force without a press.
@@ -124,7 +125,7 @@ std::string board_study() {
                     "explore_prompt_s = 30\nexplore_timeout_s = 60");
 }
 
-constexpr const char* kMarked = "trial WHERE invalid LIKE 'marked by the experimenter%'";
+constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the experimenter%'";
 
 }  // namespace
 
@@ -141,7 +142,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are he
     desk.pause_at("ready");
     desk.end_pause(2);
     desk.mark_at("ready");
-    desk.wait_for("event WHERE kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.wait_for("event WHERE event_kind = 'note' AND text LIKE '%no answer that counts'", 1);
     desk.stays_ready();
 
     desk.at("ready", "space");
@@ -187,9 +188,9 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are he
     CHECK(end.code == 0);
     CHECK(desk.session().ask(Desk::count("trial")) == "7");
     CHECK(desk.session().ask(Desk::count(kMarked)) == "3");
-    CHECK(desk.session().ask(Desk::count("event WHERE kind = 'pause'")) == "4");
-    CHECK(desk.session().ask("SELECT count(DISTINCT position) FROM trial WHERE invalid IS NULL AND "
-                             "outcome = 'complete'") == "4");
+    CHECK(desk.session().ask(Desk::count("event WHERE event_kind = 'pause'")) == "4");
+    CHECK(desk.session().ask("SELECT count(DISTINCT plan_position) FROM trial WHERE invalid_reason "
+                             "IS NULL AND outcome = 'complete'") == "4");
     CHECK(tests::palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
 }
 
@@ -219,15 +220,15 @@ TEST_CASE("so are those between two intervals, at the confidence and in trouble"
     desk.at("ready", "space");
     desk.at("explore", "Escape");
     desk.mark_at("trouble");
-    desk.wait_for("event WHERE kind = 'reconnect'", 1);
+    desk.wait_for("event WHERE event_kind = 'reconnect'", 1);
     pause(0.5);
     desk.session().hand().key("space");
     pause(0.3);
     CHECK(desk.session().screen_name() == "trouble");
     desk.session().hand().chord("p");
-    desk.wait_for("event WHERE kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.wait_for("event WHERE event_kind = 'note' AND text LIKE '%no answer that counts'", 1);
     desk.stays_ready();
-    desk.wait_for("event WHERE kind = 'pause'", 2);
+    desk.wait_for("event WHERE event_kind = 'pause'", 2);
 
     desk.stop();
     CHECK(tests::palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
@@ -246,7 +247,7 @@ TEST_CASE("on a board a pause and a mark before the first trial begin no force",
     desk.pause_at("ready");
     desk.end_pause(1);
     desk.mark_at("ready");
-    desk.wait_for("event WHERE kind = 'note' AND text LIKE '%no answer that counts'", 1);
+    desk.wait_for("event WHERE event_kind = 'note' AND text LIKE '%no answer that counts'", 1);
     desk.stays_ready();
     CHECK(desk.session().ask(Desk::count("trial")) == "0");
     desk.at("ready", "space");

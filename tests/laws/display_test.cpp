@@ -55,7 +55,8 @@ struct Forces {
 Forces forces_of(const std::string& file, std::int64_t trial) {
     const Finished sql = tests::palpate_command(
         {"sql", file, "--csv", "-c",
-         "SELECT max(abs(fy_n)), (SELECT abs(fx_n) + abs(fy_n) FROM sample WHERE trial_id = " +
+         "SELECT max(abs(rendered_y_n)), (SELECT abs(rendered_x_n) + abs(rendered_y_n) FROM sample "
+         "WHERE trial_id = " +
              std::to_string(trial) +
              " ORDER BY tick DESC LIMIT 1) FROM sample WHERE trial_id = " + std::to_string(trial)});
     CAPTURE(sql.out, sql.error);
@@ -118,7 +119,7 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
     std::this_thread::sleep_for(std::chrono::milliseconds(400));
     move(session, window, card.corner + card.size - Vec2{3.0, 3.0});
     session.hand().click();
-    session.wait_until("SELECT input || place FROM response", "mouse1");
+    session.wait_until("SELECT input || chosen_place FROM response", "mouse1");
     session.program().signal(SIGTERM);
     CHECK(session.finish().code == 3);
 }
@@ -161,7 +162,7 @@ TEST_CASE("when the display dies the force ends, the trial is kept, and the same
                                   ContainsSubstring("the same command goes on at trial"));
         CHECK(session.ask("SELECT outcome FROM trial") ==
               (where == "break" ? "complete" : "aborted"));
-        CHECK(session.ask("SELECT count(*) FROM event WHERE kind = 'display lost'") == "1");
+        CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'display lost'") == "1");
     }
     const Forces forces = forces_of(file, 1);
     CHECK(forces.largest > 0.5);

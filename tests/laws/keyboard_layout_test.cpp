@@ -36,7 +36,7 @@ TEST_CASE("answers and the experimenter's chords are heard on every keyboard lay
     session.press_at("ready", "space");
     session.press_at("explore", "space");
     session.press_at("question", kDigit2);
-    session.wait_until("SELECT place FROM response", "1");
+    session.wait_until("SELECT chosen_place FROM response", "1");
     session.wait_for_screen("ready");
     session.hand().chord(kLetterP);
     session.wait_for_screen("pause");
@@ -46,5 +46,5 @@ TEST_CASE("answers and the experimenter's chords are heard on every keyboard lay
     // Where there are Latin letters the one that the key shows is what counts.
     session.hand().key(std::string(layout) == "cz" ? kLetterZ : kLetterY);
     CHECK(session.finish().code == 3);
-    CHECK(session.ask("SELECT count(*) FROM event WHERE kind = 'pause'") == "1");
+    CHECK(session.ask("SELECT count(*) FROM event WHERE event_kind = 'pause'") == "1");
 }

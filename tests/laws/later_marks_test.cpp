@@ -85,8 +85,8 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
     CHECK(!different.contains(head));  // handedness and consent came last
     CHECK(
         rows(study.after,
-             "SELECT kind, text, operator, trial FROM event WHERE kind IN ('note', 'mark',"
-             " 'participant') ORDER BY id") ==
+             "SELECT event_kind, text, operator, trial_id FROM event WHERE event_kind IN ('note', "
+             "'mark', 'participant') ORDER BY event_id") ==
         "kind,text,operator,trial\nnote,hand rested,,\nmark,after 10 attempts: bell rang,Ada,2\n"
         "note,left early,Bo,\nmark,after 10 attempts: sneezed,,5\nparticipant,handedness 80,Ada,\n"
         "participant,consent yes,Ada,\n");
@@ -96,32 +96,35 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
         const char* found;
     };
     for (const Edit& edit : {
-             Edit{"DELETE FROM event WHERE id = (SELECT max(id) FROM event)", "session.head"},
-             Edit{"DELETE FROM event WHERE kind = 'participant'; DELETE FROM event WHERE trial = 5;"
-                  " UPDATE trial SET invalid = NULL WHERE id = 5",
-                  "session.head"},
-             Edit{"DELETE FROM event WHERE trial = 2 AND kind = 'mark'; UPDATE trial SET invalid ="
-                  " NULL WHERE id = 2",
-                  "event.chain (note"},
-             Edit{"UPDATE event SET text = 'after 10 attempts: bored' WHERE trial = 2;"
-                  " UPDATE trial SET invalid = 'bored' WHERE id = 2",
-                  "trial 2, event.chain (mark"},
-             Edit{"UPDATE trial SET invalid = 'bored' WHERE id = 2", "trial 2, trial.invalid"},
-             Edit{"UPDATE trial SET invalid = NULL WHERE id = 5", "trial 5, trial.invalid"},
-             Edit{"UPDATE event SET operator = NULL WHERE text = 'left early'",
-                  "event.chain (note"},
-             Edit{"UPDATE event SET at_utc = '2020-01-01T00:00:00.000Z' WHERE kind = 'note'",
-                  "event.chain (note"},
-             Edit{"UPDATE event SET id = id + 1000 WHERE text = 'hand rested'",
-                  "event.chain (mark"},
-             Edit{"INSERT INTO event (session, kind, text, at_utc) VALUES (1, 'note', 'x', '')",
+             Edit{"DELETE FROM event WHERE event_id = (SELECT max(event_id) FROM event)",
+                  "session.newest_seal"},
+             Edit{"DELETE FROM event WHERE event_kind = 'participant'; DELETE FROM event WHERE "
+                  "trial_id = 5; UPDATE trial SET invalid_reason = NULL WHERE trial_id = 5",
+                  "session.newest_seal"},
+             Edit{"DELETE FROM event WHERE trial_id = 2 AND event_kind = 'mark'; UPDATE trial SET "
+                  "invalid_reason = NULL WHERE trial_id = 2",
+                  "event.seal (note"},
+             Edit{"UPDATE event SET text = 'after 10 attempts: bored' WHERE trial_id = 2; UPDATE "
+                  "trial SET invalid_reason = 'bored' WHERE trial_id = 2",
+                  "trial 2, event.seal (mark"},
+             Edit{"UPDATE trial SET invalid_reason = 'bored' WHERE trial_id = 2",
+                  "trial 2, trial.invalid_reason"},
+             Edit{"UPDATE trial SET invalid_reason = NULL WHERE trial_id = 5",
+                  "trial 5, trial.invalid_reason"},
+             Edit{"UPDATE event SET operator = NULL WHERE text = 'left early'", "event.seal (note"},
+             Edit{"UPDATE event SET at_utc = '2020-01-01T00:00:00.000Z' WHERE event_kind = 'note'",
+                  "event.seal (note"},
+             Edit{"UPDATE event SET event_id = event_id + 1000 WHERE text = 'hand rested'",
+                  "event.seal (mark"},
+             Edit{"INSERT INTO event (session_id, event_kind, text, at_utc) VALUES (1, 'note', "
+                  "'x', '')",
                   "stored NULL"},
-             Edit{"UPDATE session SET head = NULL", "session.head"},
+             Edit{"UPDATE session SET newest_seal = NULL", "session.newest_seal"},
              Edit{"UPDATE participant SET handedness = -80", "participant demo handedness"},
              Edit{"UPDATE participant SET consent = NULL", "participant demo consent"},
-             Edit{"UPDATE session SET finished = 0, finished_utc = NULL, chain = NULL, chain_events"
-                  " = NULL",
-                  "event.chain (note"},
+             Edit{"UPDATE session SET finished = 0, finished_utc = NULL, seal = NULL, seal_events "
+                  "= NULL",
+                  "event.seal (note"},
          }) {
         const std::string file = study.copy("edited.sqlite");
         {
@@ -166,7 +169,7 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
     const std::vector<std::string> run{
         "run", "shape_friction_demo", "--participant", "P1", "--db", file, "--device", "sim"};
     said(run);
-    const std::string event = "SELECT text FROM event WHERE kind = 'participant'";
+    const std::string event = "SELECT text FROM event WHERE event_kind = 'participant'";
     CHECK(rows(file, event) == "text\nhandedness 80\n");
     // As if it had been stopped after seven trials.
     {
@@ -174,12 +177,13 @@ TEST_CASE("a session that goes on after a mark keeps one chain", "[verify][resum
         database.execute("PRAGMA foreign_keys = OFF");
         for (const std::string table :
              {"response", "presentation", "trace_chunk", "event", "fault_tick"}) {
-            database.execute(("DELETE FROM " + table + " WHERE trial > 7").c_str());
+            database.execute(("DELETE FROM " + table + " WHERE trial_id > 7").c_str());
         }
         database.execute(
-            "DELETE FROM event WHERE id > (SELECT chain_events FROM trial WHERE id = 7);"
-            "DELETE FROM trial WHERE id > 7; UPDATE session SET finished = 0, finished_utc = NULL,"
-            " chain = NULL, chain_events = NULL, head = (SELECT chain FROM trial WHERE id = 7)");
+            "DELETE FROM event WHERE event_id > (SELECT seal_events FROM trial WHERE trial_id = "
+            "7);DELETE FROM trial WHERE trial_id > 7; UPDATE session SET finished = 0, "
+            "finished_utc = NULL, seal = NULL, seal_events = NULL, newest_seal = (SELECT seal FROM "
+            "trial WHERE trial_id = 7)");
     }
     const std::string seventh = verified_head(file);
     const std::string marked = head_in(said({"mark", file, "3", "--invalid", "bell"}));

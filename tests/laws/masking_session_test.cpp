@@ -91,7 +91,7 @@ TEST_CASE("in a real window a trial with noise is recorded, answered and verifie
     const tests::Finished end = session.finish();
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
-    CHECK_THAT(text_of(folder, "SELECT text FROM event WHERE kind = 'masking'"),
+    CHECK_THAT(text_of(folder, "SELECT text FROM event WHERE event_kind = 'masking'"),
                ContainsSubstring(declined ? "none: --no-sound was given"
                                           : "pink noise at -40 dB re full scale"));
     data::Database database(folder.file("d.sqlite"), data::Access::read);

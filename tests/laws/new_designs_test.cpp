@@ -44,8 +44,8 @@ TEST_CASE("free forms in friction blocks are felt, told apart, kept, and verifie
               "SELECT sum(correct) || ' of ' || count(*) FROM trial_result WHERE phase = "
               "'main'") == "16 of 16");
     CHECK(one(file,
-              "SELECT group_concat(DISTINCT object) FROM (SELECT object FROM plan WHERE "
-              "curvature_per_m IS NULL ORDER BY object)") == "dome,steps");
+              "SELECT group_concat(DISTINCT planned_object) FROM (SELECT planned_object FROM plan "
+              "WHERE curvature_per_m IS NULL ORDER BY planned_object)") == "dome,steps");
     CHECK(one(file,
               "SELECT count(*) FROM (SELECT 1 FROM plan GROUP BY block HAVING count(DISTINCT "
               "friction) > 1)") == "0");
@@ -69,7 +69,7 @@ TEST_CASE("whoever is counted, the order of friction blocks is verified as it wa
                     .code == 0);
         // As if people had felt it: only they count for the next one's order.
         data::Database database(file, data::Access::write);
-        database.prepare("UPDATE session SET kind = 'real'").run();
+        database.prepare("UPDATE session SET session_kind = 'real'").run();
     }
     CHECK(one(file,
               "SELECT group_concat(n) FROM (SELECT count(*) AS n FROM plan WHERE phase = "

@@ -141,12 +141,13 @@ TEST_CASE(
     CAPTURE(end.out, end.error);
     CHECK(end.code == 3);
 
-    CHECK(lines(file, "SELECT kind FROM session") == "pilot\n");
+    CHECK(lines(file, "SELECT session_kind FROM session") == "pilot\n");
     CHECK_THAT(end.error, ContainsSubstring("--device mouse gives no force") &&
                               ContainsSubstring("recorded as pilot"));
-    CHECK(lines(file,
-                "SELECT answer, input, changes, confidence, confidence_changes FROM response") ==
-          "0|arrows|2|4|1\n");
+    CHECK(
+        lines(file,
+              "SELECT answer_code, input, changes, confidence, confidence_changes FROM response") ==
+        "0|arrows|2|4|1\n");
     CHECK(lines(file,
                 "SELECT first_choice_s < reaction_s AND reaction_s < confirmed_s AND"
                 " first_choice_s >= 0.75 AND confidence_first_choice_s >= 0.75 AND"
@@ -218,7 +219,7 @@ TEST_CASE("a real session on a device without force is refused unless the protoc
     }
     // Whoever is at the welcome screen has taken a row of the pictures; whoever left there has not.
     session.wait_for_screen("welcome");
-    session.wait_until("SELECT count(*) FROM session WHERE kind = 'real'", "1");
+    session.wait_until("SELECT count(*) FROM session WHERE session_kind = 'real'", "1");
     const std::string taken = used();
     CHECK((taken == "0 1" || taken == "1 0"));
     session.program().signal(SIGTERM);

@@ -44,7 +44,8 @@ Finished run(const std::string& code, const std::string& file, std::vector<std::
 void record(const std::string& file, std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
         REQUIRE(run(kCodes[i], file).code == 0);
-        data::Database(file, data::Access::write).execute("UPDATE session SET kind = 'real'");
+        data::Database(file, data::Access::write)
+            .execute("UPDATE session SET session_kind = 'real'");
     }
 }
 
@@ -93,7 +94,7 @@ using Order = std::vector<std::string>;  ///< object and friction of every trial
 std::map<std::string, Order> orders_in(const fs::path& folder) {
     std::map<std::string, Order> orders;
     for (const auto& line : read_csv(folder / "plan.csv")) {
-        orders[line.at("subject")].push_back(line.at("object") + ' ' + line.at("friction"));
+        orders[line.at("subject")].push_back(line.at("planned_object") + ' ' + line.at("friction"));
     }
     return orders;
 }
@@ -135,7 +136,7 @@ std::map<std::string, std::string> identified(const fs::path& folder, const std:
 std::map<std::string, std::string> codes_in(const fs::path& file) {
     std::map<std::string, std::string> codes;
     for (const auto& line : read_csv(file)) {
-        codes[line.at("code")] = line.at("subject");
+        codes[line.at("participant_code")] = line.at("subject");
     }
     return codes;
 }
@@ -166,13 +167,12 @@ std::vector<std::string> values(const std::string& file, const std::string& sql)
 std::vector<std::string> telling(const std::string& file) {
     return values(
         file,
-        "SELECT hex FROM secret UNION SELECT code FROM participant UNION SELECT uuid FROM"
-        " session UNION SELECT plan_sha256 FROM session UNION SELECT"
-        " substr(plan_sha256, 1, 4) || '-' || substr(plan_sha256, 5, 4) FROM session UNION"
-        " SELECT chain FROM trial UNION SELECT chain FROM session UNION"
-        " SELECT substr(started_utc, 1, 10) FROM session UNION"
-        " SELECT CAST(started_ns AS TEXT) FROM trial UNION SELECT CAST(at_ns AS TEXT) FROM"
-        " event UNION SELECT '2026-' UNION SELECT 'edinburgh'");
+        "SELECT hex FROM secret UNION SELECT participant_code FROM participant UNION SELECT uuid "
+        "FROM session UNION SELECT plan_sha256 FROM session UNION SELECT substr(plan_sha256, 1, 4) "
+        "|| '-' || substr(plan_sha256, 5, 4) FROM session UNION SELECT seal FROM trial UNION "
+        "SELECT seal FROM session UNION SELECT substr(started_utc, 1, 10) FROM session UNION "
+        "SELECT CAST(started_ns AS TEXT) FROM trial UNION SELECT CAST(at_ns AS TEXT) FROM event "
+        "UNION SELECT '2026-' UNION SELECT 'edinburgh'");
 }
 
 }  // namespace
@@ -257,17 +257,17 @@ TEST_CASE("what an export says of time tells no date, no pause and no restart", 
     {  // Goes on two days later; then the rig was switched on anew. A hand of P02's is replayed.
         data::Database database(file, data::Access::write);
         database.execute(
-            "UPDATE trial SET started_ns = 500000000000000 + 30000000000 * id + 172800000000000 *"
-            " (id > 3) - 672800000000000 * (id > 6);"
-            "UPDATE event SET at_ns = 88 + (SELECT max(started_ns) FROM trial);"
-            "UPDATE session SET device = 'replay of P02_2026.sqlite'; UPDATE session SET number = "
-            "4");
+            "UPDATE trial SET started_ns = 500000000000000 + 30000000000 * trial_id + "
+            "172800000000000 * (trial_id > 3) - 672800000000000 * (trial_id > 6);UPDATE event SET "
+            "at_ns = 88 + (SELECT max(started_ns) FROM trial);UPDATE session SET device = 'replay "
+            "of P02_2026.sqlite'; UPDATE session SET session_number = 4");
     }
     const std::string out = exported(file, "csv", folder.file("out"));
     std::vector<std::string> since;
     for (const auto& line : read_csv(out + "/trials.csv")) {
         since.push_back(line.at("since_first_ns"));
-        CHECK(line.at("session") == "1");  // not the fourth: the ones before were of another kind
+        CHECK(line.at("session_number") ==
+              "1");  // not the fourth: the ones before were of another kind
     }
     CHECK(since == std::vector<std::string>{"0", "30000000000", "60000000000", "0", "30000000000",
                                             "60000000000", "0", "30000000000", "60000000000",
@@ -307,7 +307,7 @@ TEST_CASE(
     REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("demo.sqlite")}).code == 0);
     REQUIRE(run("P01", folder.file("demo.sqlite")).code == 0);
     const auto secrets =
-        values(folder.file("demo.sqlite"), "SELECT secret FROM session ORDER BY id");
+        values(folder.file("demo.sqlite"), "SELECT secret FROM session ORDER BY session_id");
     CHECK(secrets.at(0) == data::kDemoSecret);
     CHECK(secrets.at(1) != data::kDemoSecret);
 }
@@ -328,14 +328,16 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
     REQUIRE(
         palpate_command({"merge", file("ba.sqlite"), file("b.sqlite"), file("a.sqlite")}).code ==
         0);
-    const std::string people = "SELECT code || ' ' || subject FROM participant ORDER BY 1";
+    const std::string people =
+        "SELECT participant_code || ' ' || subject FROM participant ORDER BY 1";
     const std::string sessions = "SELECT uuid || secret FROM session UNION SELECT hex FROM secret";
     CHECK(values(file("ab.sqlite"), people) == values(file("ba.sqlite"), people));
     CHECK(values(file("ab.sqlite"), sessions) == values(file("ba.sqlite"), sessions));
     CHECK(values(file("ab.sqlite"), "SELECT hex FROM secret").size() == 2);
     const auto number = [&](const char* name) {
         return values(file(name),
-                      "SELECT printf('%010d', subject) FROM participant WHERE code = 'P01'")
+                      "SELECT printf('%010d', subject) FROM participant WHERE participant_code = "
+                      "'P01'")
             .at(0);
     };
     CHECK(number("ab.sqlite") == std::min(number("a.sqlite"), number("b.sqlite")));

@@ -108,10 +108,10 @@ TEST_CASE(
 
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     auto row = database.prepare(
-        "SELECT trial, curvature_per_m, friction, choice, trial_result.reaction_s, "
-        "response.uncertainty_s, kind,"
-        " input, done_s FROM trial_result JOIN response USING (trial) ORDER BY position");
-    auto picture = database.prepare("SELECT object FROM picture WHERE place = 1");
+        "SELECT trial_id, curvature_per_m, friction, chosen_object, trial_result.reaction_s, "
+        "response.uncertainty_s, session_kind, input, done_s FROM trial_result JOIN response USING "
+        "(trial_id) ORDER BY plan_position");
+    auto picture = database.prepare("SELECT picture_object FROM picture WHERE picture_place = 1");
     REQUIRE(picture.step());
     int trials = 0;
     while (row.step()) {

@@ -34,15 +34,15 @@ TEST_CASE("Python computes every column of the views again, and notices a change
     CHECK_THAT(same.out, ContainsSubstring("values, 0 differences"));
     const std::string copy = folder.file("copy.sqlite");
     for (const char* edit :
-         {"UPDATE trial SET strokes = strokes + 1 WHERE id = 2",
-          "UPDATE trial SET slip_ticks = slip_ticks - 1 WHERE id = 2",
-          "UPDATE trial SET before_vertex_ticks = before_vertex_ticks + 1 WHERE id = 2",
-          "UPDATE trial SET mean_speed_m_per_s = mean_speed_m_per_s * 1.0001 WHERE id = 2",
-          "UPDATE trial SET late_ticks = 1 WHERE id = 2",
-          "UPDATE presentation SET path_length_m = path_length_m * 1.0001 WHERE trial = 2",
-          "DROP VIEW confusion; CREATE VIEW confusion AS SELECT study, kind, friction, object, "
-          "choice, count(*) + 1 AS n FROM trial_result WHERE phase = 'main' GROUP BY 1, 2, 3, 4, "
-          "5"}) {
+         {"UPDATE trial SET strokes = strokes + 1 WHERE trial_id = 2",
+          "UPDATE trial SET slip_ticks = slip_ticks - 1 WHERE trial_id = 2",
+          "UPDATE trial SET before_vertex_ticks = before_vertex_ticks + 1 WHERE trial_id = 2",
+          "UPDATE trial SET mean_speed_m_per_s = mean_speed_m_per_s * 1.0001 WHERE trial_id = 2",
+          "UPDATE trial SET late_ticks = 1 WHERE trial_id = 2",
+          "UPDATE presentation SET path_length_m = path_length_m * 1.0001 WHERE trial_id = 2",
+          "DROP VIEW confusion; CREATE VIEW confusion AS SELECT study_name, session_kind, "
+          "friction, planned_object, chosen_object, count(*) + 1 AS n FROM trial_result WHERE "
+          "phase = 'main' GROUP BY 1, 2, 3, 4, 5"}) {
         std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
         data::Database(copy, data::Access::write).execute(edit);
         CAPTURE(edit);

@@ -29,8 +29,8 @@ TEST_CASE("every recorded force comes back to the bit from the database alone", 
     text.step();
     const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
     auto trial = database.prepare(
-        "SELECT trial.id, plan.object, plan.friction, slip_decay, heal_decay FROM trial"
-        " JOIN plan ON plan.session = trial.session AND plan.position = trial.position");
+        "SELECT trial.trial_id, plan.planned_object, plan.friction, slip_decay, heal_decay FROM "
+        "trial JOIN plan USING (session_id, plan_position)");
     int replayed = 0;
     while (trial.step()) {
         const auto index = [&](const auto& list, const std::string& name) {
@@ -79,7 +79,8 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one", 
     }
     const auto choices = [](data::Database& database) {
         auto row = database.prepare(
-            "SELECT group_concat(choice) FROM (SELECT choice FROM trial_result ORDER BY position)");
+            "SELECT group_concat(chosen_object) FROM (SELECT chosen_object FROM trial_result ORDER "
+            "BY plan_position)");
         row.step();
         return row.text(0);
     };

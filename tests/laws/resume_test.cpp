@@ -45,9 +45,8 @@ std::unique_ptr<Process> run_into_trial(const std::string& file, std::int64_t po
         try {
             data::Database database(file, data::Access::read);
             auto row = database.prepare(
-                "SELECT coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk JOIN trial ON "
-                "trial.id = trial"
-                " WHERE position = ?1 AND outcome = 'running'");
+                "SELECT coalesce(sum(trace_chunk.ticks), 0) FROM trace_chunk JOIN trial USING "
+                "(trial_id) WHERE plan_position = ?1 AND outcome = 'running'");
             row.bind(1, position).step();
             if (row.integer(0) >= 512) {
                 return process;
@@ -70,8 +69,8 @@ std::vector<std::vector<engine::TickRecord>> answered_traces(const std::string& 
 std::string answers(const std::string& file) {
     data::Database database(file, data::Access::read);
     auto row = database.prepare(
-        "SELECT position, object, friction, choice, reaction_s FROM trial_result ORDER BY "
-        "position");
+        "SELECT plan_position, planned_object, friction, chosen_object, reaction_s FROM "
+        "trial_result ORDER BY plan_position");
     std::string text;
     while (row.step()) {
         for (int i = 0; i < 5; ++i) {
@@ -193,7 +192,7 @@ TEST_CASE("an interrupt ends the session cleanly: trial kept as aborted, exit co
     CHECK_THAT(stopped.out, ContainsSubstring("goes on there"));
     {
         data::Database database(file, data::Access::read);
-        auto row = database.prepare("SELECT id, ticks FROM trial WHERE outcome = 'aborted'");
+        auto row = database.prepare("SELECT trial_id, ticks FROM trial WHERE outcome = 'aborted'");
         REQUIRE(row.step());
         const auto trace = data::read_trace(database, row.integer(0));
         CHECK(glm::length(trace.back().command) < 1e-9);  // ramped out
@@ -212,7 +211,7 @@ TEST_CASE("two programs cannot run one session at once", "[crash]") {
     CHECK(process->wait().code == 0);  // and the first does not notice
     CHECK(number(file, "SELECT count(*) FROM trial") == 10);
     CHECK(number(file, "SELECT count(*) FROM trial WHERE outcome <> 'complete'") == 0);
-    CHECK(number(file, "SELECT count(*) FROM event WHERE kind = 'interrupted'") == 0);
+    CHECK(number(file, "SELECT count(*) FROM event WHERE event_kind = 'interrupted'") == 0);
 }
 
 // The first has opened the session and is held up where it says so: its output is a pipe nobody empties.
@@ -233,5 +232,5 @@ TEST_CASE("a program that is held up before its first trial keeps its session", 
     }));
     CHECK(first->wait().code == 0);
     CHECK(number(file, "SELECT count(*) FROM response") == 10);
-    CHECK(number(file, "SELECT count(DISTINCT position) FROM trial") == 10);
+    CHECK(number(file, "SELECT count(DISTINCT plan_position) FROM trial") == 10);
 }

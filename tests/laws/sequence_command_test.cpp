@@ -17,8 +17,8 @@ namespace {
 /// The plan of a recorded session, as `palpate sequence --csv` writes it but for the block.
 std::string recorded_plan(data::Database& database, std::int64_t session) {
     auto row = database.prepare(
-        "SELECT position, phase, object, curvature_per_m, friction, mu_s, mu_d, break_before"
-        " FROM plan WHERE session = ?1 ORDER BY position");
+        "SELECT plan_position, phase, planned_object, curvature_per_m, friction, mu_s, mu_d, "
+        "break_before FROM plan WHERE session_id = ?1 ORDER BY plan_position");
     row.bind(1, session);
     std::string text =
         "position,phase,block,object,curvature_per_m,friction,mu_s,mu_d,break_before\n";
@@ -30,7 +30,8 @@ std::string recorded_plan(data::Database& database, std::int64_t session) {
 }
 
 std::string recorded_pictures(data::Database& database, std::int64_t session) {
-    auto row = database.prepare("SELECT object FROM picture WHERE session = ?1 ORDER BY place");
+    auto row = database.prepare(
+        "SELECT picture_object FROM picture WHERE session_id = ?1 ORDER BY picture_place");
     row.bind(1, session);
     std::string text = "pictures, left to right:";
     while (row.step()) {
@@ -40,7 +41,7 @@ std::string recorded_pictures(data::Database& database, std::int64_t session) {
 }
 
 std::string recorded_hash(data::Database& database, std::int64_t session) {
-    auto row = database.prepare("SELECT plan_sha256 FROM session WHERE id = ?1");
+    auto row = database.prepare("SELECT plan_sha256 FROM session WHERE session_id = ?1");
     row.bind(1, session).step();
     return row.text(0);
 }
@@ -84,7 +85,7 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
     REQUIRE(palpate_command(run_words("P1", file)).code == 0);
     {  // as if a person had been there: the next row of pictures depends on it
         data::Database database(file, data::Access::write);
-        database.execute("UPDATE session SET kind = 'real'");
+        database.execute("UPDATE session SET session_kind = 'real'");
     }
     const std::vector<std::string> next = {
         "shape_friction_demo", "--participant", "P2", "--db", file, "--seed", "5"};
@@ -157,7 +158,8 @@ TEST_CASE("sequence prints the exact plan of a file, and an example without one"
     CHECK(sequence("P02", true).out == next);
     data::Database database(file, data::Access::read);
     auto row = database.prepare(
-        "SELECT position || ',' || phase || ',0,' || object FROM plan WHERE session = 2");
+        "SELECT plan_position || ',' || phase || ',0,' || planned_object FROM plan WHERE "
+        "session_id = 2");
     while (row.step()) {
         CHECK_THAT(next, ContainsSubstring('\n' + row.text(0)));
     }

@@ -77,11 +77,11 @@ TEST_CASE(
         data::Database database(db, data::Access::read);
         CHECK(number(database, "SELECT count(*) FROM plan") == one.trials);
         CHECK(number(database,
-                     "SELECT count(*) FROM response JOIN trial ON trial.id = trial"
-                     " WHERE invalid IS NULL") == one.trials);
+                     "SELECT count(*) FROM response JOIN trial USING (trial_id) WHERE "
+                     "invalid_reason IS NULL") == one.trials);
         CHECK(number(database,
-                     "SELECT count(*) FROM presentation JOIN trial ON trial.id = trial"
-                     " JOIN response USING (trial) WHERE invalid IS NULL") == one.intervals);
+                     "SELECT count(*) FROM presentation JOIN trial USING (trial_id) JOIN response "
+                     "USING (trial_id) WHERE invalid_reason IS NULL") == one.intervals);
         CHECK(number(database, "SELECT count(*) FROM adaptive_trial") == one.steps);
     }
     const Finished verify = palpate_command({"verify", db});

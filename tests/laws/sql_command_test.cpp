@@ -50,21 +50,22 @@ bool loadable() {
 
 /// Columns of every kind, of one trial and of all.
 const char* const kQueries[] = {
-    "SELECT tick, t_s, x_m, vy_m_per_s, fn_n, ft_n, fx_n, mu, flags, code_1 FROM sample WHERE "
+    "SELECT tick, time_s, hip_x_m, hip_vy_m_per_s, rendered_normal_n, rendered_tangential_n, "
+    "commanded_x_n, mu, flags, code_1 FROM sample WHERE "
     "trial_id = 3"
     " AND tick % 97 = 0",
-    "SELECT trial_id, count(*), avg(fn_n), sum(mode = 'slip'), max(vx_m_per_s) FROM sample GROUP "
+    "SELECT trial_id, count(*), avg(rendered_normal_n), sum(mode = 'slip'), max(hip_vx_m_per_s) "
+    "FROM sample GROUP "
     "BY trial_id",
     "SELECT clopper_pearson_low(7, 20), wilson_high(7, 20), d_prime(7, 20, 5), probit(0.1), "
     "normal_cdf(1)",
     "SELECT friction, median(path_length_m), stddev_samp(done_s), quantile(done_s, 0.9), "
     "share(correct)"
     " FROM trial_summary GROUP BY friction",
-    "SELECT trial, quantile(done_s, 0.5) OVER w, geometric_mean(done_s) OVER w, "
-    "stddev_samp(done_s) OVER"
-    " w, share(correct) OVER w, mutual_information(object, choice) OVER w, people_mean_low(done_s) "
-    "OVER"
-    " w FROM trial_summary WINDOW w AS (ORDER BY trial ROWS BETWEEN 3 PRECEDING AND 1 FOLLOWING)",
+    "SELECT trial_id, quantile(done_s, 0.5) OVER w, geometric_mean(done_s) OVER w, "
+    "stddev_samp(done_s) OVER w, share(correct) OVER w, mutual_information(planned_object, "
+    "chosen_object) OVER w, people_mean_low(done_s) OVER w FROM trial_summary WINDOW w AS (ORDER "
+    "BY trial_id ROWS BETWEEN 3 PRECEDING AND 1 FOLLOWING)",
 };
 
 /// Lines of comma-separated values are the same: numbers to the last of 15 digits, texts to the letter.

@@ -86,12 +86,12 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
                                      "the limit: move more slowly. The force is off"));
         CHECK_THAT(end.out, ContainsSubstring("fault: the handle was faster than the limit"));
         CHECK(lines(file, "PRAGMA integrity_check") == "ok\n");
-        CHECK(lines(file, "SELECT count(*) FROM fault WHERE cause = 'over_speed'") ==
+        CHECK(lines(file, "SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'") ==
               std::to_string(3 * run) + "\n");
         CHECK(lines(file, "SELECT count(*) FROM trial WHERE outcome <> 'faulted'") == "0\n");
-        CHECK(lines(file, "SELECT count(*) FROM event WHERE kind = 'gave up'") ==
+        CHECK(lines(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
               std::to_string(run) + "\n");
-        CHECK(lines(file, "SELECT count(*) FROM event WHERE kind = 'timing'") == "0\n");
+        CHECK(lines(file, "SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0\n");
     }
 }
 
@@ -111,8 +111,8 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
         REQUIRE(tests::eventually([&] {
             return !program.running() ||
                    lines(file,
-                         "SELECT count(*) FROM trial WHERE outcome = 'running' AND id IN "
-                         "(SELECT trial FROM trace_chunk)") == "1\n";
+                         "SELECT count(*) FROM trial WHERE outcome = 'running' AND trial_id IN "
+                         "(SELECT trial_id FROM trace_chunk)") == "1\n";
         }));
         for (const pid_t child : children_of(program.id())) {  // the board and the guard
             kill(child, SIGKILL);
@@ -128,9 +128,9 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
         CHECK(lines(file, "SELECT count(*) >= " + std::to_string(run) +
                               " FROM trial WHERE outcome = 'faulted'") == "1\n");
         CHECK(lines(file, "SELECT count(*) FROM trial WHERE outcome = 'running'") == "0\n");
-        CHECK(lines(file, "SELECT count(*) FROM event WHERE kind = 'gave up'") ==
+        CHECK(lines(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
               std::to_string(run) + "\n");
-        CHECK(lines(file, "SELECT count(*) > 0 FROM event WHERE kind = 'timing'") == "1\n");
+        CHECK(lines(file, "SELECT count(*) > 0 FROM event WHERE event_kind = 'timing'") == "1\n");
         if (run == 2) {
             CHECK_THAT(end.out, ContainsSubstring("Resuming at practice 1 of 10"));
         }

@@ -56,8 +56,8 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
     database.execute("PRAGMA foreign_keys = OFF");
     // Ids of the first two such trials; a position that was run again felt and answered the same.
     const auto two = [&](const std::string& where) {
-        auto row = database.prepare("SELECT min(id) FROM trial WHERE " + where +
-                                    " GROUP BY position ORDER BY 1 LIMIT 2");
+        auto row = database.prepare("SELECT min(trial_id) FROM trial WHERE " + where +
+                                    " GROUP BY plan_position ORDER BY 1 LIMIT 2");
         std::pair<std::int64_t, std::int64_t> ids;
         REQUIRE(row.step());
         ids.first = row.integer(0);
@@ -70,68 +70,68 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
                                     "session = 2 AND outcome IN ('complete', 'timed_out')"}) {
         const auto [a, b] = two(where);
         for (const std::string table : {"response", "presentation", "trace_chunk"}) {
-            edits.push_back(
-                fmt::format("UPDATE {0} SET trial = -trial WHERE trial IN ({1}, {2});"
-                            "UPDATE {0} SET trial = {1} + {2} + trial WHERE trial < 0",
-                            table, a, b));
+            edits.push_back(fmt::format(
+                "UPDATE {0} SET trial_id = -trial_id WHERE trial_id IN ({1}, {2});UPDATE {0} SET "
+                "trial_id = {1} + {2} + trial_id WHERE trial_id < 0",
+                table, a, b));
         }
-        edits.push_back(fmt::format(
-            "UPDATE trace_chunk SET (ticks, crc32, derived, holds, data) = (SELECT ticks, "
-            "crc32, derived, holds, data FROM trace_chunk AS other WHERE trial = {} LIMIT "
-            "1) WHERE trial = {} AND interval = 1",
-            a, b));
         edits.push_back(
-            fmt::format("UPDATE trial SET id = -id WHERE id IN ({0}, {1});"
-                        "UPDATE trial SET id = {0} + {1} + id WHERE id < 0",
+            fmt::format("UPDATE trace_chunk SET (ticks, crc32, derived, holds, data) = (SELECT "
+                        "ticks, crc32, derived, holds, data FROM trace_chunk AS other WHERE "
+                        "trial_id = {} LIMIT 1) WHERE trial_id = {} AND interval = 1",
+                        a, b));
+        edits.push_back(
+            fmt::format("UPDATE trial SET trial_id = -trial_id WHERE trial_id IN ({0}, {1});UPDATE "
+                        "trial SET trial_id = {0} + {1} + trial_id WHERE trial_id < 0",
                         a, b));
     }
     const auto [mine, other] = std::pair(two("session = 1 AND fault IS NULL").first,
                                          two("session = 2 AND fault IS NULL").first);
     edits.push_back(fmt::format(  // from another session
         "UPDATE trace_chunk SET (ticks, crc32, derived, holds, data) = (SELECT ticks, crc32, "
-        "derived, "
-        "holds, data FROM trace_chunk WHERE trial = {}) WHERE trial = {}",
+        "derived, holds, data FROM trace_chunk WHERE trial_id = {}) WHERE trial_id = {}",
         other, mine));
-    for (const std::string last : {"SELECT max(id) FROM trial WHERE session = 1",
-                                   "SELECT max(id) FROM trial WHERE session = 2"}) {
+    for (const std::string last : {"SELECT max(trial_id) FROM trial WHERE session_id = 1",
+                                   "SELECT max(trial_id) FROM trial WHERE session_id = 2"}) {
         std::string all;
         for (const char* table :
              {"response", "presentation", "trace_chunk", "fault_tick", "adaptive_step", "event"}) {
-            all += fmt::format("DELETE FROM {} WHERE trial = ({});", table, last);
+            all += fmt::format("DELETE FROM {} WHERE trial_id = ({});", table, last);
         }
-        edits.push_back(all + fmt::format("DELETE FROM trial WHERE id = ({})", last));
+        edits.push_back(all + fmt::format("DELETE FROM trial WHERE trial_id = ({})", last));
     }
     for (const char* edit :
-         {"INSERT INTO trial (id, session, position, attempt, outcome, slip_decay, heal_decay, "
-          "started_utc) SELECT 99, session, position, attempt + 7, 'interrupted', slip_decay, "
-          "heal_decay, started_utc FROM trial WHERE id = 2",
+         {"INSERT INTO trial (trial_id, session_id, plan_position, attempt, outcome, slip_decay, "
+          "heal_decay, started_utc) SELECT 99, session_id, plan_position, attempt + 7, "
+          "'interrupted', slip_decay, heal_decay, started_utc FROM trial WHERE trial_id = 2",
           "INSERT INTO session_provenance VALUES (1, 'zz', 'x')",
           "INSERT INTO picture VALUES (2, 0, 'straight')",
-          "INSERT INTO plan SELECT session, 90, phase, object, friction, mu_s, mu_d, break_before, "
-          "block, curvature_per_m FROM plan WHERE session = 1 AND position = 3",
-          "INSERT INTO adaptive_step SELECT 2, outcome, estimate, estimates, state_sha256 FROM "
-          "adaptive_step LIMIT 1",
-          "INSERT INTO trace_chunk SELECT trial, 2, first_tick, ticks, codec, period_ns, holds, "
-          "crc32, derived, data FROM trace_chunk WHERE trial = 2",
-          "DELETE FROM event WHERE id = (SELECT min(id) FROM event)",
-          "DELETE FROM presentation WHERE trial = 2",
-          "DELETE FROM adaptive_plan WHERE position = 2",
-          "DELETE FROM adaptive_step WHERE trial = (SELECT max(trial) FROM adaptive_step)",
-          "UPDATE trial SET chain = NULL, chain_events = NULL",
+          "INSERT INTO plan SELECT session_id, 90, phase, planned_object, friction, mu_s, mu_d, "
+          "break_before, block, curvature_per_m FROM plan WHERE session_id = 1 AND plan_position = "
+          "3",
+          "INSERT INTO adaptive_step SELECT 2, rule_outcome, estimate, estimates, state_sha256 "
+          "FROM adaptive_step LIMIT 1",
+          "INSERT INTO trace_chunk SELECT trial_id, 2, first_tick, ticks, codec, period_ns, holds, "
+          "crc32, derived, data FROM trace_chunk WHERE trial_id = 2",
+          "DELETE FROM event WHERE event_id = (SELECT min(event_id) FROM event)",
+          "DELETE FROM presentation WHERE trial_id = 2",
+          "DELETE FROM adaptive_plan WHERE plan_position = 2",
+          "DELETE FROM adaptive_step WHERE trial_id = (SELECT max(trial_id) FROM adaptive_step)",
+          "UPDATE trial SET seal = NULL, seal_events = NULL",
           "DROP VIEW confusion; CREATE VIEW confusion AS SELECT * FROM trial_result",
           "DROP VIEW session_health",
-          "UPDATE session SET kind = 'pilot' WHERE id = 2",
-          "UPDATE session SET seed = '7' WHERE id = 1",
-          "UPDATE plan SET phase = 'catch' WHERE position = 1",
+          "UPDATE session SET session_kind = 'pilot' WHERE session_id = 2",
+          "UPDATE session SET seed = '7' WHERE session_id = 1",
+          "UPDATE plan SET phase = 'catch' WHERE plan_position = 1",
           "UPDATE trial SET outcome = 'complete' WHERE outcome = 'timed_out'",
-          "UPDATE response SET input = 'key' WHERE trial = (SELECT max(trial) FROM response)",
+          "UPDATE response SET input = 'key' WHERE trial_id = (SELECT max(trial_id) FROM response)",
           "UPDATE trace_column SET type = 'u8' WHERE codec = 1 AND name = 'tick'",
           "UPDATE trace_column SET rule = 'plain' WHERE codec = 1 AND name = 'tick'",
           "UPDATE trace_column SET part = 'hip' WHERE codec = 1 AND name = 'tick'",
           "ALTER TABLE response ADD COLUMN fake REAL DEFAULT 5",
           "CREATE TRIGGER t AFTER INSERT ON response BEGIN UPDATE response SET correct = 1; END",
-          "CREATE TABLE Sample (trial_id, fn_n)",
-          "CREATE VIEW sample AS SELECT 1 AS fn_n"}) {
+          "CREATE TABLE Sample (trial_id, rendered_normal_n)",
+          "CREATE VIEW sample AS SELECT 1 AS rendered_normal_n"}) {
         edits.emplace_back(edit);
     }
     for (const std::string& edit : edits) {
@@ -157,7 +157,7 @@ TEST_CASE("what hides the ticks is said, and no query is answered by it", "[veri
     };
     CHECK(ask().code == 0);
     data::Database(file, data::Access::write)
-        .execute("CREATE VIEW sample AS SELECT 1 AS trial_id, 5 AS fn_n");
+        .execute("CREATE VIEW sample AS SELECT 1 AS trial_id, 5 AS rendered_normal_n");
     CHECK(ask().code == 1);
     CHECK_THAT(ask().error, ContainsSubstring("called sample, which hides the ticks: rename it"));
     const auto verified = palpate_command({"verify", file});

@@ -131,7 +131,7 @@ TEST_CASE("any changed value of a result, and any changed bit of a trace, is rep
     CHECK(check_edits(database, result_columns(database, {"plan"}), 60, 2) > 40);
     CHECK(check_edits(database, {"trace_chunk.data"}, 200, 3) == 200);
     CHECK(check_edits(database,
-                      {"trace_chunk.trial", "trace_chunk.first_tick", "trace_chunk.ticks",
+                      {"trace_chunk.trial_id", "trace_chunk.first_tick", "trace_chunk.ticks",
                        "trace_chunk.crc32", "trace_chunk.interval", "trace_chunk.codec",
                        "trace_chunk.period_ns", "trace_chunk.holds", "trace_chunk.derived"},
                       100, 4) > 50);
@@ -148,10 +148,11 @@ TEST_CASE(
         tests::Random random(seed);
         const Undone undone(database);
         const std::int64_t row = a_row(database, "trace_chunk", random);
-        tests::repack(database, row,
-                      {"tick", "time_ns", "mode", "feature", "parameter", "cp_x_m", "cp_y_m",
-                       "go_x_m", "go_y_m", "fx_n", "fy_n", "fn_n", "ft_n", "mu"},
-                      random);
+        tests::repack(
+            database, row,
+            {"tick", "time_s", "mode", "segment", "u", "cp_x_m", "cp_y_m", "go_x_m", "go_y_m",
+             "rendered_x_n", "rendered_y_n", "rendered_normal_n", "rendered_tangential_n", "mu"},
+            random);
         const data::Verification found = data::verify(database);
         CAPTURE(seed, row);
         CHECK(found.count(FindingKind::differs) > 0);
@@ -185,10 +186,10 @@ TEST_CASE("a row that is gone is reported", "[verify][law]") {
           "UPDATE session_provenance SET value = replace(value, '50', '51') WHERE key = "
           "'calibration'",
           "DELETE FROM session_provenance WHERE key = 'calibration sha256'",
-          "DELETE FROM trace_chunk WHERE rowid IN (SELECT rowid FROM trace_chunk WHERE trial = 2"
-          " ORDER BY first_tick DESC LIMIT 1)",
-          "DELETE FROM response WHERE trial = 3; DELETE FROM trace_chunk WHERE trial = 3;"
-          "DELETE FROM trial WHERE id = 3"}) {
+          "DELETE FROM trace_chunk WHERE rowid IN (SELECT rowid FROM trace_chunk WHERE trial_id = "
+          "2 ORDER BY first_tick DESC LIMIT 1)",
+          "DELETE FROM response WHERE trial_id = 3; DELETE FROM trace_chunk WHERE trial_id = "
+          "3;DELETE FROM trial WHERE trial_id = 3"}) {
         const Undone undone(database);
         database.execute(gone);
         CAPTURE(gone);
@@ -207,14 +208,15 @@ TEST_CASE("a session whose device trips verifies as that, and its last ticks are
     CHECK(text_of(found).empty());
     REQUIRE(found.sessions.size() == 1);
     CHECK(found.sessions[0].replayed > 100);
-    auto faults = database.prepare("SELECT count(*) FROM fault WHERE cause = 'over_speed'");
+    auto faults = database.prepare("SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'");
     faults.step();
     REQUIRE(faults.integer(0) > 0);
     faults.reset();
     CHECK(check_edits(database, result_columns(database, {"fault_tick"}), 80, 5) > 60);
-    for (const char* wrong : {"UPDATE trial SET fault = 'late'", "UPDATE trial SET fault = NULL",
-                              "UPDATE trial SET outcome = 'aborted', fault = NULL",
-                              "DELETE FROM fault_tick WHERE trial = 1 AND tick % 7 = 0"}) {
+    for (const char* wrong :
+         {"UPDATE trial SET fault_cause = 'late'", "UPDATE trial SET fault_cause = NULL",
+          "UPDATE trial SET outcome = 'aborted', fault_cause = NULL",
+          "DELETE FROM fault_tick WHERE trial_id = 1 AND tick % 7 = 0"}) {
         const Undone undone(database);
         database.execute(wrong);
         CAPTURE(wrong);
@@ -236,7 +238,7 @@ TEST_CASE(
         try {
             data::Database database(file, data::Access::read);
             auto row = database.prepare(
-                "SELECT coalesce(sum(ticks), 0) / 256 FROM trace_chunk WHERE trial >= ?1");
+                "SELECT coalesce(sum(ticks), 0) / 256 FROM trace_chunk WHERE trial_id >= ?1");
             row.bind(1, trial).step();
             return row.integer(0);
         } catch (const data::StoreError&) {
@@ -290,13 +292,13 @@ TEST_CASE(
     const std::string file = folder.file("a.sqlite");
     REQUIRE(palpate_command(run_words(folder, "a.sqlite")).code == 0);
     data::Database(file, data::Access::write)
-        .execute("UPDATE response SET correct = 1 - correct WHERE trial = 2");
+        .execute("UPDATE response SET correct = 1 - correct WHERE trial_id = 2");
     const Finished wrong = palpate_command({"verify", file});
     CAPTURE(wrong.out);
     CHECK(wrong.code == 1);
     CHECK_THAT(wrong.out, ContainsSubstring("  differs  trial 2, response.correct: stored ") &&
                               ContainsSubstring(", recomputed ") &&
-                              ContainsSubstring("trial 2, trial.chain: stored ") &&
+                              ContainsSubstring("trial 2, trial.seal: stored ") &&
                               ContainsSubstring("\n2 differences. Take what differs"));
     CHECK(palpate_command({"verify", folder.file("p.toml")}).code == 2);
     std::ofstream(folder.file("empty")).flush();

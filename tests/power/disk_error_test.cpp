@@ -100,9 +100,9 @@ TEST_CASE(
         CHECK_THAT(said,
                    ContainsSubstring("a.sqlite: its disk does not have the 16 MB that a trial") &&
                        ContainsSubstring("free some space"));
-        CHECK(lines(database, "SELECT outcome FROM trial WHERE id >= 2") == "timed_out \n");
-        CHECK(number(database, "SELECT sum(ticks) FROM presentation WHERE trial = 2") <=
-              number(database, "SELECT sum(ticks) FROM trace_chunk WHERE trial = 2"));
+        CHECK(lines(database, "SELECT outcome FROM trial WHERE trial_id >= 2") == "timed_out \n");
+        CHECK(number(database, "SELECT sum(ticks) FROM presentation WHERE trial_id = 2") <=
+              number(database, "SELECT sum(ticks) FROM trace_chunk WHERE trial_id = 2"));
         CHECK(wrong(database) == "");
     }
     constexpr std::int64_t kPlenty = 1'000'000'000;
@@ -147,7 +147,7 @@ TEST_CASE("a call that the disk refuses at any moment loses nothing that was sai
         REQUIRE(lines(database, "PRAGMA integrity_check") == "ok \n");
         CHECK(number(database, "SELECT count(*) FROM response") >=
               static_cast<std::int64_t>(promised.answered));
-        CHECK(number(database, fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial = {}",
+        CHECK(number(database, fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {}",
                                            promised.trial)) >= promised.ticks);
         if (!promised.finished) {
             CHECK(run(database, spec, [](protocols::Recorder& recorder) -> protocols::Recorder& {

@@ -59,10 +59,10 @@ void check_left(const std::string& file,
     CHECK(number(database, "SELECT count(*) FROM response") >=
           static_cast<std::int64_t>(promised.answered));
     CHECK(number(database, "SELECT count(*) FROM trial") >= promised.trial);
-    CHECK(
-        number(database,
-               fmt::format("SELECT sum(ticks) FROM trace_chunk WHERE trial = {} AND interval = {}",
-                           promised.trial, promised.interval)) >= promised.ticks);
+    CHECK(number(database,
+                 fmt::format(
+                     "SELECT sum(ticks) FROM trace_chunk WHERE trial_id = {} AND interval = {}",
+                     promised.trial, promised.interval)) >= promised.ticks);
     CHECK((!promised.finished || number(database, "SELECT finished FROM session") == 1));
     CHECK(wrong(database) == "");
     const std::size_t running = static_cast<std::size_t>(

@@ -115,18 +115,17 @@ inline std::string lines(data::Database& database, const char* sql) {
 /// All that was felt and answered, to the bit; not when, and not in how many attempts.
 inline std::string content(data::Database& database) {
     return lines(database,
-                 "SELECT position, response.object, place, correct, reaction_s, done_s, "
-                 "path_length_m,"
-                 " energy_j FROM trial JOIN response ON trial.id = response.trial ORDER BY "
-                 "position") +
-           lines(
-               database,
-               "SELECT position, interval, first_tick, trace_chunk.ticks, crc32, derived FROM trial"
-               " JOIN response ON trial.id = response.trial JOIN trace_chunk ON trial.id ="
-               " trace_chunk.trial ORDER BY position, interval, first_tick") +
+                 "SELECT plan_position, response.chosen_object, chosen_place, correct, reaction_s, "
+                 "done_s, path_length_m, energy_j FROM trial JOIN response ON trial.trial_id = "
+                 "response.trial_id ORDER BY plan_position") +
            lines(database,
-                 "SELECT position, stimulus, outcome, estimates, state_sha256 FROM adaptive_trial"
-                 " ORDER BY position") +
+                 "SELECT plan_position, interval, first_tick, trace_chunk.ticks, crc32, derived "
+                 "FROM trial JOIN response ON trial.trial_id = response.trial_id JOIN trace_chunk "
+                 "ON trial.trial_id = trace_chunk.trial_id ORDER BY plan_position, interval, "
+                 "first_tick") +
+           lines(database,
+                 "SELECT plan_position, stimulus, rule_outcome, estimates, state_sha256 FROM "
+                 "adaptive_trial ORDER BY plan_position") +
            lines(database, "SELECT finished FROM session");
 }
 

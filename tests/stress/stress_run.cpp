@@ -162,7 +162,7 @@ Case shrunk(Case c, const Breach& breach) {
 }
 
 std::string path_text(const Case& c) {
-    std::string text = "t_s,x_m,y_m\n";
+    std::string text = "time_s,hip_x_m,hip_y_m\n";
     for (std::size_t i = 0; i < c.path.size(); ++i) {
         const Vec2& h = c.path[i];
         if (std::isfinite(h.x) && std::isfinite(h.y)) {

@@ -123,7 +123,7 @@ inline void repack(data::Database& database,
                    const std::set<std::string>& columns,
                    Random& random) {
     auto old = database.prepare(
-        "SELECT trial, first_tick, ticks, period_ns FROM trace_chunk WHERE rowid = ?1");
+        "SELECT trial_id, first_tick, ticks, period_ns FROM trace_chunk WHERE rowid = ?1");
     old.bind(1, row);
     REQUIRE(old.step());
     const auto all = data::TraceReader(database).stored(old.integer(0));

@@ -35,8 +35,8 @@ public:
     /// Something that happens in a session.
     void step(Random& random) {
         data::Database database(file_, data::Access::write);
-        auto row =
-            database.prepare("SELECT id, outcome FROM trial WHERE session = ?1 ORDER BY id DESC");
+        auto row = database.prepare(
+            "SELECT trial_id, outcome FROM trial WHERE session_id = ?1 ORDER BY trial_id DESC");
         row.bind(1, session_);
         const bool any = row.step();
         const std::int64_t last = any ? row.integer(0) : 0;
@@ -65,9 +65,9 @@ private:
     void begin(data::Database& database, Random& random) {
         database
             .prepare(
-                "INSERT INTO trial (session, position, attempt, outcome, slip_decay, heal_decay,"
-                " started_utc) SELECT ?1, ?2, 1 + count(*), 'running', 0.5, 0.25, ?3 FROM trial"
-                " WHERE session = ?1 AND position = ?2")
+                "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
+                "heal_decay, started_utc) SELECT ?1, ?2, 1 + count(*), 'running', 0.5, 0.25, ?3 "
+                "FROM trial WHERE session_id = ?1 AND plan_position = ?2")
             .bind(1, session_)
             .bind(2, std::int64_t{random.below(6)})
             .bind(3, data::utc_now())
@@ -78,16 +78,18 @@ private:
                                            static_cast<std::byte>(random.below(256)));
         database
             .prepare(
-                "INSERT INTO trace_chunk (trial, interval, first_tick, ticks, codec, period_ns,"
-                " holds, crc32, derived, data) SELECT ?1, 1, coalesce(max(first_tick), -256) + 256,"
-                " 256, 1, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial = ?1")
+                "INSERT INTO trace_chunk (trial_id, interval, first_tick, ticks, codec, period_ns, "
+                "holds, crc32, derived, data) SELECT ?1, 1, coalesce(max(first_tick), -256) + 256, "
+                "256, 1, 1000000, '', 0, 0, ?2 FROM trace_chunk WHERE trial_id = ?1")
             .bind(1, trial)
             .bind(2, std::span<const std::byte>(bytes))
             .run();
     }
     void end(data::Database& database, std::int64_t trial, Random& random) {
         const bool answered = random.below(4) != 0;
-        database.prepare("UPDATE trial SET outcome = ?2, done_s = ?3, ended_utc = ?4 WHERE id = ?1")
+        database
+            .prepare(
+                "UPDATE trial SET outcome = ?2, done_s = ?3, ended_utc = ?4 WHERE trial_id = ?1")
             .bind(1, trial)
             .bind(2, std::string_view(answered ? "complete" : "aborted"))
             .bind(3, random.in(0.0, 9.0))
@@ -96,9 +98,9 @@ private:
         if (answered) {
             database
                 .prepare(
-                    "INSERT INTO response (trial, place, object, correct, reaction_s, "
-                    "uncertainty_s, input, answer) VALUES (?1, 0, 'straight', 1, ?2, 0.0, 'key', "
-                    "0)")
+                    "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, "
+                    "reaction_s, uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, "
+                    "?2, 0.0, 'key', 0)")
                 .bind(1, trial)
                 .bind(2, random.in(0.1, 3.0))
                 .run();

@@ -79,20 +79,41 @@ inline std::string error_of(data::Database& database, const std::string& sql) {
 /// As if trial 3 of the demo had had a second interval, with the same ticks.
 inline void add_interval(data::Database& database) {
     database.execute(
-        "INSERT INTO trace_chunk SELECT trial, 2, first_tick, ticks, codec, period_ns, holds, "
-        "crc32, derived, data FROM trace_chunk WHERE trial = 3;"
-        "CREATE TEMP TABLE second AS SELECT * FROM presentation WHERE trial = 3;"
-        "UPDATE second SET interval = 2; INSERT INTO presentation SELECT * FROM second;"
-        "DROP TABLE second");
+        "INSERT INTO trace_chunk SELECT trial_id, 2, first_tick, ticks, codec, period_ns, holds, "
+        "crc32, derived, data FROM trace_chunk WHERE trial_id = 3;CREATE TEMP TABLE second AS "
+        "SELECT * FROM presentation WHERE trial_id = 3;UPDATE second SET interval = 2; INSERT INTO "
+        "presentation SELECT * FROM second;DROP TABLE second");
 }
 
 inline const std::vector<std::string>& sample_columns() {
-    static const std::vector<std::string> names{
-        "trial_id",     "interval",     "tick",   "t_s",    "x_m",         "y_m",
-        "vx_m_per_s",   "vy_m_per_s",   "cp_x_m", "cp_y_m", "go_x_m",      "go_y_m",
-        "mode",         "segment",      "u",      "mu",     "fn_n",        "ft_n",
-        "rendered_x_n", "rendered_y_n", "fx_n",   "fy_n",   "lateness_us", "flags",
-        "count_1",      "count_2",      "code_1", "code_2"};
+    static const std::vector<std::string> names{"trial_id",
+                                                "interval",
+                                                "tick",
+                                                "time_s",
+                                                "count_1",
+                                                "count_2",
+                                                "code_1",
+                                                "code_2",
+                                                "lateness_us",
+                                                "flags",
+                                                "mode",
+                                                "segment",
+                                                "u",
+                                                "hip_x_m",
+                                                "hip_y_m",
+                                                "cp_x_m",
+                                                "cp_y_m",
+                                                "go_x_m",
+                                                "go_y_m",
+                                                "rendered_x_n",
+                                                "rendered_y_n",
+                                                "commanded_x_n",
+                                                "commanded_y_n",
+                                                "rendered_normal_n",
+                                                "rendered_tangential_n",
+                                                "mu",
+                                                "hip_vx_m_per_s",
+                                                "hip_vy_m_per_s"};
     return names;
 }
 
@@ -117,31 +138,31 @@ inline std::vector<SampleRow> expected_rows(data::Database& database,
         rows.push_back({std::to_string(trial),
                         std::to_string(interval),
                         std::to_string(t.tick),
-                        exactly(static_cast<double>(t.time_ns) * 1e-9),
+                        exactly(static_cast<double>(t.time_ns) / 1e9),
+                        std::to_string(t.counts[0]),
+                        std::to_string(t.counts[1]),
+                        std::to_string(t.codes[0]),
+                        std::to_string(t.codes[1]),
+                        exactly(static_cast<double>(t.lateness_us)),
+                        std::to_string(t.flags),
+                        modes[static_cast<std::size_t>(t.mode)],
+                        std::to_string(t.feature),
+                        exactly(t.parameter),
                         exactly(t.hip.x),
                         exactly(t.hip.y),
-                        exactly(v.x),
-                        exactly(v.y),
                         exactly(t.cp.x),
                         exactly(t.cp.y),
                         exactly(t.go.x),
                         exactly(t.go.y),
-                        modes[static_cast<std::size_t>(t.mode)],
-                        std::to_string(t.feature),
-                        exactly(t.parameter),
-                        exactly(t.mu),
-                        exactly(t.normal_force),
-                        exactly(t.tangential_force),
                         exactly(t.force.x),
                         exactly(t.force.y),
                         steps_of(t.command.x),
                         steps_of(t.command.y),
-                        exactly(static_cast<double>(t.lateness_us)),
-                        std::to_string(t.flags),
-                        std::to_string(t.counts[0]),
-                        std::to_string(t.counts[1]),
-                        std::to_string(t.codes[0]),
-                        std::to_string(t.codes[1])});
+                        exactly(t.normal_force),
+                        exactly(t.tangential_force),
+                        exactly(t.mu),
+                        exactly(v.x),
+                        exactly(v.y)});
     }
     return rows;
 }

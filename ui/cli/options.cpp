@@ -354,11 +354,12 @@ Options parse_command_line(int argc, const char* const* argv) {
     add_calibrate(app, chosen);
     add_doctor(app, chosen);
     add_emulator(app, chosen);
-    add_scene_command<RenderOptions>(app, chosen, "render",
-                                     "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
-                                     "TRAJECTORY");
-    add_scene_command<ClosestOptions>(app, chosen, "closest",
-                                      "Global closest points of a scene (x_m,y_m[,z_m])", "POINTS");
+    add_scene_command<RenderOptions>(
+        app, chosen, "render",
+        "Feel a trajectory (time_s,hip_x_m,hip_y_m[,hip_z_m]): forces tick by tick", "TRAJECTORY");
+    add_scene_command<ClosestOptions>(
+        app, chosen, "closest", "Global closest points of a scene (hip_x_m,hip_y_m[,hip_z_m])",
+        "POINTS");
     add_figures(app, chosen);
     add_procedure(app, chosen);
     add_screenshots(app, chosen);

@@ -14,7 +14,7 @@
 namespace palpate::ui {
 namespace {
 
-constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "z_m"};
+constexpr std::array<std::string_view, 4> kColumns{"time_s", "hip_x_m", "hip_y_m", "hip_z_m"};
 
 /// The columns that points of so many dimensions need, with or without time before them.
 data::NumberTable read_points(const std::string& file, int dimension, bool with_time) {

@@ -144,9 +144,9 @@ std::string run_summary(data::Database& database,
                         std::int64_t after,
                         double minutes) {
     data::Statement row = database.prepare(
-        "SELECT count(response.trial), count(invalid), count(*) FILTER (WHERE outcome = 'faulted'),"
-        " coalesce(sum(late_ticks) * 100.0 / nullif(sum(ticks), 0), 0.0) FROM trial"
-        " LEFT JOIN response ON response.trial = trial.id WHERE session = ?1 AND trial.id > ?2");
+        "SELECT count(response.trial_id), count(invalid_reason), count(*) FILTER (WHERE outcome = "
+        "'faulted'), coalesce(sum(late_ticks) * 100.0 / nullif(sum(ticks), 0), 0.0) FROM trial "
+        "LEFT JOIN response USING (trial_id) WHERE session_id = ?1 AND trial.trial_id > ?2");
     row.bind(1, session).bind(2, after).step();
     return fmt::format(
         "This run: {} answered, {} of them {} not count, {} faulted, {:.1f} min, "

@@ -114,7 +114,7 @@ int data_command(const std::vector<std::string>& arguments) {
         "encode %.2f, decode of one stored column %.1f, full replay %.2f million samples/s\n",
         own.encode, own.decode, own.replay);
     std::printf("%-28s %8s %10s %14s %12s %18s\n", "store", "bytes/s.", "ingest M/s",
-                "avg(fn_n) ms", "avg(fx_n) s", "mean fn, trial 1");
+                "avg(rendered_normal_n) ms", "avg(commanded_x_n) s", "mean fn, trial 1");
     if (csv.is_open()) {
         csv << "machine,store,trials,seconds,bytes_per_sample,ingest_msps,avg_fn_trial_ms,"
                "avg_fx_scan_s,encode_msps,decode_msps,replay_msps\n";

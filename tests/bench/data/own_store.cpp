@@ -74,10 +74,12 @@ public:
         return std::filesystem::file_size(file_);
     }
     [[nodiscard]] double mean_normal_force(std::int64_t trial) override {
-        return value(fmt::format("SELECT avg(fn_n) FROM sample WHERE trial_id = {}",
+        return value(fmt::format("SELECT avg(rendered_normal_n) FROM sample WHERE trial_id = {}",
                                  ids_.at(static_cast<std::size_t>(trial - 1))));
     }
-    [[nodiscard]] double mean_command_x() override { return value("SELECT avg(fx_n) FROM sample"); }
+    [[nodiscard]] double mean_command_x() override {
+        return value("SELECT avg(commanded_x_n) FROM sample");
+    }
 
 private:
     [[nodiscard]] double value(const std::string& sql) {

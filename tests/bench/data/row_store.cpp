@@ -19,7 +19,7 @@ public:
         std::string places = "?1";
         int place = 1;
         for (const data::TraceColumn& column : data::trace_columns()) {
-            const bool real = column.type.starts_with('f');
+            const bool real = column.memory.starts_with('f');
             columns += fmt::format(", {} {}", column.name, real ? "REAL" : "INTEGER");
             places += fmt::format(", ?{}", ++place);
         }
@@ -54,10 +54,11 @@ public:
         return std::filesystem::file_size(file_);
     }
     [[nodiscard]] double mean_normal_force(std::int64_t trial) override {
-        return value(fmt::format("SELECT avg(fn_n) FROM sample WHERE trial = {}", trial));
+        return value(
+            fmt::format("SELECT avg(rendered_normal_n) FROM sample WHERE trial = {}", trial));
     }
     [[nodiscard]] double mean_command_x() override {
-        return value("SELECT avg(command_x_n) FROM sample");
+        return value("SELECT avg(commanded_x_n) FROM sample");
     }
 
 private:
@@ -86,15 +87,15 @@ private:
         for (const data::TraceColumn& column : data::trace_columns()) {
             const auto* at = reinterpret_cast<const std::byte*>(&tick) + column.offset;
             ++place;
-            if (column.type == "f64le") {
+            if (column.memory == "f64le") {
                 sqlite3_bind_double(insert_, place, *reinterpret_cast<const double*>(at));
-            } else if (column.type == "f32le") {
+            } else if (column.memory == "f32le") {
                 sqlite3_bind_double(insert_, place, *reinterpret_cast<const float*>(at));
-            } else if (column.type == "i64le") {
+            } else if (column.memory == "i64le") {
                 sqlite3_bind_int64(insert_, place, *reinterpret_cast<const std::int64_t*>(at));
-            } else if (column.type == "i32le") {
+            } else if (column.memory == "i32le") {
                 sqlite3_bind_int64(insert_, place, *reinterpret_cast<const std::int32_t*>(at));
-            } else if (column.type == "i16le") {
+            } else if (column.memory == "i16le") {
                 sqlite3_bind_int64(insert_, place, *reinterpret_cast<const std::int16_t*>(at));
             } else {
                 sqlite3_bind_int64(insert_, place, *reinterpret_cast<const std::uint8_t*>(at));

@@ -41,7 +41,8 @@ public:
             throw std::runtime_error("cannot write " + name_);
         }
         for (const data::TraceColumn& column : data::trace_columns()) {
-            H5Tinsert(row_, std::string(column.name).c_str(), column.offset, type_of(column.type));
+            H5Tinsert(row_, std::string(column.name).c_str(), column.offset,
+                      type_of(column.memory));
         }
     }
     ~Hdf5Store() override {
@@ -77,13 +78,13 @@ public:
     }
     [[nodiscard]] double mean_normal_force(std::int64_t trial) override {
         Sum sum;
-        add(trial, "fn_n", sum);
+        add(trial, "rendered_normal_n", sum);
         return sum.value / static_cast<double>(sum.n);
     }
     [[nodiscard]] double mean_command_x() override {
         Sum sum;
         for (std::int64_t trial = 1; trial <= trials_; ++trial) {
-            add(trial, "command_x_n", sum);
+            add(trial, "commanded_x_n", sum);
         }
         return sum.value / static_cast<double>(sum.n);
     }
