@@ -22,7 +22,7 @@ def count(name, rows):
     cells = {}
     for row in rows:
         if row["counts"] == "1":
-            cells.setdefault((row["object"], row["friction"]), []).append(row)
+            cells.setdefault((row["planned_object"], row["friction"]), []).append(row)
     for (thing, friction), answers in sorted(cells.items()):
         correct = sum(row["correct"] == "1" for row in answers)
         longest = max(float(row["reaction_s"]) for row in answers)
@@ -71,7 +71,7 @@ count("psych-ds", [row for path in sorted((folder / "psych-ds" / "data").iterdir
                    if path.name.startswith("study-") for row in table(path)])
 for trial in table(folder / "csv" / "trials.csv"):
     if trial["run_name"]:
-        print(trial["run_name"], trial["comparison"], "%.17g" % float(trial["stimulus"]))
+        print(trial["run_name"], trial["comparison_interval"], "%.17g" % float(trial["stimulus"]))
 for event in table(folder / "csv" / "events.csv"):
-    if event["kind"] == "note":
+    if event["event_kind"] == "note":
         print("note", event["words"].encode("utf-8").hex())
