@@ -374,7 +374,7 @@ std::optional<SessionState> latest_session(Database& database,
 std::optional<SessionState> find_session(Database& database,
                                          std::string_view study,
                                          const protocols::SessionKey& key) {
-    Statement row = database.prepare(std::string(kStates) + " AND number = ?3");
+    Statement row = database.prepare(std::string(kStates) + " AND session_number = ?3");
     row.bind(1, study).bind(2, key.participant).bind(3, static_cast<std::int64_t>(key.session));
     return state_of(row);
 }

@@ -80,7 +80,8 @@ std::string a_database(const TemporaryFolder& folder) {
         database
             .prepare(
                 "INSERT INTO response (trial_id, chosen_place, chosen_object, correct, reaction_s, "
-                "uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, 0.7, 0.0, 'key', "
+                "reaction_uncertainty_s, input, answer_code) VALUES (?1, 0, 'straight', 1, 0.7, "
+                "0.0, 'key', "
                 "0)")
             .bind(1, trial)
             .run();

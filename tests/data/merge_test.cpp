@@ -176,7 +176,8 @@ TEST_CASE(
             "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
             "heal_decay, started_utc, done_s, invalid_reason) VALUES (1, 0, 1, 'complete', 0.5, "
             "0.5, '2026', 1.0, 'talked');INSERT INTO response (trial_id, chosen_place, "
-            "chosen_object, correct, reaction_s, uncertainty_s, input, answer_code) VALUES (1, 0, "
+            "chosen_object, correct, reaction_s, reaction_uncertainty_s, input, answer_code) "
+            "VALUES (1, 0, "
             "'straight', 1, 1.0, 0.0, 'key', 0);INSERT INTO trace_chunk (trial_id, interval, "
             "first_tick, ticks, codec, period_ns, holds, crc32, derived, data) VALUES (1, 1, 0, 1, "
             "1, 1000000, '', 0, 0, x'0102');");

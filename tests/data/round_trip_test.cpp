@@ -44,7 +44,7 @@ file, out = sys.argv[1:3]
 bits = lambda x: struct.pack("<d", x)
 db = sqlite3.connect(file)
 db.row_factory = sqlite3.Row
-rows = db.execute("SELECT trial.*, reaction_s, uncertainty_s, mu_s, curvature_per_m FROM trial"
+rows = db.execute("SELECT trial.*, reaction_s, reaction_uncertainty_s, mu_s, curvature_per_m FROM trial"
                   " JOIN plan USING (session_id, plan_position) LEFT JOIN response USING (trial_id)"
                   " ORDER BY trial.trial_id").fetchall()
 written = list(csv.DictReader(open(f"{out}/trials.csv", newline="")))

@@ -86,7 +86,8 @@ struct Run {
 
 /// Attempts in order, with outcome and cause.
 constexpr const char* kAttempts =
-    "SELECT trial.plan_position, outcome, coalesce(fault_cause, '-') FROM trial LEFT JOIN fault ON "
+    "SELECT trial.plan_position, outcome, coalesce(trial.fault_cause, '-') FROM trial LEFT JOIN "
+    "fault ON "
     "fault.trial_id = trial.trial_id ORDER BY trial.trial_id";
 
 /// The first trial faulted by `cause` and came again where its key says; all others went well.

@@ -87,7 +87,8 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
         rows(study.after,
              "SELECT event_kind, text, operator, trial_id FROM event WHERE event_kind IN ('note', "
              "'mark', 'participant') ORDER BY event_id") ==
-        "kind,text,operator,trial\nnote,hand rested,,\nmark,after 10 attempts: bell rang,Ada,2\n"
+        "event_kind,text,operator,trial_id\nnote,hand rested,,\nmark,after 10 attempts: bell "
+        "rang,Ada,2\n"
         "note,left early,Bo,\nmark,after 10 attempts: sneezed,,5\nparticipant,handedness 80,Ada,\n"
         "participant,consent yes,Ada,\n");
     CHECK_THAT(said({"verify", study.after, "--json"}), ContainsSubstring(head));
