@@ -162,10 +162,10 @@ TEST_CASE(
     "a session that two files tell differently is named with both, and nothing of it is merged",
     "[merge][law]") {
     const auto column = GENERATE("session SET device = 'other'", "plan SET mu_s = mu_s + 1",
-                                 "trial SET done_s = 99.0", "trial SET position = 5",
+                                 "trial SET done_s = 99.0", "trial SET plan_position = 5",
                                  "response SET reaction_s = 99.0", "trace_chunk SET data = x'00'",
                                  "event SET text = 'other'", "session SET finished_utc = '2026'",
-                                 "trial SET invalid = 'other'");
+                                 "trial SET invalid_reason = 'other'");
     CAPTURE(column);
     const TemporaryFolder folder;
     Random random(3);

@@ -104,9 +104,9 @@ TEST_CASE(
     const std::string together = new_database(*server, "together");
     Postgres admin(together);
     admin.run(
-        "CREATE SCHEMA palpate; CREATE TABLE palpate.trace_chunk (session_id uuid, trial_id "
-        "bigint, interval bigint, first_tick bigint, PRIMARY KEY (session_id, trial_id, interval, "
-        "first_tick)) PARTITION BY HASH (session_id);CREATE TABLE palpate.part_0 PARTITION OF "
+        "CREATE SCHEMA palpate; CREATE TABLE palpate.trace_chunk (session_uuid uuid, trial_number "
+        "bigint, interval bigint, first_tick bigint, PRIMARY KEY (session_uuid, trial_number, interval, "
+        "first_tick)) PARTITION BY HASH (session_uuid);CREATE TABLE palpate.part_0 PARTITION OF "
         "palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 0);CREATE TABLE palpate.part_1 "
         "PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 1)");
     std::vector<std::unique_ptr<Process>> pushes;

@@ -66,8 +66,8 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
         return ids;
     };
     std::vector<std::string> edits;
-    for (const std::string where : {"session = 1 AND outcome IN ('complete', 'timed_out')",
-                                    "session = 2 AND outcome IN ('complete', 'timed_out')"}) {
+    for (const std::string where : {"session_id = 1 AND outcome IN ('complete', 'timed_out')",
+                                    "session_id = 2 AND outcome IN ('complete', 'timed_out')"}) {
         const auto [a, b] = two(where);
         for (const std::string table : {"response", "presentation", "trace_chunk"}) {
             edits.push_back(fmt::format(
@@ -85,8 +85,8 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
                         "trial SET trial_id = {0} + {1} + trial_id WHERE trial_id < 0",
                         a, b));
     }
-    const auto [mine, other] = std::pair(two("session = 1 AND fault IS NULL").first,
-                                         two("session = 2 AND fault IS NULL").first);
+    const auto [mine, other] = std::pair(two("session_id = 1 AND fault IS NULL").first,
+                                         two("session_id = 2 AND fault IS NULL").first);
     edits.push_back(fmt::format(  // from another session
         "UPDATE trace_chunk SET (ticks, crc32, derived, holds, data) = (SELECT ticks, crc32, "
         "derived, holds, data FROM trace_chunk WHERE trial_id = {}) WHERE trial_id = {}",
