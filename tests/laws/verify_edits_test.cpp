@@ -85,8 +85,8 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
                         "trial SET trial_id = {0} + {1} + trial_id WHERE trial_id < 0",
                         a, b));
     }
-    const auto [mine, other] = std::pair(two("session_id = 1 AND fault IS NULL").first,
-                                         two("session_id = 2 AND fault IS NULL").first);
+    const auto [mine, other] = std::pair(two("session_id = 1 AND fault_cause IS NULL").first,
+                                         two("session_id = 2 AND fault_cause IS NULL").first);
     edits.push_back(fmt::format(  // from another session
         "UPDATE trace_chunk SET (ticks, crc32, derived, holds, data) = (SELECT ticks, crc32, "
         "derived, holds, data FROM trace_chunk WHERE trial_id = {}) WHERE trial_id = {}",
