@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cctype>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -152,6 +154,13 @@ void check_command(const std::vector<std::string>& words) {
     }
 }
 
+/// The part of docs/protocol.md that is not written by hand.
+std::string keys_of_the_program() {
+    return "\n### Of a protocol\n\n```\n" + palpate_command({"new", "--keys"}).out +
+           "```\n\n### Of a procedure\n\n```\n" + palpate_command({"procedure", "--keys"}).out +
+           "```\n";
+}
+
 /// Words that the launcher answers by itself.
 bool is_the_launchers(const std::string& word) {
     return word == "test" || word == "bench" || word == "--no-install" || word == "--help";
@@ -276,7 +285,7 @@ TEST_CASE("the drawing of the house has every folder of every room, in order", "
     // From the top of the drawing down; the lists of CMake go up.
     std::vector<std::string> drawn;
     for (const std::string& line : lines_of(kRoot / "docs" / "architecture.md")) {
-        for (const std::string& bar : {"┌─ ", "├─ ", "│ "}) {
+        for (const std::string& bar : std::vector<std::string>{"┌─ ", "├─ ", "│ "}) {
             if (line.rfind(bar, 0) == 0 &&
                 std::islower(static_cast<unsigned char>(line[bar.size()])) != 0) {
                 drawn.push_back(words_of(line.substr(bar.size())).front());
@@ -298,4 +307,27 @@ TEST_CASE("the drawing of the house has every folder of every room, in order", "
     }
     std::reverse(built.begin(), built.end());
     CHECK(drawn == built);
+}
+
+TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents][law]") {
+    const fs::path page = kRoot / "docs" / "protocol.md";
+    std::ostringstream text;
+    text << std::ifstream(page).rdbuf();
+    const std::string heading = "## Every key\n";
+    const std::size_t at = text.str().find(heading);
+    REQUIRE(at != std::string::npos);
+    const std::string by_hand = text.str().substr(0, at + heading.size());
+    const std::string whole =
+        by_hand +
+        "\nMade from the tables by which palpate itself reads, checks and writes these files.\n" +
+        keys_of_the_program();
+    if (std::getenv("PALPATE_WRITE_DOCS") != nullptr) {
+        std::ofstream(page) << whole;
+    } else {
+        INFO(
+            "Keys have changed. To write docs/protocol.md anew, run this test once with "
+            "PALPATE_WRITE_DOCS=1 in the environment:\n"
+            "PALPATE_WRITE_DOCS=1 ctest --test-dir build -R 'docs/protocol.md has every key'");
+        CHECK((text.str() == whole));
+    }
 }
