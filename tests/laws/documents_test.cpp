@@ -281,6 +281,27 @@ TEST_CASE(
     CHECK(fs::exists(folder.path() / "shared" / "dataset_description.json"));
 }
 
+TEST_CASE("every query that a document shows in a shell answers", "[documents][law]") {
+    const TemporaryFolder folder;
+    fs::create_symlink(palpate_program(), folder.path() / "palpate");
+    REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("study.sqlite")}).code == 0);
+    int queries = 0;
+    for (const fs::path& page : pages()) {
+        for (const std::string& line : shell_lines(page)) {
+            if (line.rfind("./palpate sql ", 0) == 0 || line.rfind("sqlite3 ", 0) == 0) {
+                CAPTURE(page, line);
+                const std::string there = "cd '" + folder.path().string() + "' && " + line;
+                const tests::Finished answer = tests::Process({"sh", "-c", there}).wait();
+                CAPTURE(answer.error);
+                CHECK(answer.code == 0);
+                CHECK(answer.error.empty());
+                ++queries;
+            }
+        }
+    }
+    CHECK(queries >= 4);
+}
+
 TEST_CASE("the drawing of the house has every folder of every room, in order", "[documents][law]") {
     // From the top of the drawing down; the lists of CMake go up.
     std::vector<std::string> drawn;
