@@ -156,7 +156,9 @@ void check_command(const std::vector<std::string>& words) {
 
 /// The part of docs/protocol.md that is not written by hand.
 std::string keys_of_the_program() {
-    return palpate_command({"new", "--keys", "--markdown"}).out;
+    return "\n### Of a protocol\n\n```\n" + palpate_command({"new", "--keys"}).out +
+           "```\n\n### Of a procedure\n\n```\n" + palpate_command({"procedure", "--keys"}).out +
+           "```\n";
 }
 
 /// Words that the launcher answers by itself.
@@ -298,6 +300,34 @@ TEST_CASE("every query that a document shows in a shell answers", "[documents][l
         }
     }
     CHECK(queries >= 4);
+}
+
+TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that it names",
+          "[documents][law]") {
+    const fs::path page = kRoot / "docs" / "protocol.md";
+    std::string scene;
+    std::string head;
+    bool fenced = false;
+    for (const std::string& line : lines_of(page)) {
+        fenced = is_fence(line) ? line == "```toml" : fenced;
+        if (fenced && !is_fence(line) && (line == "[renderer]" || !scene.empty())) {
+            scene += line + '\n';
+        }
+        if (line.rfind("./palpate render ", 0) == 0) {
+            head = words_of(line.substr(line.find("# ") + 2)).front();
+            head = head.substr(0, head.find('['));
+        }
+    }
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("scene.toml")) << scene;
+    std::ofstream(folder.file("way.csv")) << head << "\n0,0,0.06\n0.001,0,0.03\n0.002,0.01,0.03\n";
+    for (const char* command : {"render", "closest"}) {
+        const tests::Finished felt =
+            palpate_command({command, folder.file("scene.toml"), folder.file("way.csv")});
+        CAPTURE(command, felt.error);
+        CHECK(felt.code == 0);
+        CHECK(std::count(felt.out.begin(), felt.out.end(), '\n') == 4);
+    }
 }
 
 TEST_CASE("the drawing of the house has every folder of every room, in order", "[documents][law]") {
