@@ -1,5 +1,3 @@
-#include "protocols/file/object_rules.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -10,6 +8,7 @@
 #include "engine/contact/closest_point.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/file/rules.hpp"
 
 namespace palpate::protocols {
 namespace {

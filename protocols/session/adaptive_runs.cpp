@@ -7,7 +7,6 @@
 
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/file/procedure_file.hpp"
 #include "protocols/session/recorder.hpp"
 
 namespace palpate::protocols {
@@ -16,9 +15,8 @@ AdaptiveRuns::AdaptiveRuns(const Protocol& protocol, const StreamKey& session) {
     if (!protocol.procedure) {
         return;
     }
-    const ProcedureSpec spec = parse_procedure(protocol.procedure->rule, "[procedure]").spec;
     for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
-        begun_.emplace_back(spec, stream(run_key(session, run)));
+        begun_.emplace_back(*protocol.procedure->rule.spec, stream(run_key(session, run)));
     }
     procedures_ = begun_;
 }

@@ -276,7 +276,7 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
           Change{"degree = 3", "degree = 12", "degree"},
           Change{"knots = [0, 0, 0, 0, 1, 2, 2, 2, 2]", "knots = [0, 0, 0, 0, 1, 2, 2, 2]",
                  "[[object.segment]] 1 of [[object]] 1"},
-          Change{"degree = 3\n", "", "needs the key degree"},
+          Change{"degree = 3\n", "", "lacks the key degree"},
           Change{"degree = 3", "degre = 3", "did you mean degree?"},
           Change{"kind = \"arc\"", "kind = \"arch\"", "did you mean arc?"},
           Change{"name = \"dome\"", "name = \"dome\"\ncurvature_per_m = 1",

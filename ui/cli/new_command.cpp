@@ -13,7 +13,7 @@ namespace palpate::ui {
 
 int new_command(const NewOptions& options) {
     if (options.keys) {
-        say("{}", protocols::key_reference());
+        say("{}", options.markdown ? protocols::keys_markdown() : protocols::key_reference());
         return 0;
     }
     const std::string id = protocols::id_of(std::filesystem::path(options.file).stem().string());

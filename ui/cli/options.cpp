@@ -243,6 +243,10 @@ void add_new(CLI::App& app, Options& chosen) {
         ->capture_default_str();
     CLI::Option* keys =
         command->add_flag("--keys", options->keys, "Print what a protocol file may say");
+    command
+        ->add_flag("--markdown", options->markdown,
+                   "With --keys: of every kind of file, as Markdown")
+        ->needs(keys);
     command->callback([options, file, keys, &chosen] {
         if (keys->count() == 0 && file->count() == 0) {
             throw CLI::RequiredError("FILE");

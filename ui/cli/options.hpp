@@ -69,6 +69,7 @@ struct NewOptions {
     std::string file;                     ///< made; never one that is there
     std::string from = "shape_friction";  ///< a shipped protocol
     bool keys = false;                    ///< only print what a protocol may say
+    bool markdown = false;                ///< the keys of all files, as Markdown
 };
 
 struct SummaryOptions {

@@ -11,7 +11,7 @@
 #include <gnu/libc-version.h>
 #include <sys/utsname.h>
 
-#include "protocols/file/toml_version.hpp"
+#include "protocols/file/document.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/verify/library_versions.hpp"
 #include "ui/cli/build_id.hpp"

@@ -6,7 +6,6 @@
 
 #include "engine/base/files.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/file/table_view.hpp"
 #include "data/csv/number_table.hpp"
 #include "ui/cli/commands.hpp"
 #include "ui/cli/scene_tools.hpp"
