@@ -11,8 +11,8 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/session.hpp"
-#include "ui/cli/open_masking.hpp"
 #include "ui/cli/study_advice.hpp"
+#include "ui/session/open_masking.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"

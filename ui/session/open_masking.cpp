@@ -1,4 +1,4 @@
-#include "ui/cli/open_masking.hpp"
+#include "ui/session/open_masking.hpp"
 
 #include <stdexcept>
 

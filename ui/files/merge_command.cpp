@@ -2,12 +2,23 @@
 
 #include "engine/base/text.hpp"
 #include "data/sync/merge.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
+namespace {
 
-int merge_command(const MergeOptions& options) {
+struct Options {
+    std::string database;             ///< made if it is not there
+    std::vector<std::string> inputs;  ///< read only
+};
+
+void declare(Words& words, Options& options) {
+    words.add("OUT", options.database, "The file of all; made if it is not there").required();
+    words.add("IN", options.inputs, "Files of rigs; only read").required();
+}
+
+int run(const Options& options) {
     const data::MergeReport done = data::merge_files(options.database, options.inputs);
     say("{}: {} new, {} went on, {} as before.\n", options.database, counted(done.added, "session"),
         done.extended, done.same);
@@ -20,6 +31,13 @@ int merge_command(const MergeOptions& options) {
         say_to(stderr, "  not merged\n");
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
+}
+
+}  // namespace
+
+Command merge_command() {
+    return make_command<Options>("merge", "Bring the sessions of several files together in one",
+                                 declare, run);
 }
 
 }  // namespace palpate::ui

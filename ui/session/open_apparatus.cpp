@@ -1,4 +1,4 @@
-#include "ui/cli/open_apparatus.hpp"
+#include "ui/session/open_apparatus.hpp"
 
 #include <fmt/format.h>
 

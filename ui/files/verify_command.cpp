@@ -3,11 +3,16 @@
 #include "engine/base/text.hpp"
 #include "data/export/json_text.hpp"
 #include "data/verify/verify.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct Options {
+    std::string database;
+    bool json = false;
+};
 
 using data::Finding;
 using data::FindingKind;
@@ -100,9 +105,12 @@ void print_json(const std::string& file, const data::Verification& found) {
         json_of(found.file), sessions);
 }
 
-}  // namespace
+void declare(Words& words, Options& options) {
+    words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
+    words.add("--json", options.json, "One JSON object instead of lines");
+}
 
-int verify_command(const VerifyOptions& options) {
+int run(const Options& options) {
     data::Database database(options.database, data::Access::read);
     const data::Verification found = data::verify(database);
     if (options.json) {
@@ -111,6 +119,14 @@ int verify_command(const VerifyOptions& options) {
         print_text(options.database, found);
     }
     return found.count(FindingKind::differs) == 0 ? 0 : kExitFailure;
+}
+
+}  // namespace
+
+Command verify_command() {
+    return make_command<Options>(
+        "verify", "Recompute what a database says, replay every trial, say what differs", declare,
+        run);
 }
 
 }  // namespace palpate::ui

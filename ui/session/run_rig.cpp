@@ -1,4 +1,4 @@
-#include "ui/cli/rig.hpp"
+#include "ui/session/run_rig.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -19,14 +19,14 @@
 #include "data/store/disk_space.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "ui/cli/open_apparatus.hpp"
-#include "ui/cli/open_masking.hpp"
-#include "ui/cli/provenance.hpp"
-#include "ui/cli/session_choice.hpp"
 #include "ui/rig/fault_text.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/open_apparatus.hpp"
+#include "ui/session/open_masking.hpp"
+#include "ui/session/provenance.hpp"
+#include "ui/session/session_choice.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "ui/subject/display.hpp"
 #include "ui/subject/spectator_screen.hpp"
@@ -255,6 +255,22 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
         }
     }
     return all;
+}
+
+void add_screen_words(Words& words, ScreenOptions& screen) {
+    words.add("--headless", screen.headless,
+              "No window: the simulated observer answers (so does it without a display)");
+    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");
+    words
+        .add("--windowed", screen.windowed,
+             "It does not; without either word it does in real sessions")
+        .excludes("--fullscreen");
+    words.add("--font", screen.font, "A TrueType font for the subject's screen");
+    words
+        .add(
+            "--speed", screen.speed,
+            "Simulated and replayed hands at this multiple of real time; 0: as fast as the machine")
+        .from_zero();
 }
 
 bool wants_window(const ScreenOptions& screen) {

@@ -1,4 +1,4 @@
-#include "ui/cli/load_study.hpp"
+#include "ui/session/load_study.hpp"
 
 #include <filesystem>
 #include <vector>

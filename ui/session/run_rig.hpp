@@ -9,11 +9,22 @@
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/database.hpp"
 #include "data/store/session_store.hpp"
-#include "ui/cli/load_study.hpp"
-#include "ui/cli/options.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/device_choice.hpp"
+#include "ui/session/load_study.hpp"
 
 namespace palpate::ui {
+
+/// How a session is shown and paced; shared by run and demo.
+struct ScreenOptions {
+    bool headless = false;    ///< no window: the simulated observer answers
+    bool fullscreen = false;  ///< whatever the kind; real sessions are, unless windowed
+    bool windowed = false;
+    std::string font;       ///< a TTF file; empty: DejaVu Sans of the system
+    double speed = 0.0;     ///< multiple of real time of simulated and replayed hands, 0: default
+    bool no_sound = false;  ///< no masking noise, whatever the protocol asks for
+};
+void add_screen_words(Words& words, ScreenOptions& screen);
 
 /// What a session is run on: the parts behind its three ports.
 struct RigSpec {

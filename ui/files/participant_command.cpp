@@ -4,12 +4,23 @@
 #include <fmt/format.h>
 
 #include "data/store/people.hpp"
-#include "ui/cli/commands.hpp"
-#include "ui/cli/session_choice.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/session_choice.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct Options {
+    std::string database;
+    std::string participant;
+    std::optional<std::int64_t> handedness;  ///< -100 to 100
+    std::string consent;                     ///< yes, no; empty: nothing new
+    bool registers = false;                  ///< somebody who is not in the file yet
+    bool another = false;                    ///< although a code in the file is much like this one
+    std::vector<std::string> details;        ///< KEY=VALUE
+    std::string operator_name{};             ///< empty: nobody is named
+};
 
 std::pair<std::string, std::string> detail_of(const std::string& word) {
     constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
@@ -38,9 +49,24 @@ void print(const std::string& id, const data::Participant& person) {
     }
 }
 
-}  // namespace
+void declare(Words& words, Options& options) {
+    words.add("FILE", options.database, "The study's database file").required();
+    words.add("ID", options.participant, "Pseudonymous id: letters, digits, - and _").required();
+    words.add("--handedness", options.handedness, "Edinburgh score, -100 (left) to 100 (right)")
+        .within(-100, 100);
+    words.add("--consent", options.consent, "yes or no: consent to take part").among({"yes", "no"});
+    words.add("--new", options.registers, "Registers somebody who is not in the file yet");
+    words
+        .add("--another", options.another,
+             "With --new, although a code in the file is much like it")
+        .needs("--new");
+    words.add("--operator", options.operator_name, "Who notes it").kept_text();
+    words.add("--set", options.details, "KEY=VALUE, e.g. age=31; once for each")
+        .again_for_each()
+        .kept_text();
+}
 
-int participant_command(const ParticipantOptions& options) {
+int run(const Options& options) {
     check_participant(options.participant, "the participant");
     data::ParticipantNotes notes{.handedness = options.handedness};
     if (!options.consent.empty()) {
@@ -70,6 +96,14 @@ int participant_command(const ParticipantOptions& options) {
     }
     print(options.participant, data::find_participant(database, options.participant).value());
     return 0;
+}
+
+}  // namespace
+
+Command participant_command() {
+    return make_command<Options>(
+        "participant", "Show what is noted of a participant, and note handedness, consent and more",
+        declare, run);
 }
 
 }  // namespace palpate::ui

@@ -8,11 +8,20 @@
 #include <unistd.h>
 
 #include "data/shell/sql_shell.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct SqlOptions {
+    std::string database;
+    std::optional<std::string> query;  ///< none: from standard input
+    bool csv = false;
+    bool json = false;
+};
+
+struct NoOptions {};
 
 /// Statements from standard input. At a terminal it goes on after an error.
 int read_input(data::SqlShell& shell, const std::string& file) {
@@ -52,9 +61,15 @@ int read_input(data::SqlShell& shell, const std::string& file) {
     return good || person ? 0 : kExitFailure;
 }
 
-}  // namespace
+void declare(Words& words, SqlOptions& options) {
+    words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
+    words.add("-c,--command", options.query,
+              "SQL, or a word as .tables; without it a shell on standard input");
+    words.add("--csv", options.csv, "Rows as CSV");
+    words.add("--json", options.json, "Rows as one JSON array").excludes("--csv");
+}
 
-int sql_command(const SqlOptions& options) {
+int run(const SqlOptions& options) {
     data::Database database(options.database, data::Access::read);
     const data::RowFormat format = options.csv  ? data::RowFormat::csv
                                  : options.json ? data::RowFormat::json
@@ -66,7 +81,7 @@ int sql_command(const SqlOptions& options) {
     return read_input(shell, options.database);
 }
 
-int extension_command() {
+int print_extension(const NoOptions& /*none*/) {
     std::error_code unknown;
     const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
     const auto module = program.parent_path() / "palpate_sample.so";
@@ -76,6 +91,20 @@ int extension_command() {
     }
     fmt::print("{}\n", module.string());
     return 0;
+}
+
+}  // namespace
+
+Command sql_command() {
+    return make_command<SqlOptions>(
+        "sql", "Query a database: its tables, every servo tick (sample), statistics; only reads",
+        declare, run);
+}
+
+Command extension_command() {
+    return make_command<NoOptions>(
+        "extension", "Print where the SQL extension is, for sqlite3, Python and R",
+        [](Words& /*none*/, NoOptions& /*none*/) {}, print_extension);
 }
 
 }  // namespace palpate::ui

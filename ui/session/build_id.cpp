@@ -1,4 +1,4 @@
-#include "ui/cli/build_id.hpp"
+#include "ui/session/build_id.hpp"
 
 #include <cstddef>
 #include <cstdint>

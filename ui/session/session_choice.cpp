@@ -1,4 +1,4 @@
-#include "ui/cli/session_choice.hpp"
+#include "ui/session/session_choice.hpp"
 
 #include <stdexcept>
 

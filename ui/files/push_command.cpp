@@ -4,12 +4,25 @@
 
 #include "engine/base/text.hpp"
 #include "data/sync/push.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
+namespace {
 
-int push_command(const PushOptions& options) {
+struct Options {
+    std::string database;
+    std::string url;     ///< postgresql://...
+    bool roles = false;  ///< only print the script of the roles
+};
+
+void declare(Words& words, Options& options) {
+    words.add("FILE", options.database, "A database; only read");
+    words.add("--to", options.url, "postgresql://..., with libpq's sslmode and sslrootcert");
+    words.add("--roles", options.roles, "Print SQL for an administrator: the schema and two roles");
+}
+
+int run(const Options& options) {
     if (options.roles) {
         say("{}", data::push_setup());
         return 0;
@@ -24,6 +37,12 @@ int push_command(const PushOptions& options) {
         say_to(stderr, fmt::format("conflict: {}; not pushed\n", plain(conflict)));
     }
     return done.conflicts.empty() ? 0 : kExitFailure;
+}
+
+}  // namespace
+
+Command push_command() {
+    return make_command<Options>("push", "Bring a file's new rows into PostgreSQL", declare, run);
 }
 
 }  // namespace palpate::ui

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "data/store/session_store.hpp"
-#include "ui/cli/load_study.hpp"
+#include "ui/session/load_study.hpp"
 
 namespace palpate::ui {
 

@@ -1,4 +1,4 @@
-#include "ui/cli/provenance.hpp"
+#include "ui/session/provenance.hpp"
 
 #include <fstream>
 #include <string_view>
@@ -14,8 +14,8 @@
 #include "protocols/file/document.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/verify/library_versions.hpp"
-#include "ui/cli/build_id.hpp"
-#include "ui/cli/version.hpp"
+#include "ui/session/build_id.hpp"
+#include "ui/session/version.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -4,13 +4,28 @@
 #include <fmt/format.h>
 
 #include "data/store/reader.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
+namespace {
+
+struct Options {
+    std::string database;
+    std::int64_t trial = 0;
+    std::int64_t interval = 1;
+};
+
+void declare(Words& words, Options& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+    words.add("TRIAL", options.trial, "The id of the trial").required();
+    words.add("--interval", options.interval, "Of a trial with two things to feel, which one")
+        .within(1, 2)
+        .with_default();
+}
 
 /// The columns that every chunk holds, as data/trace/read_trace.py and read_trace.R print them.
-int trace_command(const TraceOptions& options) {
+int run(const Options& options) {
     data::Database database(options.database, data::Access::read);
     const data::Snapshot now(database);
     const auto intervals = data::intervals_of(database, options.trial);
@@ -38,6 +53,13 @@ int trace_command(const TraceOptions& options) {
     }
     say_to(stdout, text);
     return 0;
+}
+
+}  // namespace
+
+Command trace_command() {
+    return make_command<Options>(
+        "trace", "Print the stored ticks of a trial, whole numbers, as CSV", declare, run);
 }
 
 }  // namespace palpate::ui

@@ -4,12 +4,28 @@
 #include <fmt/format.h>
 
 #include "data/store/people.hpp"
-#include "ui/cli/commands.hpp"
-#include "ui/cli/session_choice.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/session_choice.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct NoteOptions {
+    std::string database;
+    std::string participant;
+    std::string study;  ///< empty: the only one of the participant
+    std::optional<std::size_t> session;
+    std::string text;
+    std::string operator_name{};  ///< empty: nobody is named
+};
+
+struct MarkOptions {
+    std::string database;
+    std::int64_t trial = 0;
+    std::string reason;
+    std::string operator_name{};  ///< empty: nobody is named
+};
 
 /// Only a database that is there: nothing is to be made for a wrong name.
 data::Database open_there(const std::string& file) {
@@ -49,9 +65,16 @@ data::SessionRow session_of(data::Database& database, const NoteOptions& options
     return all.front();
 }
 
-}  // namespace
+void declare_note(Words& words, NoteOptions& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+    words.add("TEXT", options.text, "The note").required().kept_text();
+    words.add("--participant", options.participant, "Whose session").required();
+    words.add("--session", options.session, "Session number; without it the last one").above_zero();
+    words.add("--study", options.study, "The study's id, if there are several");
+    words.add("--operator", options.operator_name, "Who notes it").kept_text();
+}
 
-int note_command(const NoteOptions& options) {
+int note(const NoteOptions& options) {
     check_participant(options.participant);
     require_text(options.text, "TEXT");
     data::Database database = open_there(options.database);
@@ -63,7 +86,14 @@ int note_command(const NoteOptions& options) {
     return 0;
 }
 
-int mark_command(const MarkOptions& options) {
+void declare_mark(Words& words, MarkOptions& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+    words.add("TRIAL", options.trial, "Its id: column trial of trial_result").required();
+    words.add("--invalid", options.reason, "Why it does not count").required().kept_text();
+    words.add("--operator", options.operator_name, "Who says so").kept_text();
+}
+
+int mark(const MarkOptions& options) {
     require_text(options.reason, "the reason of --invalid");
     data::Database database = open_there(options.database);
     const data::Marked marked =
@@ -75,6 +105,19 @@ int mark_command(const MarkOptions& options) {
                         : "It is run again when its session is resumed.",
         marked.head);
     return 0;
+}
+
+}  // namespace
+
+Command note_command() {
+    return make_command<NoteOptions>(
+        "note", "Add an operator's note to a session, also while it runs", declare_note, note);
+}
+
+Command mark_command() {
+    return make_command<MarkOptions>(
+        "mark", "Say that the answer of a trial does not count; it is kept, with the reason",
+        declare_mark, mark);
 }
 
 }  // namespace palpate::ui
