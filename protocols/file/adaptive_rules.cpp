@@ -21,12 +21,10 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 7> kTables{"constant", "staircase",  "quest", "model",
-                                                  "stimuli",  "parameters", "prior"};
+constexpr std::array<std::string_view, 7> kTablesOfRules{"constant", "staircase",  "quest", "model",
+                                                         "stimuli",  "parameters", "prior"};
 /// As [[friction]] has it.
 constexpr double kMostMu = 10.0;
-/// As an object's two curves have it: the sine of an arc's half sweep.
-constexpr double kMaxHalfSine = 0.95;
 
 bool of_the_rule(std::string_view key) {
     const Keys keys = procedure_keys("procedure");
@@ -254,7 +252,8 @@ void read_adaptive(const Entry& entry, Problems& problems, Places& places, Proto
     Table of_rule;
     Table file;
     for (const Entry& one : *given) {
-        const bool table = std::find(kTables.begin(), kTables.end(), one.key) != kTables.end();
+        const bool table = std::find(kTablesOfRules.begin(), kTablesOfRules.end(), one.key) !=
+                           kTablesOfRules.end();
         (table ? file : of_the_rule(one.key) ? of_rule : own).push_back(one);
     }
     AdaptiveSpec& spec = protocol.procedure.emplace();

@@ -9,7 +9,6 @@
 
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
-#include "engine/math/elementary.hpp"
 #include "protocols/library/shipped.hpp"
 
 namespace palpate::protocols {
@@ -18,8 +17,7 @@ namespace {
 using engine::Calibration;
 
 constexpr std::int64_t kCalibrationFormat = 1;
-constexpr double kMilli = 1000.0;                 // mm, mN m
-constexpr double kDegrees = 180.0 / engine::kPi;  // of a radian
+constexpr double kMilli = 1000.0;  // mm, mN m
 constexpr std::array<std::string_view, 2> kSides{"right", "left"};
 constexpr std::array<std::string_view, 2> kWays{"anticlockwise", "clockwise"};
 

@@ -1,7 +1,5 @@
 #include "protocols/file/keys.hpp"
 
-#include "engine/math/elementary.hpp"
-
 namespace palpate::protocols {
 namespace {
 
@@ -13,8 +11,6 @@ constexpr double kMostSpeed = 10;
 constexpr double kMostEnergy = 10;
 /// Ticks that are looked back on: more of them cannot be late.
 constexpr double kLateWindow = 100;
-
-constexpr double kDegrees = 180.0 / engine::kPi;  // of a radian
 
 /// Of what is varied, as the rule counts.
 constexpr double kMostStimulus = 1e10;

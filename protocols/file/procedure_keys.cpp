@@ -10,7 +10,6 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr Range kPositive{.min = 0.0, .above = true};
 constexpr Range kShare{.min = 0.0, .max = 1.0};
 constexpr Range kCount{.min = 1.0, .max = 100'000.0};
 
@@ -153,14 +152,14 @@ constexpr Key kParameters[]{
 };
 // clang-format on
 
-constexpr ProcedureTable kTables[]{{"procedure", kProcedure}, {"stream", kStream},
-                                   {"constant", kConstant},   {"staircase", kStaircase},
-                                   {"quest", kQuest},         {"model", kModel},
-                                   {"stimuli", kStimuli},     {"parameters", kParameters}};
+constexpr ProcedureTable kTablesOfProcedures[]{
+    {"procedure", kProcedure}, {"stream", kStream},        {"constant", kConstant},
+    {"staircase", kStaircase}, {"quest", kQuest},          {"model", kModel},
+    {"stimuli", kStimuli},     {"parameters", kParameters}};
 
 std::vector<TableText> procedure_reference() {
     std::vector<TableText> all;
-    for (const ProcedureTable& table : kTables) {
+    for (const ProcedureTable& table : kTablesOfProcedures) {
         const bool several = table.name == "staircase";
         all.push_back({several ? "[[staircase]]" : fmt::format("[{}]", table.name),
                        several ? "once each; several are interleaved" : "", table.keys});
@@ -220,12 +219,12 @@ std::vector<TableText> protocol_reference() {
 }  // namespace
 
 std::span<const ProcedureTable> procedure_tables() noexcept {
-    return kTables;
+    return kTablesOfProcedures;
 }
 
 Keys procedure_keys(std::string_view table) {
     // Parameters of a prior are named as those of the model.
-    for (const ProcedureTable& one : kTables) {
+    for (const ProcedureTable& one : kTablesOfProcedures) {
         if (one.name == (table == "prior" ? "parameters" : table)) {
             return one.keys;
         }

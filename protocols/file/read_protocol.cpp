@@ -12,7 +12,7 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 17> kTables{
+constexpr std::array<std::string_view, 17> kTablesOfProtocols{
     "format",   "study",   "apparatus",    "outline",   "object", "friction",
     "safety",   "invalid", "exclusion",    "design",    "timing", "response",
     "observer", "masking", "instructions", "procedure", "run"};
@@ -26,9 +26,10 @@ public:
     Protocol read() {
         Protocol protocol;
         for (const Entry& entry : file_) {
-            if (std::find(kTables.begin(), kTables.end(), entry.key) == kTables.end()) {
+            if (std::find(kTablesOfProtocols.begin(), kTablesOfProtocols.end(), entry.key) ==
+                kTablesOfProtocols.end()) {
                 problems_.add(entry.at, fmt::format("unknown key or table {}{}", shown(entry.key),
-                                                    suggestion(entry.key, kTables)));
+                                                    suggestion(entry.key, kTablesOfProtocols)));
             }
         }
         TableReader(file_, "", {}, problems_, places_, "the file").check_format(kFormat);

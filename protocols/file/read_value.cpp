@@ -58,7 +58,6 @@ struct Spread {
     std::size_t count = 0;
 };
 
-constexpr Range kPositive{.min = 0.0, .above = true};
 // clang-format off
 constexpr Key kSpreadByStep[]{
     {.name = "from", .slot = at<&Spread::from>, .need = Need::required, .meaning = "the first value"},

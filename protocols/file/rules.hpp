@@ -15,6 +15,10 @@ void check_rules(const Protocol& protocol, const Places& places, Problems& probl
 /// start of a trial outside.
 void check_objects(const Protocol& protocol, const Places& places, Problems& problems);
 
+/// Largest |curvature| * chord / 2: the sine of an arc's half sweep. 0.95 is a sweep of 144 degrees;
+/// beyond it the two curves look like circles, and the arc comes near what one curve can hold.
+inline constexpr double kMaxHalfSine = 0.95;
+
 /// Reads the table [procedure]: the keys of AdaptiveSpec and those of a procedure file. What follows from
 /// the rule is filled in, and where every key stands. @param entry  of the table, in the protocol's file
 void read_adaptive(const Entry& entry, Problems& problems, Places& places, Protocol& protocol);

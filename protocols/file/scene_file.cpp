@@ -13,7 +13,7 @@ namespace palpate::protocols {
 namespace {
 
 /// Ends nearer than this, m, close the chain; the same as Outline asks of a joint.
-constexpr double kSameEnd = 1e-9;
+constexpr double kClosingGap = 1e-9;
 
 constexpr std::array<std::string_view, 6> kTrackers{
     "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
@@ -60,7 +60,6 @@ Slot tracker(void* record) {
                   }}};
 }
 
-constexpr Range kPositive{.min = 0.0, .above = true};
 constexpr Range kFromZero{.min = 0.0};
 constexpr Range kFew{.min = 0.0, .max = 10.0};
 
@@ -96,7 +95,7 @@ constexpr Key kGain[]{
 };
 
 // Keys that a law does not use may stay, so that laws can be compared by changing one word.
-constexpr Key kFriction[]{
+constexpr Key kSceneFriction[]{
     {.name = "law", .slot = of_friction<[](auto& f) -> auto& { return f.friction.law; }>,
      .meaning = "by which the contact force is computed"},
     {.name = "vertex_slew_m_per_s", .slot = of_friction<[](auto& f) -> auto& { return f.friction.slew.speed; }>, .range = {0, 1e6},
@@ -150,7 +149,7 @@ SceneRenderer read_renderer(TableReader table) {
 
 SceneFriction read_friction(TableReader table) {
     FrictionTable f;
-    table.read(kFriction, &f);
+    table.read(kSceneFriction, &f);
     const Law law = f.friction.law;
     const bool rubs = law != Law::frictionless;
     table.read(kMuD, &f, rubs);
@@ -252,7 +251,7 @@ SceneFile parse_scene(std::string_view text, std::string_view file_name) {
 std::vector<TableText> scene_reference() {
     return {{.heading = "[renderer]", .keys = kRenderer},
             {.heading = "[renderer] with a tracker that has a gain", .keys = kGain},
-            {.heading = "[friction]", .keys = kFriction},
+            {.heading = "[friction]", .keys = kSceneFriction},
             {.heading = "[friction] with a law that rubs", .keys = kMuD},
             {.heading = "[friction] with a law that sticks", .keys = kMuS},
             segment_reference("[[segment]]", "once each, or one [surface]"),
@@ -267,7 +266,7 @@ engine::Outline outline_of(const SceneFile& scene) {
     const auto& first = scene.curves.front();
     const auto& last = scene.curves.back();
     const double gap = glm::length(last.at(last.back()).point - first.at(first.front()).point);
-    return {scene.curves, gap <= kSameEnd};
+    return {scene.curves, gap <= kClosingGap};
 }
 
 engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "engine/geometry/vec.hpp"
+#include "engine/math/elementary.hpp"
 #include "protocols/file/document.hpp"
 
 /// What a file may say: one row a key, for protocols, procedures, scenes and calibrations alike. Reading,
@@ -33,6 +34,10 @@ struct Range {
         return std::isfinite(value) && value <= max && (above ? value > min : value >= min);
     }
 };
+
+inline constexpr Range kPositive{.min = 0.0, .above = true};
+/// Degrees of a radian, for keys that end in _deg.
+inline constexpr double kDegrees = 180.0 / engine::kPi;
 
 /// When a key has to be there.
 enum class Need : std::uint8_t {

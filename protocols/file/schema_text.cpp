@@ -80,7 +80,7 @@ struct Text {
     }
 };
 
-std::optional<std::string> value_of(const Key& key, void* record) {
+std::optional<std::string> text_of(const Key& key, void* record) {
     const Slot slot = key.slot(record);
     const auto* points = std::get_if<PointList*>(&slot);
     if (points != nullptr && key.form == Form::point) {
@@ -162,7 +162,7 @@ std::string default_of(const Key& key) {
     if (number && !key.range.has(static_cast<double>(*number))) {
         return "-";
     }
-    const std::string text = value_of(key, nullptr).value_or("-");
+    const std::string text = text_of(key, nullptr).value_or("-");
     return text == "\"\"" ? "-" : text;
 }
 
@@ -236,8 +236,8 @@ std::string toml_lines(Keys keys, const void* record) {
     std::string text;
     for (const Key& key : keys) {
         // A slot takes a record to be filled; this one is only read.
-        const auto value = value_of(key, const_cast<void*>(record));
-        if (value && !(key.late && value == value_of(key, nullptr))) {
+        const auto value = text_of(key, const_cast<void*>(record));
+        if (value && !(key.late && value == text_of(key, nullptr))) {
             text += fmt::format("{} = {}\n", key.name, *value);
         }
     }

@@ -21,7 +21,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct CalibrateOptions {
     std::string device = "sim";
     std::string preset = "mk2";      ///< a calibration file, or the name of a shipped machine
     std::vector<std::string> marks;  ///< X_MM,Y_MM each; none: the home pose, or the origin
@@ -50,7 +50,7 @@ Vec2 parse_mark(const std::string& text) {
     return mm / 1000.0;
 }
 
-std::vector<Vec2> marks_of(const Options& options, const engine::Calibration& preset) {
+std::vector<Vec2> marks_of(const CalibrateOptions& options, const engine::Calibration& preset) {
     std::vector<Vec2> marks;
     for (const std::string& text : options.marks) {
         marks.push_back(parse_mark(text));
@@ -135,7 +135,7 @@ void print_found(const engine::Calibration& found,
     }
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, CalibrateOptions& options) {
     words.add("--device", options.device, "The device to calibrate; sim to try it out")
         .with_default();
     words
@@ -151,7 +151,7 @@ void declare(Words& words, Options& options) {
     words.add("-o,--output", options.output, "The calibration file to write").required();
 }
 
-int run(const Options& options) {
+int run(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
     const std::vector<Vec2> marks = marks_of(options, calibration);
     const auto device = open_for_calibration(options.device, calibration);
@@ -181,7 +181,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command calibrate_command() {
-    return make_command<Options>(
+    return make_command<CalibrateOptions>(
         "calibrate", "Find the encoders' zeros of a pantograph, and write its calibration file",
         declare, run);
 }

@@ -21,7 +21,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct CheckOptions {
     std::string protocol;        ///< a file, or the name of a shipped protocol
     std::string device = "sim";  ///< as RunOptions::device
     std::string calibration;     ///< as RunOptions::calibration
@@ -101,7 +101,7 @@ void print_tables(const Protocol& protocol, const Plan& plan) {
 /// @return whether it can be run
 bool print_feasibility(const Study& study,
                        const protocols::SessionKey& key,
-                       const Options& options) {
+                       const CheckOptions& options) {
     RigSpec spec;
     spec.study = study;
     spec.key = key;
@@ -124,7 +124,7 @@ bool print_feasibility(const Study& study,
     return !refused;
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, CheckOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required();
     words.add("--device", options.device, std::string(kDeviceWords)).with_default();
@@ -134,7 +134,7 @@ void declare(Words& words, Options& options) {
               "The tables as well: trials of each condition, limits, what follows what");
 }
 
-int run(const Options& options) {
+int run(const CheckOptions& options) {
     const Study study = load_study(options.protocol);
     const protocols::SessionKey key{kExample, 1};
     const Plan plan = make_plan(study.protocol, study.hash, key, study.protocol.seed);
@@ -160,7 +160,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command check_command() {
-    return make_command<Options>(
+    return make_command<CheckOptions>(
         "check", "Is this protocol right, how long does it take, and can this device render it?",
         declare, run);
 }

@@ -15,7 +15,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct DemoOptions {
     std::string database = "palpate-demo.sqlite";
     std::string device = "sim";  ///< sim or haply-emulator
     std::optional<std::uint64_t> seed;
@@ -42,7 +42,7 @@ Study ten_trials_of(Study study) {
     return study;
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, DemoOptions& options) {
     words.add("--db", options.database, "Where the data goes").with_default();
     words
         .add("--device", options.device,
@@ -54,7 +54,7 @@ void declare(Words& words, Options& options) {
     add_screen_words(words, options.screen);
 }
 
-int run(const Options& options) {
+int run(const DemoOptions& options) {
     catch_signals();
     RigSpec spec;
     spec.device = parse_device(options.device);
@@ -98,7 +98,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command demo_command() {
-    return make_command<Options>(
+    return make_command<DemoOptions>(
         "demo", "Ten trials of the study with a simulated hand and observer", declare, run);
 }
 

@@ -24,7 +24,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct DoctorOptions {
     std::string device = "sim";  ///< as RunOptions::device
     std::string calibration;     ///< as RunOptions::calibration
     std::string protocol;        ///< whose rate and force are asked for; empty: 1 kHz, no force
@@ -43,7 +43,7 @@ struct Plan {
     double rate_hz = 1000.0;
 };
 
-Plan plan_of(const Options& options) {
+Plan plan_of(const DoctorOptions& options) {
     Plan plan{.device = parse_device(options.device)};
     plan.calibration = calibration_of(plan.device, options.calibration);
     if (!options.protocol.empty()) {
@@ -156,7 +156,7 @@ void look_at_timing(Report& report, double rate_hz, double seconds) {
     report.look("cyclictest", [&] { return check_cyclictest(jitter); });
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, DoctorOptions& options) {
     words.add("--device", options.device, std::string(kDeviceWords)).with_default();
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
     words.add("--protocol", options.protocol,
@@ -174,7 +174,7 @@ void declare(Words& words, Options& options) {
     words.add("--json", options.json, "One JSON object instead of lines");
 }
 
-int run(const Options& options) {
+int run(const DoctorOptions& options) {
     const Plan plan = plan_of(options);
     Report report(!options.json);
     const auto before = processor_time();
@@ -200,7 +200,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command doctor_command() {
-    return make_command<Options>(
+    return make_command<DoctorOptions>(
         "doctor", "Is this machine ready? Device, timing, rights, screen, sound, disk", declare,
         run);
 }

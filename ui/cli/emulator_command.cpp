@@ -13,7 +13,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct EmulatorOptions {
     std::string link;                  ///< a symbolic link to the terminal; empty: none
     std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
     double delay_ms = 0.0;             ///< from a packet to its answer
@@ -22,7 +22,7 @@ struct Options {
 constexpr int kStepUs = 250;
 constexpr int kDelayStepUs = 50;  ///< a delayed answer goes out at the end of a step
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, EmulatorOptions& options) {
     words.add("--link", options.link, "A symbolic link to its terminal, for --device haply:LINK");
     words.add("--preset", options.preset, "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
         .with_default();
@@ -33,7 +33,7 @@ void declare(Words& words, Options& options) {
         .with_default();
 }
 
-int run(const Options& options) {
+int run(const EmulatorOptions& options) {
     const engine::Calibration machine = protocols::load_calibration(options.preset);
     if (!machine.haply) {
         throw std::invalid_argument(fmt::format(
@@ -58,7 +58,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command emulator_command() {
-    return make_command<Options>(
+    return make_command<EmulatorOptions>(
         "haply-emulator", "A Haply board that is not there, on a pseudo-terminal, until Ctrl-C",
         declare, run);
 }

@@ -10,16 +10,16 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct FigureOptions {
     std::string directory = "figures";  ///< made if it is not there
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, FigureOptions& options) {
     words.add("-o,--output", options.directory, "Folder for the files; made if not there")
         .with_default();
 }
 
-int run(const Options& options) {
+int run(const FigureOptions& options) {
     const std::filesystem::path directory(options.directory);
     make_folder(directory);
     for (const data::NamedFigure& figure : data::thesis_figures()) {
@@ -35,7 +35,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command figures_command() {
-    return make_command<Options>(
+    return make_command<FigureOptions>(
         "figures", "Compute the thesis' figures: SVG pictures and CSV tables", declare, run);
 }
 

@@ -12,14 +12,14 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct NewOptions {
     std::string file;                     ///< made; never one that is there
     std::string from = "shape_friction";  ///< a shipped protocol
     bool keys = false;                    ///< only print what a protocol may say
     bool markdown = false;                ///< the keys of all files, as Markdown
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, NewOptions& options) {
     words.add("FILE", options.file, "The file to make; its name becomes the study's id")
         .required_unless("--keys");
     words.add("--from", options.from, "The shipped protocol to begin with").with_default();
@@ -28,7 +28,7 @@ void declare(Words& words, Options& options) {
         .needs("--keys");
 }
 
-int run(const Options& options) {
+int run(const NewOptions& options) {
     if (options.keys) {
         say("{}", options.markdown ? protocols::keys_markdown() : protocols::key_reference());
         return 0;
@@ -43,7 +43,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command new_command() {
-    return make_command<Options>(
+    return make_command<NewOptions>(
         "new", "Write a protocol file to begin with: a shipped one with its comments", declare,
         run);
 }

@@ -16,7 +16,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct ProcedureOptions {
     std::string config;
     std::string responses;
     std::string output;   ///< empty: standard output
@@ -150,7 +150,7 @@ std::string replayed(Procedure procedure,
     return text;
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, ProcedureOptions& options) {
     words.add("CONFIG", options.config, "A procedure file (TOML)").required_unless("--keys");
     words.add("RESPONSES", options.responses, "A CSV file with a column response (and stimulus)")
         .required_unless("--keys");
@@ -159,7 +159,7 @@ void declare(Words& words, Options& options) {
     words.add("--keys", options.keys, "Print what a procedure file may say");
 }
 
-int run(const Options& options) {
+int run(const ProcedureOptions& options) {
     if (options.keys) {
         say("{}", protocols::procedure_key_reference());
         return 0;
@@ -176,7 +176,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command procedure_command() {
-    return make_command<Options>(
+    return make_command<ProcedureOptions>(
         "procedure", "Replay an adaptive procedure: stimuli, estimates and entropy trial by trial",
         declare, run);
 }

@@ -20,7 +20,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct RunOptions {
     std::vector<std::string> words;  ///< the whole command line
     std::string protocol;            ///< a file, or the name of a shipped protocol
     std::string participant;
@@ -42,7 +42,7 @@ struct Options {
 };
 
 /// Of what a person holds. Without force it is a try, unless the study is about the pointer.
-data::RunKind kind_by_hand(const Options& options,
+data::RunKind kind_by_hand(const RunOptions& options,
                            const DeviceChoice& device,
                            const protocols::Protocol& protocol) {
     const bool forceless =
@@ -61,7 +61,7 @@ data::RunKind kind_by_hand(const Options& options,
     return data::RunKind::pilot;
 }
 
-data::RunKind kind_of(const Options& options,
+data::RunKind kind_of(const RunOptions& options,
                       const DeviceChoice& device,
                       const protocols::Protocol& protocol) {
     const bool person = wants_window(options.screen);
@@ -80,7 +80,7 @@ data::RunKind kind_of(const Options& options,
     return kind_by_hand(options, device, protocol);
 }
 
-void heed_device(const Options& options, const RigSpec& spec) {
+void heed_device(const RunOptions& options, const RigSpec& spec) {
     const protocols::DeviceClass asked = spec.study.protocol.apparatus.device;
     if (spec.kind == data::RunKind::real && !fits(asked, spec.device.kind)) {
         throw std::invalid_argument(fmt::format(
@@ -91,7 +91,7 @@ void heed_device(const Options& options, const RigSpec& spec) {
 }
 
 /// Of a real session without a noted consent: said, or refused where the protocol demands it.
-void heed_consent(data::Database& database, const Options& options, const RigSpec& spec) {
+void heed_consent(data::Database& database, const RunOptions& options, const RigSpec& spec) {
     if (spec.kind != data::RunKind::real) {
         return;
     }
@@ -110,7 +110,7 @@ void heed_consent(data::Database& database, const Options& options, const RigSpe
 
 /// Of a real session with somebody of another handedness than the protocol asks for: refused where the
 /// noted score is on the other side, said where it is weak or unknown.
-void heed_handedness(data::Database& database, const Options& options, const RigSpec& spec) {
+void heed_handedness(data::Database& database, const RunOptions& options, const RigSpec& spec) {
     constexpr std::int64_t kClearly = 40;  // R. C. Oldfield's inventory, as it is commonly cut
     const protocols::Handedness asked = spec.study.protocol.handedness;
     if (spec.kind != data::RunKind::real || asked == protocols::Handedness::any) {
@@ -144,7 +144,7 @@ void heed_handedness(data::Database& database, const Options& options, const Rig
 
 /// A number that leaves a gap is a slip, unless the sessions before are in the file of another rig. Looked at
 /// before a file is made.
-void heed_number(const Options& options, const std::string& study) {
+void heed_number(const RunOptions& options, const std::string& study) {
     if (options.elsewhere || options.session.value_or(1) == 1) {
         return;
     }
@@ -164,7 +164,7 @@ void heed_number(const Options& options, const std::string& study) {
     }
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, RunOptions& options) {
     options.words = words.line;
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required();
@@ -209,7 +209,7 @@ void declare(Words& words, Options& options) {
     add_screen_words(words, options.screen);
 }
 
-int run(const Options& options) {
+int run(const RunOptions& options) {
     catch_signals();
     check_participant(options.participant);
     if (options.secret) {
@@ -277,7 +277,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command run_command() {
-    return make_command<Options>("run", "Run or resume a session of a protocol", declare, run);
+    return make_command<RunOptions>("run", "Run or resume a session of a protocol", declare, run);
 }
 
 }  // namespace palpate::ui

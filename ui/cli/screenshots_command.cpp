@@ -13,7 +13,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct ScreenshotOptions {
     std::string protocol =
         "shape_friction";  ///< a file or a shipped one: its pictures, instructions
     std::string directory = ".";
@@ -23,7 +23,7 @@ struct Options {
     std::string font;
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, ScreenshotOptions& options) {
     words.add("-o,--output", options.directory, "Folder for the pictures").with_default();
     words
         .add("--protocol", options.protocol,
@@ -39,7 +39,7 @@ void declare(Words& words, Options& options) {
         .with_default();
 }
 
-int run(const Options& options) {
+int run(const ScreenshotOptions& options) {
     const Study study = load_study(options.protocol);
     const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
     const auto language =
@@ -60,8 +60,8 @@ int run(const Options& options) {
 }  // namespace
 
 Command screenshots_command() {
-    return make_command<Options>("screenshots", "Write a picture of every subject screen (PNG)",
-                                 declare, run);
+    return make_command<ScreenshotOptions>(
+        "screenshots", "Write a picture of every subject screen (PNG)", declare, run);
 }
 
 }  // namespace palpate::ui

@@ -20,7 +20,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct SequenceOptions {
     std::string protocol;  ///< a file, or the name of a shipped protocol
     std::string participant;
     std::string database;  ///< empty: an example
@@ -44,7 +44,7 @@ struct Sequence {
     Plan plan;
 };
 
-Sequence make_sequence(const Options& options) {
+Sequence make_sequence(const SequenceOptions& options) {
     check_participant(options.participant);
     Sequence made;
     made.study = load_study(options.protocol);
@@ -173,7 +173,7 @@ void print_text(const Sequence& sequence) {
     print_trials(sequence);
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, SequenceOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required();
     words.add("--participant", options.participant, "Pseudonymous id: letters, digits, - and _")
@@ -186,7 +186,7 @@ void declare(Words& words, Options& options) {
     words.add("--csv", options.csv, "The trials alone, as CSV");
 }
 
-int run(const Options& options) {
+int run(const SequenceOptions& options) {
     const Sequence sequence = make_sequence(options);
     if (options.csv) {
         if (sequence.key.secret.empty()) {
@@ -202,7 +202,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command sequence_command() {
-    return make_command<Options>(
+    return make_command<SequenceOptions>(
         "sequence", "Print the plan that run would carry out, without running it", declare, run);
 }
 

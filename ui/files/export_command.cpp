@@ -8,7 +8,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct ExportWords {
     std::string database;
     std::string format = "csv";  ///< csv, bids, psych-ds, parquet
     std::string directory;       ///< made; never one that holds something
@@ -18,7 +18,7 @@ struct Options {
     bool keep_codes = false;
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, ExportWords& options) {
     words.add("FILE", options.database, "A database; only read").required();
     words
         .add("--format", options.format,
@@ -36,7 +36,7 @@ void declare(Words& words, Options& options) {
               "codes.csv: which code of the lab each subject is");
 }
 
-int run(const Options& options) {
+int run(const ExportWords& options) {
     const data::Exported done =
         data::export_file(options.database, data::parse_export_format(options.format),
                           {.kind = options.kind,
@@ -57,7 +57,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command export_command() {
-    return make_command<Options>(
+    return make_command<ExportWords>(
         "export", "Write a database as CSV, BIDS, Psych-DS or Parquet, de-identified", declare,
         run);
 }

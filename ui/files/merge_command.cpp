@@ -8,17 +8,17 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct MergeOptions {
     std::string database;             ///< made if it is not there
     std::vector<std::string> inputs;  ///< read only
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, MergeOptions& options) {
     words.add("OUT", options.database, "The file of all; made if it is not there").required();
     words.add("IN", options.inputs, "Files of rigs; only read").required();
 }
 
-int run(const Options& options) {
+int run(const MergeOptions& options) {
     const data::MergeReport done = data::merge_files(options.database, options.inputs);
     say("{}: {} new, {} went on, {} as before.\n", options.database, counted(done.added, "session"),
         done.extended, done.same);
@@ -36,8 +36,8 @@ int run(const Options& options) {
 }  // namespace
 
 Command merge_command() {
-    return make_command<Options>("merge", "Bring the sessions of several files together in one",
-                                 declare, run);
+    return make_command<MergeOptions>(
+        "merge", "Bring the sessions of several files together in one", declare, run);
 }
 
 }  // namespace palpate::ui

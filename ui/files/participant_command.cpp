@@ -11,7 +11,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct ParticipantOptions {
     std::string database;
     std::string participant;
     std::optional<std::int64_t> handedness;  ///< -100 to 100
@@ -49,7 +49,7 @@ void print(const std::string& id, const data::Participant& person) {
     }
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, ParticipantOptions& options) {
     words.add("FILE", options.database, "The study's database file").required();
     words.add("ID", options.participant, "Pseudonymous id: letters, digits, - and _").required();
     words.add("--handedness", options.handedness, "Edinburgh score, -100 (left) to 100 (right)")
@@ -66,7 +66,7 @@ void declare(Words& words, Options& options) {
         .kept_text();
 }
 
-int run(const Options& options) {
+int run(const ParticipantOptions& options) {
     check_participant(options.participant, "the participant");
     data::ParticipantNotes notes{.handedness = options.handedness};
     if (!options.consent.empty()) {
@@ -101,7 +101,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command participant_command() {
-    return make_command<Options>(
+    return make_command<ParticipantOptions>(
         "participant", "Show what is noted of a participant, and note handedness, consent and more",
         declare, run);
 }

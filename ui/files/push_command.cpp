@@ -10,19 +10,19 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct PushOptions {
     std::string database;
     std::string url;     ///< postgresql://...
     bool roles = false;  ///< only print the script of the roles
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, PushOptions& options) {
     words.add("FILE", options.database, "A database; only read");
     words.add("--to", options.url, "postgresql://..., with libpq's sslmode and sslrootcert");
     words.add("--roles", options.roles, "Print SQL for an administrator: the schema and two roles");
 }
 
-int run(const Options& options) {
+int run(const PushOptions& options) {
     if (options.roles) {
         say("{}", data::push_setup());
         return 0;
@@ -42,7 +42,8 @@ int run(const Options& options) {
 }  // namespace
 
 Command push_command() {
-    return make_command<Options>("push", "Bring a file's new rows into PostgreSQL", declare, run);
+    return make_command<PushOptions>("push", "Bring a file's new rows into PostgreSQL", declare,
+                                     run);
 }
 
 }  // namespace palpate::ui

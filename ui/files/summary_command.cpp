@@ -7,15 +7,15 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct SummaryOptions {
     std::string database;
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, SummaryOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
 }
 
-int run(const Options& options) {
+int run(const SummaryOptions& options) {
     data::Database database(options.database, data::Access::read);
     say("{}", data::summary_text(database));
     return 0;
@@ -24,8 +24,8 @@ int run(const Options& options) {
 }  // namespace
 
 Command summary_command() {
-    return make_command<Options>("summary", "Confusion matrix and shares correct of a database",
-                                 declare, run);
+    return make_command<SummaryOptions>(
+        "summary", "Confusion matrix and shares correct of a database", declare, run);
 }
 
 }  // namespace palpate::ui

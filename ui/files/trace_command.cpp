@@ -10,13 +10,13 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct TraceOptions {
     std::string database;
     std::int64_t trial = 0;
     std::int64_t interval = 1;
 };
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, TraceOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
     words.add("TRIAL", options.trial, "The id of the trial").required();
     words.add("--interval", options.interval, "Of a trial with two things to feel, which one")
@@ -25,7 +25,7 @@ void declare(Words& words, Options& options) {
 }
 
 /// The columns that every chunk holds, as data/trace/read_trace.py and read_trace.R print them.
-int run(const Options& options) {
+int run(const TraceOptions& options) {
     data::Database database(options.database, data::Access::read);
     const data::Snapshot now(database);
     const auto intervals = data::intervals_of(database, options.trial);
@@ -58,7 +58,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command trace_command() {
-    return make_command<Options>(
+    return make_command<TraceOptions>(
         "trace", "Print the stored ticks of a trial, whole numbers, as CSV", declare, run);
 }
 

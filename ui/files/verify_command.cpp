@@ -9,7 +9,7 @@
 namespace palpate::ui {
 namespace {
 
-struct Options {
+struct VerifyOptions {
     std::string database;
     bool json = false;
 };
@@ -105,12 +105,12 @@ void print_json(const std::string& file, const data::Verification& found) {
         json_of(found.file), sessions);
 }
 
-void declare(Words& words, Options& options) {
+void declare(Words& words, VerifyOptions& options) {
     words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
     words.add("--json", options.json, "One JSON object instead of lines");
 }
 
-int run(const Options& options) {
+int run(const VerifyOptions& options) {
     data::Database database(options.database, data::Access::read);
     const data::Verification found = data::verify(database);
     if (options.json) {
@@ -124,7 +124,7 @@ int run(const Options& options) {
 }  // namespace
 
 Command verify_command() {
-    return make_command<Options>(
+    return make_command<VerifyOptions>(
         "verify", "Recompute what a database says, replay every trial, say what differs", declare,
         run);
 }
