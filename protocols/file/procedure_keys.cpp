@@ -242,12 +242,12 @@ std::string key_reference() {
 }
 
 std::string keys_markdown() {
-    return "## Protocols\n\nA protocol begins with `format = 1`.\n" +
+    return "\n### Of a protocol\n\nIt begins with `format = 1`.\n" +
            reference_markdown(protocol_reference()) +
-           "\n## Procedures\n\nA procedure file begins with `format = 1`.\n" +
-           std::string(kAxisText) + reference_markdown(procedure_reference()) + "\n## Scenes\n" +
+           "\n### Of a procedure\n\nIt begins with `format = 1`.\n" + std::string(kAxisText) +
+           reference_markdown(procedure_reference()) + "\n### Of a scene\n" +
            reference_markdown(scene_reference()) +
-           "\n## Calibrations\n\nA calibration file begins with `format = 1`.\n" +
+           "\n### Of a calibration\n\nIt begins with `format = 1`.\n" +
            reference_markdown(calibration_reference());
 }
 

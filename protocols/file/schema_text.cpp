@@ -281,7 +281,7 @@ std::string reference_text(std::span<const TableText> tables) {
 std::string reference_markdown(std::span<const TableText> tables) {
     std::string text;
     for (const TableText& table : tables) {
-        text += fmt::format("\n### `{}`\n", table.heading);
+        text += fmt::format("\n#### `{}`\n", table.heading);
         if (!table.remark.empty()) {
             text += fmt::format("\n{}\n", table.remark);
         }

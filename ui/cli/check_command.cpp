@@ -17,6 +17,7 @@
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/open_apparatus.hpp"
+#include "ui/session/run_rig.hpp"
 
 namespace palpate::ui {
 namespace {

@@ -9,7 +9,6 @@
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
-#include "ui/rig/fault_text.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"

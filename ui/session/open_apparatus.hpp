@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "protocols/session/feasibility.hpp"
-#include "ui/session/run_rig.hpp"
+#include "ui/session/rig.hpp"
 
 namespace palpate::ui {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "ui/session/run_rig.hpp"
+#include "ui/session/rig.hpp"
 #include "ui/sound/noise_player.hpp"
 
 namespace palpate::ui {

@@ -19,7 +19,6 @@
 #include "data/store/disk_space.hpp"
 #include "data/store/reader.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "ui/rig/fault_text.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
