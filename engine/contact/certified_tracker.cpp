@@ -30,8 +30,8 @@ CertifiedTracker::CertifiedTracker(const Outline& outline) : feet_(outline), win
 ClosestPoint CertifiedTracker::named(const TrackWindow& window,
                                      const Followed& found,
                                      const Vec2& h) const noexcept {
-    return found.on_joint ? feet_.at_joint(found.joint, h)
-                          : feet_.named(h, found.foot, window.jet.first);
+    return found.on_seam ? feet_.at_seam(found.seam, h)
+                         : feet_.named(h, found.foot, window.jet.first);
 }
 
 ClosestPoint CertifiedTracker::track(TrackState& s,

@@ -33,8 +33,8 @@ struct TrackWindow {
 /// What following a window's minimum gave.
 struct Followed {
     bool settled = false;  ///< else: no minimum was reached, a search is due
-    bool on_joint = false;
-    std::size_t joint = 0;
+    bool on_seam = false;
+    std::size_t seam = 0;
     Foot<2> foot{};
 };
 

@@ -16,9 +16,6 @@ constexpr int kMaxSteps = 128;
 /// speed of the curve changes by powers of ten, Newton's iteration in u creeps.
 constexpr int kPatience = 6;
 
-/// |C'|^2 below this share of |C''|^2: the curve all but stands still, and no Taylor series helps.
-constexpr double kStill2 = 1e-12;
-
 /// A stretch squared that has grown by more than this share has grown; less may be rounding where the
 /// stretch is 1e-9 of the coordinates.
 constexpr double kGrown = 1e-6;

@@ -18,7 +18,7 @@ struct Slew {
 /// no evaluation.
 struct GodObject {
     Place place{};
-    Jet<2> jet{};  ///< of the span at the place; unused on a joint
+    Jet<2> jet{};  ///< of the span at the place; unused on a seam
 };
 
 [[nodiscard]] GodObject god_object_at(const Outline& outline, const Place& place) noexcept;
@@ -31,7 +31,7 @@ struct Walk {
     double tau = 0.0;           ///< r . t, m
     double nu = 0.0;            ///< -r . n, m
     double slid = 0.0;          ///< arc length the GO slid along spans, m
-    bool held_outside = false;  ///< stopped outside its cone: the budget ran out, or at an open end
+    bool outside_cone = false;  ///< stopped outside its cone: the budget ran out, or at an open end
     bool out_of_budget = false;
     bool in_corner = false;  ///< rests in a concave vertex, whose two normals carry together
 };

@@ -38,11 +38,22 @@ template <int D>
             .second = jet.second};
 }
 
+/// A curve that moves less than this share of its own bending, |C'| < 1e-6 |C''|, stands still: an end with
+/// repeated control points, or a cusp. No Taylor series helps there, and the tangent is that of the end.
+inline constexpr double kStill2 = 1e-12;
+/// An end of a span, in u: where C' vanishes at the end itself, no more of the span stands still.
+inline constexpr double kStillEnd = 1e-5;
+
+template <int D>
+[[nodiscard]] bool stands_still(const Jet<D>& jet) noexcept {
+    return glm::dot(jet.first, jet.first) <= kStill2 * glm::dot(jet.second, jet.second);
+}
+
 /// One rational Bezier span in D = 2 or 3 dimensions, u in [0, 1].
 ///
 ///     C(u) = sum w_i B_i(u) P_i / sum w_i B_i(u)        Piegl & Tiller, The NURBS Book, eq. 4.1
 ///
-/// Every NURBS curve is a chain of such spans. Coordinates are kept about the middle of the control
+/// Every NURBS curve is a row of such spans. Coordinates are kept about the middle of the control
 /// points. Polynomials up to degree 3 are evaluated by Horner's scheme (error below 1e-15 of the size);
 /// all others by de Casteljau's corner cutting in homogeneous coordinates (below 5e-16 for weights of
 /// 1e-3 to 1e3, where Horner loses up to 7 digits).

@@ -70,7 +70,7 @@ bool Scene::follow_foot(ContactState& state,
     const std::uint64_t searched = state.counts.track.searched;
     const ClosestPoint cp = look(state, hip);
     const TrackWindow& track = state.track.best;
-    if (state.counts.track.searched != searched || from.on_joint || cp.place.on_joint ||
+    if (state.counts.track.searched != searched || from.on_seam || cp.place.on_seam ||
         from.index != cp.place.index || !track.holds(from.index, from.parameter) ||
         !(cp.place.parameter > 0.0 && cp.place.parameter < 1.0) ||  // an open end holds the GO
         !(kChordToArc * glm::length(cp.point - state.go.jet.point) < budget)) {
@@ -83,12 +83,11 @@ bool Scene::follow_foot(ContactState& state,
     }
     const double moved = cp.place.parameter - from.parameter;
     state.go = {.place = cp.place, .jet = beside(track.jet, cp.place.parameter - track.u)};
-    contact.mode = std::fabs(moved) <= kRest ? Mode::stuck : Mode::slip;
+    // The stretch of a foot is all load. tau = -0 gives a tangential force of +0.
+    contact = render<false>({.point = cp.point, .tau = -0.0, .nu = cp.distance}, hip, 0.0);
+    contact.mode = mode_of<false>(std::fabs(moved) > kRest, state.theta, spec_.friction);
     contact.cp = cp;
     contact.place = cp.place;
-    contact.go = cp.point;
-    contact.force = spec_.stiffness * (cp.point - hip);
-    contact.normal_force = spec_.stiffness * cp.distance;
     return true;
 }
 
@@ -139,11 +138,7 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     contact.cp = state.last_cp;
     contact.place = state.go.place;
     const bool slipped = walk.slid > 0.0;
-    contact.mode =
-        !slipped ? Mode::stuck
-        : HasFriction && state.theta > kRelaxed && spec_.friction.mu_s > spec_.friction.mu_d
-            ? Mode::transition
-            : Mode::slip;
+    contact.mode = mode_of<HasFriction>(slipped, state.theta, spec_.friction);
     if constexpr (HasDamper) {
         damp<HasFriction>(state, walk, contact);
     }
@@ -156,9 +151,9 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
 template <bool HasFriction>
 Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexcept {
     const double k = spec_.stiffness;
-    Contact contact{.go = walk.point, .mu = mu, .slewed = walk.out_of_budget};
-    if (walk.held_outside) {
-        contact.held = true;
+    Contact contact{.go = walk.point, .mu = mu, .vertex_slew = walk.out_of_budget};
+    if (walk.outside_cone) {
+        contact.outside_cone = true;
         // The GO could not reach its cone in this tick: keep what the surface can carry here.
         const double load = std::max(walk.nu, 0.0);
         const double most = cone_radius<HasFriction>(mu, load);

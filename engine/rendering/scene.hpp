@@ -20,17 +20,17 @@ struct TickCounts {
 /// One tick's answer. Frame: the object's; the force is the one on the user.
 struct Contact {
     Mode mode = Mode::free;
-    ClosestPoint
-        cp{};  ///< global closest point of HIP; where it was not looked for, the last one found
+    /// Global closest point of HIP; where it was not looked for, the last one found.
+    ClosestPoint cp{};
     Place place{};                  ///< of the GO
     Vec2 go{};                      ///< m; out of contact the closest point
     Vec2 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
     double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
-    bool slewed = false;            ///< the vertex slew held the GO back in this tick
-    bool held =
-        false;  ///< the GO stopped outside its cone (slew, an open end): the force is cut to it
+    bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
+    /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone.
+    bool outside_cone = false;
     bool refused = false;  ///< HIP was not finite: force zero, contact ended
     bool skipped = false;  ///< out of reach: nothing was computed
 };
@@ -52,8 +52,8 @@ struct ContactState {
 };
 
 /// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of reach
-/// (the clearance of the last look minus the way since is > 0) a tick is a comparison. On an open chain a
-/// HIP led round an end within its clearance is seen on the other side at the next look only.
+/// (the clearance of the last look minus the way since is > 0) a tick is a comparison. On an open outline
+/// a HIP led round an end within its clearance is seen on the other side at the next look only.
 ///
 /// The law is GOS ("god-object spring"): F = K (GO - HIP), always; friction decides only where the GO
 /// may stay (Stretch in engine/friction/friction_law.hpp). Why it is safe: moving the GO along the

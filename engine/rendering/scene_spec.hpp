@@ -4,6 +4,7 @@
 
 #include "engine/friction/god_object.hpp"
 #include "engine/friction/stribeck.hpp"
+#include "engine/rendering/mode.hpp"
 
 namespace palpate::engine {
 
@@ -30,6 +31,14 @@ const SceneSpec& checked(const SceneSpec& spec);
 
 /// mu counts as relaxed once theta is below this: 1e-3 of mu_s - mu_d is 0.2 mN at 1 N.
 inline constexpr double kRelaxed = 1e-3;
+
+/// What a tick in contact did: `slipped`, the GO moved; theta, the Stribeck state before the tick.
+template <bool HasFriction>
+[[nodiscard]] Mode mode_of(bool slipped, double theta, const Friction& friction) noexcept {
+    return !slipped                                                         ? Mode::stuck
+         : HasFriction && theta > kRelaxed && friction.mu_s > friction.mu_d ? Mode::transition
+                                                                            : Mode::slip;
+}
 
 /// Share of the clearance that may be used up before the next look; the rest is for rounding.
 inline constexpr double kClearShare = 1.0 - 1e-12;

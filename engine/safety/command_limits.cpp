@@ -9,7 +9,7 @@ Vec2 saturated(const Vec2& force, double most) noexcept {
     return length > most ? force * (most / length) : force;
 }
 
-Vec2 slewed(const Vec2& last, const Vec2& target, double slew) noexcept {
+Vec2 within_slew(const Vec2& last, const Vec2& target, double slew) noexcept {
     const Vec2 change = target - last;
     const double length = glm::length(change);
     return length > slew ? last + change * (slew / length) : target;

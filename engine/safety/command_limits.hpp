@@ -12,7 +12,7 @@ namespace palpate::engine {
 /// `target`, or where that is further than `slew` from `last` the point at that distance on the way to it.
 /// Between two vectors of a disc the way stays inside: what is no longer than a limit stays so.
 /// @param last    the force of the tick before, N   @param slew  N, >= 0, infinity: no limit
-[[nodiscard]] Vec2 slewed(const Vec2& last, const Vec2& target, double slew) noexcept;
+[[nodiscard]] Vec2 within_slew(const Vec2& last, const Vec2& target, double slew) noexcept;
 
 /// The gain of the ramp a tick later, 0 off ... 1 on. @param step  share a tick, > 0
 [[nodiscard]] double ramped(double gain, double step, bool enable) noexcept;

@@ -77,8 +77,8 @@ Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInpu
     state.gain = ramped(state.gain, limits.ramp_step, input.enable);
     command.ramped = state.gain < 1.0;
     const Vec2 target = state.gain * most;
-    command.force = slewed(state.command, target, limits.slew);
-    command.slewed = command.force != target;
+    command.force = within_slew(state.command, target, limits.slew);
+    command.force_slew = command.force != target;
     return command;
 }
 

@@ -47,9 +47,9 @@ struct SafetyState {
 struct Command {
     Vec2 force{};
     bool saturated = false;
-    bool slewed = false;
-    bool ramped = false;     ///< scaled down by the ramp
-    Trip trip = Trip::none;  ///< the latched cause; the force is zero
+    bool force_slew = false;  ///< it changed as fast as the limit allows
+    bool ramped = false;      ///< scaled down by the ramp
+    Trip trip = Trip::none;   ///< the latched cause; the force is zero
 };
 
 /// What stands between the rendered force and the device, in this order:

@@ -46,7 +46,7 @@ struct SurfaceContact {
     double normal_force = 0.0;      ///< force . normal, N, >= 0
     double tangential_force = 0.0;  ///< length of the rest, N, >= 0
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
-    bool held = false;              ///< the GO rests at an open border or in a concave crease
+    bool outside_cone = false;      ///< the GO rests at an open border or in a concave crease
     bool skipped = false;           ///< out of reach: cp.distance is a lower bound
     bool refused = false;  ///< HIP was not finite or above 1e9 m: force zero, contact ended
 };

@@ -232,7 +232,7 @@ private:
                 .length = s.length,
                 .load = s.load,
                 .slid = slid,
-                .held_outside = held,
+                .outside_cone = held,
                 .in_crease = held && ground_.between(s.place)};
     }
 

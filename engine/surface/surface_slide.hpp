@@ -14,7 +14,7 @@ struct SurfaceSlide {
     double length = 0.0;         ///< |tangential|, m
     double load = 0.0;           ///< nu = -r . n, m: > 0 inside
     double slid = 0.0;           ///< way of the GO, m: sum of chords
-    bool held_outside = false;   ///< stopped outside its cone: at an open border or in a crease
+    bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
     bool in_crease = false;      ///< in a concave crease, whose two sides carry together
 };
 

@@ -80,7 +80,7 @@ TEST_CASE("a command changes no faster than the slew limit, within the force lim
             make_safe(state, limits, {.force = force, .enable = random.below(9) != 0});
         REQUIRE(glm::length(c.force - last) <= limits.slew * (1.0 + 1e-12));
         REQUIRE(glm::length(c.force) <= limits.most * (1.0 + 1e-12));
-        if (!c.slewed && !c.saturated && !c.ramped) {
+        if (!c.force_slew && !c.saturated && !c.ramped) {
             REQUIRE(c.force == force);  // untouched where nothing is said of it
         }
         last = c.force;
@@ -93,7 +93,7 @@ TEST_CASE("a step of the force arrives at the pace of the slew limit and says so
     for (const double expected : {2.0, 4.0, 5.0, 5.0}) {
         const Command c = make_safe(state, limits, {.force = {3.0, -4.0}});
         CHECK(glm::length(c.force - expected * Vec2{0.6, -0.8}) < 1e-12);
-        CHECK(c.slewed == (expected < 5.0));
+        CHECK(c.force_slew == (expected < 5.0));
     }
 }
 
