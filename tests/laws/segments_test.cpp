@@ -165,10 +165,11 @@ struct Felt {
 };
 
 Felt felt_in(const TemporaryFolder& folder, const std::string& file, const Row& trial) {
-    Felt felt{sql(file, "SELECT * FROM sample WHERE trial_id = " + trial.at("trial")), {}};
+    Felt felt{sql(file, "SELECT * FROM sample WHERE trial_id = " + trial.at("trial_id")), {}};
     std::string path = "t_s,x_m,y_m\n";
     for (const Row& tick : felt.sample) {
-        path += fmt::format("{},{},{}\n", tick.at("t_s"), tick.at("x_m"), tick.at("y_m"));
+        path +=
+            fmt::format("{},{},{}\n", tick.at("time_s"), tick.at("hip_x_m"), tick.at("hip_y_m"));
     }
     std::ofstream(folder.file("s.toml")) << scene_text(trial);
     std::ofstream(folder.file("t.csv")) << path;
@@ -213,8 +214,8 @@ void check_rendered(const Felt& felt, bool hill, bool rubs, std::map<int, int>& 
             (mode == again.at("mode") || (!rubs && mode != "FREE" && again.at("mode") != "FREE")));
         REQUIRE(glm::length(go - point(again, "go")) < 1e-9);
         REQUIRE(glm::length(point(tick, "cp") - point(again, "cp")) < 1e-9);
-        REQUIRE(std::fabs(number(tick, "fn_n") - number(again, "fn_n")) < 1e-6);
-        REQUIRE(std::fabs(number(tick, "ft_n") - number(again, "ft_n")) < 1e-6);
+        REQUIRE(std::fabs(number(tick, "rendered_normal_n") - number(again, "fn_n")) < 1e-6);
+        REQUIRE(std::fabs(number(tick, "rendered_tangential_n") - number(again, "ft_n")) < 1e-6);
         if (go == point(tick, "cp")) {  // render names the closest point's place
             REQUIRE(std::stoi(again.at("segment")) == segment);
             REQUIRE((place < 0 || std::fabs(number(again, "u") - u) < 1e-9));
@@ -279,10 +280,10 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
         {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
     CAPTURE(run.error);
     REQUIRE(run.code == 0);
-    const std::vector<Row> trials =
-        sql(file,
-            "SELECT s.trial, s.object, s.friction, s.before_vertex_s, s.after_vertex_s, t.ticks "
-            "FROM trial_summary AS s JOIN trial AS t ON t.id = s.trial ORDER BY s.trial");
+    const std::vector<Row> trials = sql(
+        file,
+        "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "
+        "ticks FROM trial_summary AS s JOIN trial USING (trial_id) ORDER BY trial_id");
     REQUIRE(trials.size() == 4);
     REQUIRE(palpate_command({"export", file, "--format", "bids", "--kind", "simulated", "--traces",
                              "-o", folder.file("out")})
@@ -304,7 +305,7 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
             CAPTURE(k);
             REQUIRE(number(runs[i][k], "segment") == number(felt.sample[k], "segment"));
             REQUIRE(number(runs[i][k], "u") == number(felt.sample[k], "u"));
-            REQUIRE(number(runs[i][k], "go_x") == number(felt.sample[k], "go_x_m"));
+            REQUIRE(number(runs[i][k], "go_x_m") == number(felt.sample[k], "go_x_m"));
             if (const double u = number(felt.sample[k], "u");
                 hill && felt.sample[k].at("segment") == "0") {
                 ++on_spans[u < 0.3 ? 0 : u < 1.0 ? 1 : 2];
