@@ -11,8 +11,9 @@ namespace {
 /// Rounding of distances in a certificate, relative to the lengths in it.
 constexpr double kMargin = 1e-14;
 
-/// A second stretch of the outline that comes this near to the first, m, is followed as well: a hand
-/// at 0.1 m/s would otherwise ask for a search within 40 ticks, and beside the medial axis on each.
+/// A second stretch of the outline that comes this near to the first, m, is followed as well: a
+/// hand at 0.1 m/s would otherwise ask for a search within 40 ticks, and beside the medial axis on
+/// each.
 constexpr double kRivalry = 0.004;
 
 /// Least slack of a rival's window, m, for it to be worth following.

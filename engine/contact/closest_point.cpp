@@ -10,15 +10,15 @@ namespace palpate::engine {
 
 namespace {
 
-/// Where a curve comes to a stop, C' = 0, its foot polynomial vanishes at the end, and rounding puts the
-/// root this near to it.
+/// Where a curve comes to a stop, C' = 0, its foot polynomial vanishes at the end, and rounding
+/// puts the root this near to it.
 constexpr double kNearEnd = 1e-6;
 
 /// Up to this turn, rad, the side of the mean tangent tells inside from outside at a vertex.
 constexpr double kShallow = 1.0;
 
-/// A foot beside a vertex that is in truth the vertex: h lies in its region, and is no nearer to the foot
-/// than rounding can tell.
+/// A foot beside a vertex that is in truth the vertex: h lies in its region, and is no nearer to
+/// the foot than rounding can tell.
 bool on_vertex(const Seam& vertex, const Vec2& h, const Foot<2>& foot) noexcept {
     const Vec2 gap = vertex.point - h;
     return glm::dot(gap, vertex.tangent_in) <= 0.0 && glm::dot(gap, vertex.tangent_out) >= 0.0 &&

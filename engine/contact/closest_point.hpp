@@ -23,8 +23,8 @@ struct SegmentPlace {
     double angle = 0.0;  ///< on a vertex the fan angle phi, rad in [0, turn]; else 0
 };
 
-/// @pre `place` is one of `outline`. A kink or a cusp within a segment is no vertex: it is that place of
-/// the segment, and its fan angle has no name.
+/// @pre `place` is one of `outline`. A kink or a cusp within a segment is no vertex: it is that
+/// place of the segment, and its fan angle has no name.
 [[nodiscard]] SegmentPlace segment_place(const Outline& outline, const Place& place) noexcept;
 
 struct ClosestPoint {
@@ -37,14 +37,17 @@ struct ClosestPoint {
 /// The global closest point of a whole outline: the nearest of all spans and vertices.
 class OutlineFeet {
 public:
+    /// Builds the tree of pieces. @param outline  outlives this
     explicit OutlineFeet(const Outline& outline);
 
-    /// Global answer. Ties go to either place. What is nearest decides between outside and inside: a
-    /// span by the side of its normal; a convex vertex is seen from outside only, a concave one from
-    /// inside only; beyond an open end everything is outside.
+    /// Global answer. Ties go to either place. What is nearest decides between outside and inside:
+    /// a span by the side of its normal; a convex vertex is seen from outside only, a concave one
+    /// from inside only; beyond an open end everything is outside.
     [[nodiscard]] ClosestPoint closest(const Vec2& h) const noexcept;
 
+    /// The outline that was given.
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
+    /// Its spans in pieces; span i of the tree is span i of the outline.
     [[nodiscard]] const PieceTree<2>& tree() const noexcept { return tree_; }
 
     /// The foot as a place of the outline, with its side. `tangent`: any vector along C' there.

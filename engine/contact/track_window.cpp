@@ -7,7 +7,8 @@
 namespace palpate::engine {
 namespace {
 
-/// A last step that Taylor's series of second order finishes may be this wrong, relative to the span.
+/// A last step that Taylor's series of second order finishes may be this wrong, relative to the
+/// span.
 constexpr double kTaylorError = 1e-17;
 
 /// And no longer than this: Newton's own error after the step is of the order of its square.
@@ -40,12 +41,13 @@ constexpr std::size_t kReach = 12;
 /// A window is not narrowed below this slack, m, if more can be had: 50 ticks at 0.1 m/s.
 constexpr double kWanted = 0.005;
 
-/// Whether h is at the end of a curve is known to this share of the lengths only: the seam's tangents
-/// are rounded, and so is the curve's own derivative there.
+/// Whether h is at the end of a curve is known to this share of the lengths only: the seam's
+/// tangents are rounded, and so is the curve's own derivative there.
 constexpr double kVertexMargin = 1e-12;
 
-/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum, or
-/// within rounding of one. Straight below the end of one curve, the foot of the other would be missed.
+/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum,
+/// or within rounding of one. Straight below the end of one curve, the foot of the other would be
+/// missed.
 bool is_maximum(const Seam& seam, const Vec2& h) noexcept {
     const Vec2 gap = seam.point - h;
     const double margin =

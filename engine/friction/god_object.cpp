@@ -10,14 +10,16 @@
 namespace palpate::engine {
 namespace {
 
-/// Spans and seams visited in one tick before the walk gives up until the next: a guard against a cycle of
-/// rounding errors, far above what a hand can cross in a millisecond.
+/// Spans and seams visited in one tick before the walk gives up until the next: a guard against a
+/// cycle of rounding errors, far above what a hand can cross in a millisecond.
 constexpr int kMaxVisits = 64;
 
-/// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the curve.
+/// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the
+/// curve.
 constexpr double kSetOut = 0x1p-14;
 
-/// Or with a step that takes it this share of the stretch away: beside heavy control points u is coarse.
+/// Or with a step that takes it this share of the stretch away: beside heavy control points u is
+/// coarse.
 constexpr double kSetOutShare = 1e-3;
 constexpr int kMaxSetOuts = 16;
 
@@ -162,7 +164,8 @@ private:
         return slide.end == SlideEnd::out_of_budget ? stop_outside(true) : Next::stop;
     }
 
-    /// Where C' = 0 the drive in u says nothing: the end's tangent decides, and the first step is given.
+    /// Where C' = 0 the drive in u says nothing: the end's tangent decides, and the first step is
+    /// given.
     Next from_still_end() noexcept {
         const ConeState s = cone(outline_, go_);
         if (s.excess <= 0.0) {
@@ -179,7 +182,8 @@ private:
         return set_out();
     }
 
-    /// From where the curve stands still to a place near by, measured by the stretch, where it does not.
+    /// From where the curve stands still to a place near by, measured by the stretch, where it does
+    /// not.
     Next set_out() noexcept {
         const RationalBezier<2>& curve = outline_.spans()[go_.place.index];
         const double near = kSetOutShare * glm::length(h_ - go_.jet.point);

@@ -17,8 +17,8 @@ constexpr double kSameEnd = 1e-9;
 /// Turns closer to pi than this, rad, are a cusp: the tangents alone no longer tell the side.
 constexpr double kCuspTurn = 1e-6;
 
-/// Side on which the outline goes on after turning back by pi: < 0 right, the object fills the spike
-/// between the two branches; > 0 left, it surrounds it; 0 if the branches coincide.
+/// Side on which the outline goes on after turning back by pi: < 0 right, the object fills the
+/// spike between the two branches; > 0 left, it surrounds it; 0 if the branches coincide.
 double side_of_cusp(const RationalBezier<2>& in,
                     const RationalBezier<2>& out,
                     const Vec2& tangent) {
@@ -26,7 +26,8 @@ double side_of_cusp(const RationalBezier<2>& in,
     for (const double s : {1e-3, 1e-2, 0.1, 0.3, 0.6, 1.0}) {
         const Vec2 before = in.at(1.0 - s).point - tip;
         const Vec2 after = out.at(s).point - tip;
-        // Compare at the same distance from the tip: the branches lie on curves tangent to each other.
+        // Compare at the same distance from the tip: the branches lie on curves tangent to each
+        // other.
         const double scale = glm::dot(after, tangent) / glm::dot(before, tangent);
         const double side = cross(tangent, after) - scale * cross(tangent, before);
         if (std::fabs(side) > 1e-9 * glm::length(after)) {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/geometry/balanced_span.hpp"
+#include "engine/geometry/nurbs_curve.hpp"
 
 namespace palpate::engine {
 
@@ -35,8 +35,8 @@ struct Seam {
     Vec2 point{};
     std::size_t before = 0;  ///< span that ends here
     std::size_t after = 0;   ///< span that starts here
-    bool is_vertex =
-        false;           ///< `after` begins a segment: two segments meet here, not two spans of one
+    /// `after` begins a segment: two segments meet here, not two spans of one
+    bool is_vertex = false;
     Vec2 tangent_in{};   ///< unit tangent at the end of `before`
     Vec2 tangent_out{};  ///< unit tangent at the start of `after`
     SeamKind kind = SeamKind::smooth;
@@ -44,12 +44,12 @@ struct Seam {
 };
 
 /// Curves joined end to end, the object on the right of travel. Closed: the last joins the first,
-/// so that inside and outside are defined everywhere. Open chains end in two open ends.
+/// so that inside and outside are defined everywhere. An open outline ends in two open ends.
 ///
-/// Segments are what an experimenter names; spans are the rational Bezier pieces they consist of. Spans
-/// meet at seams; the seam between two segments is a vertex. A kink or a cusp within a segment is a seam
-/// that acts like a vertex: at a cusp the outline turns by pi, convex where the object fills the spike,
-/// concave where it surrounds it.
+/// Segments are what an experimenter names; spans are the rational Bezier pieces they consist of.
+/// Spans meet at seams; the seam between two segments is a vertex. A kink or a cusp within a
+/// segment is a seam that acts like a vertex: at a cusp the outline turns by pi, convex where the
+/// object fills the spike, concave where it surrounds it.
 class Outline {
 public:
     /// A tick records its segment, or -1 - j on vertex j, in 16 bits.
@@ -57,15 +57,20 @@ public:
 
     /// @param segments  each starts where the one before ends, within 1e-9 m; 1 to kMaxSegments
     /// @param closed    the last one ends where the first starts
-    /// @throws std::invalid_argument if ends do not meet, a seam runs back along itself, a segment is
-    ///         a mere point, or a closed outline runs anticlockwise (the object would be outside)
+    /// @throws std::invalid_argument if ends do not meet, a seam runs back along itself, a segment
+    ///         is a mere point, or a closed outline runs anticlockwise (the object would be
+    ///         outside)
     Outline(const std::vector<NurbsCurve<2>>& segments, bool closed);
     /// Segments of one span each.
     Outline(std::vector<RationalBezier<2>> segments, bool closed);
 
+    /// All spans in the direction of travel.
     [[nodiscard]] const std::vector<RationalBezier<2>>& spans() const noexcept { return spans_; }
+    /// Which part of which segment a span is.
     [[nodiscard]] const SpanName& name(std::size_t span) const noexcept { return names_[span]; }
+    /// Where spans meet: seam i is at the end of span i.
     [[nodiscard]] const std::vector<Seam>& seams() const noexcept { return seams_; }
+    /// The last segment ends where the first starts.
     [[nodiscard]] bool closed() const noexcept { return closed_; }
 
     /// Seam at the end (forward) or at the start of span i; none at an open end.

@@ -23,7 +23,8 @@ Trip found(const Reading& reading, const Contact& contact) noexcept {
     return Trip::device_lost;
 }
 
-/// The flags of the safety chain, the clock and the device; those of the scene come with its contact.
+/// The flags of the safety chain, the clock and the device; those of the scene come with its
+/// contact.
 std::uint8_t flags_of(const Command& command,
                       const Applied& applied,
                       bool late,

@@ -26,14 +26,15 @@ enum TickFlag : std::uint8_t {
     tick_stale = 1U << 7U,       ///< no new reading: the last HIP was used again
 };
 
-/// The flags that follow from the scene and HIP; the others are the safety chain's and the device's.
+/// The flags that follow from the scene and HIP; the others are the safety chain's and the
+/// device's.
 inline constexpr unsigned kSceneFlags = tick_skipped | tick_outside_cone;
 
 /// Everything that one servo tick read, decided and commanded. Frame: the object's, SI.
 struct TickRecord {
     std::int64_t tick = 0;  ///< 0 at the first tick of the trial
-    /// Since the trial's first deadline, on the servo's clock. Ticks are numbered without a gap; time
-    /// jumps where the servo slept through deadlines, and lateness_us says so.
+    /// Since the trial's first deadline, on the servo's clock. Ticks are numbered without a gap;
+    /// time jumps where the servo slept through deadlines, and lateness_us says so.
     std::int64_t time_ns = 0;
     Vec2 hip{};                     ///< haptic interaction point, m
     Vec2 cp{};                      ///< closest point of the outline, m
@@ -43,8 +44,8 @@ struct TickRecord {
     double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< friction coefficient in force during this tick
-    /// Of the GO on its segment, the segment's own parameter (0 to 1, or its knots'); on a vertex the
-    /// fan angle phi, rad.
+    /// Of the GO on its segment, the segment's own parameter (0 to 1, or its knots'); on a vertex
+    /// the fan angle phi, rad.
     double u = 0.0;
     std::array<std::int32_t, 2> counts{};  ///< encoder counts as read (0 without encoders)
     std::array<std::int32_t, 2> codes{};   ///< DAC codes as written (0 without motors)
@@ -55,8 +56,8 @@ struct TickRecord {
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 
-/// Sets the columns that follow from the scene and HIP (cp to mode, and the scene's flags) and leaves the
-/// others alone. Servo and replay both call this, and nothing else sets these columns.
+/// Sets the columns that follow from the scene and HIP (cp to mode, and the scene's flags) and
+/// leaves the others alone. Servo and replay both call this, and nothing else sets these columns.
 /// @param outline  of the scene that made `contact`
 void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept;
 

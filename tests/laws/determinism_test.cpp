@@ -1,5 +1,5 @@
-#include "data/store/content_hash.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
@@ -11,7 +11,7 @@ namespace {
 std::string demo_hash(const std::string& file, const std::string& seed) {
     REQUIRE(palpate_command({"demo", "--headless", "--db", file, "--seed", seed}).code == 0);
     data::Database database(file, data::Access::read);
-    return data::content_hash(database);
+    return tests::content_hash(database);
 }
 
 }  // namespace

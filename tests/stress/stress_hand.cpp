@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/geometry/box.hpp"
+#include "engine/geometry/vec.hpp"
 
 namespace palpate::stress {
 namespace {
