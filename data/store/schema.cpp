@@ -238,8 +238,8 @@ CREATE TABLE fault_tick (
     flags       INTEGER NOT NULL,                   -- bits, see the table
     mode        TEXT NOT NULL                       -- of the contact
                     CHECK (mode IN ('free', 'stuck', 'slip', 'transition')),
-    segment     INTEGER NOT NULL,                   -- under the god-object: from 0 in the direction of travel; -1 - j: on vertex j
-    u           REAL,                               -- of the god-object on its segment, 0 to 1; on a vertex its angle, rad
+    segment     INTEGER NOT NULL,                   -- under the god-object: i >= 0 segment i, from 0; -1 - j vertex j, at the end of segment j
+    u           REAL,                               -- of the god-object: its segment's own parameter (0 to 1, or its knots); on a vertex its angle, rad
     hip_x_m     REAL,                               -- haptic interaction point
     hip_y_m     REAL,                               -- its y
     cp_x_m      REAL,                               -- closest point of the outline

@@ -1,7 +1,6 @@
 #include "data/store/sqlite_recorder.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -28,10 +27,6 @@ namespace {
 /// An answer, and whatever else a person waits for, waits this long for the lock of another program.
 constexpr int kPatienceMs = 60'000;
 
-std::int64_t period_of(double rate_hz) {
-    return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
-}
-
 std::string insert_fault_tick() {
     std::string names = "trial_id";
     std::string places = "?1";
@@ -56,7 +51,7 @@ SqliteRecorder::SqliteRecorder(Database& database,
       session_(session),
       trace_(database,
              machine_of(first_calibration(database, session)),
-             period_of(protocol.apparatus.rate_hz)),
+             engine::tick_period_ns(protocol.apparatus.rate_hz)),
       reserve_(database.file()) {
     database.wait_for_locks(kPatienceMs);
 }

@@ -133,8 +133,8 @@ SELECT trial.trial_id AS trial_id,                           -- trial.trial_id
        trial.mean_speed_m_per_s AS mean_speed_m_per_s,    -- of HIP in contact
        trial.contact_ticks / session.rate_hz AS contact_s,                -- time in contact
        trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,  -- of contact: slip or transition
-       trial.before_vertex_ticks / session.rate_hz AS before_vertex_s,    -- in contact with the first curve, left
-       trial.after_vertex_ticks / session.rate_hz AS after_vertex_s,      -- in contact with the second curve, right
+       trial.before_vertex_ticks / session.rate_hz AS before_vertex_s,    -- in contact with segment 0, before vertex 0
+       trial.after_vertex_ticks / session.rate_hz AS after_vertex_s,      -- in contact with segment 1, after vertex 0
        trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share,     -- of ticks
        trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share  -- of ticks
 FROM trial

@@ -171,8 +171,7 @@ void check_summary(const SessionFrame& frame,
     if (!all_whole(intervals) || intervals.empty()) {
         return;  // said already, or nothing was begun
     }
-    const auto period_ns =
-        static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5));
+    const auto period_ns = engine::tick_period_ns(frame.protocol.apparatus.rate_hz);
     const std::string outcome = trial.text("outcome");
     protocols::TrialSummary sum;
     for (std::size_t i = 0; i < intervals.size(); ++i) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -74,8 +73,7 @@ TrialCheck::TrialCheck(Database& database,
       pending_(frame.plan, rule_of(frame)),
       runs_(frame.protocol, rule_of(frame).key),
       redos_(redos_of(database, session)),
-      period_ns_(
-          static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5))) {}
+      period_ns_(engine::tick_period_ns(frame.protocol.apparatus.rate_hz)) {}
 
 void TrialCheck::check(const StoredRow& trial) {
     findings_.look_at(trial.integer("trial_id"));

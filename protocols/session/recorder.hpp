@@ -46,8 +46,8 @@ struct TrialSummary {
     std::int64_t strokes = 0;  ///< along the surface, see StrokeCounter
     double mean_speed_m_per_s =
         0.0;  ///< of HIP in contact: its path by its time, 0 without contact
-    std::int64_t before_vertex_ticks = 0;  ///< in contact with the first segment: up to the vertex
-    std::int64_t after_vertex_ticks = 0;   ///< with the second: from the vertex on
+    std::int64_t before_vertex_ticks = 0;  ///< in contact with segment 0: up to vertex 0
+    std::int64_t after_vertex_ticks = 0;   ///< with segment 1: from vertex 0 on
     std::int64_t contact_episodes = 0;
     double worst_episode_j =
         0.0;  ///< largest engine::EnergyLedger balance of an episode, <= 0: passive

@@ -9,12 +9,12 @@
 #include "protocols/trial/object_hash.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/adaptive_export.hpp"
-#include "data/store/content_hash.hpp"
 #include "data/store/people.hpp"
 #include "data/sync/merge.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/process.hpp"
 

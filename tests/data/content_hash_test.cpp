@@ -1,6 +1,6 @@
-#include "data/store/content_hash.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
@@ -34,16 +34,16 @@ TEST_CASE("two equal sessions have one hash, whatever the clock and the machine'
     Database b(folder.file("b.sqlite"), Access::write);
     fill(a, 1);
     fill(b, 2);
-    CHECK(data::content_hash(a) == data::content_hash(b));
+    CHECK(tests::content_hash(a) == tests::content_hash(b));
     a.execute("UPDATE trial SET started_utc = 'yesterday'; VACUUM");
-    CHECK(data::content_hash(a) == data::content_hash(b));
+    CHECK(tests::content_hash(a) == tests::content_hash(b));
 }
 
 TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     fill(database, 1);
-    const std::string before = data::content_hash(database);
+    const std::string before = tests::content_hash(database);
     const char* edits[] = {
         "UPDATE response SET correct = 1 - correct WHERE trial_id = 3",
         "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial_id = 1",
@@ -58,8 +58,8 @@ TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
         CAPTURE(sql);
         database.execute("SAVEPOINT edit");
         database.execute(sql);
-        CHECK(data::content_hash(database) != before);
+        CHECK(tests::content_hash(database) != before);
         database.execute("ROLLBACK TO edit; RELEASE edit");
     }
-    CHECK(data::content_hash(database) == before);
+    CHECK(tests::content_hash(database) == before);
 }

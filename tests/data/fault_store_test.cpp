@@ -168,7 +168,7 @@ TEST_CASE(
         CHECK(same(7, double{tick.lateness_us}));
         CHECK(row.integer(8) == tick.flags);
         CHECK(row.text(9) == to_string(tick.mode));
-        CHECK(row.integer(10) == tick.feature);
+        CHECK(row.integer(10) == tick.segment);
         CHECK(same(12, tick.hip.x));
         CHECK(same(13, tick.hip.y));
         CHECK(same(18, tick.force.x));

@@ -350,8 +350,8 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
     // What the ticks say of the truth is not read.
     for (engine::TickRecord& tick : ticks) {
         tick.cp = tick.go = Vec2{random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
-        tick.parameter = random.in(0.0, 1.0);
-        tick.feature = static_cast<std::int16_t>(random.below(4));
+        tick.u = random.in(0.0, 1.0);
+        tick.segment = static_cast<std::int16_t>(random.below(4));
     }
     OutlineCues again(study, order);
     again.add(ticks);

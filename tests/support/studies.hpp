@@ -77,11 +77,11 @@ inline std::vector<engine::TickRecord> random_ticks(std::uint64_t seed,
         t.normal_force = bits();
         t.tangential_force = bits();
         t.mu = bits();
-        t.parameter = bits();
+        t.u = bits();
         t.counts = {random.below(1 << 20) - (1 << 19), random.below(100)};
         t.codes = {random.below(65536) - 32768, random.below(100)};
         t.lateness_us = static_cast<float>(random.in(0.0, 50.0));
-        t.feature = static_cast<std::int16_t>(random.below(6) - 3);
+        t.segment = static_cast<std::int16_t>(random.below(6) - 3);
         t.mode = static_cast<engine::Mode>(random.below(4));
         t.flags = static_cast<std::uint8_t>(random.below(16));
     }
@@ -96,9 +96,9 @@ inline bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b) 
     return a.tick == b.tick && a.time_ns == b.time_ns && equal(a.hip, b.hip) && equal(a.cp, b.cp) &&
            equal(a.go, b.go) && equal(a.force, b.force) && equal(a.command, b.command) &&
            equal(a.normal_force, b.normal_force) && equal(a.tangential_force, b.tangential_force) &&
-           equal(a.mu, b.mu) && equal(a.parameter, b.parameter) && a.counts == b.counts &&
-           a.codes == b.codes && equal(a.lateness_us, b.lateness_us) && a.feature == b.feature &&
-           a.mode == b.mode && a.flags == b.flags;
+           equal(a.mu, b.mu) && equal(a.u, b.u) && a.counts == b.counts && a.codes == b.codes &&
+           equal(a.lateness_us, b.lateness_us) && a.segment == b.segment && a.mode == b.mode &&
+           a.flags == b.flags;
 }
 
 /// A complete, plausible result.

@@ -1,4 +1,4 @@
-#include "data/store/content_hash.hpp"
+#include "tests/support/content_hash.hpp"
 
 #include <cstring>
 #include <vector>
@@ -9,7 +9,7 @@
 #include "data/store/reader.hpp"
 #include "data/trace/columns.hpp"
 
-namespace palpate::data {
+namespace palpate::tests {
 namespace {
 
 /// The hash of hashes: each row's text is hashed, the sum hashes the list.
@@ -22,9 +22,9 @@ private:
     std::string all_;
 };
 
-std::vector<std::string> tables(Database& database) {
+std::vector<std::string> tables(data::Database& database) {
     std::vector<std::string> names;
-    Statement row = database.prepare(
+    data::Statement row = database.prepare(
         "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
         " AND name NOT IN ('session_provenance', 'trace_chunk', 'secret') ORDER BY name");
     while (row.step()) {
@@ -39,9 +39,9 @@ bool varies(std::string_view column) {
            column == "uuid" || column == "seal" || column == "newest_seal";
 }
 
-void add_table(Database& database, const std::string& table, Content& content) {
+void add_table(data::Database& database, const std::string& table, Content& content) {
     // The first two columns are a key in every table, or begin with one.
-    Statement row = database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2", table));
+    data::Statement row = database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2", table));
     while (row.step()) {
         std::string text = table + ':';
         for (int column = 0; column < row.columns(); ++column) {
@@ -55,15 +55,17 @@ void add_table(Database& database, const std::string& table, Content& content) {
     }
 }
 
-void add_traces(Database& database, Content& content) {
+void add_traces(data::Database& database, Content& content) {
     std::vector<std::pair<std::int64_t, std::int64_t>> intervals;
-    Statement row = database.prepare("SELECT trial_id, interval FROM presentation ORDER BY 1, 2");
+    data::Statement row =
+        database.prepare("SELECT trial_id, interval FROM presentation ORDER BY 1, 2");
     while (row.step()) {
         intervals.emplace_back(row.integer(0), row.integer(1));
     }
-    TraceReader traces(database);
+    data::TraceReader traces(database);
     for (const auto& [trial, interval] : intervals) {
-        const std::vector<std::byte> columns = shuffled_columns(traces.stored(trial, interval));
+        const std::vector<std::byte> columns =
+            data::shuffled_columns(traces.stored(trial, interval));
         content.line(fmt::format("trace {} {} ", trial, interval) +
                      std::string(reinterpret_cast<const char*>(columns.data()), columns.size()));
     }
@@ -71,8 +73,8 @@ void add_traces(Database& database, Content& content) {
 
 }  // namespace
 
-std::string content_hash(Database& database) {
-    const Snapshot now(database);
+std::string content_hash(data::Database& database) {
+    const data::Snapshot now(database);
     Content content;
     for (const std::string& table : tables(database)) {
         add_table(database, table, content);
@@ -81,4 +83,4 @@ std::string content_hash(Database& database) {
     return content.hash();
 }
 
-}  // namespace palpate::data
+}  // namespace palpate::tests

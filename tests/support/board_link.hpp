@@ -5,7 +5,7 @@
 #include "engine/device/drivers/byte_link.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 
-namespace palpate::engine {
+namespace palpate::tests {
 
 /// The cable to a board in memory, and the clock that both ends live on: time passes only where the
 /// driver waits and where pass() says so. It remembers every packet.
@@ -14,7 +14,7 @@ public:
     using Packet = std::vector<std::uint8_t>;
 
     /// @param board  outlives the cable
-    explicit BoardCable(HaplyBoard& board) : board_(&board) {}
+    explicit BoardCable(engine::HaplyBoard& board) : board_(&board) {}
 
     void pass(std::int64_t ns);
     /// Pulls the plug, which takes the board's power, or puts it in again.
@@ -36,7 +36,7 @@ public:
     }
 
 private:
-    HaplyBoard* board_;
+    engine::HaplyBoard* board_;
     std::int64_t now_ns_ = 0;
     std::int64_t polled_ns_ = 0;
     bool plugged_ = true;
@@ -46,7 +46,7 @@ private:
 };
 
 /// The driver's end of such a cable.
-class BoardLink : public ByteLink {
+class BoardLink : public engine::ByteLink {
 public:
     /// @param cable  outlives the link
     explicit BoardLink(BoardCable& cable) : cable_(&cable) {}
@@ -71,4 +71,4 @@ private:
     int opened_ = -1;  ///< pulls of the plug when it was opened
 };
 
-}  // namespace palpate::engine
+}  // namespace palpate::tests

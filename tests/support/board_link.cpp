@@ -1,8 +1,8 @@
-#include "engine/device/emulator/board_link.hpp"
+#include "tests/support/board_link.hpp"
 
 #include <algorithm>
 
-namespace palpate::engine {
+namespace palpate::tests {
 namespace {
 
 constexpr std::int64_t kPollNs = 50'000;
@@ -65,4 +65,4 @@ std::string BoardLink::trouble() const {
     return open() ? "" : "the cable is not plugged in: plug it in";
 }
 
-}  // namespace palpate::engine
+}  // namespace palpate::tests
