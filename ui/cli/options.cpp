@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "data/store/resume_policy.hpp"
+#include "data/store/stored_progress.hpp"
 #include "ui/cli/options_of.hpp"
 #include "ui/cli/version.hpp"
 #include "ui/rig/device_choice.hpp"
