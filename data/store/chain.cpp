@@ -9,7 +9,6 @@
 
 #include "engine/base/sha256.hpp"
 #include "engine/realtime/clock.hpp"
-#include "data/store/people.hpp"
 
 namespace palpate::data {
 namespace {
@@ -87,7 +86,7 @@ std::int64_t events_now(Database& database, std::int64_t session) {
 std::string trial_head(Database& database, std::int64_t trial, const std::string& before) {
     std::string text = before + '\n';
     // A mark came later: at the end of the trial its answer counted.
-    const bool marked = find_mark(database, trial).has_value();
+    const bool marked = mark_reason(database, trial).has_value();
     std::vector<std::string_view> without(std::begin(kNotOfTrial), std::end(kNotOfTrial));
     if (marked) {
         without.emplace_back("invalid_reason");
@@ -105,8 +104,8 @@ std::string trial_head(Database& database, std::int64_t trial, const std::string
 std::string event_head(Database& database, std::int64_t event, const std::string& before) {
     return sha256_hex(before + '\n' +
                       lines_of(database, "event",
-                               "SELECT event.*, plan_position, attempt FROM event LEFT JOIN trial "
-                               "USING (trial_id) WHERE event.event_id = ?1",
+                               "SELECT event.*, trial.plan_position AS at_position, attempt FROM"
+                               " event LEFT JOIN trial USING (trial_id) WHERE event.event_id = ?1",
                                event, kNotOfTrial));
 }
 
@@ -219,10 +218,10 @@ private:
     }
 
     void check_mark(std::int64_t trial, const std::string& invalid) {
-        const auto mark = find_mark(database_, trial);
-        if (mark && mark->reason != invalid) {
+        const auto mark = mark_reason(database_, trial);
+        if (mark && *mark != invalid) {
             breaks_.push_back({trial, "trial.invalid_reason", invalid.empty() ? "NULL" : invalid,
-                               mark->reason + ", as its mark says"});
+                               *mark + ", as its mark says"});
         }
     }
 
@@ -253,23 +252,58 @@ void chain_session(Database& database, std::int64_t session) {
               session_head(database, session, head_now(database, session)));
 }
 
-std::string add_event(Database& database, const EventRow& event) {
-    const std::string before = head_now(database, event.session);
+std::string add_event(Database& database,
+                      std::int64_t session,
+                      const protocols::Event& event,
+                      std::string_view operator_name) {
+    const std::string before = head_now(database, session);
+    const auto integer = [](auto value) {
+        return value ? std::optional(static_cast<std::int64_t>(*value)) : std::nullopt;
+    };
     Statement row = database.prepare(
-        "INSERT INTO event (session_id, trial_id, event_kind, text, at_utc, at_ns, operator) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, nullif(?7, ''))");
-    row.bind(1, event.session)
+        "INSERT INTO event (session_id, trial_id, event_kind, text, at_utc, at_ns, operator,"
+        " plan_position, part, count, duration_s, key, value, trials_begun) SELECT ?1, ?2, ?3, ?4,"
+        " ?5, ?6, nullif(?7, ''), ?8, ?9, ?10, ?11, nullif(?12, ''), nullif(?13, ''), count(*) FROM"
+        " trial WHERE session_id = ?1");
+    row.bind(1, session)
         .bind(2, event.trial)
-        .bind(3, event.kind)
+        .bind(3, to_string(event.kind))
         .bind(4, event.text)
         .bind(5, utc_now())
         .bind(6, engine::monotonic_ns())
-        .bind(7, event.operator_name)
+        .bind(7, operator_name)
+        .bind(8, integer(event.position))
+        .bind(9, integer(event.part))
+        .bind(10, event.count)
+        .bind(11, event.duration_s)
+        .bind(12, event.key)
+        .bind(13, event.value)
         .run();
     const std::int64_t id = database.last_row();
     std::string head = event_head(database, id, before);
-    keep_head(database, "event", id, event.session, head);
+    keep_head(database, "event", id, session, head);
     return head;
+}
+
+std::string add_mark(Database& database,
+                     std::int64_t session,
+                     std::int64_t trial,
+                     std::string_view reason,
+                     std::string_view operator_name) {
+    database.prepare("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1")
+        .bind(1, trial)
+        .bind(2, reason)
+        .run();
+    return add_event(
+        database, session,
+        {.kind = protocols::EventKind::mark, .text = std::string(reason), .trial = trial},
+        operator_name);
+}
+
+std::optional<std::string> mark_reason(Database& database, std::int64_t trial) {
+    Statement row =
+        database.prepare("SELECT text FROM event WHERE trial_id = ?1 AND event_kind = 'mark'");
+    return row.bind(1, trial).step() ? std::optional(row.text(0)) : std::nullopt;
 }
 
 void chain_anew(Database& database, std::int64_t session) {

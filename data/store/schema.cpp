@@ -119,8 +119,6 @@ CREATE TABLE trial (
     attempt             INTEGER NOT NULL CHECK (attempt >= 1),  -- at this position
     outcome             TEXT NOT NULL CHECK (outcome IN  -- complete and timed_out have an answer
                             ('running', 'complete', 'timed_out', 'aborted', 'interrupted', 'faulted')),
-    slip_decay          REAL NOT NULL,              -- exp(-T/tau_slip) as computed on this machine
-    heal_decay          REAL NOT NULL,              -- exp(-T/tau_heal)
     done_s              REAL,                       -- first tick -> done
     done_uncertainty_s  REAL,                       -- done may have been up to this much earlier
     first_contact_s     REAL,                       -- first tick -> first contact
@@ -154,16 +152,26 @@ CREATE TABLE trial (
 ) STRICT;
 
 CREATE TABLE event (
-    -- What happened in a session beside its trials.
-    event_id INTEGER PRIMARY KEY,                    -- in the order in which they happened
-    session_id INTEGER NOT NULL REFERENCES session,    -- session.session_id
+    -- What happened in a session beside its trials. Programs go by kind and numbers: the text is for people.
+    event_id INTEGER PRIMARY KEY,                   -- in the order in which they happened
+    session_id INTEGER NOT NULL REFERENCES session,  -- session.session_id
     trial_id INTEGER REFERENCES trial,              -- trial.trial_id; NULL: of the session as a whole
-    event_kind TEXT NOT NULL,                          -- break, abort, fault, resume, note, ...
-    text    TEXT NOT NULL,                          -- a sentence
+    event_kind TEXT NOT NULL CHECK (event_kind IN   -- what
+                ('break', 'pause', 'go on', 'abort', 'gave up', 'fault', 'reconnect', 'invalid', 'note',
+                 'mark', 'redo', 'interrupted', 'timing', 'ticks lost', 'masking', 'display lost',
+                 'device', 'operator', 'provenance', 'participant', 'planned again')),
+    text    TEXT NOT NULL,                          -- a sentence; of a mark the reason
     at_utc  TEXT NOT NULL,                          -- wall clock, ISO 8601
     at_ns   INTEGER,                                -- servo's clock (CLOCK_MONOTONIC of the rig), as trial.started_ns
     operator TEXT,                                  -- who noted it, as given; NULL: nobody said
-    seal    TEXT CHECK (length(seal) = 64)         -- hash over all results of the session with this event
+    seal    TEXT CHECK (length(seal) = 64),         -- hash over all results of the session with this event
+    trials_begun INTEGER NOT NULL CHECK (trials_begun >= 0),  -- of the session by then
+    plan_position INTEGER CHECK (plan_position >= 0),  -- that it is about, or that comes next
+    part    INTEGER CHECK (part >= 0),              -- redo: 0 practice, else 1 + plan.block
+    count   INTEGER CHECK (count >= 0),             -- ticks lost; redo: answers; gave up, reconnect: tries in vain
+    duration_s REAL CHECK (duration_s >= 0),        -- go on: of the pause; masking: without noise
+    key     TEXT,                                   -- provenance, participant: what
+    value   TEXT                                    -- of key; fault, go on: the cause; device, operator: the new one
 ) STRICT;
 )sql";
 

@@ -15,7 +15,6 @@
 #include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
-#include "data/store/people.hpp"
 #include "data/store/presentation.hpp"
 #include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
@@ -69,39 +68,28 @@ auto SqliteRecorder::with_room(const Work& work) {
     }
 }
 
-TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
-                                    const protocols::SceneConstants& scene) {
+TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned) {
     running_ = 0;
     interval_ = 0;
     database_.require_in_place();
     reserve_.hold(bytes_needed(protocol_, 1));
-    const TrialId id = with_room([&] { return insert_trial(planned, scene); });
-    if (!planned.adaptive) {
-        begin_trace(id, presentations_of(protocol_, planned).front(), scene);
-    }
-    running_ = id;
-    return id;
+    running_ = with_room([&] { return insert_trial(planned); });
+    return running_;
 }
 
-TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned,
-                                     const protocols::SceneConstants& scene) {
+TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
     Transaction all(database_);
     database_
         .prepare(
-            "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
-            "heal_decay, started_utc, started_ns) SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4, "
-            "?5, ?6 FROM trial WHERE session_id = ?1 AND plan_position = ?2")
+            "INSERT INTO trial (session_id, plan_position, attempt, outcome, started_utc,"
+            " started_ns) SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4 FROM trial WHERE"
+            " session_id = ?1 AND plan_position = ?2")
         .bind(1, session_)
         .bind(2, static_cast<std::int64_t>(planned.position))
-        .bind(3, scene.slip_decay)
-        .bind(4, scene.heal_decay)
-        .bind(5, utc_now())
-        .bind(6, engine::monotonic_ns())
+        .bind(3, utc_now())
+        .bind(4, engine::monotonic_ns())
         .run();
     const TrialId id = database_.last_row();
-    if (!planned.adaptive) {
-        write_presentation(database_, id, presentations_of(protocol_, planned).front(), scene);
-    }
     all.commit();
     return id;
 }
@@ -110,10 +98,6 @@ void SqliteRecorder::begin_interval(TrialId trial,
                                     const protocols::Presentation& felt,
                                     const protocols::SceneConstants& scene) {
     require_running(trial);
-    const auto interval = static_cast<std::int64_t>(felt.interval);
-    if (interval_ == interval) {
-        return;  // begin_trial() knew it
-    }
     with_room([&] {
         Transaction all(database_);
         if (interval_ > 0) {
@@ -122,12 +106,6 @@ void SqliteRecorder::begin_interval(TrialId trial,
         write_presentation(database_, trial, felt, scene);
         all.commit();
     });
-    begin_trace(trial, felt, scene);
-}
-
-void SqliteRecorder::begin_trace(TrialId trial,
-                                 const protocols::Presentation& felt,
-                                 const protocols::SceneConstants& scene) {
     std::unique_ptr<engine::Scene> compiled(new engine::Scene(make_scene(protocol_, felt)));
     compiled->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
     interval_ = static_cast<std::int64_t>(felt.interval);
@@ -261,12 +239,6 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
 }
 
 void SqliteRecorder::write_intervals(TrialId trial, const TrialResult& result) {
-    if (result.intervals.empty()) {  // a trial of one interval, from elsewhere than a session
-        write_interval_result(database_, trial, 1,
-                              {.done_s = result.done_s,
-                               .done_uncertainty_s = result.done_uncertainty_s,
-                               .summary = result.summary});
-    }
     for (std::size_t i = 0; i < result.intervals.size(); ++i) {
         write_interval_result(database_, trial, static_cast<std::int64_t>(i + 1),
                               result.intervals[i]);
@@ -285,16 +257,16 @@ void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
     }
 }
 
-void SqliteRecorder::event(std::string_view kind, std::string_view text) {
+void SqliteRecorder::event(const protocols::Event& event) {
     with_room([&] {
         Transaction all(database_);
-        add_event(database_, {.session = session_, .kind = kind, .text = text});
+        if (event.kind == protocols::EventKind::mark) {
+            add_mark(database_, session_, event.trial.value(), event.text);
+        } else {
+            add_event(database_, session_, event);
+        }
         all.commit();
     });
-}
-
-void SqliteRecorder::mark(protocols::TrialId trial, std::string_view reason) {
-    with_room([&] { mark_invalid(database_, trial, reason); });
 }
 
 void SqliteRecorder::finish_session() {

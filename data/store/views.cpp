@@ -161,7 +161,7 @@ SELECT session.session_id AS session_id,                    -- session.session_i
        count(*) FILTER (WHERE trial.outcome = 'interrupted') AS interrupted,  -- found unfinished later
        sum(trial.late_ticks) * 1.0 / NULLIF(sum(trial.ticks), 0) AS late_share,  -- of ticks
        sum(trial.saturated_ticks) * 1.0 / NULLIF(sum(trial.ticks), 0) AS saturated_share,  -- of ticks
-       (SELECT coalesce(sum(CAST(event.text AS INTEGER)), 0) FROM event
+       (SELECT coalesce(sum(event.count), 0) FROM event
         WHERE event.session_id = session.session_id AND event.event_kind = 'ticks lost') AS lost_ticks,  -- found no room on their way to the disk
        sum(trial.ticks) / session.rate_hz AS felt_s,  -- on the servo's clock, all attempts that ended
        (julianday(coalesce(session.finished_utc, max(trial.ended_utc), max(trial.started_utc)))

@@ -11,7 +11,7 @@
 #include "engine/base/text.hpp"
 #include "engine/safety/safety_limits.hpp"
 #include "protocols/session/trial_meter.hpp"
-#include "data/store/people.hpp"
+#include "data/store/chain.hpp"
 #include "data/trace/columns.hpp"
 #include "data/verify/replay_check.hpp"
 
@@ -215,8 +215,8 @@ void check_invalid(Database& database,
                                                 static_cast<std::int64_t>(trace.ticks.size()))));
     }
     std::string why = why_invalid(frame.protocol, felt, !frame.simulated);
-    if (const auto mark = find_mark(database, trial.integer("trial_id")); mark && why.empty()) {
-        why = mark->reason;
+    if (const auto mark = mark_reason(database, trial.integer("trial_id")); mark && why.empty()) {
+        why = *mark;
     }
     findings.expect("trial", "invalid_reason", trial, why.empty() ? Value() : Value(why));
 }

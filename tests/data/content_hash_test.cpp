@@ -17,11 +17,11 @@ void fill(Database& database, std::uint64_t seed) {
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     for (const auto& planned : spec.plan.trials) {
-        const auto id = recorder.begin_trial(planned, {});
+        const auto id = tests::begin_trial(recorder, spec.protocol, planned);
         recorder.append(id, tests::random_ticks(planned.position, 4500));
         recorder.end_trial(id, tests::answered(0, planned.condition.object == 0, 4500));
     }
-    recorder.event("note", "a test");
+    recorder.event({.text = "a test"});
     recorder.finish_session();
 }
 
@@ -49,7 +49,7 @@ TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
         "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial_id = 1",
         "UPDATE plan SET planned_object = 'straight' WHERE plan_position = 2",
         "UPDATE session SET seed = '8'",
-        "UPDATE trial SET slip_decay = 0.5 WHERE trial_id = 2",
+        "UPDATE presentation SET slip_decay = 0.5 WHERE trial_id = 2",
         "UPDATE event SET text = 'another' WHERE event_kind = 'note'",
         "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096",
         "UPDATE picture SET picture_place = 2 - picture_place + 10",

@@ -37,7 +37,7 @@ std::string record(const std::string& file) {
     const auto spec = tests::session_spec(tests::small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.append(id, tests::random_ticks(1, 300));
     recorder.end_trial(id, tests::answered(0, true, 300));
     return contents(database);
@@ -115,7 +115,8 @@ std::string record_and_die(const std::string& file) {
         const auto spec = tests::session_spec(tests::small_protocol());
         const auto opened = data::open_session(rig, spec);
         data::SqliteRecorder recorder(rig, spec.protocol, opened.id);
-        recorder.append(recorder.begin_trial(spec.plan.trials[0], {}), tests::random_ticks(1, 512));
+        recorder.append(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
+                        tests::random_ticks(1, 512));
         recorder.save();
         return tests::content_hash(rig);
     });

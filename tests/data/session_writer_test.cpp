@@ -23,7 +23,7 @@ std::string outcomes(Database& database) {
 /// From its first trial on a session is what it was begun as.
 void begin(Database& database, const data::SessionSpec& spec, std::int64_t session) {
     data::SqliteRecorder recorder(database, spec.protocol, session);
-    static_cast<void>(recorder.begin_trial(spec.plan.trials[0], {}));
+    static_cast<void>(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
 }
 
 }  // namespace
@@ -36,7 +36,7 @@ TEST_CASE("a session that somebody runs is refused, and its running trial goes o
     const std::int64_t session = data::open_session(rig, spec).id;
     const data::SessionLock lock(rig, session);
     data::SqliteRecorder recorder(rig, spec.protocol, session);
-    const auto trial = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto trial = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.append(trial, tests::random_ticks(1, 300));
     const std::string before = tests::content_hash(rig);
 

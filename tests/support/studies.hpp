@@ -8,6 +8,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/object_hash.hpp"
+#include "protocols/trial/presentation.hpp"
 #include "data/store/session_store.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
@@ -101,11 +102,22 @@ inline bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b) 
            a.flags == b.flags;
 }
 
+/// Begins a trial and its first interval, as a session does.
+inline protocols::TrialId begin_trial(protocols::Recorder& recorder,
+                                      const protocols::Protocol& protocol,
+                                      const protocols::PlannedTrial& planned,
+                                      const protocols::SceneConstants& scene = {}) {
+    const protocols::TrialId id = recorder.begin_trial(planned);
+    recorder.begin_interval(id, protocols::presentations_of(protocol, planned).front(), scene);
+    return id;
+}
+
 /// A complete, plausible result.
 inline protocols::TrialResult answered(std::size_t object, bool correct, std::int64_t ticks = 0) {
     protocols::TrialResult result;
     result.done_s = 3.0;
     result.summary.ticks = ticks;
+    result.intervals = {{.done_s = result.done_s, .summary = result.summary}};
     result.response = protocols::Response{
         .place = object, .object = object, .correct = correct, .reaction_s = 1.0};
     return result;

@@ -45,7 +45,7 @@ std::vector<std::string> advice_for(const protocols::TrialResult& result) {
 std::string outcome_text(const Progress& progress, const std::string& what) {
     const protocols::TrialResult& result = progress.result;
     const std::string_view again =
-        progress.runs_again ? "runs again later in its block" : "is not run again";
+        progress.runs_again() ? "runs again later in its block" : "is not run again";
     if (result.fault) {
         return fault_text(*result.fault) + fmt::format("; {}", again);
     }
@@ -78,13 +78,13 @@ std::string number_text(const protocols::TrialNumber& number) {
 }
 
 std::string OperatorLog::left_text(const Progress& progress, double now_s) const {
-    if (progress.left == 0) {
+    if (progress.left() == 0) {
         return "none left";
     }
-    std::string text = fmt::format("{} left", progress.left);
+    std::string text = fmt::format("{} left", progress.left());
     if (ended_ > 0) {
         const double minutes = (now_s - begun_s_) / static_cast<double>(ended_) *
-                               static_cast<double>(progress.left) / 60.0;
+                               static_cast<double>(progress.left()) / 60.0;
         text += minutes < 1.0 ? std::string(", less than a minute")
                               : fmt::format(", about {:.0f} min", minutes);
     }
@@ -116,7 +116,7 @@ std::string OperatorLog::alarm() const {
 std::string OperatorLog::line(const Progress& progress, const std::string& what, double now_s) {
     const std::size_t attempt = ++attempts_[progress.planned.position];
     const bool lost = progress.result.fault || !progress.result.invalid.empty();
-    if ((progress.result.response || progress.result.fault) && !progress.runs_again) {
+    if ((progress.result.response || progress.result.fault) && !progress.runs_again()) {
         ++ended_;
     }
     std::string text = fmt::format("{:<16}", number_text(progress.number));

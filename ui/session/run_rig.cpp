@@ -125,7 +125,7 @@ std::string answer_text(const protocols::Protocol& protocol,
                                        protocol.frictions.at(planned.condition.friction).name);
     if (result.step) {
         text += fmt::format(" {} {:<7.4g}", word_of(protocol.procedure->varies),
-                            felt_value(*protocol.procedure, result.step->stimulus));
+                            felt_value(*protocol.procedure, result.step->answer.stimulus));
     }
     text += response.object ? fmt::format(" -> {:<11}", protocol.objects.at(*response.object).name)
                             : fmt::format(" -> {}", response.place + 1);
@@ -212,7 +212,7 @@ void print_start(const RigSpec& spec,
         say("Simulated: these data are recorded as simulated and never count as a person's.\n");
     }
     if (opened.resumed && !opened.finished) {
-        say("Resuming at {}{}.\n", number_text(opened.pending.number()),
+        say("Resuming at {}{}.\n", number_text(opened.progress.pending().number()),
             opened.interrupted > 0
                 ? "; the trial that was cut off is kept as interrupted and run again"
                 : "");
@@ -310,15 +310,15 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     if (opened.finished) {
         return {.session = {.next = plan.trials.size()}, .already_finished = true};
     }
-    data::require_space(database.file(), protocol, opened.pending.order().size());
+    data::require_space(database.file(), protocol, opened.progress.pending().order().size());
     print_help(database, spec, observers.screen != nullptr);
-    OperatorLog log(opened.attempts, now_s());
+    OperatorLog log(opened.progress.attempts(), now_s());
     const SummaryAtEnd summary(database, opened, spec);
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
     if (!masking.note.empty()) {
-        record.event("masking", masking.note);
+        record.event({.kind = protocols::EventKind::masking, .text = masking.note});
     }
     const auto masked = masking.player
                           ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
@@ -329,11 +329,11 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                     {.title = protocol.title,
                      .participant = spec.key.participant,
                      .trials = plan.trials.size(),
-                     .next = opened.pending.answered(),
-                     .practice = opened.pending.left(true),
+                     .next = opened.progress.pending().answered(),
+                     .practice = opened.progress.pending().left(true),
                      .simulated = spec.kind == data::RunKind::simulated,
                      .device = apparatus->device_name()},
-                    opened.pending,
+                    opened.progress,
                     {.apparatus = *apparatus,
                      .observer = masked ? *masked : observers.port(),
                      .recorder = record,
@@ -342,10 +342,10 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
                          [&](const protocols::Progress& progress) {
                              say("{}", log.line(progress, answer_line(spec, progress), now_s()));
                          },
-                     .desk = &desk},
-                    opened.runs);
+                     .desk = &desk});
     if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
-        record.event("display lost", "the session ended with it");
+        record.event(
+            {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});
     }
     return {.session = std::move(end), .head = data::chain_head(database, opened.id)};
 }
