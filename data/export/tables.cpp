@@ -392,7 +392,6 @@ constexpr std::array kTables{
 #undef PALPATE_ORDER
 #undef PALPATE_TRIALS
 #undef PALPATE_SESSIONS
-
 }  // namespace
 
 std::span<const ExportTable> export_tables() noexcept {

@@ -135,7 +135,7 @@ void print_found(const engine::Calibration& found,
     }
 }
 
-void declare(Words& words, CalibrateOptions& options) {
+void declare(CommandWords& words, CalibrateOptions& options) {
     words.add("--device", options.device, "The device to calibrate; sim to try it out")
         .with_default();
     words

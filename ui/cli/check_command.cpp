@@ -125,7 +125,7 @@ bool print_feasibility(const Study& study,
     return !refused;
 }
 
-void declare(Words& words, CheckOptions& options) {
+void declare(CommandWords& words, CheckOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required();
     words.add("--device", options.device, std::string(kDeviceWords)).with_default();

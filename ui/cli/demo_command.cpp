@@ -41,7 +41,7 @@ Study ten_trials_of(Study study) {
     return study;
 }
 
-void declare(Words& words, DemoOptions& options) {
+void declare(CommandWords& words, DemoOptions& options) {
     words.add("--db", options.database, "Where the data goes").with_default();
     words
         .add("--device", options.device,

@@ -156,7 +156,7 @@ void look_at_timing(Report& report, double rate_hz, double seconds) {
     report.look("cyclictest", [&] { return check_cyclictest(jitter); });
 }
 
-void declare(Words& words, DoctorOptions& options) {
+void declare(CommandWords& words, DoctorOptions& options) {
     words.add("--device", options.device, std::string(kDeviceWords)).with_default();
     words.add("--calibration", options.calibration, std::string(kCalibrationWords));
     words.add("--protocol", options.protocol,

@@ -22,7 +22,7 @@ struct EmulatorOptions {
 constexpr int kStepUs = 250;
 constexpr int kDelayStepUs = 50;  ///< a delayed answer goes out at the end of a step
 
-void declare(Words& words, EmulatorOptions& options) {
+void declare(CommandWords& words, EmulatorOptions& options) {
     words.add("--link", options.link, "A symbolic link to its terminal, for --device haply:LINK");
     words.add("--preset", options.preset, "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
         .with_default();

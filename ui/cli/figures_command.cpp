@@ -14,7 +14,7 @@ struct FigureOptions {
     std::string directory = "figures";  ///< made if it is not there
 };
 
-void declare(Words& words, FigureOptions& options) {
+void declare(CommandWords& words, FigureOptions& options) {
     words.add("-o,--output", options.directory, "Folder for the files; made if not there")
         .with_default();
 }

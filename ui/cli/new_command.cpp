@@ -19,7 +19,7 @@ struct NewOptions {
     bool markdown = false;                ///< the keys of all files, as Markdown
 };
 
-void declare(Words& words, NewOptions& options) {
+void declare(CommandWords& words, NewOptions& options) {
     words.add("FILE", options.file, "The file to make; its name becomes the study's id")
         .required_unless("--keys");
     words.add("--from", options.from, "The shipped protocol to begin with").with_default();

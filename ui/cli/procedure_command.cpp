@@ -150,7 +150,7 @@ std::string replayed(Procedure procedure,
     return text;
 }
 
-void declare(Words& words, ProcedureOptions& options) {
+void declare(CommandWords& words, ProcedureOptions& options) {
     words.add("CONFIG", options.config, "A procedure file (TOML)").required_unless("--keys");
     words.add("RESPONSES", options.responses, "A CSV file with a column response (and stimulus)")
         .required_unless("--keys");

@@ -163,7 +163,7 @@ void heed_number(const RunOptions& options, const std::string& study) {
     }
 }
 
-void declare(Words& words, RunOptions& options) {
+void declare(CommandWords& words, RunOptions& options) {
     options.words = words.line;
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required();

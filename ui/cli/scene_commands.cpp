@@ -8,6 +8,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/csv/number_table.hpp"
 #include "ui/cli/scene_tools.hpp"
+#include "ui/command/command.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -39,7 +40,7 @@ data::NumberTable read_points(const std::string& file, int dimension, bool with_
     return points;
 }
 
-void declare_scene(Words& words, SceneOptions& options, const std::string& points) {
+void declare_scene(CommandWords& words, SceneOptions& options, const std::string& points) {
     words.add("SCENE", options.scene, "A scene file (TOML)").required();
     words.add(points, options.points, "A CSV file with a head").required();
     words.add("-o,--output", options.output, "Where to write; standard output without it");
@@ -70,14 +71,16 @@ int closest(const SceneOptions& options) {
 Command render_command() {
     return make_command<SceneOptions>(
         "render", "Feel a trajectory (time_s,hip_x_m,hip_y_m[,hip_z_m]): forces tick by tick",
-        [](Words& words, SceneOptions& options) { declare_scene(words, options, "TRAJECTORY"); },
+        [](CommandWords& words, SceneOptions& options) {
+            declare_scene(words, options, "TRAJECTORY");
+        },
         render);
 }
 
 Command closest_command() {
     return make_command<SceneOptions>(
         "closest", "Global closest points of a scene (hip_x_m,hip_y_m[,hip_z_m])",
-        [](Words& words, SceneOptions& options) { declare_scene(words, options, "POINTS"); },
+        [](CommandWords& words, SceneOptions& options) { declare_scene(words, options, "POINTS"); },
         closest);
 }
 

@@ -23,7 +23,7 @@ struct ScreenshotOptions {
     std::string font;
 };
 
-void declare(Words& words, ScreenshotOptions& options) {
+void declare(CommandWords& words, ScreenshotOptions& options) {
     words.add("-o,--output", options.directory, "Folder for the pictures").with_default();
     words
         .add("--protocol", options.protocol,

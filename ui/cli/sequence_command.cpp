@@ -173,7 +173,7 @@ void print_text(const Sequence& sequence) {
     print_trials(sequence);
 }
 
-void declare(Words& words, SequenceOptions& options) {
+void declare(CommandWords& words, SequenceOptions& options) {
     words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
         .required();
     words.add("--participant", options.participant, "Pseudonymous id: letters, digits, - and _")

@@ -64,7 +64,7 @@ struct Word {
 };
 
 /// All words of one command.
-struct Words {
+struct CommandWords {
     std::deque<Word> all{};           ///< a word stays where it is while others are added
     std::vector<std::string> line{};  ///< the whole command line, the program's name first
 
@@ -77,7 +77,7 @@ struct Words {
 struct Command {
     std::string name;
     std::string what;  ///< a line of `palpate --help`
-    std::function<void(Words&)> declare;
+    std::function<void(CommandWords&)> declare;
     std::function<int()> run;  ///< the exit code; throws for what went wrong
 };
 
@@ -85,10 +85,11 @@ struct Command {
 template <class Options>
 [[nodiscard]] Command make_command(std::string name,
                                    std::string what,
-                                   void (*declare)(Words&, Options&),
+                                   void (*declare)(CommandWords&, Options&),
                                    int (*run)(const Options&)) {
     const auto options = std::make_shared<Options>();
-    return {std::move(name), std::move(what), [=](Words& words) { declare(words, *options); },
+    return {std::move(name), std::move(what),
+            [=](CommandWords& words) { declare(words, *options); },
             [=] {
                 return run(*options);
             }};

@@ -77,7 +77,7 @@ CLI::Option* added(CLI::App& app, const Word& word) {
 }
 
 /// Adds the words of a command, and what they ask of each other.
-void declare(CLI::App& app, const Words& words) {
+void declare(CLI::App& app, const CommandWords& words) {
     std::map<std::string, CLI::Option*> options;
     for (const Word& word : words.all) {
         options[word.name] = added(app, word);
@@ -161,7 +161,7 @@ Parsed parse_command_line(const std::vector<Command>& commands,
     app.footer("Set-up and tests: ./palpate test. A first study: see README.md.");
     std::vector<const CLI::App*> added;
     for (const Command& command : commands) {
-        Words words{.line = {argv, argv + argc}};
+        CommandWords words{.line = {argv, argv + argc}};
         command.declare(words);
         CLI::App* one = app.add_subcommand(command.name, command.what);
         declare(*one, words);

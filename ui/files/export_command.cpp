@@ -18,7 +18,7 @@ struct ExportWords {
     bool keep_codes = false;
 };
 
-void declare(Words& words, ExportWords& options) {
+void declare(CommandWords& words, ExportWords& options) {
     words.add("FILE", options.database, "A database; only read").required();
     words
         .add("--format", options.format,

@@ -13,7 +13,7 @@ struct MergeOptions {
     std::vector<std::string> inputs;  ///< read only
 };
 
-void declare(Words& words, MergeOptions& options) {
+void declare(CommandWords& words, MergeOptions& options) {
     words.add("OUT", options.database, "The file of all; made if it is not there").required();
     words.add("IN", options.inputs, "Files of rigs; only read").required();
 }

@@ -65,7 +65,7 @@ data::SessionRow session_of(data::Database& database, const NoteOptions& options
     return all.front();
 }
 
-void declare_note(Words& words, NoteOptions& options) {
+void declare_note(CommandWords& words, NoteOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
     words.add("TEXT", options.text, "The note").required().kept_text();
     words.add("--participant", options.participant, "Whose session").required();
@@ -86,7 +86,7 @@ int note(const NoteOptions& options) {
     return 0;
 }
 
-void declare_mark(Words& words, MarkOptions& options) {
+void declare_mark(CommandWords& words, MarkOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
     words.add("TRIAL", options.trial, "Its id: column trial_id of trial_result").required();
     words.add("--invalid", options.reason, "Why it does not count").required().kept_text();

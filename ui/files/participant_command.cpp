@@ -49,7 +49,7 @@ void print(const std::string& id, const data::Participant& person) {
     }
 }
 
-void declare(Words& words, ParticipantOptions& options) {
+void declare(CommandWords& words, ParticipantOptions& options) {
     words.add("FILE", options.database, "The study's database file").required();
     words.add("ID", options.participant, "Pseudonymous id: letters, digits, - and _").required();
     words.add("--handedness", options.handedness, "Edinburgh score, -100 (left) to 100 (right)")

@@ -16,7 +16,7 @@ struct PushOptions {
     bool roles = false;  ///< only print the script of the roles
 };
 
-void declare(Words& words, PushOptions& options) {
+void declare(CommandWords& words, PushOptions& options) {
     words.add("FILE", options.database, "A database; only read");
     words.add("--to", options.url, "postgresql://..., with libpq's sslmode and sslrootcert");
     words.add("--roles", options.roles, "Print SQL for an administrator: the schema and two roles");

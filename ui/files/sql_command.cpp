@@ -61,7 +61,7 @@ int read_input(data::SqlShell& shell, const std::string& file) {
     return good || person ? 0 : kExitFailure;
 }
 
-void declare(Words& words, SqlOptions& options) {
+void declare(CommandWords& words, SqlOptions& options) {
     words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
     words.add("-c,--command", options.query,
               "SQL, or a word as .tables; without it a shell on standard input");
@@ -104,7 +104,7 @@ Command sql_command() {
 Command extension_command() {
     return make_command<NoOptions>(
         "extension", "Print where the SQL extension is, for sqlite3, Python and R",
-        [](Words& /*none*/, NoOptions& /*none*/) {}, print_extension);
+        [](CommandWords& /*none*/, NoOptions& /*none*/) {}, print_extension);
 }
 
 }  // namespace palpate::ui

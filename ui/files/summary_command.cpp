@@ -11,7 +11,7 @@ struct SummaryOptions {
     std::string database;
 };
 
-void declare(Words& words, SummaryOptions& options) {
+void declare(CommandWords& words, SummaryOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
 }
 

@@ -16,7 +16,7 @@ struct TraceOptions {
     std::int64_t interval = 1;
 };
 
-void declare(Words& words, TraceOptions& options) {
+void declare(CommandWords& words, TraceOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
     words.add("TRIAL", options.trial, "The id of the trial").required();
     words.add("--interval", options.interval, "Of a trial with two things to feel, which one")

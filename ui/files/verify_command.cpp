@@ -105,7 +105,7 @@ void print_json(const std::string& file, const data::Verification& found) {
         json_of(found.file), sessions);
 }
 
-void declare(Words& words, VerifyOptions& options) {
+void declare(CommandWords& words, VerifyOptions& options) {
     words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
     words.add("--json", options.json, "One JSON object instead of lines");
 }

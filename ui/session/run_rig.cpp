@@ -256,7 +256,7 @@ std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceC
     return all;
 }
 
-void add_screen_words(Words& words, ScreenOptions& screen) {
+void add_screen_words(CommandWords& words, ScreenOptions& screen) {
     words.add("--headless", screen.headless,
               "No window: the simulated observer answers (so does it without a display)");
     words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");

@@ -25,7 +25,7 @@ struct RigEnd {
     const DeviceChoice& device);
 
 /// The words of every command that shows a session.
-void add_screen_words(Words& words, ScreenOptions& screen);
+void add_screen_words(CommandWords& words, ScreenOptions& screen);
 
 /// A window can be opened here and was not declined.
 /// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the session
