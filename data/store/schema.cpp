@@ -144,8 +144,8 @@ CREATE TABLE trial (
     seal_events         INTEGER,                    -- how many of the session's events came before that
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
-    before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
-    after_vertex_ticks  INTEGER,                    -- in contact with the second curve, right of the vertex
+    before_vertex_ticks INTEGER,                    -- in contact with segment 0, before vertex 0
+    after_vertex_ticks  INTEGER,                    -- in contact with segment 1, after vertex 0
     started_ns          INTEGER,                    -- when it began, on the servo's clock
     UNIQUE (session_id, plan_position, attempt),
     FOREIGN KEY (session_id, plan_position) REFERENCES plan (session_id, plan_position)
