@@ -24,34 +24,34 @@ inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", 
 inline constexpr std::array<std::string_view, 2> kVaries{"curvature_per_m", "mu"};
 inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 
-[[nodiscard]] constexpr Words words_of(OrderRule) {
+[[nodiscard]] constexpr WordList words_of(OrderRule) {
     return kOrderRules;
 }
-[[nodiscard]] constexpr Words words_of(FrictionBlocks) {
+[[nodiscard]] constexpr WordList words_of(FrictionBlocks) {
     return kFrictionBlocks;
 }
-[[nodiscard]] constexpr Words words_of(DeviceClass) {
+[[nodiscard]] constexpr WordList words_of(DeviceClass) {
     return kDeviceClasses;
 }
-[[nodiscard]] constexpr Words words_of(Handedness) {
+[[nodiscard]] constexpr WordList words_of(Handedness) {
     return kHandedness;
 }
-[[nodiscard]] constexpr Words words_of(Language) {
+[[nodiscard]] constexpr WordList words_of(Language) {
     return kLanguages;
 }
-[[nodiscard]] constexpr Words words_of(ResponseKind) {
+[[nodiscard]] constexpr WordList words_of(ResponseKind) {
     return kResponseKinds;
 }
-[[nodiscard]] constexpr Words words_of(Feedback) {
+[[nodiscard]] constexpr WordList words_of(Feedback) {
     return kFeedbacks;
 }
-[[nodiscard]] constexpr Words words_of(Varies) {
+[[nodiscard]] constexpr WordList words_of(Varies) {
     return kVaries;
 }
-[[nodiscard]] constexpr Words words_of(StimulusAs) {
+[[nodiscard]] constexpr WordList words_of(StimulusAs) {
     return kStimulusAs;
 }
-[[nodiscard]] constexpr Words words_of(Noise) {
+[[nodiscard]] constexpr WordList words_of(Noise) {
     return kNoises;
 }
 

@@ -28,7 +28,7 @@ struct SetTable {
 constexpr std::array<std::string_view, 3> kSets{"five_shapes", "curvature_ladder", "catch_pair"};
 constexpr std::array<std::string_view, 3> kSegmentKinds{"nurbs", "line", "arc"};
 
-Words words_of(SetTable::Set) {
+WordList words_of(SetTable::Set) {
     return kSets;
 }
 
@@ -244,7 +244,7 @@ void read_object(const Table& table,
         }
         return;
     }
-    for (const std::string_view key : Words(kMore).subspan(2)) {
+    for (const std::string_view key : WordList(kMore).subspan(2)) {
         if (reader.has(key)) {
             problems.add(find(table, key)->at,
                          fmt::format("{} of [[object]] {} is for a set: give set, or delete it",

@@ -45,25 +45,25 @@ enum class ModelKind : std::uint8_t { psychometric, covariate, identification };
 inline constexpr std::array<std::string_view, 3> kModelKinds{"psychometric", "covariate",
                                                              "identification"};
 
-[[nodiscard]] constexpr Words words_of(RuleKind) {
+[[nodiscard]] constexpr WordList words_of(RuleKind) {
     return kRuleKinds;
 }
-[[nodiscard]] constexpr Words words_of(ModelKind) {
+[[nodiscard]] constexpr WordList words_of(ModelKind) {
     return kModelKinds;
 }
-[[nodiscard]] constexpr Words words_of(StepScale) {
+[[nodiscard]] constexpr WordList words_of(StepScale) {
     return kStepScales;
 }
-[[nodiscard]] constexpr Words words_of(QuestRule) {
+[[nodiscard]] constexpr WordList words_of(QuestRule) {
     return kQuestRules;
 }
-[[nodiscard]] constexpr Words words_of(Family) {
+[[nodiscard]] constexpr WordList words_of(Family) {
     return kFamilyWords;
 }
-[[nodiscard]] constexpr Words words_of(LapseForm) {
+[[nodiscard]] constexpr WordList words_of(LapseForm) {
     return kLapseWords;
 }
-[[nodiscard]] constexpr Words words_of(SlopeAs) {
+[[nodiscard]] constexpr WordList words_of(SlopeAs) {
     return kSlopeWords;
 }
 

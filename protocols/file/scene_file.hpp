@@ -20,7 +20,7 @@ enum class Law : std::uint8_t { frictionless, gos, coulomb, thesis_literal, thes
 
 inline constexpr std::array<std::string_view, 5> kLaws{"frictionless", "gos", "coulomb",
                                                        "thesis_literal", "thesis_latched"};
-[[nodiscard]] constexpr Words words_of(Law) {
+[[nodiscard]] constexpr WordList words_of(Law) {
     return kLaws;
 }
 

@@ -75,7 +75,7 @@ struct PointList {
 };
 using PointGrid = std::vector<std::vector<engine::Vec3>>;
 using NumberGrid = std::vector<std::vector<double>>;
-using Words = std::span<const std::string_view>;
+using WordList = std::span<const std::string_view>;
 
 /// An integer of any type, or none.
 struct Whole {
@@ -86,7 +86,7 @@ struct Whole {
 
 /// One of several words, kept as its number.
 struct OneOf {
-    Words words{};
+    WordList words{};
     Whole number{};
 };
 
@@ -233,7 +233,7 @@ public:
         read(keys_of<Record>(), &record, complete);
     }
     /// Keys that others read.
-    void know(Words keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
+    void know(WordList keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
     /// Every key that was neither read nor known is a problem.
     void refuse_unknown();
 

@@ -91,7 +91,7 @@ std::optional<std::string> text_of(const Key& key, void* record) {
     return std::visit(Text{key.per_si}, slot);
 }
 
-std::string words_text(Words words) {
+std::string words_text(WordList words) {
     std::string text;
     for (std::size_t i = 0; i < words.size(); ++i) {
         text += fmt::format("{}\"{}\"",

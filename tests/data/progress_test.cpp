@@ -55,7 +55,7 @@ private:
 };
 
 /// What a session knew when the file had so many attempts and events.
-struct Moment {
+struct Instant {
     std::size_t attempts = 0;
     std::size_t events = 0;
     SessionProgress known;
@@ -136,7 +136,7 @@ bool sit(Database& database,
          data::SessionSpec spec,
          tests::World& world,
          tests::Random& random,
-         std::vector<Moment>& moments) {
+         std::vector<Instant>& moments) {
     constexpr data::Resume kHow[] = {data::Resume::go_on, data::Resume::go_on,
                                      data::Resume::redo_block, data::Resume::redo_practice};
     spec.resume = kHow[random.below(4)];
@@ -206,7 +206,7 @@ TEST_CASE("attempts and events up to any moment, gone through, are what the sess
         const data::SessionSpec spec = tests::session_spec(protocol_of(design));
         tests::World world{.seed = seed, .fault_share = 0.15, .most_faults = 2};
         tests::Random random(seed * 31 + 7);
-        std::vector<Moment> moments;
+        std::vector<Instant> moments;
         for (int sitting = 0; sitting < 12; ++sitting) {
             if (sit(database, spec, world, random, moments)) {
                 break;
@@ -228,7 +228,7 @@ TEST_CASE("attempts and events up to any moment, gone through, are what the sess
         for (const data::StoredEvent& stored : events) {
             ++kinds[stored.event.kind];
         }
-        for (const Moment& moment : moments) {
+        for (const Instant& moment : moments) {
             CAPTURE(moment.attempts, moment.events);
             const auto until = std::span(attempts).first(moment.attempts);
             check_same(moment.known,
