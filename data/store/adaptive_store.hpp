@@ -11,9 +11,6 @@
 /// Rules that choose stimuli: what is stored of them, and how they are built again.
 namespace palpate::data {
 
-/// The tables adaptive_plan, adaptive_step; after all tables the view adaptive_trial.
-extern const char* const kAdaptive;
-extern const char* const kAdaptiveViews;
 
 /// What is planned beside the rows of plan.
 void write_adaptive_plan(Database& database,

@@ -10,6 +10,7 @@
 #include "engine/base/sha256.hpp"
 #include "engine/realtime/clock.hpp"
 #include "data/store/people.hpp"
+#include "data/store/row.hpp"
 
 namespace palpate::data {
 namespace {
@@ -255,18 +256,17 @@ void chain_session(Database& database, std::int64_t session) {
 
 std::string add_event(Database& database, const EventRow& event) {
     const std::string before = head_now(database, event.session);
-    Statement row = database.prepare(
-        "INSERT INTO event (session_id, trial_id, event_kind, text, at_utc, at_ns, operator) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, nullif(?7, ''))");
-    row.bind(1, event.session)
-        .bind(2, event.trial)
-        .bind(3, event.kind)
-        .bind(4, event.text)
-        .bind(5, utc_now())
-        .bind(6, engine::monotonic_ns())
-        .bind(7, event.operator_name)
-        .run();
-    const std::int64_t id = database.last_row();
+    const std::int64_t id =
+        Row("event")
+            .set("session_id", event.session)
+            .set("trial_id", event.trial)
+            .set("event_kind", event.kind)
+            .set("text", event.text)
+            .set("at_utc", utc_now())
+            .set("at_ns", engine::monotonic_ns())
+            .set("operator",
+                 event.operator_name.empty() ? std::nullopt : std::optional(event.operator_name))
+            .insert(database);
     std::string head = event_head(database, id, before);
     keep_head(database, "event", id, event.session, head);
     return head;

@@ -8,9 +8,6 @@
 /// What each interval of a trial let one feel, and how it was felt: the table presentation.
 namespace palpate::data {
 
-/// The tables presentation and response.
-extern const char* const kPresentation;
-extern const char* const kResponse;
 
 void write_presentation(Database& database,
                         std::int64_t trial,

@@ -8,6 +8,7 @@
 #include <sodium.h>
 
 #include "engine/base/sha256.hpp"
+#include "data/store/row.hpp"
 
 namespace palpate::data {
 namespace {
@@ -70,7 +71,7 @@ void set_secret(Database& database, std::string_view hex) {
                         database.file()));
     }
     database.execute("DELETE FROM secret");
-    database.prepare("INSERT INTO secret VALUES (?1)").bind(1, hex).run();
+    Row("secret").set("hex", hex).insert(database);
     all.commit();
 }
 
@@ -86,11 +87,7 @@ std::int64_t participant_row(Database& database, std::string_view code, std::str
         subject = subject_of(code, secret, draw);
         taken.reset();
     }
-    database.prepare("INSERT INTO participant (participant_code, subject) VALUES (?1, ?2)")
-        .bind(1, code)
-        .bind(2, subject)
-        .run();
-    return database.last_row();
+    return Row("participant").set("participant_code", code).set("subject", subject).insert(database);
 }
 
 }  // namespace palpate::data
