@@ -316,12 +316,10 @@ std::string fault_tick_columns() {
     for (const TraceColumn& column : trace_columns()) {
         // A time is a number; a computed real may be none.
         const bool given = column.type != "real" || column.name == "time_s";
-        sql += fmt::format("    {} {}{}{},  -- {}\n", column.name, sql_type(column.type),
-                           given ? " NOT NULL" : "",
-                           column.name == "mode"
-                               ? " CHECK (mode IN ('free', 'stuck', 'slip', 'transition'))"
-                               : "",
-                           column.meaning);
+        sql += fmt::format(
+            "    {} {}{}{},  -- {}\n", column.name, sql_type(column.type), given ? " NOT NULL" : "",
+            column.name == "mode" ? " CHECK (mode IN ('free', 'stuck', 'slip', 'transition'))" : "",
+            column.meaning);
     }
     return sql + "    PRIMARY KEY (trial_id, tick)\n) STRICT;\n";
 }
@@ -329,8 +327,8 @@ std::string fault_tick_columns() {
 }  // namespace
 
 std::string_view schema_sql() {
-    static const std::string all =
-        fmt::format("{}{}{}{}{}{}", kStudies, kSessions, kTrials, kTraces, fault_tick_columns(), views_sql());
+    static const std::string all = fmt::format("{}{}{}{}{}{}", kStudies, kSessions, kTrials,
+                                               kTraces, fault_tick_columns(), views_sql());
     return all;
 }
 
@@ -345,7 +343,8 @@ const ColumnManual* find_column(std::string_view name) {
     if (table == catalogue().end() || dot == std::string_view::npos) {
         return nullptr;
     }
-    const auto column = std::ranges::find(table->columns, name.substr(dot + 1), &ColumnManual::name);
+    const auto column =
+        std::ranges::find(table->columns, name.substr(dot + 1), &ColumnManual::name);
     return column == table->columns.end() ? nullptr : &*column;
 }
 

@@ -71,7 +71,8 @@ void join(std::string& meaning, std::string_view comment) {
 
 /// Takes [details] or [file] from the beginning of a meaning.
 Seen taken_mark(std::string& meaning) {
-    for (const auto& [word, seen] : {std::pair{"[details] ", Seen::details}, {"[file] ", Seen::file}}) {
+    for (const auto& [word, seen] :
+         {std::pair{"[details] ", Seen::details}, {"[file] ", Seen::file}}) {
         if (meaning.starts_with(word)) {
             meaning.erase(0, std::string_view(word).size());
             return seen;
@@ -137,7 +138,8 @@ private:
         depth_ += token.text == "(" ? 1 : token.text == ")" ? -1 : 0;
         ++words_;
         last_line_ = token.line;
-        column_.source += words_ <= 3 ? std::string(token.text) : "";  // "trial", ".", "outcome" and no more
+        column_.source +=
+            words_ <= 3 ? std::string(token.text) : "";  // "trial", ".", "outcome" and no more
         column_.source = words_ == 4 && token.text != "AS" ? "" : column_.source;
         if (depth_ == 0 && !view_) {
             column_.type = words_ == 2 ? token.text : column_.type;
@@ -154,7 +156,8 @@ private:
             ended_ = last_line_;
             if (view_ || !is_constraint(column_.name)) {
                 column_.unit = unit_of(column_.name);
-                column_.source = view_ && column_.source.find('.') != std::string::npos ? column_.source : "";
+                column_.source =
+                    view_ && column_.source.find('.') != std::string::npos ? column_.source : "";
                 table_.columns.push_back(std::move(column_));
             }
         }

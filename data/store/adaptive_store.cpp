@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/store/people.hpp"
 #include "data/store/row.hpp"
@@ -54,8 +55,9 @@ void write_step(Database& database, std::int64_t trial, const protocols::Adaptiv
 
 protocols::AdaptiveRuns rebuilt_runs(Database& database,
                                      std::int64_t session,
-                                     const SessionSpec& spec) {
-    protocols::AdaptiveRuns runs(spec.protocol, session_stream(spec));
+                                     const protocols::Protocol& protocol,
+                                     const protocols::StreamKey& stream) {
+    protocols::AdaptiveRuns runs(protocol, stream);
     if (runs.size() == 0) {
         return runs;
     }
@@ -117,14 +119,15 @@ protocols::AdaptiveRuns runs_that_count(Database& database, std::int64_t session
         "FROM session JOIN study USING (study_id) JOIN participant USING (participant_id) WHERE "
         "session.session_id = ?1");
     row.bind(1, session).step();
-    SessionSpec spec;
-    spec.protocol = protocols::stored_protocol(row.text(0));
-    spec.protocol_hash = row.text(1);
-    spec.key = {row.text(2), static_cast<std::size_t>(row.integer(3)), row.text(5)};
-    spec.seed = std::stoull(row.text(4));
-    protocols::AdaptiveRuns runs(spec.protocol, session_stream(spec));
+    const protocols::Protocol protocol = protocols::stored_protocol(row.text(0));
+    protocols::AdaptiveRuns runs(
+        protocol,
+        protocols::session_stream(
+            row.text(1), {row.text(2), static_cast<std::size_t>(row.integer(3)), row.text(5)},
+            std::stoull(row.text(4))));
     Statement step = database.prepare(
-        "SELECT run_number, stimulus, rule_outcome, trial_id FROM analysis_trial WHERE session_id = ?1"
+        "SELECT run_number, stimulus, rule_outcome, trial_id FROM analysis_trial WHERE session_id "
+        "= ?1"
         " AND counts AND run_trial_number IS NOT NULL ORDER BY trial_id");
     step.bind(1, session);
     while (step.step()) {

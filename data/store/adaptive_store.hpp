@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "protocols/design/plan.hpp"
+#include "protocols/protocol/protocol.hpp"
 #include "protocols/session/adaptive_runs.hpp"
-#include "data/store/session_store.hpp"
+#include "data/store/database.hpp"
 
 /// Rules that choose stimuli: what is stored of them, and how they are built again.
 namespace palpate::data {
-
 
 /// What is planned beside the rows of plan.
 void write_adaptive_plan(Database& database,
@@ -29,7 +30,8 @@ void write_step(Database& database, std::int64_t trial, const protocols::Adaptiv
 /// @throws StoreError if a stored stimulus or state is not what the rule gives: nothing may run then
 [[nodiscard]] protocols::AdaptiveRuns rebuilt_runs(Database& database,
                                                    std::int64_t session,
-                                                   const SessionSpec& spec);
+                                                   const protocols::Protocol& protocol,
+                                                   const protocols::StreamKey& stream);
 
 /// The rules of a session by the answers that count at the end, stored states unchecked: what is stored beside
 /// an answer took in those that were marked after it.

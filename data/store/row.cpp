@@ -54,7 +54,11 @@ std::int64_t Row::update(Database& database, std::initializer_list<std::string_v
     for (const auto& [name, value] : values_) {
         const bool key = std::ranges::find(keys, name) != keys.end();
         std::string& list = key ? where : changed;
-        list += fmt::format("{}{} = ?{}", list.empty() ? "" : key ? " AND " : ", ", name, ++parameter);
+        list += fmt::format("{}{} = ?{}",
+                            list.empty() ? ""
+                            : key        ? " AND "
+                                         : ", ",
+                            name, ++parameter);
     }
     Statement statement =
         database.prepare(fmt::format("UPDATE {} SET {} WHERE {}", table_, changed, where));

@@ -300,7 +300,7 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
     }
     count_attempts(database, opened);
     opened.next = opened.pending.next();
-    opened.runs = rebuilt_runs(database, id, spec);
+    opened.runs = rebuilt_runs(database, id, spec.protocol, session_stream(spec));
     return opened;
 }
 

@@ -1,10 +1,10 @@
 #include "data/store/trace_writer.hpp"
-#include "data/store/row.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <utility>
 
+#include "data/store/row.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/derived_hash.hpp"
 

@@ -10,8 +10,8 @@
 
 #include "engine/base/files.hpp"
 #include "data/export/export.hpp"
+#include "data/schema/catalogue.hpp"
 #include "data/store/content_hash.hpp"
-#include "data/store/schema.hpp"
 #include "data/sync/merge.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"

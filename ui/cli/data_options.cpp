@@ -61,7 +61,7 @@ void add_mark(CLI::App& app, Options& chosen) {
         "mark", "Say that the answer of a trial does not count; it is kept, with the reason");
     auto& mark = options_of<MarkOptions>(command, chosen);
     command->add_option("FILE", mark.database, "A palpate database")->required();
-    command->add_option("TRIAL", mark.trial, "Its id: column trial of trial_result")->required();
+    command->add_option("TRIAL", mark.trial, "Its trial_id, as in analysis_trial")->required();
     command->add_option("--invalid", mark.reason, "Why it does not count")
         ->required()
         ->check(kept_text);
