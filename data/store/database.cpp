@@ -95,8 +95,7 @@ FirstPage first_page(sqlite3* handle) {
     sqlite3_int64 size = 0;
     std::array<unsigned char, 100> head{};
     // Through SQLite's own handle: closing another one would drop the process' locks on the file.
-    if (sqlite3_file_control(handle, "main", SQLITE_FCNTL_FILE_POINTER, &file) !=
-            SQLITE_OK ||
+    if (sqlite3_file_control(handle, "main", SQLITE_FCNTL_FILE_POINTER, &file) != SQLITE_OK ||
         file->pMethods->xFileSize(file, &size) != SQLITE_OK || size == 0) {
         return FirstPage::blank;
     }

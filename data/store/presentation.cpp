@@ -26,26 +26,53 @@ void write_presentation(Database& database,
         .insert(database);
 }
 
+std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum) {
+    std::vector<SummaryValue> values{
+        {"ticks", sum.ticks},
+        {"contact_ticks", sum.contact_ticks},
+        {"slip_ticks", sum.slip_ticks},
+        {"late_ticks", sum.late_ticks},
+        {"saturated_ticks", sum.saturated_ticks},
+        {"force_slew_ticks", sum.slewed_ticks},
+        {"stale_ticks", sum.stale_ticks},
+        {"skipped_ticks", sum.skipped_ticks},
+        {"before_vertex_ticks", sum.before_vertex_ticks},
+        {"after_vertex_ticks", sum.after_vertex_ticks},
+        {"path_length_m", sum.path_length_m},
+        {"strokes", sum.strokes},
+        {"mean_speed_m_per_s", sum.mean_speed_m_per_s},
+        {"mean_normal_force_n", sum.mean_normal_force_n},
+        {"max_normal_force_n", sum.max_normal_force_n},
+        {"energy_j", sum.energy_j},
+        {"contact_episodes", sum.contact_episodes},
+        {"worst_episode_j", sum.worst_episode_j},
+        {"first_contact_s", std::monostate()},
+    };
+    if (sum.first_contact_s) {
+        values.back().value = *sum.first_contact_s;
+    }
+    return values;
+}
+
+void set_summary(Row& row, const protocols::TrialSummary& sum) {
+    for (const auto& [column, value] : summary_values(sum)) {
+        if (row.has(column)) {
+            row.set(column, value);
+        }
+    }
+}
+
 void write_interval_result(Database& database,
                            std::int64_t trial,
                            std::int64_t interval,
                            const protocols::IntervalResult& result) {
-    const protocols::TrialSummary& sum = result.summary;
-    Row("presentation")
-        .set("trial_id", trial)
+    Row row("presentation");
+    row.set("trial_id", trial)
         .set("interval", interval)
         .set("done_s", result.done_s)
-        .set("done_uncertainty_s", result.done_uncertainty_s)
-        .set("first_contact_s", sum.first_contact_s)
-        .set("ticks", sum.ticks)
-        .set("contact_ticks", sum.contact_ticks)
-        .set("slip_ticks", sum.slip_ticks)
-        .set("late_ticks", sum.late_ticks)
-        .set("saturated_ticks", sum.saturated_ticks)
-        .set("path_length_m", sum.path_length_m)
-        .set("mean_normal_force_n", sum.mean_normal_force_n)
-        .set("max_normal_force_n", sum.max_normal_force_n)
-        .update(database, {"trial_id", "interval"});
+        .set("done_uncertainty_s", result.done_uncertainty_s);
+    set_summary(row, result.summary);
+    row.update(database, {"trial_id", "interval"});
 }
 
 void set_confirmation(Row& row,

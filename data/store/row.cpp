@@ -9,8 +9,12 @@
 
 namespace palpate::data {
 
+bool Row::has(std::string_view column) const {
+    return find_column(fmt::format("{}.{}", table_, column)) != nullptr;
+}
+
 Row& Row::add(std::string_view column, Value value) {
-    if (find_column(fmt::format("{}.{}", table_, column)) == nullptr) {
+    if (!has(column)) {
         throw std::logic_error(fmt::format("the catalogue has no column {}.{}", table_, column));
     }
     values_.emplace_back(column, std::move(value));

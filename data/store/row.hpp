@@ -29,6 +29,8 @@ public:
             return add(column, static_cast<std::int64_t>(value));
         } else if constexpr (std::floating_point<T>) {
             return add(column, static_cast<double>(value));
+        } else if constexpr (std::same_as<T, std::monostate>) {
+            return add(column, value);
         } else if constexpr (std::convertible_to<T, std::string_view>) {
             return add(column, std::string(std::string_view(value)));
         } else {
@@ -45,6 +47,8 @@ public:
         return *this;
     }
 
+    /// Whether the table has such a column.
+    [[nodiscard]] bool has(std::string_view column) const;
     /// @param conflict  e.g. "ON CONFLICT DO NOTHING"
     /// @return the number of the row
     std::int64_t insert(Database& database, std::string_view conflict = {}) const;

@@ -73,7 +73,10 @@ std::int64_t participant_row(Database& database, std::string_view code, std::str
         subject = subject_of(code, secret, draw);
         taken.reset();
     }
-    return Row("participant").set("participant_code", code).set("subject", subject).insert(database);
+    return Row("participant")
+        .set("participant_code", code)
+        .set("subject", subject)
+        .insert(database);
 }
 
 }  // namespace palpate::data

@@ -108,7 +108,8 @@ std::int64_t create(Database& database,
         .set("rate_hz", spec.protocol.apparatus.rate_hz)
         .set("stiffness_n_per_m", spec.protocol.apparatus.stiffness)
         .set("started_utc", utc_now())
-        .set("operator", spec.operator_name.empty() ? std::nullopt : std::optional(spec.operator_name))
+        .set("operator",
+             spec.operator_name.empty() ? std::nullopt : std::optional(spec.operator_name))
         .set("secret", spec.key.secret);
     std::int64_t session = 0;
     if (instead) {

@@ -81,8 +81,8 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
 TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned,
                                      const protocols::SceneConstants& scene) {
     Transaction all(database_);
-    Statement before =
-        database_.prepare("SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2");
+    Statement before = database_.prepare(
+        "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2");
     before.bind(1, session_).bind(2, static_cast<std::int64_t>(planned.position)).step();
     const TrialId id = Row("trial")
                            .set("session_id", session_)
@@ -210,36 +210,19 @@ void SqliteRecorder::write_end(TrialId trial, const TrialResult& result) {
 }
 
 void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
-    const protocols::TrialSummary& sum = result.summary;
     Statement running =
         database_.prepare("SELECT 1 FROM trial WHERE trial_id = ?1 AND outcome = 'running'");
     Row row("trial");
     row.set("trial_id", trial)
         .set("outcome", to_string(result.outcome))
-        .set("fault_cause", result.fault ? std::optional(to_string(result.fault->cause)) : std::nullopt)
-        .set("invalid_reason", result.invalid.empty() ? std::nullopt : std::optional(result.invalid))
+        .set("fault_cause",
+             result.fault ? std::optional(to_string(result.fault->cause)) : std::nullopt)
+        .set("invalid_reason",
+             result.invalid.empty() ? std::nullopt : std::optional(result.invalid))
         .set("done_s", result.done_s)
         .set("done_uncertainty_s", result.done_uncertainty_s)
-        .set("first_contact_s", sum.first_contact_s)
-        .set("ticks", sum.ticks)
-        .set("contact_ticks", sum.contact_ticks)
-        .set("slip_ticks", sum.slip_ticks)
-        .set("late_ticks", sum.late_ticks)
-        .set("saturated_ticks", sum.saturated_ticks)
-        .set("force_slew_ticks", sum.slewed_ticks)
-        .set("stale_ticks", sum.stale_ticks)
-        .set("skipped_ticks", sum.skipped_ticks)
-        .set("before_vertex_ticks", sum.before_vertex_ticks)
-        .set("after_vertex_ticks", sum.after_vertex_ticks)
-        .set("path_length_m", sum.path_length_m)
-        .set("strokes", sum.strokes)
-        .set("mean_speed_m_per_s", sum.mean_speed_m_per_s)
-        .set("mean_normal_force_n", sum.mean_normal_force_n)
-        .set("max_normal_force_n", sum.max_normal_force_n)
-        .set("energy_j", sum.energy_j)
-        .set("contact_episodes", sum.contact_episodes)
-        .set("worst_episode_j", sum.worst_episode_j)
         .set("ended_utc", utc_now());
+    set_summary(row, result.summary);
     if (!running.bind(1, trial).step() || row.update(database_, {"trial_id"}) != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",
                                      database_.file(), trial));
