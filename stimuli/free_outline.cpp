@@ -16,8 +16,8 @@ namespace {
 using engine::RationalBezier;
 using engine::Vec2;
 
-constexpr std::size_t kMostPoints = 8192;
-constexpr int kMostHalvings = 12;
+constexpr std::size_t kMaxPoints = 8192;
+constexpr int kMaxHalvings = 12;
 
 double distance_to_edge(const Vec2& p, const Vec2& from, const Vec2& to) {
     const Vec2 along = to - from;
@@ -42,7 +42,7 @@ void append(std::vector<Vec2>& points,
             const RationalBezier<2>& curve,
             double tolerance,
             int halvings) {
-    if (halvings == 0 || points.size() >= kMostPoints || is_flat(curve, tolerance)) {
+    if (halvings == 0 || points.size() >= kMaxPoints || is_flat(curve, tolerance)) {
         points.push_back(curve.point(0));
         return;
     }
@@ -131,7 +131,7 @@ std::shared_ptr<const engine::Outline> make_outline(std::span<const Segment> seg
 std::vector<Vec2> silhouette(const engine::Outline& outline, double tolerance) {
     std::vector<Vec2> points;
     for (const RationalBezier<2>& span : outline.spans()) {
-        append(points, span, tolerance, kMostHalvings);
+        append(points, span, tolerance, kMaxHalvings);
     }
     if (!outline.closed()) {
         const RationalBezier<2>& last = outline.spans().back();

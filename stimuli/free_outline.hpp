@@ -20,6 +20,7 @@ struct Pose {
     friend bool operator==(const Pose&, const Pose&) = default;
 };
 
+/// `point` of an object's own frame in the frame of the study, m.
 [[nodiscard]] engine::Vec2 placed(const Pose& pose, const engine::Vec2& point) noexcept;
 
 /// One curve of an outline, before it is placed.
@@ -48,9 +49,10 @@ struct Segment {
 [[nodiscard]] std::shared_ptr<const engine::Outline> make_outline(std::span<const Segment> segments,
                                                                   const Pose& pose = {});
 
-/// Any outline as a polyline for pictures, at most `tolerance` m away from it: a span is halved until its
-/// control points, and so the whole of it, are that near to its chord. Ends of spans are kept exactly; of
-/// an open outline the last end too. Outlines that would need more than 8192 points are met less closely.
+/// Any outline as a polyline for pictures, at most `tolerance` m away from it: a span is halved
+/// until its control points, and so the whole of it, are that near to its chord. Ends of spans are
+/// kept exactly; of an open outline the last end too. Outlines that would need more than 8192
+/// points are met less closely.
 /// @pre tolerance > 0
 [[nodiscard]] std::vector<engine::Vec2> silhouette(const engine::Outline& outline,
                                                    double tolerance = 20e-6);

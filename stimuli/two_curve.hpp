@@ -7,8 +7,8 @@
 
 namespace palpate::stimuli {
 
-/// The stimulus of the thesis (4.3): two curves A-V and V-B joined at the vertex V, closed by the base
-/// line B-A, so that a finger that slides off an end meets a corner and not a hole.
+/// The stimulus of the thesis (4.3): two curves A-V and V-B joined at the vertex V, closed by the
+/// base line B-A, so that a finger that slides off an end meets a corner and not a hole.
 struct TwoCurve {
     engine::Vec2 a{-0.040, 0.0};  ///< m
     engine::Vec2 vertex{0.0, 0.040};

@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/file/procedure_file.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "data/analysis/people_text.hpp"
 #include "data/statistics/wilson.hpp"
@@ -241,7 +240,7 @@ std::string standard_text(const Protocol& protocol) {
 }
 
 std::string legend(const Protocol& protocol) {
-    const auto spec = protocols::parse_procedure(protocol.procedure->rule, "[procedure]").spec;
+    const protocols::ProcedureSpec& spec = *protocol.procedure->rule.spec;
     return standard_text(protocol) +
            std::visit(Meaning{protocol.response.kind == protocols::ResponseKind::two_interval},
                       spec);

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "protocols/file/document.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/file/read_text.hpp"
 
 namespace palpate::data {
 namespace {

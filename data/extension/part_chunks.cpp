@@ -1,7 +1,6 @@
 #include "data/extension/part_chunks.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -64,7 +63,7 @@ void PartChunks::require_all(sqlite3* db, const std::vector<std::int64_t>& count
     if (!told.bind(1, part_.trial).bind(2, part_.interval).step()) {
         fail(part_, "it has ticks, but no row in trial and presentation");
     }
-    period_ns_ = static_cast<std::int64_t>(std::floor(1e9 / told.real(1) + 0.5));
+    period_ns_ = engine::tick_period_ns(told.real(1));
     std::int64_t next = 0;
     std::string missing;
     for (std::size_t i = 0; i < counts.size() && missing.empty(); ++i) {

@@ -60,8 +60,8 @@ struct TickStore::State {
 TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
     Query row(db,
               "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
-              "plan.friction), coalesce(felt.slip_decay, trial.slip_decay), "
-              "coalesce(felt.heal_decay, trial.heal_decay), felt.curvature_per_m, felt.mu_s, "
+              "plan.friction), coalesce(felt.slip_decay, 0), "
+              "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
               "felt.mu_d, study.protocol_toml, (SELECT value FROM main.session_provenance AS p "
               "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
               "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "

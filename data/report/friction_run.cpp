@@ -77,17 +77,6 @@ private:
     std::vector<Vec2> path_;
 };
 
-struct Spot {
-    std::size_t curve = 0;
-    double u = 0.0;
-};
-
-Spot spot_of(const engine::Outline& outline, const engine::Place& place) {
-    const std::size_t span = place.on_joint ? outline.joints()[place.index].before : place.index;
-    const engine::SpanName& name = outline.name(span);
-    return {name.segment, name.parameter(place.on_joint ? 1.0 : place.parameter)};
-}
-
 }  // namespace
 
 std::vector<Vec2> friction_path() {
@@ -120,8 +109,8 @@ FrictionRun felt_by_gos(const std::vector<Vec2>& path) {
     FrictionRun run;
     for (const Vec2& hip : path) {
         const engine::Contact c = scene.tick(state, hip);
-        const Spot cp = spot_of(*outline, c.cp.place);
-        const Spot go = spot_of(*outline, c.place);
+        const engine::SegmentPlace cp = engine::segment_place(*outline, c.cp.place);
+        const engine::SegmentPlace go = engine::segment_place(*outline, c.place);
         run.push_back({.t = static_cast<double>(run.size()) * kFrictionTick,
                        .hip = hip,
                        .mode = c.mode,
@@ -132,9 +121,9 @@ FrictionRun felt_by_gos(const std::vector<Vec2>& path) {
                        .normal_force = c.normal_force,
                        .friction_force = c.tangential_force,
                        .mu = c.mu,
-                       .cp_curve = cp.curve,
+                       .cp_curve = cp.segment,
                        .cp_u = cp.u,
-                       .go_curve = go.curve,
+                       .go_curve = go.segment,
                        .go_u = go.u});
     }
     return run;

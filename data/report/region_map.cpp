@@ -45,11 +45,11 @@ struct Crossing {
 
 /// The true vertex of the outline in or beside the cell whose lower corner is `low`, if there is one.
 std::optional<Vec2> vertex_near(const RegionMap& map, const Vec2& low, double step) {
-    for (const engine::Joint& joint : map.outline().joints()) {
-        const Vec2 p = joint.point - low;
-        if (joint.kind != engine::JointKind::smooth && p.x >= -step && p.y >= -step &&
+    for (const engine::Seam& seam : map.outline().seams()) {
+        const Vec2 p = seam.point - low;
+        if (seam.kind != engine::SeamKind::smooth && p.x >= -step && p.y >= -step &&
             p.x <= 2.0 * step && p.y <= 2.0 * step) {
-            return joint.point;
+            return seam.point;
         }
     }
     return std::nullopt;
@@ -112,13 +112,13 @@ RegionMap::RegionMap(const std::vector<engine::NurbsCurve<2>>& curves)
 
 int RegionMap::at(const Vec2& h) const {
     const engine::ClosestPoint cp = feet_.closest(h);
-    const engine::Joint* joint = cp.place.on_joint ? &outline_.joints()[cp.place.index] : nullptr;
-    const std::size_t span = joint != nullptr ? joint->before : cp.place.index;
+    const engine::Seam* seam = cp.place.on_seam ? &outline_.seams()[cp.place.index] : nullptr;
+    const std::size_t span = seam != nullptr ? seam->before : cp.place.index;
     const int segment = static_cast<int>(outline_.name(span).segment);
     if (cp.inside) {
         return 2 * curves_ + segment;
     }
-    const bool vertex = joint != nullptr && joint->kind != engine::JointKind::smooth;
+    const bool vertex = seam != nullptr && seam->kind != engine::SeamKind::smooth;
     return 2 * segment + (vertex ? 1 : 0);
 }
 

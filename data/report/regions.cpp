@@ -18,17 +18,17 @@ constexpr double kFan = 0.009;  // m, length of a drawn normal
 /// Three normals of each convex vertex's fan, found as directions from the vertex.
 std::vector<Arrow> fans(const engine::Outline& outline) {
     std::vector<Arrow> arrows;
-    for (const engine::Joint& joint : outline.joints()) {
-        if (joint.kind != engine::JointKind::convex) {
+    for (const engine::Seam& seam : outline.seams()) {
+        if (seam.kind != engine::SeamKind::convex) {
             continue;
         }
-        const Vec2 first{-joint.tangent_in.y, joint.tangent_in.x};
+        const Vec2 first{-seam.tangent_in.y, seam.tangent_in.x};
         constexpr int kNormals = 5;
         for (int k = 0; k < kNormals; ++k) {
-            const double phi = -joint.turn * k / (kNormals - 1);  // clockwise
+            const double phi = -seam.turn * k / (kNormals - 1);  // clockwise
             const Vec2 n{std::cos(phi) * first.x - std::sin(phi) * first.y,
                          std::sin(phi) * first.x + std::cos(phi) * first.y};
-            arrows.push_back({kMillimetres * joint.point.x, kMillimetres * joint.point.y,
+            arrows.push_back({kMillimetres * seam.point.x, kMillimetres * seam.point.y,
                               kMillimetres * kFan * n.x, kMillimetres * kFan * n.y,
                               "fan of normals of a vertex", Ink::green});
         }

@@ -33,7 +33,7 @@ std::vector<TickRecord> recorded() {
          .slew = {.speed = 0.2, .radius = 0.003}});
     engine::SimulatedPantograph device({}, kTick);
     engine::VirtualServo servo(
-        device, {.limits = {.most = 10.0, .ramp_step = engine::ramp_step(0.2, kTick)}});
+        device, {.limits = {.max_force = 10.0, .ramp_step = engine::ramp_step(0.2, kTick)}});
     device.begin({});
     servo.begin(scene);
     std::vector<TickRecord> ticks;

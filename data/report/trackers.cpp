@@ -72,8 +72,7 @@ Track certified_track(const Outline& outline, const std::vector<Vec2>& hip) {
     for (const Vec2& h : hip) {
         const engine::ClosestPoint cp = tracker.track(state, h, counts);
         track.points.push_back(cp.point);
-        track.u.push_back(
-            cp.place.on_joint ? 1.0 : outline.name(cp.place.index).parameter(cp.place.parameter));
+        track.u.push_back(engine::segment_place(outline, cp.place).u);
     }
     return track;
 }

@@ -165,8 +165,8 @@ CREATE TABLE trial (
     force_slew_ticks    INTEGER,                    -- the force changed as fast as it may
     stale_ticks         INTEGER,                    -- without a new reading
     skipped_ticks       INTEGER,                    -- out of reach: nothing was computed
-    before_vertex_ticks INTEGER,                    -- in contact with the first curve, left of the vertex
-    after_vertex_ticks  INTEGER,                    -- in contact with the second curve, right of the vertex
+    before_vertex_ticks INTEGER,                    -- in contact with segment 0, before vertex 0
+    after_vertex_ticks  INTEGER,                    -- in contact with segment 1, after vertex 0
     path_length_m       REAL,                       -- of HIP
     strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
     mean_speed_m_per_s  REAL,                       -- of HIP in contact: its path there by the time there
@@ -175,8 +175,6 @@ CREATE TABLE trial (
     energy_j            REAL,                       -- work done on the user
     contact_episodes    INTEGER,                    -- times that HIP came into contact
     worst_episode_j     REAL,                       -- most energy an episode gave beyond K/2 sum |dh|^2; <= 0: passive
-    slip_decay          REAL NOT NULL,              -- exp(-T/tau_slip) as computed on this machine
-    heal_decay          REAL NOT NULL,              -- exp(-T/tau_heal) as computed on this machine
     started_ns          INTEGER,                    -- [details] begin, on the servo's clock (CLOCK_MONOTONIC of the rig)
     started_utc         TEXT NOT NULL,              -- [details] begin, wall clock, ISO 8601
     ended_utc           TEXT,                       -- [details] end, wall clock; NULL: it never ended
@@ -246,16 +244,26 @@ CREATE TABLE adaptive_step (
 ) STRICT;
 
 CREATE TABLE event (
-    -- What happened in a session beside its trials.
-    event_id   INTEGER PRIMARY KEY,                 -- [file] of this file alone, in the order in which they happened
-    session_id INTEGER NOT NULL REFERENCES session, -- [file] session.session_id
-    trial_id   INTEGER REFERENCES trial,            -- [file] trial.trial_id; NULL: of the session as a whole
-    event_kind TEXT NOT NULL,                       -- break, abort, fault, go on, timing, mark, ...
-    text       TEXT NOT NULL,                       -- [details] a sentence
-    at_utc     TEXT NOT NULL,                       -- [details] wall clock, ISO 8601
-    at_ns      INTEGER,                             -- [details] on the servo's clock, as trial.started_ns
-    operator   TEXT,                                -- [details] who noted it, as given; NULL: nobody said
-    seal       TEXT CHECK (length(seal) = 64)       -- [file] hash over all results of the session with this event
+    -- What happened in a session beside its trials. Programs go by kind and numbers: the text is for people.
+    event_id      INTEGER PRIMARY KEY,              -- [file] of this file alone, in the order in which they happened
+    session_id    INTEGER NOT NULL REFERENCES session,  -- [file] session.session_id
+    trial_id      INTEGER REFERENCES trial,         -- [file] trial.trial_id; NULL: of the session as a whole
+    event_kind    TEXT NOT NULL CHECK (event_kind IN  -- what
+                      ('break', 'pause', 'go on', 'abort', 'gave up', 'fault', 'reconnect', 'invalid', 'note',
+                       'mark', 'redo', 'interrupted', 'timing', 'ticks lost', 'masking', 'display lost',
+                       'device', 'operator', 'provenance', 'participant', 'planned again')),
+    text          TEXT NOT NULL,                    -- [details] a sentence; of a mark the reason
+    at_utc        TEXT NOT NULL,                    -- [details] wall clock, ISO 8601
+    at_ns         INTEGER,                          -- [details] on the servo's clock, as trial.started_ns
+    operator      TEXT,                             -- [details] who noted it, as given; NULL: nobody said
+    seal          TEXT CHECK (length(seal) = 64),   -- [file] hash over all results of the session with this event
+    trials_begun  INTEGER NOT NULL CHECK (trials_begun >= 0),  -- attempts of the session by then
+    plan_position INTEGER CHECK (plan_position >= 0),  -- what it is about, or what comes next
+    part          INTEGER CHECK (part >= 0),        -- redo: 0 practice, else 1 + plan.block
+    count         INTEGER CHECK (count >= 0),       -- ticks lost; redo: answers; gave up, reconnect: tries in vain
+    duration_s    REAL CHECK (duration_s >= 0),     -- go on: of the pause; masking: without noise
+    key           TEXT,                             -- [details] provenance, participant: what
+    value         TEXT                              -- [details] of key; fault, go on: the cause; device, operator: the new one
 ) STRICT;
 )sql";
 

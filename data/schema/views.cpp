@@ -69,8 +69,8 @@ SELECT study.study_name AS study_name,
        trial.max_normal_force_n AS max_normal_force_n,
        trial.contact_ticks / session.rate_hz AS contact_s,  -- time in contact
        trial.slip_ticks * 1.0 / NULLIF(trial.contact_ticks, 0) AS slip_share,  -- of contact: slip or transition
-       trial.before_vertex_ticks / session.rate_hz AS before_vertex_s,  -- in contact with the first curve, left of the vertex
-       trial.after_vertex_ticks / session.rate_hz AS after_vertex_s,  -- in contact with the second curve, right of the vertex
+       trial.before_vertex_ticks / session.rate_hz AS before_vertex_s,  -- in contact with segment 0, before vertex 0
+       trial.after_vertex_ticks / session.rate_hz AS after_vertex_s,  -- in contact with segment 1, after vertex 0
        trial.late_ticks * 1.0 / NULLIF(trial.ticks, 0) AS late_share,  -- of ticks
        trial.saturated_ticks * 1.0 / NULLIF(trial.ticks, 0) AS saturated_share,  -- of ticks
        adaptive_step.rule_outcome AS rule_outcome,
@@ -145,7 +145,7 @@ SELECT session.session_id AS session_id,
        count(*) FILTER (WHERE trial.outcome = 'interrupted') AS interrupted,  -- found unfinished later
        sum(trial.late_ticks) * 1.0 / NULLIF(sum(trial.ticks), 0) AS late_share,  -- of ticks
        sum(trial.saturated_ticks) * 1.0 / NULLIF(sum(trial.ticks), 0) AS saturated_share,  -- of ticks
-       (SELECT coalesce(sum(CAST(event.text AS INTEGER)), 0) FROM event
+       (SELECT coalesce(sum(event.count), 0) FROM event
         WHERE event.session_id = session.session_id AND event.event_kind = 'ticks lost') AS lost_ticks,  -- found no room on their way to the disk
        sum(trial.ticks) / session.rate_hz AS felt_s,  -- on the servo's clock, all attempts that ended
        (julianday(coalesce(session.finished_utc, max(trial.ended_utc), max(trial.started_utc)))

@@ -25,7 +25,7 @@ ExportedRun exported_run(Database& database, std::int64_t session, std::int64_t 
         row.text(1), {row.text(2), static_cast<std::size_t>(row.integer(3)), row.text(5)},
         std::stoull(row.text(4)));
     made.procedure =
-        protocol.procedure->rule +
+        protocol.procedure->rule.text +
         fmt::format("\n[stream]\norigin = \"{}\"\n",
                     stream_origin(run_key(session_key, static_cast<std::size_t>(run))));
     made.responses = "stimulus,response\n";

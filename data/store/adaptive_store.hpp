@@ -25,14 +25,6 @@ void write_step(Database& database, std::int64_t trial, const protocols::Adaptiv
 /// {"threshold":{"mean":5.1,"mode":5},...} as adaptive_step.estimates has it; numbers as short as can be.
 [[nodiscard]] std::string estimates_text(const std::vector<protocols::Estimate>& estimates);
 
-/// The rules of a session as the next trial finds them: every stored stimulus and outcome taken in again, in
-/// order. An answer that was marked as not counting is forgotten from the next trial on.
-/// @throws StoreError if a stored stimulus or state is not what the rule gives: nothing may run then
-[[nodiscard]] protocols::AdaptiveRuns rebuilt_runs(Database& database,
-                                                   std::int64_t session,
-                                                   const protocols::Protocol& protocol,
-                                                   const protocols::StreamKey& stream);
-
 /// The rules of a session by the answers that count at the end, stored states unchecked: what is stored beside
 /// an answer took in those that were marked after it.
 /// @throws std::exception if the session, its protocol or an answer is not what a rule takes

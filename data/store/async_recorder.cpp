@@ -98,10 +98,9 @@ void AsyncRecorder::wait_for(std::function<void()> work) {
     }
 }
 
-protocols::TrialId AsyncRecorder::begin_trial(const protocols::PlannedTrial& planned,
-                                              const protocols::SceneConstants& scene) {
+protocols::TrialId AsyncRecorder::begin_trial(const protocols::PlannedTrial& planned) {
     protocols::TrialId id = 0;
-    wait_for([&] { id = recorder_.begin_trial(planned, scene); });
+    wait_for([&] { id = recorder_.begin_trial(planned); });
     return id;
 }
 
@@ -136,12 +135,8 @@ void AsyncRecorder::end_trial(protocols::TrialId trial, const protocols::TrialRe
     wait_for([&] { recorder_.end_trial(trial, result); });
 }
 
-void AsyncRecorder::event(std::string_view kind, std::string_view text) {
-    wait_for([&] { recorder_.event(kind, text); });
-}
-
-void AsyncRecorder::mark(protocols::TrialId trial, std::string_view reason) {
-    wait_for([&] { recorder_.mark(trial, reason); });
+void AsyncRecorder::event(const protocols::Event& event) {
+    wait_for([&] { recorder_.event(event); });
 }
 
 void AsyncRecorder::finish_session() {

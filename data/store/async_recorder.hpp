@@ -33,16 +33,14 @@ public:
     /// Stores what was handed over; an error that nobody heard of is lost with this object.
     ~AsyncRecorder() override;
 
-    [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
-                                                 const protocols::SceneConstants& scene) override;
+    [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned) override;
     void begin_interval(protocols::TrialId trial,
                         const protocols::Presentation& felt,
                         const protocols::SceneConstants& scene) override;
     void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override;
     bool save() override;
     void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;
-    void event(std::string_view kind, std::string_view text) override;
-    void mark(protocols::TrialId trial, std::string_view reason) override;
+    void event(const protocols::Event& event) override;
     void finish_session() override;
 
 private:

@@ -9,7 +9,6 @@
 
 #include "engine/base/sha256.hpp"
 #include "engine/realtime/clock.hpp"
-#include "data/store/people.hpp"
 #include "data/store/row.hpp"
 
 namespace palpate::data {
@@ -88,7 +87,7 @@ std::int64_t events_now(Database& database, std::int64_t session) {
 std::string trial_head(Database& database, std::int64_t trial, const std::string& before) {
     std::string text = before + '\n';
     // A mark came later: at the end of the trial its answer counted.
-    const bool marked = find_mark(database, trial).has_value();
+    const bool marked = mark_reason(database, trial).has_value();
     std::vector<std::string_view> without(std::begin(kNotOfTrial), std::end(kNotOfTrial));
     if (marked) {
         without.emplace_back("invalid_reason");
@@ -106,8 +105,8 @@ std::string trial_head(Database& database, std::int64_t trial, const std::string
 std::string event_head(Database& database, std::int64_t event, const std::string& before) {
     return sha256_hex(before + '\n' +
                       lines_of(database, "event",
-                               "SELECT event.*, plan_position, attempt FROM event LEFT JOIN trial "
-                               "USING (trial_id) WHERE event.event_id = ?1",
+                               "SELECT event.*, trial.plan_position AS at_position, attempt FROM"
+                               " event LEFT JOIN trial USING (trial_id) WHERE event.event_id = ?1",
                                event, kNotOfTrial));
 }
 
@@ -220,10 +219,10 @@ private:
     }
 
     void check_mark(std::int64_t trial, const std::string& invalid) {
-        const auto mark = find_mark(database_, trial);
-        if (mark && mark->reason != invalid) {
+        const auto mark = mark_reason(database_, trial);
+        if (mark && *mark != invalid) {
             breaks_.push_back({trial, "trial.invalid_reason", invalid.empty() ? "NULL" : invalid,
-                               mark->reason + ", as its mark says"});
+                               *mark + ", as its mark says"});
         }
     }
 
@@ -254,22 +253,57 @@ void chain_session(Database& database, std::int64_t session) {
               session_head(database, session, head_now(database, session)));
 }
 
-std::string add_event(Database& database, const EventRow& event) {
-    const std::string before = head_now(database, event.session);
-    const std::int64_t id =
-        Row("event")
-            .set("session_id", event.session)
-            .set("trial_id", event.trial)
-            .set("event_kind", event.kind)
-            .set("text", event.text)
-            .set("at_utc", utc_now())
-            .set("at_ns", engine::monotonic_ns())
-            .set("operator",
-                 event.operator_name.empty() ? std::nullopt : std::optional(event.operator_name))
-            .insert(database);
+std::string add_event(Database& database,
+                      std::int64_t session,
+                      const protocols::Event& event,
+                      std::string_view operator_name) {
+    const std::string before = head_now(database, session);
+    const auto said = [](std::string_view text) {
+        return text.empty() ? std::nullopt : std::optional(text);
+    };
+    Statement begun = database.prepare("SELECT count(*) FROM trial WHERE session_id = ?1");
+    begun.bind(1, session).step();
+    const std::int64_t id = Row("event")
+                                .set("session_id", session)
+                                .set("trial_id", event.trial)
+                                .set("event_kind", to_string(event.kind))
+                                .set("text", event.text)
+                                .set("at_utc", utc_now())
+                                .set("at_ns", engine::monotonic_ns())
+                                .set("operator", said(operator_name))
+                                .set("trials_begun", begun.integer(0))
+                                .set("plan_position", event.position)
+                                .set("part", event.part)
+                                .set("count", event.count)
+                                .set("duration_s", event.duration_s)
+                                .set("key", said(event.key))
+                                .set("value", said(event.value))
+                                .insert(database);
+    begun.reset();
     std::string head = event_head(database, id, before);
-    keep_head(database, "event", id, event.session, head);
+    keep_head(database, "event", id, session, head);
     return head;
+}
+
+std::string add_mark(Database& database,
+                     std::int64_t session,
+                     std::int64_t trial,
+                     std::string_view reason,
+                     std::string_view operator_name) {
+    database.prepare("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1")
+        .bind(1, trial)
+        .bind(2, reason)
+        .run();
+    return add_event(
+        database, session,
+        {.kind = protocols::EventKind::mark, .text = std::string(reason), .trial = trial},
+        operator_name);
+}
+
+std::optional<std::string> mark_reason(Database& database, std::int64_t trial) {
+    Statement row =
+        database.prepare("SELECT text FROM event WHERE trial_id = ?1 AND event_kind = 'mark'");
+    return row.bind(1, trial).step() ? std::optional(row.text(0)) : std::nullopt;
 }
 
 void chain_anew(Database& database, std::int64_t session) {

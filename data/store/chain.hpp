@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "protocols/session/recorder.hpp"
 #include "data/store/database.hpp"
 
 /// A chain of SHA-256 hashes through a session: each trial that ended, each event and the session's end carry the
@@ -27,17 +28,24 @@ void chain_trial(Database& database, std::int64_t trial);
 /// The same for the end of a session.
 void chain_session(Database& database, std::int64_t session);
 
-struct EventRow {
-    std::int64_t session = 0;
-    std::optional<std::int64_t> trial{};
-    std::string_view kind;
-    std::string_view text;
-    std::string_view operator_name{};  ///< empty: nobody is named
-};
-
 /// Adds an event, now, and its head. In the caller's transaction.
+/// @param operator_name  who noted it; empty: nobody is named
 /// @return the new head
-std::string add_event(Database& database, const EventRow& event);
+std::string add_event(Database& database,
+                      std::int64_t session,
+                      const protocols::Event& event,
+                      std::string_view operator_name = {});
+
+/// The answer of `trial` does not count for this reason: its row and an event say so. In the caller's
+/// transaction. @return the new head
+std::string add_mark(Database& database,
+                     std::int64_t session,
+                     std::int64_t trial,
+                     std::string_view reason,
+                     std::string_view operator_name = {});
+
+/// The reason that a mark noted of a trial; none: it has no mark.
+[[nodiscard]] std::optional<std::string> mark_reason(Database& database, std::int64_t trial);
 
 /// Links the events of a session that is planned anew, before its first trial, to what the session is now. In
 /// the caller's transaction.

@@ -1,6 +1,5 @@
 #include "data/store/people.hpp"
 
-#include <charconv>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -8,15 +7,9 @@
 #include "engine/realtime/clock.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/secret.hpp"
+#include "data/store/session_lock.hpp"
 
 namespace palpate::data {
-namespace {
-
-/// The kind of event that says what was noted of a participant.
-constexpr std::string_view kNoted = "participant";
-
-}  // namespace
-
 namespace {
 
 /// The code without what people write now so, now so: cases, - and _, leading zeros of its numbers.
@@ -82,24 +75,30 @@ std::optional<Participant> find_participant(Database& database, std::string_view
 
 namespace {
 
+/// What was noted of a participant; the value of a detail is told nowhere else.
+protocols::Event noted(const std::string& key, const std::string& value = {}) {
+    return {.kind = protocols::EventKind::participant,
+            .text = value.empty() ? "detail " + key : fmt::format("{} {}", key, value),
+            .key = key,
+            .value = value};
+}
+
 /// To each session of the participant.
 void tell_sessions(Database& database,
                    std::string_view code,
-                   const std::string& text,
+                   const protocols::Event& event,
                    std::string_view operator_name) {
     for (const SessionRow& session : sessions_of(database, code, std::nullopt)) {
-        add_event(
-            database,
-            {.session = session.id, .kind = kNoted, .text = text, .operator_name = operator_name});
+        add_event(database, session.id, event, operator_name);
     }
 }
 
-std::string handedness_text(std::int64_t score) {
-    return fmt::format("handedness {}", score);
+protocols::Event noted_handedness(std::int64_t score) {
+    return noted("handedness", fmt::format("{}", score));
 }
 
-std::string consent_text(bool given) {
-    return given ? "consent yes" : "consent no";
+protocols::Event noted_consent(bool given) {
+    return noted("consent", given ? "yes" : "no");
 }
 
 }  // namespace
@@ -115,7 +114,7 @@ void note_participant(Database& database,
             .bind(1, code)
             .bind(2, *notes.handedness)
             .run();
-        tell_sessions(database, code, handedness_text(*notes.handedness), operator_name);
+        tell_sessions(database, code, noted_handedness(*notes.handedness), operator_name);
     }
     if (notes.consent) {
         database
@@ -126,7 +125,7 @@ void note_participant(Database& database,
             .bind(2, std::int64_t{*notes.consent ? 1 : 0})
             .bind(3, utc_now())
             .run();
-        tell_sessions(database, code, consent_text(*notes.consent), operator_name);
+        tell_sessions(database, code, noted_consent(*notes.consent), operator_name);
     }
     Statement detail = database.prepare(
         "INSERT INTO participant_detail SELECT participant_id, ?2, ?3 FROM participant WHERE "
@@ -134,7 +133,7 @@ void note_participant(Database& database,
         "excluded.value");
     for (const auto& [key, value] : notes.details) {
         detail.bind(1, code).bind(2, key).bind(3, value).run();
-        tell_sessions(database, code, "detail " + key, operator_name);
+        tell_sessions(database, code, noted(key), operator_name);
     }
     all.commit();
 }
@@ -144,34 +143,34 @@ void note_at_beginning(Database& database, std::int64_t session) {
         "SELECT handedness, consent FROM participant JOIN session USING (participant_id) WHERE "
         "session.session_id = ?1");
     row.bind(1, session).step();
-    std::vector<std::string> texts;
+    std::vector<protocols::Event> events;
     if (!row.null(0)) {
-        texts.push_back(handedness_text(row.integer(0)));
+        events.push_back(noted_handedness(row.integer(0)));
     }
     if (!row.null(1)) {
-        texts.push_back(consent_text(row.integer(1) != 0));
+        events.push_back(noted_consent(row.integer(1) != 0));
     }
     row.reset();
-    for (const std::string& text : texts) {
-        add_event(database, {.session = session, .kind = kNoted, .text = text});
+    for (const protocols::Event& event : events) {
+        add_event(database, session, event);
     }
 }
 
 std::vector<NoteBreak> note_breaks(Database& database) {
     // A session's last word on each is what was noted last: a note goes to all sessions that are there.
     Statement row = database.prepare(
-        "SELECT DISTINCT participant_code, what, stored, text FROM (SELECT participant_code, "
-        "substr(text, 1, instr(text, ' ') - 1) AS what, text, iif(text LIKE 'handedness %', "
-        "coalesce('handedness ' || handedness, 'NULL'), coalesce('consent ' || iif(consent, 'yes', "
-        "'no'), 'NULL')) AS stored, row_number() OVER (PARTITION BY session_id, substr(text, 1, "
-        "instr(text, ' ')) ORDER BY event.event_id DESC) AS back FROM event JOIN session USING "
-        "(session_id) JOIN participant USING (participant_id) WHERE event.event_kind = ?1 AND text "
-        "NOT LIKE 'detail %') WHERE back = 1 AND stored <> text ORDER BY 1, 2");
-    row.bind(1, kNoted);
+        "SELECT DISTINCT participant_code, key, stored, value FROM (SELECT participant_code, key, "
+        "value,"
+        " iif(key = 'handedness', CAST(handedness AS TEXT), iif(consent, 'yes', 'no')) AS stored,"
+        " row_number() OVER (PARTITION BY session_id, key ORDER BY event_id DESC) AS back FROM "
+        "event"
+        " JOIN session USING (session_id) JOIN participant USING (participant_id)"
+        " WHERE event_kind = 'participant' AND value IS NOT NULL)"
+        " WHERE back = 1 AND stored IS NOT value ORDER BY 1, 2");
     std::vector<NoteBreak> breaks;
     while (row.step()) {
         breaks.push_back({.what = fmt::format("participant {} {}", row.text(0), row.text(1)),
-                          .stored = row.text(2),
+                          .stored = row.null(2) ? "NULL" : row.text(2),
                           .noted = row.text(3)});
     }
     return breaks;
@@ -198,17 +197,11 @@ std::string add_note(Database& database,
                      std::string_view text,
                      std::string_view operator_name) {
     Transaction all(database);
-    std::string head = add_event(
-        database,
-        {.session = session, .kind = "note", .text = text, .operator_name = operator_name});
+    std::string head =
+        add_event(database, session,
+                  {.kind = protocols::EventKind::note, .text = std::string(text)}, operator_name);
     all.commit();
     return head;
-}
-
-std::string after_attempts(Database& database, std::int64_t session, std::string_view what) {
-    Statement row = database.prepare("SELECT count(*) FROM trial WHERE session_id = ?1");
-    row.bind(1, session).step();
-    return fmt::format("after {} attempts: {}", row.integer(0), what);
 }
 
 Marked mark_invalid(Database& database,
@@ -236,46 +229,17 @@ Marked mark_invalid(Database& database,
     }
     const bool finished = row.integer(3) != 0;
     const std::int64_t session = row.integer(4);
+    if (SessionLock::held(database, session)) {
+        throw std::invalid_argument(fmt::format(
+            "{}: the session of trial {} runs now, and would not hear of it; mark its last trial at"
+            " the participant's screen (Ctrl+Shift+M then Y), others when it has ended",
+            database.file(), trial));
+    }
     row.reset();
-    database.prepare("UPDATE trial SET invalid_reason = ?2 WHERE trial_id = ?1")
-        .bind(1, trial)
-        .bind(2, reason)
-        .run();
     Marked marked{.finished = finished,
-                  .head = add_event(database, {.session = session,
-                                               .trial = trial,
-                                               .kind = "mark",
-                                               .text = after_attempts(database, session, reason),
-                                               .operator_name = operator_name})};
+                  .head = add_mark(database, session, trial, reason, operator_name)};
     all.commit();
     return marked;
-}
-
-std::optional<Mark> read_mark(Database& database, std::int64_t session, std::string_view text) {
-    constexpr std::string_view kAfter = "after ";
-    const std::size_t colon = text.find(" attempts: ");
-    Mark mark;
-    if (!text.starts_with(kAfter) || colon == std::string_view::npos ||
-        std::from_chars(text.data() + kAfter.size(), text.data() + colon, mark.after).ptr !=
-            text.data() + colon) {
-        return std::nullopt;
-    }
-    mark.reason = text.substr(text.find(": ") + 2);
-    Statement last = database.prepare(
-        "SELECT coalesce(max(trial_id), 0) FROM (SELECT trial_id FROM trial WHERE session_id = ?1 "
-        "ORDER BY trial_id LIMIT ?2)");
-    last.bind(1, session).bind(2, mark.after).step();
-    mark.after = last.integer(0);
-    return mark;
-}
-
-std::optional<Mark> find_mark(Database& database, std::int64_t trial) {
-    Statement row = database.prepare(
-        "SELECT text, session_id FROM event WHERE trial_id = ?1 AND event_kind = 'mark'");
-    if (!row.bind(1, trial).step()) {
-        return std::nullopt;
-    }
-    return read_mark(database, row.integer(1), row.text(0));
 }
 
 }  // namespace palpate::data

@@ -78,30 +78,13 @@ struct Marked {
     std::string head;       ///< of its chain, with the mark
 };
 
-/// The answer of a trial does not count, for this reason: it stays, and analyses leave it out. An event
-/// too; it says how many attempts the session had by then. Unless the session is finished, the position is run again when it is resumed.
-/// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count already
+/// The answer of a trial does not count, for this reason: it stays, and analyses leave it out. Unless the
+/// session is finished, the position is run again when it is resumed.
+/// @throws std::invalid_argument if there is no such trial, if it has no answer or does not count already, or
+///         while a program runs its session, which goes by what it knows: the next trials would contradict the mark
 Marked mark_invalid(Database& database,
                     std::int64_t trial,
                     std::string_view reason,
                     std::string_view operator_name = {});
-
-/// "after 7 attempts: `what`", 7 being how many the session has.
-[[nodiscard]] std::string after_attempts(Database& database,
-                                         std::int64_t session,
-                                         std::string_view what);
-
-struct Mark {
-    std::int64_t after = 0;  ///< the last trial that the session had then
-    std::string reason;
-};
-
-/// The text of an event that says after which attempt of its session it came, and the rest of it.
-[[nodiscard]] std::optional<Mark> read_mark(Database& database,
-                                            std::int64_t session,
-                                            std::string_view text);
-
-/// What mark_invalid() noted of a trial.
-[[nodiscard]] std::optional<Mark> find_mark(Database& database, std::int64_t trial);
 
 }  // namespace palpate::data

@@ -133,34 +133,31 @@ struct Existing {
     bool finished = false;
 };
 
-void note_event(Database& database,
-                std::int64_t session,
-                std::string_view kind,
-                std::string_view text) {
-    add_event(database, {.session = session, .kind = kind, .text = text});
-}
-
 /// What a session goes on with belongs to the trials from here on: the first trials keep theirs.
 void note_changes(Database& database, const Existing& there, const SessionSpec& spec) {
+    const auto goes_on = [&](protocols::EventKind kind, const std::string& value) {
+        add_event(database, there.id,
+                  {.kind = kind, .text = "goes on with " + value, .value = value});
+    };
     if (there.device != spec.device) {
-        note_event(database, there.id, "device", fmt::format("goes on with {}", spec.device));
+        goes_on(protocols::EventKind::device, spec.device);
     }
     if (!spec.operator_name.empty() && there.operator_name != spec.operator_name) {
-        note_event(database, there.id, "operator",
-                   fmt::format("goes on with {}", spec.operator_name));
+        goes_on(protocols::EventKind::experimenter, spec.operator_name);
     }
     Statement row = database.prepare(
-        "SELECT coalesce((SELECT text FROM event WHERE session_id = ?1 AND event_kind = "
-        "'provenance' AND substr(text, 1, length(?2) + 2) = ?2 || ': ' ORDER BY event_id DESC "
-        "LIMIT 1), (SELECT ?2 || ': ' || value FROM session_provenance WHERE session_id = ?1 AND "
-        "key = ?2))");
+        "SELECT value FROM (SELECT coalesce(value, '') AS value, event_id FROM event WHERE"
+        " session_id = ?1 AND event_kind = 'provenance' AND key = ?2 UNION ALL SELECT value, 0 FROM"
+        " session_provenance WHERE session_id = ?1 AND key = ?2) ORDER BY event_id DESC LIMIT 1");
     for (const auto& [key, value] : spec.provenance) {
-        const std::string now = fmt::format("{}: {}", key, value);
-        row.bind(1, there.id).bind(2, key).step();
-        const bool same = row.text(0) == now;
+        const bool same = row.bind(1, there.id).bind(2, key).step() && row.text(0) == value;
         row.reset();
         if (!same) {
-            note_event(database, there.id, "provenance", now);
+            add_event(database, there.id,
+                      {.kind = protocols::EventKind::provenance,
+                       .text = fmt::format("{}: {}", key, value),
+                       .key = key,
+                       .value = value});
         }
     }
 }
@@ -234,10 +231,11 @@ bool planned_anew(Database& database, const Existing& there, const SessionSpec& 
             "DELETE FROM study WHERE NOT EXISTS (SELECT 1 FROM session WHERE study_id = "
             "study.study_id)")
         .run();
-    note_event(
-        database, there.id, "planned again",
-        fmt::format("no trial had begun of the {} session with seed {}, plan {} and chain {}",
-                    there.kind, there.seed, there.plan_hash, head));
+    add_event(database, there.id,
+              {.kind = protocols::EventKind::planned_again,
+               .text = fmt::format(
+                   "no trial had begun of the {} session with seed {}, plan {} and chain {}",
+                   there.kind, there.seed, there.plan_hash, head)});
     return true;
 }
 
@@ -252,10 +250,10 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
     }
     count.reset();
     for (const std::int64_t trial : found) {
-        add_event(database, {.session = session,
-                             .trial = trial,
-                             .kind = "interrupted",
-                             .text = "found running when the session was opened again"});
+        add_event(database, session,
+                  {.kind = protocols::EventKind::interrupted,
+                   .text = "found running when the session was opened again",
+                   .trial = trial});
     }
     database
         .prepare(
@@ -269,16 +267,11 @@ std::size_t mark_interrupted(Database& database, std::int64_t session) {
     return found.size();
 }
 
-void count_attempts(Database& database, OpenedSession& opened) {
-    Statement row = database.prepare(
-        "SELECT plan_position, count(*), max(trial_id) FROM trial WHERE session_id = ?1 GROUP BY "
-        "plan_position");
-    row.bind(1, opened.id);
-    while (row.step()) {
-        opened.attempts[static_cast<std::size_t>(row.integer(0))] =
-            static_cast<std::size_t>(row.integer(1));
-        opened.last_trial = std::max(opened.last_trial, row.integer(2));
-    }
+std::int64_t last_trial(Database& database, std::int64_t session) {
+    Statement row =
+        database.prepare("SELECT coalesce(max(trial_id), 0) FROM trial WHERE session_id = ?1");
+    row.bind(1, session).step();
+    return row.integer(0);
 }
 
 OpenedSession opened_session(Database& database, const SessionSpec& spec) {
@@ -294,14 +287,13 @@ OpenedSession opened_session(Database& database, const SessionSpec& spec) {
         opened.finished = there->finished;
         opened.interrupted = mark_interrupted(database, id);
     }
-    opened.pending =
-        what_is_left(database, id, protocols::PendingTrials(spec.plan, requeue_rule(spec)));
+    opened.progress = stored_progress(
+        database, id, protocols::SessionProgress(spec.protocol, spec.plan, session_stream(spec)));
     if (opened.resumed && !opened.finished) {
-        begin_again(database, id, spec.resume, opened.pending);
+        opened.progress = begin_again(database, id, spec.resume, std::move(opened.progress));
     }
-    count_attempts(database, opened);
-    opened.next = opened.pending.next();
-    opened.runs = rebuilt_runs(database, id, spec.protocol, session_stream(spec));
+    opened.next = opened.progress.pending().next();
+    opened.last_trial = last_trial(database, id);
     return opened;
 }
 
@@ -348,10 +340,6 @@ std::string_view to_string(RunKind kind) noexcept {
             return "simulated";
     }
     return "?";
-}
-
-protocols::RequeueRule requeue_rule(const SessionSpec& spec) {
-    return {.key = session_stream(spec), .most = spec.protocol.invalid.requeue_most};
 }
 
 protocols::StreamKey session_stream(const SessionSpec& spec) {

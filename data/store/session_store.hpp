@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,11 +9,9 @@
 
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
-#include "protocols/session/adaptive_runs.hpp"
-#include "protocols/session/pending_trials.hpp"
 #include "data/store/database.hpp"
-#include "data/store/resume_policy.hpp"
 #include "data/store/session_lock.hpp"
+#include "data/store/stored_progress.hpp"
 
 namespace palpate::data {
 
@@ -35,9 +32,6 @@ struct SessionSpec {
     std::vector<std::pair<std::string, std::string>> provenance;
 };
 
-/// How the session sets trials back.
-[[nodiscard]] protocols::RequeueRule requeue_rule(const SessionSpec& spec);
-
 /// The key of the session's random streams; purpose and block are to be set.
 [[nodiscard]] protocols::StreamKey session_stream(const SessionSpec& spec);
 
@@ -47,11 +41,9 @@ struct OpenedSession {
     bool resumed = false;
     bool finished = false;
     std::size_t next = 0;  ///< position to run first; as many as planned: nothing is left
-    protocols::PendingTrials pending{};  ///< all that is left, in its order
-    protocols::AdaptiveRuns runs{};      ///< of the protocol's rule, with all answers so far
-    std::size_t interrupted = 0;         ///< attempts found running and marked so
-    std::map<std::size_t, std::size_t> attempts{};  ///< so far, by position
-    std::int64_t last_trial = 0;                    ///< trial.id of the last one; 0: none
+    protocols::SessionProgress progress{};  ///< of all rows
+    std::size_t interrupted = 0;            ///< attempts found running and marked so
+    std::int64_t last_trial = 0;            ///< trial.id of the last one; 0: none
 };
 
 struct SessionState {

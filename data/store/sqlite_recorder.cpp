@@ -1,7 +1,6 @@
 #include "data/store/sqlite_recorder.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -16,7 +15,6 @@
 #include "data/store/adaptive_store.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
-#include "data/store/people.hpp"
 #include "data/store/presentation.hpp"
 #include "data/store/row.hpp"
 #include "data/store/stored_chunks.hpp"
@@ -28,10 +26,6 @@ namespace {
 
 /// An answer, and whatever else a person waits for, waits this long for the lock of another program.
 constexpr int kPatienceMs = 60'000;
-
-std::int64_t period_of(double rate_hz) {
-    return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
-}
 
 }  // namespace
 
@@ -46,7 +40,7 @@ SqliteRecorder::SqliteRecorder(Database& database,
       session_(session),
       trace_(database,
              machine_of(first_calibration(database, session)),
-             period_of(protocol.apparatus.rate_hz)),
+             engine::tick_period_ns(protocol.apparatus.rate_hz)),
       reserve_(database.file()) {
     database.wait_for_locks(kPatienceMs);
 }
@@ -64,22 +58,16 @@ auto SqliteRecorder::with_room(const Work& work) {
     }
 }
 
-TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned,
-                                    const protocols::SceneConstants& scene) {
+TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned) {
     running_ = 0;
     interval_ = 0;
     database_.require_in_place();
     reserve_.hold(bytes_needed(protocol_, 1));
-    const TrialId id = with_room([&] { return insert_trial(planned, scene); });
-    if (!planned.adaptive) {
-        begin_trace(id, presentations_of(protocol_, planned).front(), scene);
-    }
-    running_ = id;
-    return id;
+    running_ = with_room([&] { return insert_trial(planned); });
+    return running_;
 }
 
-TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned,
-                                     const protocols::SceneConstants& scene) {
+TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
     Transaction all(database_);
     Statement before = database_.prepare(
         "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2");
@@ -89,15 +77,10 @@ TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned,
                            .set("plan_position", planned.position)
                            .set("attempt", before.integer(0) + 1)
                            .set("outcome", "running")
-                           .set("slip_decay", scene.slip_decay)
-                           .set("heal_decay", scene.heal_decay)
                            .set("started_utc", utc_now())
                            .set("started_ns", engine::monotonic_ns())
                            .insert(database_);
     before.reset();
-    if (!planned.adaptive) {
-        write_presentation(database_, id, presentations_of(protocol_, planned).front(), scene);
-    }
     all.commit();
     return id;
 }
@@ -106,10 +89,6 @@ void SqliteRecorder::begin_interval(TrialId trial,
                                     const protocols::Presentation& felt,
                                     const protocols::SceneConstants& scene) {
     require_running(trial);
-    const auto interval = static_cast<std::int64_t>(felt.interval);
-    if (interval_ == interval) {
-        return;  // begin_trial() knew it
-    }
     with_room([&] {
         Transaction all(database_);
         if (interval_ > 0) {
@@ -118,12 +97,6 @@ void SqliteRecorder::begin_interval(TrialId trial,
         write_presentation(database_, trial, felt, scene);
         all.commit();
     });
-    begin_trace(trial, felt, scene);
-}
-
-void SqliteRecorder::begin_trace(TrialId trial,
-                                 const protocols::Presentation& felt,
-                                 const protocols::SceneConstants& scene) {
     std::unique_ptr<engine::Scene> compiled(new engine::Scene(make_scene(protocol_, felt)));
     compiled->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
     interval_ = static_cast<std::int64_t>(felt.interval);
@@ -230,12 +203,6 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
 }
 
 void SqliteRecorder::write_intervals(TrialId trial, const TrialResult& result) {
-    if (result.intervals.empty()) {  // a trial of one interval, from elsewhere than a session
-        write_interval_result(database_, trial, 1,
-                              {.done_s = result.done_s,
-                               .done_uncertainty_s = result.done_uncertainty_s,
-                               .summary = result.summary});
-    }
     for (std::size_t i = 0; i < result.intervals.size(); ++i) {
         write_interval_result(database_, trial, static_cast<std::int64_t>(i + 1),
                               result.intervals[i]);
@@ -253,16 +220,16 @@ void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
     }
 }
 
-void SqliteRecorder::event(std::string_view kind, std::string_view text) {
+void SqliteRecorder::event(const protocols::Event& event) {
     with_room([&] {
         Transaction all(database_);
-        add_event(database_, {.session = session_, .kind = kind, .text = text});
+        if (event.kind == protocols::EventKind::mark) {
+            add_mark(database_, session_, event.trial.value(), event.text);
+        } else {
+            add_event(database_, session_, event);
+        }
         all.commit();
     });
-}
-
-void SqliteRecorder::mark(protocols::TrialId trial, std::string_view reason) {
-    with_room([&] { mark_invalid(database_, trial, reason); });
 }
 
 void SqliteRecorder::finish_session() {

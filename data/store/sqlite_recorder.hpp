@@ -27,8 +27,7 @@ public:
     /// @param database, protocol  outlive the recorder
     SqliteRecorder(Database& database, const protocols::Protocol& protocol, std::int64_t session);
 
-    [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
-                                                 const protocols::SceneConstants& scene) override;
+    [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned) override;
     /// What was appended of the interval before is committed first.
     void begin_interval(protocols::TrialId trial,
                         const protocols::Presentation& felt,
@@ -36,22 +35,17 @@ public:
     void append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) override;
     bool save() override;
     void end_trial(protocols::TrialId trial, const protocols::TrialResult& result) override;
-    void event(std::string_view kind, std::string_view text) override;
-    void mark(protocols::TrialId trial, std::string_view reason) override;
+    void event(const protocols::Event& event) override;
     void finish_session() override;
 
 private:
     /// What `work` returns, tried again with more room as long as there is any set aside.
     template <class Work>
     auto with_room(const Work& work);
-    protocols::TrialId insert_trial(const protocols::PlannedTrial& planned,
-                                    const protocols::SceneConstants& scene);
+    protocols::TrialId insert_trial(const protocols::PlannedTrial& planned);
     void write_end(protocols::TrialId trial, const protocols::TrialResult& result);
     void write_finished();
     void require_running(protocols::TrialId trial) const;
-    void begin_trace(protocols::TrialId trial,
-                     const protocols::Presentation& felt,
-                     const protocols::SceneConstants& scene);
     void write_intervals(protocols::TrialId trial, const protocols::TrialResult& result);
     void write_result(protocols::TrialId trial, const protocols::TrialResult& result);
     void write_fault(protocols::TrialId trial, const protocols::Fault& fault);

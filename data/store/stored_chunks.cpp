@@ -15,8 +15,8 @@ constexpr const char* kChunks =
 /// An interval that was never begun has no presentation, and no chunks.
 constexpr const char* kContext =
     "SELECT trial.session_id, coalesce(p.felt_object, plan.planned_object), coalesce(p.friction, "
-    "plan.friction), coalesce(p.slip_decay, trial.slip_decay), coalesce(p.heal_decay, "
-    "trial.heal_decay), p.curvature_per_m, p.mu_s, p.mu_d FROM trial JOIN plan USING (session_id, "
+    "plan.friction), coalesce(p.slip_decay, 0), coalesce(p.heal_decay, "
+    "0), p.curvature_per_m, p.mu_s, p.mu_d FROM trial JOIN plan USING (session_id, "
     "plan_position) LEFT JOIN presentation AS p ON p.trial_id = trial.trial_id AND p.interval = ?2 "
     "WHERE trial.trial_id = ?1";
 

@@ -74,6 +74,7 @@ Layout read_layout(Database& database) {
     std::erase_if(layout.session.columns, [&](const auto& c) { return at_end.contains(c); });
     std::erase_if(layout.session_end.columns, [&](const auto& c) { return !at_end.contains(c); });
     layout.trial = without(database, "trial", {"trial_id", "session_id", "invalid_reason"});
+    layout.event = without(database, "event", {"event_id", "session_id", "trial_id"});
     for (const std::string& table :
          names(database,
                "SELECT name FROM sqlite_schema WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"

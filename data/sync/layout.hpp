@@ -31,6 +31,7 @@ struct Layout {
         session;  ///< set before the first trial: without session_id, study_id, participant_id, newest_seal
     OwnedTable session_end;  ///< set when it finished
     OwnedTable trial;        ///< without trial_id, session_id, invalid_reason
+    OwnedTable event;        ///< without event_id, session_id, trial_id
 };
 
 /// @throws StoreError if a table refers to one that this cannot follow

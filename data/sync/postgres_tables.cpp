@@ -77,18 +77,15 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
          {"participant_code", "key"}},
         {"trial_invalid",
          {{"session_uuid", "uuid"}, {"trial_number", "bigint"}, {"invalid_reason", "text"}},
-         {"session_uuid", "trial_number"}},
-        {"event",
-         {{"session_uuid", "uuid"},
-          {"event_number", "bigint"},
-          {"trial_number", "bigint"},
-          {"event_kind", "text"},
-          {"text", "text"},
-          {"at_utc", "text"},
-          {"operator", "text"},
-          {"seal", "text"},
-          {"content", "text"}},
-         {"session_uuid", "event_number"}}};
+         {"session_uuid", "trial_number"}}};
+    PostgresTable event =
+        owned(database, layout.event,
+              {{},
+               {{"session_uuid", "uuid"}, {"event_number", "bigint"}, {"trial_number", "bigint"}},
+               {"session_uuid", "event_number"}},
+              "");
+    event.columns.emplace_back("content", "text");
+    tables.push_back(event);
     PostgresTable session = owned(database, layout.session, of_session, "");
     session.columns.insert(session.columns.end(), {{"protocol_sha256", "text"},
                                                    {"participant_code", "text"},

@@ -282,18 +282,19 @@ private:
     }
 
     void push_events(const SessionVersion& session) {
+        Statement trial = database_.prepare(
+            "SELECT event_id, trial_id FROM event WHERE session_id = ?1 ORDER BY event_id");
         Statement line = database_.prepare(
-            "SELECT trial_id, event_kind, text, at_utc, operator, seal FROM event WHERE session_id "
-            "= ?1 ORDER BY event_id");
-        line.bind(1, session.id);
-        for (std::int64_t number = 1; line.step(); ++number) {
+            fmt::format("SELECT {} FROM event WHERE event_id = ?1", layout_.event.list()));
+        trial.bind(1, session.id);
+        for (std::int64_t number = 1; trial.step(); ++number) {
             PostgresRow row;
             row.text(session.uuid).integer(number);
-            const std::int64_t trial = place_of(session, line.integer(0));
-            line.null(0) || trial == 0 ? row.none() : row.integer(trial);
-            row.text(line.text(1)).text(line.text(2)).text(line.text(3));
-            line.null(4) ? row.none() : row.text(line.text(4));
-            line.null(5) ? row.none() : row.text(line.text(5));
+            const std::int64_t place = place_of(session, trial.integer(1));
+            trial.null(1) || place == 0 ? row.none() : row.integer(place);
+            line.bind(1, trial.integer(0)).step();
+            add_values(line, row);
+            line.reset();
             row.text(session.events.at(static_cast<std::size_t>(number - 1)));
             send("event", row);
         }

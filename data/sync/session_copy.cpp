@@ -114,16 +114,18 @@ std::int64_t copy_trial(const SessionVersion& from,
 
 void copy_events(const SessionVersion& from,
                  Database& out,
+                 const Layout& layout,
                  std::int64_t session,
                  const Ids& trials,
                  std::size_t already) {
-    Statement row = from.database->prepare(
-        "SELECT trial_id, event_kind, text, at_utc, at_ns, operator, seal FROM event WHERE "
-        "session_id = ?1 ORDER BY event_id LIMIT -1 OFFSET ?2");
+    const OwnedTable& event = layout.event;
+    Statement row = from.database->prepare(fmt::format(
+        "SELECT trial_id, {} FROM event WHERE session_id = ?1 ORDER BY event_id LIMIT -1 OFFSET ?2",
+        event.list()));
     row.bind(1, from.id).bind(2, static_cast<std::int64_t>(already));
-    Statement add = out.prepare(
-        "INSERT INTO event (session_id, trial_id, event_kind, text, at_utc, at_ns, operator, seal) "
-        "VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
+    OwnedTable with_trial = event;
+    with_trial.columns.insert(with_trial.columns.begin(), "trial_id");
+    Statement add = out.prepare(with_trial.insert("session_id"));
     while (row.step()) {
         add.bind(1, session);
         bind_row(row, add, 2);
@@ -171,7 +173,7 @@ void add_session(const SessionVersion& from, Database& out, const Layout& layout
     for (const TrialVersion& trial : from.trials) {
         trials.push_back(copy_trial(from, trial, out, layout, session, 0));
     }
-    copy_events(from, out, session, trials, 0);
+    copy_events(from, out, layout, session, trials, 0);
     copy_end(from, out, layout, session);
 }
 
@@ -187,7 +189,7 @@ void extend_session(const SessionVersion& from,
                           own.trials[i].invalid == trial.invalid;
         trials.push_back(same ? there : copy_trial(from, trial, out, layout, own.id, there));
     }
-    copy_events(from, out, own.id, trials, own.events.size());
+    copy_events(from, out, layout, own.id, trials, own.events.size());
     copy_end(from, out, layout, own.id);
 }
 

@@ -41,8 +41,7 @@ std::vector<TrialVersion> trials_of(Database& database,
                                     std::int64_t session) {
     std::vector<TrialVersion> trials;
     Statement row = database.prepare(
-        "SELECT plan_position, attempt, started_utc, slip_decay, heal_decay FROM trial WHERE "
-        "trial_id = ?1");
+        "SELECT plan_position, attempt, started_utc FROM trial WHERE trial_id = ?1");
     Statement all = database.prepare(
         fmt::format("SELECT {} FROM trial WHERE trial_id = ?1", layout.trial.list()));
     Statement ids = database.prepare(
@@ -75,18 +74,21 @@ std::size_t place_of(std::int64_t id, const std::vector<TrialVersion>& trials) {
         std::count_if(trials.begin(), trials.end(), [id](const auto& t) { return t.id <= id; }));
 }
 
-std::vector<std::string> events_of(Database& database, const SessionVersion& session) {
+std::vector<std::string> events_of(Database& database,
+                                   const Layout& layout,
+                                   const SessionVersion& session) {
     std::vector<std::string> events;
+    Statement trial = database.prepare(
+        "SELECT event_id, coalesce(trial_id, 0) FROM event WHERE session_id = ?1 ORDER BY "
+        "event_id");
     Statement row = database.prepare(
-        "SELECT coalesce(trial_id, 0), event_kind, text, at_utc, coalesce(operator, ''), "
-        "coalesce(seal, '') FROM event WHERE session_id = ?1 ORDER BY event_id");
-    row.bind(1, session.id);
-    while (row.step()) {
-        events.push_back(sha256_hex(fmt::format("{} {}:{} {} {} {}:{} ",
-                                                place_of(row.integer(0), session.trials),
-                                                row.text(1).size(), row.text(1), row.text(3),
-                                                row.text(5), row.text(4).size(), row.text(4)) +
-                                    row.text(2)));
+        fmt::format("SELECT {} FROM event WHERE event_id = ?1", layout.event.list()));
+    trial.bind(1, session.id);
+    while (trial.step()) {
+        row.bind(1, trial.integer(0)).step();
+        events.push_back(sha256_hex(fmt::format("{} ", place_of(trial.integer(1), session.trials)) +
+                                    row_bytes(row)));
+        row.reset();
     }
     return events;
 }
@@ -139,7 +141,7 @@ std::vector<SessionVersion> session_versions(Database& database,
         session.end = sha256_hex(session_row(database, layout.session_end, session.id));
         session.head = head_of(database, layout, session);
         session.trials = trials_of(database, layout, session.id);
-        session.events = events_of(database, session);
+        session.events = events_of(database, layout, session);
     }
     return all;
 }

@@ -90,12 +90,14 @@ constexpr std::array kColumns{
              "mode", "", "of the contact: free, stuck, slip, transition"),
          "text",
          mode_of),
-    column<std::int16_t, offsetof(TickRecord, feature)>(
+    column<std::int16_t, offsetof(TickRecord, segment)>(
         "segment",
         "1",
-        "under the god-object: from 0 in the direction of travel; -1 - j: on vertex j"),
-    column<double, offsetof(TickRecord, parameter)>(
-        "u", "1 or rad", "of the god-object on its segment, 0 to 1; on a vertex its angle, rad"),
+        "under the god-object: i >= 0 segment i, from 0; -1 - j vertex j, at the end of segment j"),
+    column<double, offsetof(TickRecord, u)>("u",
+                                            "1 or rad",
+                                            "of the god-object: its segment's own parameter (0 to "
+                                            "1, or its knots); on a vertex its angle, rad"),
     column<double, offsetof(TickRecord, hip)>(
         "hip_x_m", "m", "haptic interaction point (HIP): the handle, to the right"),
     column<double, offsetof(TickRecord, hip) + kY>("hip_y_m", "m", "handle, away from the person"),

@@ -18,9 +18,9 @@ static_assert(offsetof(TickRecord, hip) == 16 && offsetof(TickRecord, cp) == 32)
 static_assert(offsetof(TickRecord, go) == 48 && offsetof(TickRecord, force) == 64);
 static_assert(offsetof(TickRecord, command) == 80 && offsetof(TickRecord, normal_force) == 96);
 static_assert(offsetof(TickRecord, tangential_force) == 104 && offsetof(TickRecord, mu) == 112);
-static_assert(offsetof(TickRecord, parameter) == 120 && offsetof(TickRecord, counts) == 128);
+static_assert(offsetof(TickRecord, u) == 120 && offsetof(TickRecord, counts) == 128);
 static_assert(offsetof(TickRecord, codes) == 136 && offsetof(TickRecord, lateness_us) == 144);
-static_assert(offsetof(TickRecord, feature) == 148 && offsetof(TickRecord, mode) == 150);
+static_assert(offsetof(TickRecord, segment) == 148 && offsetof(TickRecord, mode) == 150);
 static_assert(offsetof(TickRecord, flags) == 151);
 
 std::uint64_t derived_hash(std::span<const TickRecord> ticks) noexcept {

@@ -11,12 +11,9 @@ namespace palpate::data {
 /// endian, without gaps:
 ///
 ///     tick, time_ns (i64); hip, cp, go, force, command (x, y), normal_force, tangential_force, mu,
-///     parameter (f64); counts (2), codes (2) (i32); lateness_us (f32); feature (i16); mode, flags (u8)
+///     u (f64); counts (2), codes (2) (i32); lateness_us (f32); segment (i16); mode, flags (u8)
 ///
 /// A chunk holds only some of that. A reading that gives another hash is not what the servo had.
 [[nodiscard]] std::uint64_t derived_hash(std::span<const engine::TickRecord> ticks) noexcept;
-
-/// The flags that the scene sets; the others are the safety chain's and the device's.
-inline constexpr unsigned kSceneFlags = engine::tick_skipped | engine::tick_held;
 
 }  // namespace palpate::data

@@ -128,8 +128,8 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
         tick.normal_force = exact.normal_force;
         tick.tangential_force = exact.tangential_force;
         tick.mu = exact.mu;
-        tick.parameter = exact.parameter;
-        tick.feature = exact.feature;
+        tick.u = exact.u;
+        tick.segment = exact.segment;
         tick.mode = exact.mode;
     }
     tick.command = tick.force;

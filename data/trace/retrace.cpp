@@ -21,8 +21,8 @@ bool same(const T& a, const T& b) noexcept {
 bool same_contact(const TickRecord& a, const TickRecord& b) noexcept {
     return same(a.cp, b.cp) && same(a.go, b.go) && same(a.force, b.force) &&
            same(a.normal_force, b.normal_force) && same(a.tangential_force, b.tangential_force) &&
-           same(a.mu, b.mu) && same(a.parameter, b.parameter) && a.feature == b.feature &&
-           a.mode == b.mode && a.flags == b.flags;
+           same(a.mu, b.mu) && same(a.u, b.u) && a.segment == b.segment && a.mode == b.mode &&
+           a.flags == b.flags;
 }
 
 }  // namespace
@@ -44,25 +44,6 @@ void HipFromCounts::at(std::span<const engine::Pantograph::Counts> counts,
     }
 }
 
-void set_contact(TickRecord& tick, const engine::Contact& contact) noexcept {
-    tick.force = contact.force;
-    tick.go = contact.go;
-    tick.cp = contact.cp.point;
-    tick.mu = contact.mu;
-    tick.normal_force = contact.normal_force;
-    tick.tangential_force = contact.tangential_force;
-    tick.parameter = contact.place.parameter;
-    const auto index = static_cast<std::int16_t>(contact.place.index);
-    tick.feature = contact.place.on_joint ? static_cast<std::int16_t>(-1 - index) : index;
-    tick.mode = contact.mode;
-    const auto flag = [](bool set, engine::TickFlag bit) {
-        return set ? static_cast<unsigned>(bit) : 0U;
-    };
-    tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) |
-                                           flag(contact.skipped, engine::tick_skipped) |
-                                           flag(contact.held, engine::tick_held));
-}
-
 Retrace::Retrace(const std::optional<engine::PantographSpec>& machine, const engine::Scene* scene)
     : scene_(scene) {
     if (machine) {
@@ -81,7 +62,7 @@ void Retrace::hips(std::span<const engine::Pantograph::Counts> counts,
 
 void Retrace::contact(TickRecord& tick) noexcept {
     if (scene_ != nullptr) {
-        set_contact(tick, scene_->tick(state_, tick.hip));
+        engine::set_contact(tick, scene_->tick(state_, tick.hip), scene_->outline());
     }
 }
 

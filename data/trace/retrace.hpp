@@ -24,10 +24,6 @@ private:
     engine::Vec2 last_{};
 };
 
-/// The columns of a tick that follow from the scene and HIP: cp to mode, and the scene's flags. HIP and what
-/// does not follow stay as they are.
-void set_contact(engine::TickRecord& tick, const engine::Contact& contact) noexcept;
-
 /// Part bits of what does not follow from the rest of the tick. Recorder and replay ask the same question:
 /// what one answers, the other can rely on.
 class Retrace {

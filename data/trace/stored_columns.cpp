@@ -69,8 +69,8 @@ constexpr std::array kColumns{
     exact("rendered_normal_n", "N", part_contact, offsetof(TickRecord, normal_force)),
     exact("rendered_tangential_n", "N", part_contact, offsetof(TickRecord, tangential_force)),
     exact("mu", "1", part_contact, offsetof(TickRecord, mu)),
-    exact("u", "1 or rad", part_contact, offsetof(TickRecord, parameter)),
-    exact("segment", "1", part_contact, offsetof(TickRecord, feature), "i16le", 2),
+    exact("u", "1 or rad", part_contact, offsetof(TickRecord, u)),
+    exact("segment", "1", part_contact, offsetof(TickRecord, segment), "i16le", 2),
     exact("mode", "1", part_contact, offsetof(TickRecord, mode), "u8", 1),
     exact("commanded_x_xor_rendered", "N", part_command, offsetof(TickRecord, command), "u64le"),
     exact(

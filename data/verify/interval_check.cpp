@@ -106,10 +106,8 @@ std::vector<CheckedInterval> check_intervals(Database& database,
     const std::int64_t id = trial.integer("trial_id");
     const auto rows =
         rows_of(database, "SELECT * FROM presentation WHERE trial_id = ?1 ORDER BY interval", id);
-    // What a rule chose is stored in a second step: a trial can be cut off before.
-    const bool may_lack = !answered && expected.size() != rows.size() &&
-                          (expected.size() > 1 || expected.front().stimulus);
-    if (rows.size() > expected.size() || (rows.size() < expected.size() && !may_lack)) {
+    // A trial can be cut off before any of its intervals begins.
+    if (rows.size() > expected.size() || (rows.size() < expected.size() && answered)) {
         findings.differs("presentation", palpate::counted(rows.size(), "row"),
                          palpate::counted(expected.size(), "row"));
     }
@@ -117,11 +115,6 @@ std::vector<CheckedInterval> check_intervals(Database& database,
     for (std::size_t i = 0; i < std::min(rows.size(), expected.size()); ++i) {
         check_row(rows[i], expected[i], findings);
         const auto scene = scene_of(frame, expected[i], rows[i], findings);
-        if (i == 0) {
-            for (const std::string_view column : {"slip_decay", "heal_decay"}) {
-                findings.expect("trial", column, trial, rows[i].at(column));
-            }
-        }
         StoredTrace trace = load_trace(database, id, static_cast<std::int64_t>(i + 1), scene.get(),
                                        frame.machine, period_ns, findings);
         check_replay(*scene, trace, findings);
@@ -165,47 +158,40 @@ bool check_response(const SessionFrame& frame,
     return true;
 }
 
+protocols::RuleAnswer rule_answer(const SessionFrame& frame,
+                                  const StoredRow& response,
+                                  const protocols::PlannedTrial& planned,
+                                  double stimulus) {
+    const protocols::Response given{
+        .place = static_cast<std::size_t>(response.integer("answer_code")),
+        .object = index_of(frame.protocol.objects, response.text("chosen_object"))};
+    return {.run = planned.adaptive->run,
+            .stimulus = stimulus,
+            .outcome = outcome_of(frame.protocol, planned, given)};
+}
+
 void check_step(Database& database,
-                const SessionFrame& frame,
-                const StoredRow& trial,
-                const StoredRow* response,
-                const protocols::PlannedTrial& planned,
-                std::optional<double> stimulus,
-                bool counted,
-                protocols::AdaptiveRuns& runs,
+                std::int64_t trial,
+                const std::optional<protocols::RuleAnswer>& answer,
+                const protocols::AdaptiveRuns& runs,
                 Findings& findings) {
-    const std::int64_t id = trial.integer("trial_id");
-    const auto rows = rows_of(database, "SELECT * FROM adaptive_step WHERE trial_id = ?1", id);
-    const bool due = planned.adaptive && planned.phase != protocols::Phase::practice &&
-                     response != nullptr && counted && stimulus;
-    if (rows.size() != (due ? 1U : 0U)) {
+    const auto rows = rows_of(database, "SELECT * FROM adaptive_step WHERE trial_id = ?1", trial);
+    if (rows.size() != (answer ? 1U : 0U)) {
         findings.differs("adaptive_step", palpate::counted(rows.size(), "row"),
-                         palpate::counted(due ? 1 : 0, "row"));
+                         palpate::counted(answer ? 1 : 0, "row"));
     }
-    if (!due) {
+    if (!answer || rows.empty()) {
         return;
     }
-    const protocols::Response given{
-        .place = static_cast<std::size_t>(response->integer("answer_code")),
-        .object = index_of(frame.protocol.objects, response->text("chosen_object"))};
-    const std::size_t outcome = outcome_of(frame.protocol, planned, given);
-    try {
-        const protocols::AdaptiveStep step =
-            runs.update(planned.adaptive->run, *stimulus, outcome, id);
-        if (rows.empty()) {
-            return;
-        }
-        const auto& first = step.estimates;
-        findings.expect("adaptive_step", "rule_outcome", rows.front(),
-                        static_cast<std::int64_t>(outcome));
-        findings.expect(
-            "adaptive_step", "estimate", rows.front(),
-            first.empty() || !first.front().mean ? Value() : Value(*first.front().mean));
-        findings.expect("adaptive_step", "estimates", rows.front(), estimates_text(first));
-        findings.expect("adaptive_step", "state_sha256", rows.front(), step.state_hash);
-    } catch (const std::exception& error) {
-        findings.differs("adaptive_step", error.what(), "an answer that the rule can take in");
-    }
+    const protocols::AdaptiveStep step = runs.step_after(*answer);
+    const auto expect = [&](std::string_view column, const Value& value) {
+        findings.expect("adaptive_step", column, rows.front(), value);
+    };
+    const auto& first = step.estimates;
+    expect("rule_outcome", static_cast<std::int64_t>(answer->outcome));
+    expect("estimate", first.empty() || !first.front().mean ? Value() : Value(*first.front().mean));
+    expect("estimates", estimates_text(first));
+    expect("state_sha256", step.state_hash);
 }
 
 }  // namespace palpate::data

@@ -51,17 +51,19 @@ bool check_response(const SessionFrame& frame,
                     std::span<const protocols::Presentation> felt,
                     Findings& findings);
 
-/// The row of adaptive_step of a trial: none unless the answer counted when it was given; else outcome,
-/// estimates and state are those of the rule, which takes the answer in.
-/// @param counted  when it was given
+/// What the rule takes in with the answer of a trial. @param stimulus  what the rule chose
+[[nodiscard]] protocols::RuleAnswer rule_answer(const SessionFrame& frame,
+                                                const StoredRow& response,
+                                                const protocols::PlannedTrial& planned,
+                                                double stimulus);
+
+/// The row of adaptive_step of a trial: none without an answer that the rule took in; else outcome, estimates
+/// and state are those of the rule.
+/// @param runs  with the answer
 void check_step(Database& database,
-                const SessionFrame& frame,
-                const StoredRow& trial,
-                const StoredRow* response,
-                const protocols::PlannedTrial& planned,
-                std::optional<double> stimulus,
-                bool counted,
-                protocols::AdaptiveRuns& runs,
+                std::int64_t trial,
+                const std::optional<protocols::RuleAnswer>& answer,
+                const protocols::AdaptiveRuns& runs,
                 Findings& findings);
 
 }  // namespace palpate::data

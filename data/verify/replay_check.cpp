@@ -54,10 +54,10 @@ constexpr std::array kColumns{
     column<&TickRecord::mu>("trace.mu"),
     column<&TickRecord::normal_force>("trace.rendered_normal_n"),
     column<&TickRecord::tangential_force>("trace.rendered_tangential_n"),
-    column<&TickRecord::parameter>("trace.u"),
-    Column{"trace.segment", same_field<&TickRecord::feature>,
+    column<&TickRecord::u>("trace.u"),
+    Column{"trace.segment", same_field<&TickRecord::segment>,
            [](const TickRecord& tick) {
-               return fmt::format("{}", tick.feature);
+               return fmt::format("{}", tick.segment);
            }},
     Column{"trace.mode", same_field<&TickRecord::mode>,
            [](const TickRecord& tick) {
@@ -65,18 +65,12 @@ constexpr std::array kColumns{
            }},
     Column{"trace.flags",
            [](const TickRecord& stored, const TickRecord& again) noexcept {
-               return (stored.flags & kSceneFlags) == (again.flags & kSceneFlags);
+               return (stored.flags & engine::kSceneFlags) == (again.flags & engine::kSceneFlags);
            },
            [](const TickRecord& tick) {
-               return fmt::format("{}", tick.flags & kSceneFlags);
+               return fmt::format("{}", tick.flags & engine::kSceneFlags);
            }},
 };
-
-TickRecord record_of(const engine::Contact& contact) noexcept {
-    TickRecord tick;
-    set_contact(tick, contact);
-    return tick;
-}
 
 }  // namespace
 
@@ -87,7 +81,8 @@ void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings
     }
     engine::ContactState state;
     for (const TickRecord& tick : trace.ticks) {
-        const TickRecord again = record_of(scene.tick(state, tick.hip));
+        TickRecord again;
+        engine::set_contact(again, scene.tick(state, tick.hip), scene.outline());
         for (std::size_t i = 0; i < kColumns.size(); ++i) {
             if (kColumns[i].same(tick, again) || found[i].count++ > 0) {
                 continue;

@@ -8,7 +8,7 @@
 namespace palpate::data {
 
 /// Runs the trial's recorded HIP through `scene` again and compares, to the bit: force, normal and
-/// tangential force, GO, CP, mu, parameter, feature, mode, and the flags skipped and held. One finding a
+/// tangential force, GO, CP, mu, u, segment, mode, and the flags skipped and outside cone. One finding a
 /// column, with its first tick and how many differ.
 void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings& findings);
 

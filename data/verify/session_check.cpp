@@ -112,20 +112,14 @@ void check_provenance(Database& database,
     if (const auto text = provenance.find(kCalibration); text != provenance.end()) {
         frame.machine = machine_of(text->second);
     }
-    for (const StoredRow& row :
-         rows_of(database, "SELECT text FROM event WHERE session_id = ?1 AND event_kind = 'device'",
-                 session)) {
-        frame.replayed = frame.replayed || row.text("text").starts_with("goes on with replay of ");
-    }
     // What a resumed session went on with.
     bool changed = false;
-    for (const StoredRow& row : rows_of(database,
-                                        "SELECT text FROM event WHERE session_id = ?1 AND "
-                                        "event_kind = 'provenance' ORDER BY event_id",
-                                        session)) {
-        const std::string text = row.text("text");
-        if (const std::size_t colon = text.find(": "); colon != std::string::npos) {
-            provenance[text.substr(0, colon)] = text.substr(colon + 2);
+    for (const StoredEvent& stored : stored_events(database, session)) {
+        const protocols::Event& event = stored.event;
+        if (event.kind == protocols::EventKind::device) {
+            frame.replayed = frame.replayed || event.value.starts_with("replay of ");
+        } else if (event.kind == protocols::EventKind::provenance) {
+            provenance[event.key] = event.value;
             changed = true;
         }
     }
@@ -140,10 +134,10 @@ void check_end(const StoredRow& session, const TrialCheck& trials, Findings& fin
         findings.differs("session.finished", finished ? "1" : "0",
                          finished ? "0: finished_utc is NULL" : "1: finished_utc is there");
     }
-    if (finished && !trials.pending().empty()) {
+    if (finished && !trials.progress().pending().empty()) {
         findings.differs("session.finished", "1",
-                         "0: " + counted(trials.pending().order().size(), "trial is not answered",
-                                         "trials are not answered"));
+                         "0: " + counted(trials.progress().pending().order().size(),
+                                         "trial is not answered", "trials are not answered"));
     }
 }
 

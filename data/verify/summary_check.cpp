@@ -12,7 +12,7 @@
 #include "engine/safety/safety_limits.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/people.hpp"
+#include "data/store/chain.hpp"
 #include "data/store/presentation.hpp"
 #include "data/trace/columns.hpp"
 #include "data/verify/replay_check.hpp"
@@ -158,8 +158,7 @@ void check_summary(const SessionFrame& frame,
     if (!all_whole(intervals) || intervals.empty()) {
         return;  // said already, or nothing was begun
     }
-    const auto period_ns =
-        static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5));
+    const auto period_ns = engine::tick_period_ns(frame.protocol.apparatus.rate_hz);
     const std::string outcome = trial.text("outcome");
     protocols::TrialSummary sum;
     for (std::size_t i = 0; i < intervals.size(); ++i) {
@@ -196,8 +195,8 @@ void check_invalid(Database& database,
                                                 static_cast<std::int64_t>(trace.ticks.size()))));
     }
     std::string why = why_invalid(frame.protocol, felt, !frame.simulated);
-    if (const auto mark = find_mark(database, trial.integer("trial_id")); mark && why.empty()) {
-        why = mark->reason;
+    if (const auto mark = mark_reason(database, trial.integer("trial_id")); mark && why.empty()) {
+        why = *mark;
     }
     findings.expect("trial", "invalid_reason", trial, why.empty() ? Value() : Value(why));
 }

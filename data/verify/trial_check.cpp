@@ -2,15 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include <fmt/format.h>
 
+#include "engine/realtime/tick_record.hpp"
 #include "engine/safety/trip.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/trial/presentation.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/people.hpp"
+#include "data/store/chain.hpp"
 #include "data/verify/interval_check.hpp"
 #include "data/verify/simulated_answer.hpp"
 #include "data/verify/summary_check.hpp"
@@ -48,11 +48,6 @@ std::vector<std::string_view> columns_of_an_end() {
     return columns;
 }
 
-protocols::RequeueRule rule_of(const SessionFrame& frame) {
-    return {.key = session_stream(frame.protocol_hash, frame.key, frame.seed),
-            .most = frame.protocol.invalid.requeue_most};
-}
-
 }  // namespace
 
 TrialCheck::TrialCheck(Database& database,
@@ -62,111 +57,112 @@ TrialCheck::TrialCheck(Database& database,
     : database_(database),
       frame_(frame),
       findings_(findings),
-      pending_(frame.plan, rule_of(frame)),
-      runs_(frame.protocol, rule_of(frame).key),
-      redos_(redos_of(database, session)),
-      period_ns_(
-          static_cast<std::int64_t>(std::floor(1e9 / frame.protocol.apparatus.rate_hz + 0.5))) {}
+      progress_(
+          frame.protocol, frame.plan, session_stream(frame.protocol_hash, frame.key, frame.seed)),
+      events_(stored_events(database, session)),
+      period_ns_(engine::tick_period_ns(frame.protocol.apparatus.rate_hz)) {}
 
 void TrialCheck::check(const StoredRow& trial) {
     findings_.look_at(trial.integer("trial_id"));
-    const auto responses =
-        rows_of(database_, "SELECT * FROM response WHERE trial_id = ?1", trial.integer("trial_id"));
-    heed_marks(trial);
-    const std::size_t done = pending_.answered();
-    check_attempt(trial, !responses.empty());
+    take_events();
+    ++checked_;
+    check_place(trial);
     const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
-    const PlannedTrial* planned =
-        position < frame_.plan.trials.size() ? &frame_.plan.trials[position] : nullptr;
-    if (planned == nullptr) {
-        findings_.look_at({});
-        return;  // said already
+    if (position < frame_.plan.trials.size()) {  // else it was said already
+        const auto responses = rows_of(database_, "SELECT * FROM response WHERE trial_id = ?1",
+                                       trial.integer("trial_id"));
+        check_planned(trial, frame_.plan.trials[position],
+                      responses.empty() ? nullptr : &responses.front());
     }
-    const bool answered = !responses.empty();
-    const std::optional<double> stimulus = stimulus_of(*planned);
-    if (planned->adaptive && !stimulus) {
-        findings_.look_at({});
+    findings_.look_at({});
+}
+
+/// What was noted before the next trial began.
+void TrialCheck::take_events() {
+    for (; taken_ < events_.size() && events_[taken_].trials_begun <= checked_; ++taken_) {
+        progress_ = apply(std::move(progress_), events_[taken_].event);
+    }
+}
+
+void TrialCheck::check_place(const StoredRow& trial) {
+    const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
+    if (const std::size_t next = progress_.pending().next(); position != next) {
+        findings_.differs("trial.plan_position", fmt::format("{}", position),
+                          fmt::format("{}: the next one to run", next));
+    }
+    const auto before = progress_.attempts().find(position);
+    findings_.expect(
+        "trial", "attempt", trial,
+        static_cast<std::int64_t>(before == progress_.attempts().end() ? 1 : before->second + 1));
+}
+
+void TrialCheck::check_planned(const StoredRow& trial,
+                               const PlannedTrial& planned,
+                               const StoredRow* response) {
+    const std::size_t done = progress_.pending().answered();
+    const std::optional<double> stimulus = stimulus_of(planned);
+    if (planned.adaptive && !stimulus) {
+        take(trial, response, {});
         return;
     }
-    const auto expected = presentations_of(frame_.protocol, *planned, stimulus);
+    const bool answered = response != nullptr;
+    const auto expected = presentations_of(frame_.protocol, planned, stimulus);
     const std::vector<CheckedInterval> intervals =
         check_intervals(database_, frame_, trial, expected, answered, period_ns_, findings_);
     for (const CheckedInterval& one : intervals) {
         replayed_ += static_cast<std::int64_t>(one.trace.ticks.size());
     }
     check_outcome(trial, intervals, answered);
-    if (answered && check_response(frame_, responses.front(), *planned, expected, findings_)) {
-        check_simulated_answer(frame_, responses.front(), intervals, done, findings_);
+    if (answered && check_response(frame_, *response, planned, expected, findings_)) {
+        check_simulated_answer(frame_, *response, intervals, done, findings_);
     }
-    check_step(
-        database_, frame_, trial, answered ? &responses.front() : nullptr, *planned, stimulus,
-        !made_.empty() && made_.back().trial == trial.integer("trial_id") && made_.back().counted,
-        runs_, findings_);
-    if (responses.empty() && !trial.null("invalid_reason")) {
+    const bool of_rule = planned.adaptive && planned.phase != protocols::Phase::practice;
+    take(trial, response,
+         answered && of_rule && counted(trial)
+             ? std::optional(rule_answer(frame_, *response, planned, *stimulus))
+             : std::nullopt);
+    if (!answered && !trial.null("invalid_reason")) {
         findings_.differs("trial.invalid_reason", to_text(trial.at("invalid_reason")),
                           "NULL: there is no answer");
     }
     if (!never_ended(trial.text("outcome"))) {
-        const bool by_numbers = responses.empty() || responses.front().text("input") == "simulated";
+        const bool by_numbers = !answered || response->text("input") == "simulated";
         check_summary(frame_, trial, intervals, by_numbers, findings_);
-        if (!responses.empty()) {
+        if (answered) {
             check_invalid(database_, frame_, trial, intervals, findings_);
         }
     }
     check_fault_ticks(database_, trial, intervals.empty() ? StoredTrace{} : intervals.back().trace,
                       findings_);
-    findings_.look_at({});
 }
 
-/// A session that goes on after a mark, or begins a part again, orders what is left as if the answers had
-/// never counted.
-void TrialCheck::heed_marks(const StoredRow& trial) {
-    const std::int64_t now = trial.integer("trial_id");
-    bool changed = std::any_of(redos_.begin(), redos_.end(), [&](const Redo& redo) {
-        return redo.after < now && redo.after >= last_;
-    });
-    last_ = now;
-    for (Attempt& attempt : made_) {
-        if (attempt.marked_after > 0 && attempt.marked_after < now) {
-            attempt.counted = false;
-            attempt.marked_after = 0;
-            runs_.forget(attempt.trial);
-            changed = true;
-        }
-    }
-    if (!changed) {
-        return;
-    }
-    pending_ = protocols::PendingTrials(frame_.plan, rule_of(frame_));
-    auto redo = redos_.begin();
-    const auto begin_again = [&](std::int64_t before) {
-        for (; redo != redos_.end() && redo->after < before; ++redo) {
-            pending_.begin_again(redo->part);
-        }
-    };
-    for (const Attempt& attempt : made_) {
-        begin_again(attempt.trial);
-        pending_.note(attempt.position, attempt.outcome, attempt.counted);
-    }
-    begin_again(now);
+/// Its answer did when it ended.
+bool TrialCheck::counted(const StoredRow& trial) const {
+    return trial.null("invalid_reason") || mark_reason(database_, trial.integer("trial_id"));
 }
 
-void TrialCheck::check_attempt(const StoredRow& trial, bool answered) {
-    const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
-    if (position != pending_.next()) {
-        findings_.differs("trial.plan_position", fmt::format("{}", position),
-                          fmt::format("{}: the next one to run", pending_.next()));
-    }
-    findings_.expect("trial", "attempt", trial, ++attempts_[position]);
-    if (!answered && trial.text("outcome") != "faulted") {
+/// The session goes on after an attempt, which ended as it is stored.
+/// @param answer  what the rule takes in
+void TrialCheck::take(const StoredRow& trial,
+                      const StoredRow* response,
+                      const std::optional<protocols::RuleAnswer>& answer) {
+    const bool faulted = trial.text("outcome") == to_string(protocols::Outcome::faulted);
+    protocols::Attempt attempt{.trial = trial.integer("trial_id"),
+                               .position = static_cast<std::size_t>(trial.integer("plan_position")),
+                               .outcome = response != nullptr ? protocols::Outcome::complete
+                                        : faulted             ? protocols::Outcome::faulted
+                                                              : protocols::Outcome::interrupted,
+                               .counts = response != nullptr && counted(trial),
+                               .answer = answer};
+    try {
+        progress_ = apply(progress_, attempt);
+    } catch (const std::exception& error) {
+        findings_.differs("adaptive_step", error.what(), "an answer that the rule can take in");
+        attempt.answer.reset();
+        progress_ = apply(std::move(progress_), attempt);
         return;
     }
-    const auto mark = find_mark(database_, trial.integer("trial_id"));
-    const bool counted = trial.null("invalid_reason") || mark.has_value();
-    const auto outcome = answered ? protocols::Outcome::complete : protocols::Outcome::faulted;
-    made_.push_back(
-        {trial.integer("trial_id"), position, outcome, counted, mark ? mark->after : 0});
-    pending_.note(position, outcome, counted);
+    check_step(database_, trial.integer("trial_id"), answer, progress_.runs(), findings_);
 }
 
 void TrialCheck::check_outcome(const StoredRow& trial,
@@ -202,29 +198,31 @@ void TrialCheck::check_outcome(const StoredRow& trial,
         findings_.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
                           "a cause of faults");
     }
-    const auto notes = rows_of(
-        database_,
-        "SELECT substr(text, length('position ' || plan_position || ': ') + 1) AS text FROM event "
-        "JOIN trial USING (session_id) WHERE trial.trial_id = ?1 AND event.event_kind = 'fault' "
-        "AND instr(text, 'position ' || plan_position || ': ') = 1",
-        trial.integer("trial_id"));
-    const bool noted = std::any_of(notes.begin(), notes.end(), [&](const StoredRow& note) {
-        return note.text("text").starts_with(trial.text("fault_cause") + ":");
-    });
-    if (!notes.empty() && !noted && !trial.null("fault_cause")) {
+    std::string noted;
+    for (const StoredEvent& stored : events_) {
+        if (stored.event.kind != protocols::EventKind::fault ||
+            stored.event.trial != trial.integer("trial_id")) {
+            continue;
+        }
+        noted = stored.event.value;
+        if (noted == trial.text("fault_cause")) {
+            return;
+        }
+    }
+    if (!noted.empty() && !trial.null("fault_cause")) {
         findings_.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
-                          fmt::format("the event says {}", notes.front().text("text")));
+                          fmt::format("the event says {}", noted));
     }
 }
 
 /// What the rule chose for a trial that begins now.
 std::optional<double> TrialCheck::stimulus_of(const PlannedTrial& planned) {
     const bool of_rule = planned.adaptive && planned.phase != protocols::Phase::practice;
-    if (of_rule && runs_.of(planned.adaptive->run).finished()) {
+    if (of_rule && progress_.runs().of(planned.adaptive->run).finished()) {
         findings_.differs("trial", "one more of a run", "the run had ended");
         return std::nullopt;
     }
-    return stimulus_for(frame_.protocol, planned, runs_);
+    return stimulus_for(frame_.protocol, planned, progress_.runs());
 }
 
 }  // namespace palpate::data

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,9 +8,7 @@
 
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
-#include "protocols/session/adaptive_runs.hpp"
-#include "protocols/session/pending_trials.hpp"
-#include "data/store/resume_policy.hpp"
+#include "data/store/stored_progress.hpp"
 #include "data/verify/interval_check.hpp"
 
 namespace palpate::data {
@@ -26,11 +23,18 @@ public:
 
     void check(const StoredRow& trial);
     [[nodiscard]] std::int64_t replayed() const noexcept { return replayed_; }
-    [[nodiscard]] const protocols::PendingTrials& pending() const noexcept { return pending_; }
+    [[nodiscard]] const protocols::SessionProgress& progress() const noexcept { return progress_; }
 
 private:
-    void heed_marks(const StoredRow& trial);
-    void check_attempt(const StoredRow& trial, bool answered);
+    void take_events();
+    void check_place(const StoredRow& trial);
+    void check_planned(const StoredRow& trial,
+                       const protocols::PlannedTrial& planned,
+                       const StoredRow* response);
+    [[nodiscard]] bool counted(const StoredRow& trial) const;
+    void take(const StoredRow& trial,
+              const StoredRow* response,
+              const std::optional<protocols::RuleAnswer>& answer);
     void check_outcome(const StoredRow& trial,
                        std::span<const CheckedInterval> intervals,
                        bool answered);
@@ -39,21 +43,10 @@ private:
     Database& database_;
     const SessionFrame& frame_;
     Findings& findings_;
-    /// An attempt that was answered or faulted.
-    struct Attempt {
-        std::int64_t trial = 0;
-        std::size_t position = 0;
-        protocols::Outcome outcome{};
-        bool counted = false;  ///< when it ended
-        std::int64_t marked_after =
-            0;  ///< last trial when somebody said it does not count; 0: nobody
-    };
-    protocols::PendingTrials pending_;
-    protocols::AdaptiveRuns runs_;
-    std::vector<Redo> redos_;
-    std::int64_t last_ = 0;  ///< trial that was looked at
-    std::vector<Attempt> made_;
-    std::map<std::size_t, std::int64_t> attempts_;  ///< so far, by position
+    protocols::SessionProgress progress_;  ///< before the trial that is looked at
+    std::vector<StoredEvent> events_;
+    std::size_t taken_ = 0;     ///< of these
+    std::int64_t checked_ = 0;  ///< trials
     std::int64_t period_ns_;
     std::int64_t replayed_ = 0;
 };

@@ -5,8 +5,8 @@
 
 namespace palpate {
 
-/// Waits until the bytes of a file, or the names in a folder, are on the disk: a power cut from here on does
-/// not lose them. A file's name is its folder's.
+/// Waits until the bytes of a file, or the names in a folder, are on the disk: a power cut from
+/// here on does not lose them. A file's name is its folder's.
 /// @return false: the disk refused, errno says why
 [[nodiscard]] bool sync_to_disk(const std::filesystem::path& what);
 
@@ -14,12 +14,14 @@ namespace palpate {
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
 
 /// Writes the text so that the file is either whole or as it was: to a file beside it, synced, then
-/// renamed. An empty path means standard output. @throws std::runtime_error with file, why and remedy
+/// renamed. An empty path means standard output. @throws std::runtime_error with file, why and
+/// remedy
 void write_whole(const std::filesystem::path& file, std::string_view text);
 
-/// Writes a file that is not there yet, and syncs it: nobody's file is ever written over, whoever comes first.
-/// @throws std::invalid_argument if it is there or cannot be made, std::runtime_error if it did not become
-///         whole: it is gone then
+/// Writes a file that is not there yet, and syncs it: nobody's file is ever written over, whoever
+/// comes first.
+/// @throws std::invalid_argument if it is there or cannot be made, std::runtime_error if it did not
+///         become whole: it is gone then
 void write_new(const std::filesystem::path& file, std::string_view text);
 
 /// Makes a folder and those around it, as far as they are not there.

@@ -7,11 +7,13 @@
 
 namespace palpate {
 
-/// PCG32: a 64-bit congruential generator with the output XSH-RR 64/32 (M. O'Neill, "PCG: A Family of
-/// Simple Fast Space-Efficient Statistically Good Algorithms for Random Number Generation", 2014).
+/// PCG32: a 64-bit congruential generator with the output XSH-RR 64/32 (M. O'Neill, "PCG: A Family
+/// of Simple Fast Space-Efficient Statistically Good Algorithms for Random Number Generation",
+/// 2014).
 ///
-/// Written out here, with its bounded draw and its shuffle, because a seed must mean one order on every
-/// machine, and C++ libraries draw and shuffle each in their own way. Period 2^64, 2^63 sequences.
+/// Written out here, with its bounded draw and its shuffle, because a seed must mean one order on
+/// every machine, and C++ libraries draw and shuffle each in their own way. Period 2^64, 2^63
+/// sequences.
 class Pcg32 {
 public:
     /// @param initstate  where in its sequence the generator starts

@@ -12,6 +12,7 @@ namespace palpate {
 
 using Sha256 = std::array<std::uint8_t, 32>;
 
+/// The hash of these bytes, or of the bytes of a text (FIPS 180-4, by libsodium).
 [[nodiscard]] Sha256 sha256(std::span<const std::byte> bytes);
 [[nodiscard]] Sha256 sha256(std::string_view text);
 

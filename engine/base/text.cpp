@@ -121,14 +121,14 @@ std::string suggestion(std::string_view unknown,
     }
     const std::string given = lower(unknown);
     std::string_view nearest;
-    std::size_t least = std::max<std::size_t>(2, given.size() / 3) + 1;
+    std::size_t smallest = std::max<std::size_t>(2, given.size() / 3) + 1;
     for (const std::string_view word : known) {
         // A forgotten unit is the commonest slip: stiffness for stiffness_n_per_m.
         const bool unit_forgotten = given.size() >= 3 && word.starts_with(given);
         const std::size_t distance = unit_forgotten ? 1 : edit_distance(given, lower(word));
         // A short word is near to everything: some of it must be right.
-        if (distance < least && distance < std::max<std::size_t>(given.size(), 1)) {
-            least = distance;
+        if (distance < smallest && distance < std::max<std::size_t>(given.size(), 1)) {
+            smallest = distance;
             nearest = word;
         }
     }

@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-/// Words, numbers and characters for people. Text from outside, on its way to a terminal, is written plainly: names,
-/// notes and files can hold anything, and a terminal takes some characters for orders: to hide lines, to retitle a
-/// window, to write from right to left.
+/// Words, numbers and characters for people. Text from outside, on its way to a terminal, is
+/// written plainly: names, notes and files can hold anything, and a terminal takes some characters
+/// for orders: to hide lines, to retitle a window, to write from right to left.
 namespace palpate {
 
 /// A value as it stands in a message: nine digits, "nan" and "inf" included.
@@ -36,17 +36,18 @@ struct Character {
     char32_t code = 0;
     std::size_t length = 0;  ///< bytes; 0: there is none
 };
+/// The first character of `text`.
 [[nodiscard]] Character first_character(std::string_view text) noexcept;
 
-/// Bytes of the UTF-8 character at the start of `text` (RFC 3629: no overlong form, no surrogate, nothing
-/// beyond U+10FFFF); 0 if there is none.
+/// Bytes of the UTF-8 character at the start of `text` (RFC 3629: no overlong form, no surrogate,
+/// nothing beyond U+10FFFF); 0 if there is none.
 [[nodiscard]] std::size_t utf8_length(std::string_view text) noexcept;
 
 /// Whether all of it is UTF-8.
 [[nodiscard]] bool is_utf8(std::string_view text) noexcept;
 
-/// Not shown but done: control characters (C0, DEL, C1), ends of lines and paragraphs, marks that change the
-/// direction of writing, tags.
+/// Not shown but done: control characters (C0, DEL, C1), ends of lines and paragraphs, marks that
+/// change the direction of writing, tags.
 [[nodiscard]] bool is_order(char32_t code) noexcept;
 
 enum class Lines : std::uint8_t {
@@ -57,8 +58,8 @@ enum class Lines : std::uint8_t {
 /// What a terminal only shows: orders and bytes that are no UTF-8 are spelled, as \x1b or \u{202e}.
 [[nodiscard]] std::string plain(std::string_view text, Lines lines = Lines::joined);
 
-/// ": did you mean ...?" for the nearest of `known`, upper or lower case alike, or `otherwise` if none is near: a
-/// key may be deleted, of a value what may stand there is said.
+/// ": did you mean ...?" for the nearest of `known`, upper or lower case alike, or `otherwise` if
+/// none is near: a key may be deleted, of a value what may stand there is said.
 [[nodiscard]] std::string suggestion(std::string_view unknown,
                                      std::span<const std::string_view> known,
                                      std::string_view otherwise = ": delete it");

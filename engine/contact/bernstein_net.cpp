@@ -15,11 +15,11 @@ BernsteinNet::Lowest BernsteinNet::lowest() const noexcept {
 }
 
 double BernsteinNet::highest() const noexcept {
-    double most = g_[0];
+    double largest = g_[0];
     for (std::size_t k = 1; k < count(); ++k) {
-        most = std::max(most, g_[k]);
+        largest = std::max(largest, g_[k]);
     }
-    return most;
+    return largest;
 }
 
 bool BernsteinNet::convex(double noise) const noexcept {

@@ -26,8 +26,11 @@ public:
         return *this;
     }
 
+    /// The degree in u.
     [[nodiscard]] std::size_t n() const noexcept { return n_; }
+    /// The degree in v.
     [[nodiscard]] std::size_t m() const noexcept { return m_; }
+    /// How many coefficients there are.
     [[nodiscard]] std::size_t count() const noexcept { return (n_ + 1) * (m_ + 1); }
     /// Coefficient i (m + 1) + j belongs to u^i v^j.
     [[nodiscard]] double* data() noexcept { return g_.data(); }
@@ -40,7 +43,9 @@ public:
         double u = 0.0;  ///< where its coefficient stands
         double v = 0.0;
     };
+    /// The smallest coefficient and its place: no value of the polynomial is smaller.
     [[nodiscard]] Lowest lowest() const noexcept;
+    /// The largest coefficient: no value of the polynomial is larger.
     [[nodiscard]] double highest() const noexcept;
 
     /// Second derivatives form a bowl everywhere, by more than `noise`.

@@ -11,8 +11,9 @@ namespace {
 /// Rounding of distances in a certificate, relative to the lengths in it.
 constexpr double kMargin = 1e-14;
 
-/// A second stretch of the outline that comes this near to the first, m, is followed as well: a hand
-/// at 0.1 m/s would otherwise ask for a search within 40 ticks, and beside the medial axis on each.
+/// A second stretch of the outline that comes this near to the first, m, is followed as well: a
+/// hand at 0.1 m/s would otherwise ask for a search within 40 ticks, and beside the medial axis on
+/// each.
 constexpr double kRivalry = 0.004;
 
 /// Least slack of a rival's window, m, for it to be worth following.
@@ -30,8 +31,8 @@ CertifiedTracker::CertifiedTracker(const Outline& outline) : feet_(outline), win
 ClosestPoint CertifiedTracker::named(const TrackWindow& window,
                                      const Followed& found,
                                      const Vec2& h) const noexcept {
-    return found.on_joint ? feet_.at_joint(found.joint, h)
-                          : feet_.named(h, found.foot, window.jet.first);
+    return found.on_seam ? feet_.at_seam(found.seam, h)
+                         : feet_.named(h, found.foot, window.jet.first);
 }
 
 ClosestPoint CertifiedTracker::track(TrackState& s,

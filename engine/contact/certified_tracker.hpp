@@ -28,10 +28,10 @@ struct TrackCounts {
 
 /// The global closest point of a moving HIP: followed locally, with a proof that it is global.
 ///
-/// A search at h0 finds the global foot and a window of the outline around it in which the distance has
-/// a single minimum for every h with |h - h0| < slack (WindowTracker). Where another stretch comes close,
-/// as beside the medial axis, the nearest foot of that stretch gets a window too. Everything else is at
-/// least `others` away from h0, by the boxes and capsules of the pieces.
+/// A search at h0 finds the global foot and a window of the outline around it in which the distance
+/// has a single minimum for every h with |h - h0| < slack (WindowTracker). Where another stretch
+/// comes close, as beside the medial axis, the nearest foot of that stretch gets a window too.
+/// Everything else is at least `others` away from h0, by the boxes and capsules of the pieces.
 /// For a later h the nearer of the followed feet, at distance d, is global if d + |h - h0| < others
 /// (the triangle inequality), and no search runs. Otherwise a new search does. Every answer is
 /// therefore the global closest point, to rounding; the error of the distance is that of one curve
@@ -43,6 +43,7 @@ public:
     CertifiedTracker(const CertifiedTracker&) = delete;
     CertifiedTracker& operator=(const CertifiedTracker&) = delete;
 
+    /// The closest points without certificates, of the same outline.
     [[nodiscard]] const OutlineFeet& feet() const noexcept { return feet_; }
 
     /// The closest point after HIP moved to h. No allocation, no lock; bit-reproducible.

@@ -10,16 +10,16 @@ namespace palpate::engine {
 
 namespace {
 
-/// Where a curve comes to a stop, C' = 0, its foot polynomial vanishes at the end, and rounding puts the
-/// root this near to it.
+/// Where a curve comes to a stop, C' = 0, its foot polynomial vanishes at the end, and rounding
+/// puts the root this near to it.
 constexpr double kNearEnd = 1e-6;
 
 /// Up to this turn, rad, the side of the mean tangent tells inside from outside at a vertex.
 constexpr double kShallow = 1.0;
 
-/// A foot beside a vertex that is in truth the vertex: h lies in its region, and is no nearer to the foot
-/// than rounding can tell.
-bool on_vertex(const Joint& vertex, const Vec2& h, const Foot<2>& foot) noexcept {
+/// A foot beside a vertex that is in truth the vertex: h lies in its region, and is no nearer to
+/// the foot than rounding can tell.
+bool on_vertex(const Seam& vertex, const Vec2& h, const Foot<2>& foot) noexcept {
     const Vec2 gap = vertex.point - h;
     return glm::dot(gap, vertex.tangent_in) <= 0.0 && glm::dot(gap, vertex.tangent_out) >= 0.0 &&
            glm::dot(gap, gap) <= foot.distance2 * (1.0 + 1e-14);
@@ -34,21 +34,31 @@ bool beyond_end(const RationalBezier<2>& span, bool at_last, const Vec2& h) noex
 
 }  // namespace
 
+SegmentPlace segment_place(const Outline& outline, const Place& place) noexcept {
+    const Seam* seam = place.on_seam ? &outline.seams()[place.index] : nullptr;
+    const SpanName& name = outline.name(seam != nullptr ? seam->before : place.index);
+    const bool on_vertex = seam != nullptr && seam->is_vertex;
+    return {.segment = name.segment,
+            .u = name.parameter(seam != nullptr ? 1.0 : place.parameter),
+            .on_vertex = on_vertex,
+            .angle = on_vertex ? place.parameter : 0.0};
+}
+
 OutlineFeet::OutlineFeet(const Outline& outline) : outline_(&outline), tree_(outline.spans()) {}
 
-ClosestPoint OutlineFeet::at_joint(std::size_t joint, const Vec2& h) const noexcept {
-    const Joint& vertex = outline_->joints()[joint];
+ClosestPoint OutlineFeet::at_seam(std::size_t seam, const Vec2& h) const noexcept {
+    const Seam& vertex = outline_->seams()[seam];
     const Vec2 gap = h - vertex.point;
     const double distance = glm::length(gap);
-    if (vertex.kind == JointKind::smooth) {
+    if (vertex.kind == SeamKind::smooth) {
         return {.place = {.index = vertex.after, .parameter = 0.0},
                 .point = vertex.point,
                 .distance = distance,
                 .inside = cross(vertex.tangent_out, gap) < 0.0};
     }
     ClosestPoint result{
-        .place = {.on_joint = true, .index = joint}, .point = vertex.point, .distance = distance};
-    if (vertex.kind == JointKind::convex) {
+        .place = {.on_seam = true, .index = seam}, .point = vertex.point, .distance = distance};
+    if (vertex.kind == SeamKind::convex) {
         const Vec2 normal = perp(vertex.tangent_in);
         const double phi = arc_tan2(glm::dot(gap, vertex.tangent_in), glm::dot(gap, normal));
         result.place.parameter = std::clamp(phi, 0.0, vertex.turn);
@@ -56,7 +66,7 @@ ClosestPoint OutlineFeet::at_joint(std::size_t joint, const Vec2& h) const noexc
     // At a shallow vertex rounding may name the vertex for the other side of the outline, too.
     const double side = cross(vertex.tangent_in + vertex.tangent_out, gap);
     result.inside =
-        vertex.turn < kShallow ? side < 0.0 : vertex.kind == JointKind::concave && distance > 0.0;
+        vertex.turn < kShallow ? side < 0.0 : vertex.kind == SeamKind::concave && distance > 0.0;
     return result;
 }
 
@@ -68,12 +78,12 @@ ClosestPoint OutlineFeet::named(const Vec2& h,
                         .distance = std::sqrt(foot.distance2)};
     const bool forward = foot.u > 0.5;
     if (std::fabs(foot.u - (forward ? 1.0 : 0.0)) <= kNearEnd) {
-        const auto joint = outline_->joint_beyond(foot.span, forward);
+        const auto seam = outline_->seam_beyond(foot.span, forward);
         const bool at_end = foot.u == 0.0 || foot.u == 1.0;
-        if (joint && (at_end || on_vertex(outline_->joints()[*joint], h, foot))) {
-            return at_joint(*joint, h);
+        if (seam && (at_end || on_vertex(outline_->seams()[*seam], h, foot))) {
+            return at_seam(*seam, h);
         }
-        if (at_end || (!joint && beyond_end(outline_->spans()[foot.span], forward, h))) {
+        if (at_end || (!seam && beyond_end(outline_->spans()[foot.span], forward, h))) {
             return result;
         }
     }

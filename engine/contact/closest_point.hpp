@@ -7,13 +7,25 @@
 
 namespace palpate::engine {
 
-/// Where a point of the outline is: on a span at u, or on the joint between two spans.
-/// A joint at a convex or concave vertex owns a Voronoi region of its own.
+/// Where a point of the outline is: on a span at u, or on the seam between two spans.
+/// A seam at a convex or concave vertex owns a Voronoi region of its own.
 struct Place {
-    bool on_joint = false;
-    std::size_t index = 0;   ///< of the span or of the joint
-    double parameter = 0.0;  ///< u in [0, 1] on a span; fan angle phi in [0, turn] on a joint, rad
+    bool on_seam = false;
+    std::size_t index = 0;   ///< of the span or of the seam
+    double parameter = 0.0;  ///< u in [0, 1] on a span; fan angle phi in [0, turn] on a seam, rad
 };
+
+/// A place of an outline in the words of who wrote it, whatever spans its segments consist of.
+struct SegmentPlace {
+    std::size_t segment = 0;  ///< on vertex j, where segments j and j + 1 meet: j
+    double u = 0.0;  ///< the segment's own parameter (its knots'); on a vertex that of its end
+    bool on_vertex = false;
+    double angle = 0.0;  ///< on a vertex the fan angle phi, rad in [0, turn]; else 0
+};
+
+/// @pre `place` is one of `outline`. A kink or a cusp within a segment is no vertex: it is that
+/// place of the segment, and its fan angle has no name.
+[[nodiscard]] SegmentPlace segment_place(const Outline& outline, const Place& place) noexcept;
 
 struct ClosestPoint {
     Place place{};
@@ -22,25 +34,28 @@ struct ClosestPoint {
     bool inside = false;  ///< h lies strictly inside the object (never for a point on the outline)
 };
 
-/// The global closest point of a whole outline: nearest feature over all spans and joints.
+/// The global closest point of a whole outline: the nearest of all spans and vertices.
 class OutlineFeet {
 public:
+    /// Builds the tree of pieces. @param outline  outlives this
     explicit OutlineFeet(const Outline& outline);
 
-    /// Global answer. Ties go to either feature. Outside and inside are decided by the nearest
-    /// feature: on a span by the side of its normal; a convex vertex is seen from outside only, a
-    /// concave one from inside only; beyond an open end everything is outside.
+    /// Global answer. Ties go to either place. What is nearest decides between outside and inside:
+    /// a span by the side of its normal; a convex vertex is seen from outside only, a concave one
+    /// from inside only; beyond an open end everything is outside.
     [[nodiscard]] ClosestPoint closest(const Vec2& h) const noexcept;
 
+    /// The outline that was given.
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
+    /// Its spans in pieces; span i of the tree is span i of the outline.
     [[nodiscard]] const PieceTree<2>& tree() const noexcept { return tree_; }
 
     /// The foot as a place of the outline, with its side. `tangent`: any vector along C' there.
     [[nodiscard]] ClosestPoint named(const Vec2& h,
                                      const Foot<2>& foot,
                                      const Vec2& tangent) const noexcept;
-    /// The joint as closest feature of h.
-    [[nodiscard]] ClosestPoint at_joint(std::size_t joint, const Vec2& h) const noexcept;
+    /// The closest point of h where h is nearest to a seam.
+    [[nodiscard]] ClosestPoint at_seam(std::size_t seam, const Vec2& h) const noexcept;
 
 private:
     const Outline* outline_;

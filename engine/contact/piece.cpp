@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-/// A stretch is straight enough when its capsule is this thin against its chord: then half-planes and
-/// bounds are nearly as good as they can be, and an 80 mm arc of 20 1/m has 8 pieces.
+/// A stretch is straight enough when its capsule is this thin against its chord: then half-planes
+/// and bounds are nearly as good as they can be, and an 80 mm arc of 20 1/m has 8 pieces.
 constexpr double kFlat = 0.03;
 
 /// 64 pieces a span at most: near a cusp a piece never gets flat.
@@ -64,13 +64,13 @@ Part<D> whole(const RationalBezier<D>& curve) {
         const Bernstein p = component(s.weighted, k);
         const Bernstein n = curve.polynomial() ? derivative(p) : wronskian(p, s.weight);
         add(s.a, product(p, n));
-        const Bernstein most_p = magnitudes(p);
-        const Bernstein most_n = curve.polynomial()
-                                   ? derivative_size(most_p)
-                                   : sum(product(derivative_size(most_p), s.weight),
-                                         product(most_p, derivative_size(s.weight)));
-        add(s.size_a, product(most_p, most_n));
-        add(s.size_b, product(s.weight, most_n));
+        const Bernstein size_p = magnitudes(p);
+        const Bernstein size_n = curve.polynomial()
+                                   ? derivative_size(size_p)
+                                   : sum(product(derivative_size(size_p), s.weight),
+                                         product(size_p, derivative_size(s.weight)));
+        add(s.size_a, product(size_p, size_n));
+        add(s.size_b, product(s.weight, size_n));
         const Bernstein wn = product(s.weight, n);
         s.b.resize(wn.size(), Vec<D>{});
         for (std::size_t i = 0; i < wn.size(); ++i) {

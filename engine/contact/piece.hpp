@@ -12,9 +12,9 @@ namespace palpate::engine {
 ///
 /// * A capsule around the chord holds the whole stretch: its control points lie in it, and with
 ///   positive weights the curve lies in their hull.
-/// * The foot points of h are the roots of f(u) = (C - h) . C' W^k (k = 0 for polynomials, 3 else), a
-///   polynomial whose Bernstein coefficients are linear in h: f_k = a_k - h . b_k. Descartes' rule on
-///   them tells where there is no root, exactly one, or a need to split.
+/// * The foot points of h are the roots of f(u) = (C - h) . C' W^k (k = 0 for polynomials, 3 else),
+///   a polynomial whose Bernstein coefficients are linear in h: f_k = a_k - h . b_k. Descartes'
+///   rule on them tells where there is no root, exactly one, or a need to split.
 /// * f rises over the whole stretch while every f_k+1 > f_k. Each of these is a half-plane of HIPs,
 ///   kept as an offset and a unit normal, so that the distance to leave it is one scalar product.
 template <int D>
@@ -69,7 +69,8 @@ public:
     /// Rounding level of each of them.
     void noise_levels(const Piece<D>& piece, const Vec<D>& h, double* noise) const noexcept;
 
-    /// How far h may move, m, before f might stop rising over the piece; <= 0: it may not rise at all.
+    /// How far h may move, m, before f might stop rising over the piece; <= 0: it may not rise at
+    /// all.
     [[nodiscard]] double rise_slack(const Piece<D>& piece, const Vec<D>& h) const noexcept;
 
 private:
@@ -77,8 +78,8 @@ private:
 
     std::vector<Piece<D>> pieces_;
     std::vector<std::size_t> first_;
-    /// Of each piece: a (count), b (D x count), rounding of a, of b (count each), offsets (count - 1),
-    /// normals (D x (count - 1)).
+    /// Of each piece: a (count), b (D x count), rounding of a, of b (count each), offsets (count -
+    /// 1), normals (D x (count - 1)).
     std::vector<double> store_;
 };
 

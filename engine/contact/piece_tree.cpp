@@ -50,8 +50,9 @@ Signs signs_of(const double* f, std::size_t count) noexcept {
     return s;
 }
 
-/// A stretch of a piece on the stack of splits: coefficients and their rounding levels. Both are halved
-/// alike, because beside a control point of little weight f may be 1e-15 of what it is elsewhere.
+/// A stretch of a piece on the stack of splits: coefficients and their rounding levels. Both are
+/// halved alike, because beside a control point of little weight f may be 1e-15 of what it is
+/// elsewhere.
 struct Part {
     std::array<double, kMaxCoefficients> f;
     std::array<double, kMaxCoefficients> noise;
@@ -102,8 +103,8 @@ std::uint32_t PieceTree<D>::build(std::uint32_t begin, std::uint32_t end) {
     return index;
 }
 
-/// Calls visit(piece index) for every piece whose box is nearer than `best2` (which visit may lower),
-/// nearer boxes first.
+/// Calls visit(piece index) for every piece whose box is nearer than `best2` (which visit may
+/// lower), nearer boxes first.
 template <int D>
 template <class Visit>
 void PieceTree<D>::descend(const Vec<D>& h, const double& best2, Visit&& visit) const noexcept {
@@ -194,8 +195,8 @@ void PieceTree<D>::offer(const Vec<D>& h,
     }
 }
 
-/// Newton's iteration on the distance' derivative, g = (C - h) . C', between g(lo) < 0 < g(hi). In the
-/// second half of a span it runs in v = 1 - u, which has all its digits next to the end.
+/// Newton's iteration on the distance' derivative, g = (C - h) . C', between g(lo) < 0 < g(hi). In
+/// the second half of a span it runs in v = 1 - u, which has all its digits next to the end.
 template <int D>
 void PieceTree<D>::offer_root(const Vec<D>& h,
                               std::size_t span,
@@ -280,8 +281,9 @@ void PieceTree<D>::offer_piece(const Vec<D>& h,
     offer_splits(h, piece, f.data(), best);
 }
 
-/// Where f is rounding, the distance itself still has digits: golden section on it (Kiefer 1953). All
-/// that can be lost here is what f cannot tell, an error of the distance squared near its last bit.
+/// Where f is rounding, the distance itself still has digits: golden section on it (Kiefer 1953).
+/// All that can be lost here is what f cannot tell, an error of the distance squared near its last
+/// bit.
 template <int D>
 void PieceTree<D>::offer_flat(
     const Vec<D>& h, std::size_t span, double lo, double hi, Foot<D>& best) const noexcept {

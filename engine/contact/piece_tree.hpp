@@ -21,8 +21,9 @@ struct Foot {
 ///
 /// The pieces of all spans lie in a tree of boxes. A question goes down the nearest boxes first and
 /// leaves out what is provably further than the best foot known: a box, a capsule, or a piece whose
-/// Bernstein coefficients show no foot (Descartes' rule). What is left is solved by Newton's iteration
-/// inside a bracket with exactly one root. Nothing is missed between samples: there are none.
+/// Bernstein coefficients show no foot (Descartes' rule). What is left is solved by Newton's
+/// iteration inside a bracket with exactly one root. Nothing is missed between samples: there are
+/// none.
 ///
 /// Error of the distance: about one unit in the last place of the curve's size. Any curve will do:
 /// kinks, cusps, loops, any degree and weights.
@@ -38,7 +39,8 @@ public:
     /// @param known  a foot known already: the search looks only for nearer ones
     [[nodiscard]] Foot<D> closest(const Vec<D>& h, const Foot<D>& known = {}) const noexcept;
 
-    /// The closest point of everything but `left_out`. Distance infinite when nothing else is there.
+    /// The closest point of everything but `left_out`. Distance infinite when nothing else is
+    /// there.
     [[nodiscard]] Foot<D> closest_without(const Vec<D>& h,
                                           const PieceRange& left_out) const noexcept;
 

@@ -7,7 +7,8 @@
 namespace palpate::engine {
 namespace {
 
-/// A last step that Taylor's series of second order finishes may be this wrong, relative to the span.
+/// A last step that Taylor's series of second order finishes may be this wrong, relative to the
+/// span.
 constexpr double kTaylorError = 1e-17;
 
 /// And no longer than this: Newton's own error after the step is of the order of its square.
@@ -40,25 +41,18 @@ constexpr std::size_t kReach = 12;
 /// A window is not narrowed below this slack, m, if more can be had: 50 ticks at 0.1 m/s.
 constexpr double kWanted = 0.005;
 
-/// Repeated control points make a curve stand still at an end, |C'| < 1e-6 |C''|, over no more of u.
-constexpr double kNearEnd = 1e-5;
-constexpr double kStill2 = 1e-12;
-
-bool stands_still(const Jet<2>& jet) noexcept {
-    return glm::dot(jet.first, jet.first) <= kStill2 * glm::dot(jet.second, jet.second);
-}
-
-/// Whether h is at the end of a curve is known to this share of the lengths only: the joint's tangents
-/// are rounded, and so is the curve's own derivative there.
+/// Whether h is at the end of a curve is known to this share of the lengths only: the seam's
+/// tangents are rounded, and so is the curve's own derivative there.
 constexpr double kVertexMargin = 1e-12;
 
-/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum, or
-/// within rounding of one. Straight below the end of one curve, the foot of the other would be missed.
-bool is_maximum(const Joint& joint, const Vec2& h) noexcept {
-    const Vec2 gap = joint.point - h;
+/// h is past the vertex for the curve before it and not yet at it for the curve after: a maximum,
+/// or within rounding of one. Straight below the end of one curve, the foot of the other would be
+/// missed.
+bool is_maximum(const Seam& seam, const Vec2& h) noexcept {
+    const Vec2 gap = seam.point - h;
     const double margin =
         kVertexMargin * (std::fabs(gap.x) + std::fabs(gap.y) + std::fabs(h.x) + std::fabs(h.y));
-    return glm::dot(gap, joint.tangent_in) > -margin && glm::dot(gap, joint.tangent_out) < margin;
+    return glm::dot(gap, seam.tangent_in) > -margin && glm::dot(gap, seam.tangent_out) < margin;
 }
 
 }  // namespace
@@ -71,7 +65,7 @@ WindowTracker::WindowTracker(const OutlineFeet& feet) : feet_(&feet) {
 
 bool WindowTracker::one_minimum(const TrackWindow& window, const Vec2& h) const noexcept {
     for (std::uint32_t i = 0; i < window.vertex_count; ++i) {
-        if (is_maximum(feet_->outline().joints()[window.vertices[i]], h)) {
+        if (is_maximum(feet_->outline().seams()[window.vertices[i]], h)) {
             return false;
         }
     }
@@ -100,7 +94,7 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
                 s.jet = outline.spans()[s.span].at(next);
                 continue;
             }
-            if ((next < kNearEnd || next > 1.0 - kNearEnd) && stands_still(s.jet)) {
+            if ((next < kStillEnd || next > 1.0 - kStillEnd) && stands_still(s.jet)) {
                 return {};  // g vanishes with C', whether or not the distance is least here
             }
             Followed found{.settled = true};
@@ -121,16 +115,16 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
         // The distance still falls towards this end.
         Followed found{.settled = true, .foot = {s.span, end, s.jet.point, glm::dot(gap, gap)}};
         const bool window_ends = s.span == (forward ? s.last_span : s.first_span);
-        const auto joint = outline.joint_beyond(s.span, forward);
-        if (window_ends || !joint) {
+        const auto seam = outline.seam_beyond(s.span, forward);
+        if (window_ends || !seam) {
             return found;
         }
-        const Joint& vertex = outline.joints()[*joint];
+        const Seam& vertex = outline.seams()[*seam];
         const Vec2 to_vertex = vertex.point - h;
         const double beyond = glm::dot(to_vertex, forward ? vertex.tangent_out : vertex.tangent_in);
         if (forward ? beyond >= 0.0 : beyond <= 0.0) {
-            found.on_joint = true;
-            found.joint = *joint;
+            found.on_seam = true;
+            found.seam = *seam;
             found.foot.distance2 = glm::dot(to_vertex, to_vertex);
             return found;
         }
@@ -162,8 +156,8 @@ struct WindowTracker::Opening {
         std::size_t next = forward ? edge + 1 : edge - 1;
         std::optional<std::size_t> vertex;
         if (forward ? piece.hi == 1.0 : piece.lo == 0.0) {
-            const auto joint = feet.outline().joint_beyond(piece.span, forward);
-            if (!joint) {
+            const auto seam = feet.outline().seam_beyond(piece.span, forward);
+            if (!seam) {
                 return false;
             }
             next = (forward ? edge + 1 : edge + pieces.size() - 1) % pieces.size();
@@ -171,12 +165,12 @@ struct WindowTracker::Opening {
             if (entered == pieces[start].span || entered == pieces[forward ? first : last].span) {
                 return false;  // around a closed outline: the window has two different ends
             }
-            const Joint& corner = feet.outline().joints()[*joint];
-            if (corner.kind != JointKind::smooth) {
+            const Seam& corner = feet.outline().seams()[*seam];
+            if (corner.kind != SeamKind::smooth) {
                 if (window.vertex_count == window.vertices.size() || is_maximum(corner, h)) {
                     return false;
                 }
-                vertex = joint;
+                vertex = seam;
             }
         }
         const double more = pieces.rise_slack(pieces[next], h);

@@ -8,8 +8,8 @@
 
 namespace palpate::engine {
 
-/// A stretch of an outline over which the distance to HIP has one minimum only, and that minimum, as it
-/// is followed. A plain value.
+/// A stretch of an outline over which the distance to HIP has one minimum only, and that minimum,
+/// as it is followed. A plain value.
 struct TrackWindow {
     std::size_t span = 0;  ///< of the foot
     double u = 0.0;        ///< where the jet was taken: a step of less than 2e-6 beside the foot
@@ -33,30 +33,31 @@ struct TrackWindow {
 /// What following a window's minimum gave.
 struct Followed {
     bool settled = false;  ///< else: no minimum was reached, a search is due
-    bool on_joint = false;
-    std::size_t joint = 0;
+    bool on_seam = false;
+    std::size_t seam = 0;
     Foot<2> foot{};
 };
 
 /// Opens windows on an outline and follows the minima in them.
 ///
-/// Over a piece the distance has one minimum while f(u) = (C - h) . C' W^k rises, a set of half-planes of
-/// h (Pieces::rise_slack); over joined pieces as long as no vertex between them is a maximum: not
-/// falling behind it while rising ahead.
+/// Over a piece the distance has one minimum while f(u) = (C - h) . C' W^k rises, a set of
+/// half-planes of h (Pieces::rise_slack); over joined pieces as long as no vertex between them is a
+/// maximum: not falling behind it while rising ahead.
 class WindowTracker {
 public:
     /// @param feet  must live as long as this
     explicit WindowTracker(const OutlineFeet& feet);
 
-    /// The window around `foot`, the closest point of some part of the outline to h, as far as it can be
-    /// had with some slack, and not into `taken`.
+    /// The window around `foot`, the closest point of some part of the outline to h, as far as it
+    /// can be had with some slack, and not into `taken`.
     /// @return how far h may move while the window keeps its single minimum, m; <= 0: there is none
     [[nodiscard]] double open(TrackWindow& window,
                               const Foot<2>& foot,
                               const Vec2& h,
                               const PieceRange& taken) const noexcept;
 
-    /// Newton's iteration on g(u) = (C - h) . C' from the last foot, across spans, within the window.
+    /// Newton's iteration on g(u) = (C - h) . C' from the last foot, across spans, within the
+    /// window.
     /// @pre h has moved less than the window's slack
     [[nodiscard]] Followed follow(TrackWindow& window, const Vec2& h) const noexcept;
 

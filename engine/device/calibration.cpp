@@ -9,10 +9,10 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kLongest = 2.0;        ///< m, of a link: beyond it the unit is wrong
-constexpr double kMostCounts = 1e9;     ///< a turn: a position stays within 32 bits
-constexpr double kMostTorque = 1000.0;  ///< N m
-constexpr double kMostCode = 2147483647.0;
+constexpr double kLongest = 2.0;       ///< m, of a link: beyond it the unit is wrong
+constexpr double kMaxCounts = 1e9;     ///< a turn: a position stays within 32 bits
+constexpr double kMaxTorque = 1000.0;  ///< N m
+constexpr double kMaxCode = 2147483647.0;
 
 /// NaN is in no range.
 void in_range(double value, double lowest, double highest, const std::string& what) {
@@ -30,12 +30,12 @@ void above_zero(double value, double highest, const std::string& what) {
 }
 
 void check_axis(const Axis& axis, const std::string& which) {
-    above_zero(axis.counts_per_turn, kMostCounts, "counts per turn of " + which);
+    above_zero(axis.counts_per_turn, kMaxCounts, "counts per turn of " + which);
     in_range(axis.zero, -4.0 * kPi, 4.0 * kPi, "encoder zero (rad) of " + which);
-    above_zero(axis.torque_limit, kMostTorque, "torque limit (N m) of " + which);
+    above_zero(axis.torque_limit, kMaxTorque, "torque limit (N m) of " + which);
     above_zero(axis.torque_forever, axis.torque_limit,
                "torque that the motor gives for ever (N m) of " + which);
-    in_range(axis.codes_full_scale, 1.0, kMostCode, "DAC code of the torque limit of " + which);
+    in_range(axis.codes_full_scale, 1.0, kMaxCode, "DAC code of the torque limit of " + which);
 }
 
 void differ(std::uint32_t one, std::uint32_t two, const std::string& what) {

@@ -30,7 +30,7 @@ struct PantographSpec {
     double turn = 0.0;              ///< rad, from the linkage's x axis to the object frame's
     std::optional<double> damping;  ///< b at the handle, N s/m, the least in the workspace
     double motor_time = 0.0;        ///< s, thermal time constant of the motors; 0: not known
-    double clearance = 0.001;  ///< m; poses closer to a singular one are refused (Clearance::least)
+    double clearance = 0.001;  ///< m; poses closer to a singular one are refused (Clearance::min)
 };
 
 /// How a Haply board is wired to pivot 1 and pivot 2.
@@ -61,7 +61,8 @@ struct Calibration {
     std::optional<HaplyWiring> haply{};
     std::optional<ComediWiring> comedi{};
 
-    /// The handle's rest pose when the device is switched on, in the object frame, m; none: by hand.
+    /// The handle's rest pose when the device is switched on, in the object frame, m; none: by
+    /// hand.
     std::optional<Vec2> home{};
 };
 

@@ -31,6 +31,7 @@ struct Reading {
     bool fresh = true;  ///< false: nothing new since the last read, whose values are given again
     Grip grip = Grip::unknown;
 
+    /// Whether hip and counts may be used.
     [[nodiscard]] bool ok() const noexcept { return fault == DeviceFault::none; }
 };
 
@@ -58,11 +59,14 @@ public:
     Device& operator=(const Device&) = delete;
     virtual ~Device() = default;
 
+    /// HIP now; why there is none is in the reading.
     [[nodiscard]] virtual Reading read() noexcept = 0;
     /// @param force  on the user, object frame, N; finite
     virtual Applied write(const Vec2& force) noexcept = 0;
+    /// What people call it, for messages and the record of a session.
     [[nodiscard]] virtual std::string name() const = 0;
 
+    /// What is known of it before it is used; the same for its whole life.
     [[nodiscard]] virtual DeviceTraits traits() const noexcept { return {}; }
     /// The force that the motors can give in every direction with the handle at `hip`, N. None:
     /// no limit is known, or the handle cannot be there.

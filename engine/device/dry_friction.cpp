@@ -16,22 +16,22 @@ struct Trial {
 };
 
 /// By how much a joint that is said to turn that way turns the other way.
-double backwards(double rate, int way, double most) noexcept {
-    return most > 0.0 ? std::fmax(0.0, -rate * way) : 0.0;
+double backwards(double rate, int way, double limit) noexcept {
+    return limit > 0.0 ? std::fmax(0.0, -rate * way) : 0.0;
 }
 
 /// By how much the friction that holds a joint exceeds what it can, as a rate.
-double too_strong(double hold, double most, double diagonal) noexcept {
-    return std::fmax(0.0, std::fabs(hold) - most) / diagonal;
+double too_strong(double hold, double limit, double diagonal) noexcept {
+    return std::fmax(0.0, std::fabs(hold) - limit) / diagonal;
 }
 
 Trial tried(const Vec2& row_1,
             const Vec2& row_2,
             const Vec2& right,
-            const Vec2& most,
+            const Vec2& limit,
             int way_1,
             int way_2) noexcept {
-    const Vec2 driven = right - Vec2{most.x * way_1, most.y * way_2};
+    const Vec2 driven = right - Vec2{limit.x * way_1, limit.y * way_2};
     Trial trial;
     if (way_1 != 0 && way_2 != 0) {
         const double det = cross(row_1, row_2);
@@ -39,17 +39,17 @@ Trial tried(const Vec2& row_1,
             Vec2{row_2.y * driven.x - row_1.y * driven.y, row_1.x * driven.y - row_2.x * driven.x} /
             det;
         trial.wrong =
-            backwards(trial.rates.x, way_1, most.x) + backwards(trial.rates.y, way_2, most.y);
+            backwards(trial.rates.x, way_1, limit.x) + backwards(trial.rates.y, way_2, limit.y);
     } else if (way_1 != 0) {
         trial.rates.x = driven.x / row_1.x;
-        trial.wrong = backwards(trial.rates.x, way_1, most.x) +
-                      too_strong(row_2.x * trial.rates.x - right.y, most.y, row_2.y);
+        trial.wrong = backwards(trial.rates.x, way_1, limit.x) +
+                      too_strong(row_2.x * trial.rates.x - right.y, limit.y, row_2.y);
     } else if (way_2 != 0) {
         trial.rates.y = driven.y / row_2.y;
-        trial.wrong = backwards(trial.rates.y, way_2, most.y) +
-                      too_strong(row_1.y * trial.rates.y - right.x, most.x, row_1.x);
+        trial.wrong = backwards(trial.rates.y, way_2, limit.y) +
+                      too_strong(row_1.y * trial.rates.y - right.x, limit.x, row_1.x);
     } else {
-        trial.wrong = too_strong(right.x, most.x, row_1.x) + too_strong(right.y, most.y, row_2.y);
+        trial.wrong = too_strong(right.x, limit.x, row_1.x) + too_strong(right.y, limit.y, row_2.y);
     }
     return trial;
 }
@@ -59,12 +59,12 @@ Trial tried(const Vec2& row_1,
 Vec2 after_dry_friction(const Vec2& row_1,
                         const Vec2& row_2,
                         const Vec2& right,
-                        const Vec2& most,
+                        const Vec2& limit,
                         const Vec2& before) noexcept {
-    Trial best = tried(row_1, row_2, right, most, sign(before.x), sign(before.y));
+    Trial best = tried(row_1, row_2, right, limit, sign(before.x), sign(before.y));
     for (int way_1 = -1; way_1 <= 1 && best.wrong > 0.0; ++way_1) {
         for (int way_2 = -1; way_2 <= 1 && best.wrong > 0.0; ++way_2) {
-            const Trial next = tried(row_1, row_2, right, most, way_1, way_2);
+            const Trial next = tried(row_1, row_2, right, limit, way_1, way_2);
             if (next.wrong < best.wrong) {
                 best = next;
             }

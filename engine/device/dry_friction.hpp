@@ -6,20 +6,20 @@ namespace palpate::engine {
 
 /// Rates of two coupled joints after a step with dry friction, taken implicitly:
 ///
-///     A v = right + lambda,   lambda_i = -most_i sgn v_i,   |lambda_i| <= most_i where v_i = 0
+///     A v = right + lambda,   lambda_i = -limit_i sgn v_i,   |lambda_i| <= limit_i where v_i = 0
 ///
 /// A joint that `right` cannot break loose gets v_i = 0 exactly, whatever the step, so that nothing
-/// creeps and nothing chatters. The nine cases (each joint stands, turns on or turns back) are tried,
-/// the likeliest first; for a positive definite A exactly one of them holds.
+/// creeps and nothing chatters. The nine cases (each joint stands, turns on or turns back) are
+/// tried, the likeliest first; for a positive definite A exactly one of them holds.
 ///
 /// @param row_1, row_2  of A, kg m^2; near symmetric, positive definite
 /// @param right         impulse of everything else, N m s
-/// @param most          breakaway impulse of each joint, N m s, >= 0
+/// @param limit         breakaway impulse of each joint, N m s, >= 0
 /// @param before        rates before the step, rad/s: only say which case is likely
 [[nodiscard]] Vec2 after_dry_friction(const Vec2& row_1,
                                       const Vec2& row_2,
                                       const Vec2& right,
-                                      const Vec2& most,
+                                      const Vec2& limit,
                                       const Vec2& before) noexcept;
 
 }  // namespace palpate::engine

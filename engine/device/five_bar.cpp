@@ -8,8 +8,8 @@ namespace {
 /// |det| of the constraint matrix below this share of its scale counts as singular.
 constexpr double kSingular = 1e-6;
 
-/// Angle at a pivot between the driven link and the line to the handle, in (0, pi); none out of reach.
-/// Its sine by Heron's formula, which keeps its digits where the links are nearly in line.
+/// Angle at a pivot between the driven link and the line to the handle, in (0, pi); none out of
+/// reach. Its sine by Heron's formula, which keeps its digits where the links are nearly in line.
 std::optional<double> elbow_angle(double driven, double free, double r) noexcept {
     const double area2 =
         (driven + free + r) * (driven + free - r) * (r + driven - free) * (r - driven + free);
@@ -40,7 +40,7 @@ SingularValues singular_values(const Jacobian& matrix) noexcept {
     return {.largest = 0.5 * (sum + difference), .smallest = 0.5 * std::fabs(sum - difference)};
 }
 
-double Clearance::least() const noexcept {
+double Clearance::min() const noexcept {
     return std::fmin(std::fmin(serial_1, serial_2), parallel);
 }
 

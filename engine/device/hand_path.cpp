@@ -33,7 +33,8 @@ HandPath::HandPath(const Exploration& plan) : plan_(plan) {
     const Vec2 on_1 = plan.a + kMargin * (plan.vertex - plan.a);
     const Vec2 on_2 = plan.b + kMargin * (plan.vertex - plan.b);
 
-    // Up one side, over the vertex into the open, down on the other side: no hand goes through a tip.
+    // Up one side, over the vertex into the open, down on the other side: no hand goes through a
+    // tip.
     const Vec2 over_1 = plan.vertex + press_1 + kOvershoot * along_1;
     const Vec2 over_2 = plan.vertex + press_2 - kOvershoot * along_2;
     const Vec2 landing_1 = plan.vertex + kLanding * (plan.a - plan.vertex) + press_1;

@@ -6,8 +6,8 @@
 
 namespace palpate::engine {
 
-/// How a simulated hand means to explore. It knows the chords A-V-B (as a person knows the pictures),
-/// never the curvature between them.
+/// How a simulated hand means to explore. It knows the chords A-V-B (as a person knows the
+/// pictures), never the curvature between them.
 struct Exploration {
     Vec2 start{0.0, 0.060};  ///< m, above the vertex
     Vec2 a{-0.040, 0.0};     ///< m
@@ -24,6 +24,7 @@ struct Exploration {
 /// vertex, down the other side and back, and off again.
 class HandPath {
 public:
+    /// @param plan  speed > 0, sweeps >= 0
     explicit HandPath(const Exploration& plan);
 
     struct Intention {
@@ -33,6 +34,7 @@ public:
 
     /// @param t  s since the start; before 0 the start, after the end the last point
     [[nodiscard]] Intention at(double t) const noexcept;
+    /// When the hand is off again, s since the start.
     [[nodiscard]] double duration() const noexcept { return duration_; }
 
 private:

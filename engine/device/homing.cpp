@@ -13,10 +13,10 @@ namespace palpate::engine {
 namespace {
 
 constexpr double kTurn = 2.0 * kPi;
-constexpr double kMoved = 0.3e-3;   ///< m, and one count, that a resting handle may move
-constexpr double kMissed = 1e-3;    ///< m
-constexpr double kNarrow = 5e-3;    ///< m, spread of the marks across their line
-constexpr double kMostScale = 0.1;  ///< of counts per turn
+constexpr double kMoved = 0.3e-3;  ///< m, and one count, that a resting handle may move
+constexpr double kMissed = 1e-3;   ///< m
+constexpr double kNarrow = 5e-3;   ///< m, spread of the marks across their line
+constexpr double kMaxScale = 0.1;  ///< of counts per turn
 
 std::string text_of(const Vec2& place) {
     return "(" + number_text(place.x * 1e3) + ", " + number_text(place.y * 1e3) + ") mm";
@@ -77,14 +77,14 @@ double narrowest(std::span<const MarkReading> marks) {
         xy += away.x * away.y;
         yy += away.y * away.y;
     }
-    const double least = 0.5 * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy));
-    return std::sqrt(std::fmax(least, 0.0) / static_cast<double>(marks.size()));
+    const double smallest = 0.5 * (xx + yy - std::sqrt((xx - yy) * (xx - yy) + 4.0 * xy * xy));
+    return std::sqrt(std::fmax(smallest, 0.0) / static_cast<double>(marks.size()));
 }
 
 /// Unknowns: the zeros, and the changes of the turn of one count (times the counts' size).
-constexpr std::size_t kMost = 4;
-using Column = std::array<double, kMost>;
-using Normal = std::array<Column, kMost>;
+constexpr std::size_t kMax = 4;
+using Column = std::array<double, kMax>;
+using Normal = std::array<Column, kMax>;
 
 /// Gauss's elimination with pivots. @throws HomingRefused if the marks do not tell
 Column solved(Normal a, Column b, std::size_t n) {
@@ -124,9 +124,9 @@ Column fitted(const std::vector<Target>& targets, const Vec2& per_count, bool sc
     Column right{};
     for (const Target& target : targets) {
         const Vec2 turned = per_count * target.counts;
-        const std::array<Vec2, kMost> columns{
-            target.jacobian.column_1(), target.jacobian.column_2(),
-            target.jacobian.column_1() * turned.x, target.jacobian.column_2() * turned.y};
+        const std::array<Vec2, kMax> columns{target.jacobian.column_1(), target.jacobian.column_2(),
+                                             target.jacobian.column_1() * turned.x,
+                                             target.jacobian.column_2() * turned.y};
         const Vec2 wanted = target.jacobian * (target.angles - turned);
         for (std::size_t i = 0; i < n; ++i) {
             for (std::size_t j = 0; j < n; ++j) {
@@ -141,7 +141,7 @@ Column fitted(const std::vector<Target>& targets, const Vec2& per_count, bool sc
 void check_scale(const std::array<Axis, 2>& before, const std::array<Axis, 2>& after) {
     for (std::size_t i = 0; i < 2; ++i) {
         const double share = after[i].counts_per_turn / before[i].counts_per_turn;
-        if (!(std::fabs(share - 1.0) <= kMostScale)) {
+        if (!(std::fabs(share - 1.0) <= kMaxScale)) {
             throw HomingRefused("axis " + std::to_string(i + 1) + " would count " +
                                 number_text(after[i].counts_per_turn) + " a turn instead of " +
                                 number_text(before[i].counts_per_turn) +
@@ -178,8 +178,8 @@ void measure(Homing& homing, const PantographSpec& spec, std::span<const MarkRea
 void MarkCounts::add(const std::array<std::int32_t, 2>& counts) noexcept {
     for (std::size_t i = 0; i < 2; ++i) {
         sum_[i] += counts[i];
-        least_[i] = readings_ == 0 ? counts[i] : std::min(least_[i], counts[i]);
-        most_[i] = readings_ == 0 ? counts[i] : std::max(most_[i], counts[i]);
+        min_[i] = readings_ == 0 ? counts[i] : std::min(min_[i], counts[i]);
+        max_[i] = readings_ == 0 ? counts[i] : std::max(max_[i], counts[i]);
     }
     ++readings_;
 }
@@ -192,7 +192,7 @@ MarkReading MarkCounts::at(const Vec2& place) const {
         return static_cast<double>(sum_[i]) / readings_;
     };
     const auto span = [&](std::size_t i) {
-        return static_cast<double>(most_[i]) - static_cast<double>(least_[i]);
+        return static_cast<double>(max_[i]) - static_cast<double>(min_[i]);
     };
     return {.place = place, .counts = {mean(0), mean(1)}, .span = {span(0), span(1)}};
 }

@@ -20,15 +20,17 @@ struct MarkReading {
 /// Gathers the readings at one mark.
 class MarkCounts {
 public:
+    /// One more reading of both encoders.
     void add(const std::array<std::int32_t, 2>& counts) noexcept;
+    /// How many were added.
     [[nodiscard]] int readings() const noexcept { return readings_; }
     /// @throws std::invalid_argument if nothing was read
     [[nodiscard]] MarkReading at(const Vec2& place) const;
 
 private:
     std::array<std::int64_t, 2> sum_{};
-    std::array<std::int32_t, 2> least_{};
-    std::array<std::int32_t, 2> most_{};
+    std::array<std::int32_t, 2> min_{};
+    std::array<std::int32_t, 2> max_{};
     int readings_ = 0;
 };
 
@@ -47,16 +49,16 @@ public:
 
 /// Finds both encoders' zeros from marks, and their counts per turn if asked.
 ///
-/// The angles that belong to a mark are exact (FiveBar::inverse), and the angle of an encoder is linear
-/// in its zero and in the turn of one count. Least squares of the handle's distances to the marks,
-/// with the Jacobian at each mark: one mark is met exactly, of several the person's aim is averaged.
-/// Zeros are given in [-pi, pi].
+/// The angles that belong to a mark are exact (FiveBar::inverse), and the angle of an encoder is
+/// linear in its zero and in the turn of one count. Least squares of the handle's distances to the
+/// marks, with the Jacobian at each mark: one mark is met exactly, of several the person's aim is
+/// averaged. Zeros are given in [-pi, pi].
 ///
 /// @param spec   linkage and frame; its zeros are not used, its counts per turn are the start
 /// @param scale  find counts per turn as well: at least three marks that do not lie in line
 /// @throws HomingRefused  without marks, for one out of reach, for a handle that moved by more than
-///         0.3 mm while it was read, for marks in line or too close (scale), for counts per turn more
-///         than a tenth off, and when a mark is missed by more than 1 mm
+///         0.3 mm while it was read, for marks in line or too close (scale), for counts per turn
+///         more than a tenth off, and when a mark is missed by more than 1 mm
 [[nodiscard]] Homing find_home(const PantographSpec& spec,
                                std::span<const MarkReading> marks,
                                bool scale);

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "engine/math/near_sin_cos.hpp"
+#include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -21,8 +21,8 @@ struct Directions {
 
 }  // namespace
 
-/// Written so that compilers turn each loop into vector instructions, which give every number the same bits
-/// as the plain ones.
+/// Written so that compilers turn each loop into vector instructions, which give every number the
+/// same bits as the plain ones.
 struct ManyHips::Loops {
     [[gnu::always_inline]] static void turn(double zero,
                                             double count,
@@ -76,13 +76,13 @@ struct ManyHips::Loops {
 
 ManyHips::ManyHips(const PantographSpec& machine) noexcept
     : linkage_(machine.linkage), frame_(machine.origin, machine.turn) {
-    constexpr double kMostCounts = -static_cast<double>(std::numeric_limits<std::int32_t>::min());
+    constexpr double kMaxCounts = -static_cast<double>(std::numeric_limits<std::int32_t>::min());
     near_ = true;
     for (std::size_t i = 0; i < 2; ++i) {
         zero_[i] = machine.axes[i].zero;
         count_[i] = machine.axes[i].count_angle();
-        const double most = std::fabs(zero_[i]) + kMostCounts * count_[i];
-        near_ = near_ && quarters_of(most) + 1.0 < kMostQuarters;
+        const double largest = std::fabs(zero_[i]) + kMaxCounts * count_[i];
+        near_ = near_ && quarters_of(largest) + 1.0 < kMaxQuarters;
     }
 }
 

@@ -7,15 +7,17 @@
 
 namespace palpate::engine {
 
-/// HIP of many encoder readings at once: with AVX2 about four times as fast as one by one. A plain value.
+/// HIP of many encoder readings at once: with AVX2 about four times as fast as one by one. A plain
+/// value.
 class ManyHips {
 public:
     using Counts = Pantograph::Counts;
 
+    /// @param machine  linkage, zeros and counts per turn of the readings
     explicit ManyHips(const PantographSpec& machine) noexcept;
 
-    /// Object frame, m: to the bit what FiveBar::forward and the object frame make of each reading, NaN
-    /// where the linkage has no pose. @param hips  as many as `counts`
+    /// Object frame, m: to the bit what FiveBar::forward and the object frame make of each reading,
+    /// NaN where the linkage has no pose. @param hips  as many as `counts`
     void of(std::span<const Counts> counts, std::span<Vec2> hips) const noexcept;
 
 private:

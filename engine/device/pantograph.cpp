@@ -9,12 +9,12 @@ namespace {
 constexpr double kTurn = 2.0 * kPi;
 
 std::int32_t rounded(double value) noexcept {
-    constexpr double kMost = std::numeric_limits<std::int32_t>::max();
+    constexpr double kMax = std::numeric_limits<std::int32_t>::max();
     const double whole = std::floor(value + 0.5);
-    if (!(std::fabs(whole) <= kMost)) {
-        return whole > kMost  ? std::numeric_limits<std::int32_t>::max()
-             : whole < -kMost ? -std::numeric_limits<std::int32_t>::max()
-                              : 0;
+    if (!(std::fabs(whole) <= kMax)) {
+        return whole > kMax  ? std::numeric_limits<std::int32_t>::max()
+             : whole < -kMax ? -std::numeric_limits<std::int32_t>::max()
+                             : 0;
     }
     return static_cast<std::int32_t>(whole);
 }
@@ -48,7 +48,7 @@ std::optional<Pantograph::Fix> Pantograph::locate(const JointAngles& angles) con
     if (!pose) {
         return std::nullopt;
     }
-    const double clearance = spec_.linkage.clearance(*pose).least();
+    const double clearance = spec_.linkage.clearance(*pose).min();
     const auto jacobian = spec_.linkage.jacobian(*pose);
     if (!(clearance >= spec_.clearance) || !jacobian) {
         return std::nullopt;
@@ -76,10 +76,10 @@ Pantograph::Drive Pantograph::drive(const Fix& fix, const Vec2& force) const noe
     Drive drive;
     drive.torque = fix.jacobian.transposed(force);
     const auto& [one, two] = spec_.axes;
-    const double most = std::fmax(std::fabs(drive.torque.x) / one.torque_limit,
-                                  std::fabs(drive.torque.y) / two.torque_limit);
-    if (most > 1.0) {
-        drive.torque /= most;
+    const double largest = std::fmax(std::fabs(drive.torque.x) / one.torque_limit,
+                                     std::fabs(drive.torque.y) / two.torque_limit);
+    if (largest > 1.0) {
+        drive.torque /= largest;
         drive.saturated = true;
     }
     drive.load = {std::fabs(drive.torque.x) / one.torque_forever,

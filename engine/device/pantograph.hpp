@@ -18,7 +18,7 @@ public:
     struct Fix {
         Vec2 hip{};              ///< object frame, m
         Jacobian jacobian{};     ///< of hip by the joint angles, m/rad, object frame
-        double clearance = 0.0;  ///< from the next singular pose, m (Clearance::least)
+        double clearance = 0.0;  ///< from the next singular pose, m (Clearance::min)
     };
 
     /// Torques of both motors.
@@ -31,26 +31,29 @@ public:
     /// @throws std::invalid_argument what check() refuses
     explicit Pantograph(const PantographSpec& spec);
 
+    /// Angles of the driven links, rad, from the counts of their encoders.
     [[nodiscard]] JointAngles angles(const Counts& counts) const noexcept;
     /// The nearest counts; the ends of 32 bits beyond them, 0 for what is not a number.
     [[nodiscard]] Counts counts(const JointAngles& angles) const noexcept;
     /// None where the linkage has no pose, one in another working mode, or one within the machine's
     /// clearance of a singular pose.
     [[nodiscard]] std::optional<Fix> locate(const JointAngles& angles) const noexcept;
-    /// Joint angles with the handle at `hip`; none where `locate` would refuse them. Whole turns are
-    /// added until each lies within half a turn of the axis' `zero`, so that its counts are small.
+    /// Joint angles with the handle at `hip`; none where `locate` would refuse them. Whole turns
+    /// are added until each lies within half a turn of the axis' `zero`, so that its counts are
+    /// small.
     [[nodiscard]] std::optional<JointAngles> reach(const Vec2& hip) const noexcept;
     /// tau = J^T F, both torques scaled alike into the limits: the force keeps its direction.
     /// @param force  finite, N, object frame
     [[nodiscard]] Drive drive(const Fix& fix, const Vec2& force) const noexcept;
-    /// The largest force that the motors can give in every direction at `hip`, N; none if the handle
-    /// cannot be there. Motor i holds F in the direction of column i of J with F |column i|, its worst:
-    /// the least of torque_limit / |column|.
+    /// The largest force that the motors can give in every direction at `hip`, N; none if the
+    /// handle cannot be there. Motor i holds F in the direction of column i of J with F |column i|,
+    /// its worst: the least of torque_limit / |column|.
     [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept;
-    /// How far one count of the worst mix of both encoders moves HIP, and of the best, m: the singular
-    /// values of J diag(2 pi / counts_per_turn).
+    /// How far one count of the worst mix of both encoders moves HIP, and of the best, m: the
+    /// singular values of J diag(2 pi / counts_per_turn).
     [[nodiscard]] SingularValues quantum(const Fix& fix) const noexcept;
 
+    /// The machine as it was given.
     [[nodiscard]] const PantographSpec& spec() const noexcept { return spec_; }
 
 private:

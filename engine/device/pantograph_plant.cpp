@@ -11,8 +11,8 @@
 namespace palpate::engine {
 namespace {
 
-/// s. A whole part of the periods at 1, 2, 4, 5 and 10 kHz; the error of a step is that of a hand of
-/// 10 Hz, (2 pi 10 Hz 50 us)^2 / 12 = 1e-6 of the motion.
+/// s. A whole part of the periods at 1, 2, 4, 5 and 10 kHz; the error of a step is that of a hand
+/// of 10 Hz, (2 pi 10 Hz 50 us)^2 / 12 = 1e-6 of the motion.
 constexpr double kSubStep = 50e-6;
 constexpr double kLongestAdvance = 1.0;  ///< s
 

@@ -6,7 +6,8 @@
 
 namespace palpate::engine {
 
-/// The hand that holds the handle: a mass on the handle, and spring and damper to where it means to be.
+/// The hand that holds the handle: a mass on the handle, and spring and damper to where it means to
+/// be.
 struct HandModel {
     double mass = 0.100;       ///< kg that move with the handle
     double stiffness = 300.0;  ///< N/m towards the intention
@@ -48,14 +49,16 @@ public:
     /// @throws std::invalid_argument if the linkage cannot reach the start
     void begin(const Exploration& plan);
 
-    /// Commands both motors; holds until the next command. Each is clamped to its limit; what is not
-    /// a number is 0.
+    /// Commands both motors; holds until the next command. Each is clamped to its limit; what is
+    /// not a number is 0.
     void set_torque(const Vec2& newton_metres) noexcept;
     /// Lets time pass: nothing for 0, less, or what is not a number; at most 1 s a call.
     void advance(double seconds) noexcept;
 
+    /// Torque of the motors now, N m, after their current has followed.
     [[nodiscard]] JointAngles angles() const noexcept { return angles_; }  ///< rad
     [[nodiscard]] Vec2 rates() const noexcept { return rates_; }           ///< rad/s
+    /// Torque of the motors now, N m, after their current has followed.
     [[nodiscard]] Vec2 torque() const noexcept {
         return torque_;
     }  ///< N m, what the motors give now
@@ -68,6 +71,7 @@ public:
     /// Kinetic energy of links, handle and hand, J; 0 when lost.
     [[nodiscard]] double kinetic_energy() const noexcept;
 
+    /// The model as it was given.
     [[nodiscard]] const PlantModel& model() const noexcept { return model_; }
 
 private:

@@ -6,9 +6,10 @@
 
 namespace palpate::engine {
 
-/// A screen pointer as the handle: the window publishes where it is, the servo reads the latest value.
-/// It gives no force. Safe between one publishing and one reading thread: both coordinates travel
-/// in one atomic word of two 32-bit steps of kStep, so that a point is never half old and half new.
+/// A screen pointer as the handle: the window publishes where it is, the servo reads the latest
+/// value. It gives no force. Safe between one publishing and one reading thread: both coordinates
+/// travel in one atomic word of two 32-bit steps of kStep, so that a point is never half old and
+/// half new.
 class PointerDevice : public Device {
 public:
     /// Resolution of a published position, m: far below a pixel.

@@ -23,14 +23,14 @@ Coded coded(const Axis& axis, double torque) noexcept {
 
 }  // namespace
 
-double least_handle_damping(const PlantModel& model) {
+double min_handle_damping(const PlantModel& model) {
     constexpr double kStep = 0.005;
     constexpr int kWide = 8;   // 40 mm to each side
     constexpr int kHigh = 12;  // 60 mm above the chord
     const Pantograph machine(model.machine);
     const double damp_1 = std::sqrt(model.damping.x);
     const double damp_2 = std::sqrt(model.damping.y);
-    double least = std::numeric_limits<double>::infinity();
+    double lowest = std::numeric_limits<double>::infinity();
     for (int i = -kWide; i <= kWide; ++i) {
         for (int k = 0; k <= kHigh; ++k) {
             const auto angles = machine.reach({i * kStep, k * kStep});
@@ -44,10 +44,10 @@ double least_handle_damping(const PlantModel& model) {
             const Jacobian s{.row_x = Vec2{j.row_y.y, -j.row_x.y} * (damp_1 / det),
                              .row_y = Vec2{-j.row_y.x, j.row_x.x} * (damp_2 / det)};
             const double smallest = singular_values(s).smallest;
-            least = std::fmin(least, smallest * smallest);
+            lowest = std::fmin(lowest, smallest * smallest);
         }
     }
-    return std::isfinite(least) ? least : 0.0;
+    return std::isfinite(lowest) ? lowest : 0.0;
 }
 
 SimulatedPantograph::SimulatedPantograph(const PantographModel& model, double period)
@@ -65,7 +65,7 @@ SimulatedPantograph::SimulatedPantograph(const PantographModel& model, double pe
     }
     const PantographSpec& spec = model.plant.machine;
     traits_ = {.gives_force = true,
-               .damping = spec.damping ? *spec.damping : least_handle_damping(model.plant),
+               .damping = spec.damping ? *spec.damping : min_handle_damping(model.plant),
                .delay_ticks = model.delay_ticks + model.plant.current_time / period,
                .motor_time = spec.motor_time};
 }

@@ -16,9 +16,10 @@ struct PantographModel {
 
 /// A five-bar pantograph and the hand that holds it, as one device on a virtual clock.
 ///
-/// What a real one would do between two ticks: the torques are rounded to DAC codes and limited, act a
-/// tick late, are held over the tick (zero-order hold) and filtered by the motors' current; HIP is
-/// what the rounded encoder counts say. See engine/device/pantograph_plant.hpp for the mechanics.
+/// What a real one would do between two ticks: the torques are rounded to DAC codes and limited,
+/// act a tick late, are held over the tick (zero-order hold) and filtered by the motors' current;
+/// HIP is what the rounded encoder counts say. See engine/device/pantograph_plant.hpp for the
+/// mechanics.
 class SimulatedPantograph : public Device {
 public:
     /// @param period  s between ticks, > 0
@@ -55,6 +56,6 @@ private:
 
 /// The least damping at the handle that joint damping gives, N s/m: the smallest eigenvalue of
 /// J^-T B J^-1 on a grid of 5 mm over the study's 80 x 60 mm, as far as they can be reached.
-[[nodiscard]] double least_handle_damping(const PlantModel& model);
+[[nodiscard]] double min_handle_damping(const PlantModel& model);
 
 }  // namespace palpate::engine

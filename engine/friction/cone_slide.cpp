@@ -9,22 +9,20 @@ namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-/// Steps before a slide gives up for this tick; 2 or 3 are usual. Enough for 30 doublings and 60 halvings.
+/// Steps before a slide gives up for this tick; 2 or 3 are usual. Enough for 30 doublings and 60
+/// halvings.
 constexpr int kMaxSteps = 128;
 
-/// Newton's steps before they are doubled each time, and before halvings take turns with them: where the
-/// speed of the curve changes by powers of ten, Newton's iteration in u creeps.
+/// Newton's steps before they are doubled each time, and before halvings take turns with them:
+/// where the speed of the curve changes by powers of ten, Newton's iteration in u creeps.
 constexpr int kPatience = 6;
 
-/// |C'|^2 below this share of |C''|^2: the curve all but stands still, and no Taylor series helps.
-constexpr double kStill2 = 1e-12;
-
-/// A stretch squared that has grown by more than this share has grown; less may be rounding where the
-/// stretch is 1e-9 of the coordinates.
+/// A stretch squared that has grown by more than this share has grown; less may be rounding where
+/// the stretch is 1e-9 of the coordinates.
 constexpr double kGrown = 1e-6;
 
-/// A step of u that turns the tangent by less than this is finished by the curve's Taylor series, whose
-/// tangent is then right to 1e-16.
+/// A step of u that turns the tangent by less than this is finished by the curve's Taylor series,
+/// whose tangent is then right to 1e-16.
 constexpr double kTaylor = 0x1p-27;
 
 /// The last nudge over the root grows by 4 at a time: 2^19 last bits of u are 1e-10 of the span.
@@ -112,7 +110,8 @@ private:
         slide_.u = u;
         slide_.jet = curve_.at(u);
         at_ = fall_at<HasFriction>(slide_.jet, h_, mu_, dir_);
-        // On the way to the first root the stretch only falls: where it has grown there is another root.
+        // On the way to the first root the stretch only falls: where it has grown there is another
+        // root.
         const double now2 = stretch2();
         newton_fits_ = now2 <= stretch2_ * (1.0 + kGrown);
         if (at_.excess <= 0.0 || !newton_fits_) {
@@ -156,9 +155,9 @@ private:
         return SlideEnd::in_cone;
     }
 
-    /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact stuck.
-    /// False, and nothing moved, if that does not lead into the cone: close to a centre of curvature the
-    /// excess may not fall at first.
+    /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact
+    /// stuck. False, and nothing moved, if that does not lead into the cone: close to a centre of
+    /// curvature the excess may not fall at first.
     bool finish(double step) noexcept {
         const double u = slide_.u;
         const Jet<2> jet = slide_.jet;
@@ -177,7 +176,8 @@ private:
         return false;
     }
 
-    /// The bracket is as narrow as doubles are, or the steps are used up: the side in the cone, if it is.
+    /// The bracket is as narrow as doubles are, or the steps are used up: the side in the cone, if
+    /// it is.
     Slide close() noexcept {
         if (bracketed_ && slide_.u != beyond_) {
             move_to(beyond_);

@@ -50,9 +50,9 @@ struct Slide {
 ///     ds = (dir tau - mu nu) / max(1 - kappa (nu + mu |tau|), 1/4)
 ///
 /// is Newton's step, since d(dir tau - mu nu)/ds = -(1 - kappa (nu + mu |tau|)) along a curve with
-/// curvature kappa; the floor keeps it finite near a centre of curvature. Here it is taken in u on the
-/// form times |C'|, where it needs neither the unit frame nor the curvature. A step past the root is
-/// closed in between brackets, and the end is the root to rounding, on its inner side.
+/// curvature kappa; the floor keeps it finite near a centre of curvature. Here it is taken in u on
+/// the form times |C'|, where it needs neither the unit frame nor the curvature. A step past the
+/// root is closed in between brackets, and the end is the root to rounding, on its inner side.
 /// @param jet  of the curve at u
 /// @pre the excess is > 0 at u, in direction dir
 template <bool HasFriction>

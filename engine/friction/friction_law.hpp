@@ -8,11 +8,12 @@ namespace palpate::engine {
 struct Friction {
     double mu_s = 0.0;  ///< static coefficient, >= mu_d
     double mu_d = 0.0;  ///< dynamic coefficient, >= 0
-    double tau_slip =
-        0.0;  ///< s, >= 0; time constant of the fall to mu_d while slipping, 0: at once
-    double tau_heal =
-        0.0;  ///< s, >= 0; time constant of the recovery to mu_s while stuck, 0: at once
+    /// s, >= 0; time constant of the fall to mu_d while slipping, 0: at once
+    double tau_slip = 0.0;
+    /// s, >= 0; time constant of the recovery to mu_s while stuck, 0: at once
+    double tau_heal = 0.0;
 
+    /// There is no friction.
     [[nodiscard]] bool none() const noexcept { return mu_s == 0.0; }
 };
 
@@ -28,6 +29,7 @@ struct Stretch {
     double load = 0.0;    ///< -r . n, m: penetration along the normal, > 0 inside
 };
 
+/// `r` = HIP - GO seen from the frame of a god-object. @param normal  unit, outward
 template <int D>
 [[nodiscard]] Stretch<D> stretch(const Vec<D>& r, const Vec<D>& normal) noexcept {
     Stretch<D> s;

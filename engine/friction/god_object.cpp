@@ -10,28 +10,23 @@
 namespace palpate::engine {
 namespace {
 
-/// Features visited in one tick before the walk gives up until the next: a guard against a cycle of
-/// rounding errors, far above what a hand can cross in a millisecond.
-constexpr int kMaxFeatures = 64;
+/// Spans and seams visited in one tick before the walk gives up until the next: a guard against a
+/// cycle of rounding errors, far above what a hand can cross in a millisecond.
+constexpr int kMaxVisits = 64;
 
-/// A curve that moves less than this share of its own bending, |C'| < 1e-6 |C''|, stands still: an end
-/// with repeated control points or a cusp, where the tangent is that of the end.
-constexpr double kStill2 = 1e-12;
-
-/// An end of a span, in u: within this |C'| < 1e-6 |C''| where C' vanishes at the end itself.
-constexpr double kNearEnd = 1e-5;
-
-/// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the curve.
+/// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the
+/// curve.
 constexpr double kSetOut = 0x1p-14;
 
-/// Or with a step that takes it this share of the stretch away: beside heavy control points u is coarse.
+/// Or with a step that takes it this share of the stretch away: beside heavy control points u is
+/// coarse.
 constexpr double kSetOutShare = 1e-3;
 constexpr int kMaxSetOuts = 16;
 
 /// A frictionless GO closer than this to its foot, in u, rests there.
 constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
 
-/// What happens after a step on one feature.
+/// What happens after a step on one span or seam.
 enum class Next : std::uint8_t { go_on, stop };
 
 /// The stretch in a unit frame with tangent t.
@@ -54,24 +49,24 @@ public:
         : outline_(outline), go_(go), h_(h), mu_(mu), budget_(budget), radius_(radius) {}
 
     Walk run() noexcept {
-        for (int i = 0; i < kMaxFeatures; ++i) {
+        for (int i = 0; i < kMaxVisits; ++i) {
             if (step() == Next::stop) {
                 return walk_;
             }
         }
         settle_at(cone(outline_, go_));
-        walk_.held_outside = true;
+        walk_.outside_cone = true;
         walk_.out_of_budget = true;
         return walk_;
     }
 
 private:
     Next step() noexcept {
-        if (!go_.place.on_joint) {
+        if (!go_.place.on_seam) {
             return on_span();
         }
-        const Joint& joint = outline_.joints()[go_.place.index];
-        return joint.kind == JointKind::concave ? in_corner(joint) : on_fan(joint);
+        const Seam& seam = outline_.seams()[go_.place.index];
+        return seam.kind == SeamKind::concave ? in_corner(seam) : on_fan(seam);
     }
 
     [[nodiscard]] ConeState cone(const Vec2& point, const Vec2& tangent) const noexcept {
@@ -82,28 +77,28 @@ private:
     }
 
     [[nodiscard]] ConeState cone(const Outline& outline, const GodObject& go) const noexcept {
-        if (go.place.on_joint) {
-            const Joint& joint = outline.joints()[go.place.index];
-            return cone(joint.point, fan_tangent(joint, go.place.parameter));
+        if (go.place.on_seam) {
+            const Seam& seam = outline.seams()[go.place.index];
+            return cone(seam.point, fan_tangent(seam, go.place.parameter));
         }
-        const double speed2 = glm::dot(go.jet.first, go.jet.first);
-        if (stands_still(go, speed2)) {
+        if (at_still_end(go)) {
             return cone(go.jet.point,
                         end_tangent(outline.spans()[go.place.index], go.place.parameter > 0.5));
         }
+        const double speed2 = glm::dot(go.jet.first, go.jet.first);
         return cone(go.jet.point, go.jet.first * (1.0 / std::sqrt(speed2)));
     }
 
     /// At an end, that is. Inside of a span a hairpin may be as slow, but its tangent is its own.
-    static bool stands_still(const GodObject& go, double speed2) noexcept {
-        return speed2 <= kStill2 * glm::dot(go.jet.second, go.jet.second) &&
-               (near_end(go.place.parameter) || speed2 == 0.0);
+    static bool at_still_end(const GodObject& go) noexcept {
+        return stands_still(go.jet) &&
+               (near_end(go.place.parameter) || glm::dot(go.jet.first, go.jet.first) == 0.0);
     }
-    static bool near_end(double u) noexcept { return u < kNearEnd || u > 1.0 - kNearEnd; }
+    static bool near_end(double u) noexcept { return u < kStillEnd || u > 1.0 - kStillEnd; }
 
     /// The walk ends here, with this stretch.
     Next settle_at(const ConeState& s) noexcept {
-        walk_.point = go_.place.on_joint ? outline_.joints()[go_.place.index].point : go_.jet.point;
+        walk_.point = go_.place.on_seam ? outline_.seams()[go_.place.index].point : go_.jet.point;
         walk_.tangent = s.tangent;
         walk_.normal = perp(s.tangent);
         walk_.tau = s.tau;
@@ -121,15 +116,15 @@ private:
         return true;
     }
 
-    Next hold_outside(bool out_of_budget) noexcept {
-        walk_.held_outside = true;
+    Next stop_outside(bool out_of_budget) noexcept {
+        walk_.outside_cone = true;
         walk_.out_of_budget = out_of_budget;
         return Next::stop;
     }
 
     Next on_span() noexcept {
         const Drive drive = drive_at(go_.jet, h_);
-        if (stands_still(go_, drive.speed2)) {
+        if (at_still_end(go_)) {
             return from_still_end();
         }
         const double rest = HasFriction ? 0.0 : kRest * drive.speed2;
@@ -138,7 +133,7 @@ private:
         }
         if (!goes(drive.tangential)) {
             settle_at(cone(outline_, go_));
-            return hold_outside(false);
+            return stop_outside(false);
         }
         return slide();
     }
@@ -147,7 +142,7 @@ private:
         const std::size_t index = go_.place.index;
         if (used_ >= budget_) {
             settle_at(cone(outline_, go_));
-            return hold_outside(true);
+            return stop_outside(true);
         }
         const Slide slide =
             slide_to_cone<HasFriction>(outline_.spans()[index], h_, mu_, go_.place.parameter,
@@ -162,15 +157,15 @@ private:
         if (slide.end == SlideEnd::at_end) {
             return over_end(index);
         }
-        if (slide.end == SlideEnd::in_cone &&
-            stands_still(go_, glm::dot(go_.jet.first, go_.jet.first))) {
+        if (slide.end == SlideEnd::in_cone && at_still_end(go_)) {
             return Next::go_on;  // where C' = 0 the excess is nothing: the end's tangent decides
         }
         settle_at(cone(outline_, go_));
-        return slide.end == SlideEnd::out_of_budget ? hold_outside(true) : Next::stop;
+        return slide.end == SlideEnd::out_of_budget ? stop_outside(true) : Next::stop;
     }
 
-    /// Where C' = 0 the drive in u says nothing: the end's tangent decides, and the first step is given.
+    /// Where C' = 0 the drive in u says nothing: the end's tangent decides, and the first step is
+    /// given.
     Next from_still_end() noexcept {
         const ConeState s = cone(outline_, go_);
         if (s.excess <= 0.0) {
@@ -178,7 +173,7 @@ private:
         }
         if (!goes(s.tau)) {
             settle_at(s);
-            return hold_outside(false);
+            return stop_outside(false);
         }
         double& u = go_.place.parameter;
         if (near_end(u) && (direction_ > 0.0 ? u > 0.5 : u <= 0.5)) {
@@ -187,7 +182,8 @@ private:
         return set_out();
     }
 
-    /// From where the curve stands still to a place near by, measured by the stretch, where it does not.
+    /// From where the curve stands still to a place near by, measured by the stretch, where it does
+    /// not.
     Next set_out() noexcept {
         const RationalBezier<2>& curve = outline_.spans()[go_.place.index];
         const double near = kSetOutShare * glm::length(h_ - go_.jet.point);
@@ -211,20 +207,20 @@ private:
 
     Next over_end(std::size_t span) noexcept {
         const bool forward = direction_ > 0.0;
-        const auto joint = outline_.joint_beyond(span, forward);
-        if (!joint) {  // an open end holds the GO
+        const auto seam = outline_.seam_beyond(span, forward);
+        if (!seam) {  // an open end holds the GO
             settle_at(cone(outline_, go_));
-            return hold_outside(false);
+            return stop_outside(false);
         }
-        go_.place = {.on_joint = true,
-                     .index = *joint,
-                     .parameter = forward ? 0.0 : outline_.joints()[*joint].turn};
+        go_.place = {.on_seam = true,
+                     .index = *seam,
+                     .parameter = forward ? 0.0 : outline_.seams()[*seam].turn};
         return Next::go_on;
     }
 
     /// Convex (or smooth) vertex: turn the normal through the fan. While HIP drives the GO on, the
     /// excess only grows with the angle, so the fan is crossed whole unless the budget ends.
-    Next on_fan(const Joint& joint) noexcept {
+    Next on_fan(const Seam& seam) noexcept {
         double& phi = go_.place.parameter;
         const ConeState s = cone(outline_, go_);
         if (s.excess <= 0.0) {
@@ -232,55 +228,53 @@ private:
         }
         if (!goes(s.tau)) {
             settle_at(s);
-            return hold_outside(false);
+            return stop_outside(false);
         }
         if (used_ >= budget_) {
             settle_at(s);
-            return hold_outside(true);
+            return stop_outside(true);
         }
         if (s.nu < 0.0) {  // HIP has left over the tip: its normal lies within the fan
             const ConeState far =
-                cone(joint.point, direction_ > 0.0 ? joint.tangent_out : joint.tangent_in);
+                cone(seam.point, direction_ > 0.0 ? seam.tangent_out : seam.tangent_in);
             if (direction_ * far.tau <= 0.0) {
                 return settle_at(s);
             }
         }
-        const double to_go = direction_ > 0.0 ? joint.turn - phi : phi;
+        const double to_go = direction_ > 0.0 ? seam.turn - phi : phi;
         const double price = radius_ * to_go;
         if (price > budget_ - used_) {
             phi += direction_ * (budget_ - used_) / radius_;
             used_ = budget_;
             const ConeState turned = cone(outline_, go_);
             settle_at(turned);
-            return turned.excess > 0.0 && direction_ * turned.tau > 0.0 ? hold_outside(true)
+            return turned.excess > 0.0 && direction_ * turned.tau > 0.0 ? stop_outside(true)
                                                                         : Next::stop;
         }
         used_ += price;
-        leave(joint, direction_);
+        leave(seam, direction_);
         return Next::go_on;
     }
 
     /// Concave vertex: two normals, two loads. F = K (V - h) is carried by both together.
-    Next in_corner(const Joint& joint) noexcept {
-        const ConeState after = cone(joint.point, joint.tangent_out);
-        const ConeState before = cone(joint.point, joint.tangent_in);
+    Next in_corner(const Seam& seam) noexcept {
+        const ConeState after = cone(seam.point, seam.tangent_out);
+        const ConeState before = cone(seam.point, seam.tangent_in);
         const bool drives_on = after.tau > 0.0 && after.excess > 0.0 && direction_ >= 0.0;
         const bool drives_back = before.tau < 0.0 && before.excess > 0.0 && direction_ <= 0.0;
         if ((drives_on || drives_back) && used_ < budget_) {
             direction_ = drives_on ? 1.0 : -1.0;
-            leave(joint, direction_);
+            leave(seam, direction_);
             return Next::go_on;
         }
-        settle_corner(joint, before, after);
+        settle_corner(seam, before, after);
         walk_.out_of_budget = drives_on || drives_back;
-        walk_.held_outside = walk_.out_of_budget && walk_.nu <= 0.0;  // no curve carries a pull
+        walk_.outside_cone = walk_.out_of_budget && walk_.nu <= 0.0;  // no curve carries a pull
         return Next::stop;
     }
 
     /// The normal of a corner is the one of its internal fan that lies nearest to the force.
-    void settle_corner(const Joint& joint,
-                       const ConeState& before,
-                       const ConeState& after) noexcept {
+    void settle_corner(const Seam& seam, const ConeState& before, const ConeState& after) noexcept {
         go_.place.parameter = 0.0;
         walk_.in_corner = true;
         if (after.tau >= 0.0) {
@@ -288,22 +282,22 @@ private:
         } else if (before.tau <= 0.0) {
             settle_at(before);
         } else {
-            const Vec2 gap = joint.point - h_;
+            const Vec2 gap = seam.point - h_;
             const double length = glm::length(gap);
             const Vec2 normal = length > 0.0 ? gap / length : perp(after.tangent);
             settle_at({.tangent = -perp(normal), .nu = length});
         }
     }
 
-    void leave(const Joint& joint, double direction) noexcept {
+    void leave(const Seam& seam, double direction) noexcept {
         go_ = god_object_at(outline_, direction > 0.0
-                                          ? Place{.index = joint.after, .parameter = 0.0}
-                                          : Place{.index = joint.before, .parameter = 1.0});
+                                          ? Place{.index = seam.after, .parameter = 0.0}
+                                          : Place{.index = seam.before, .parameter = 1.0});
     }
 
-    static Vec2 fan_tangent(const Joint& joint, double phi) noexcept {
+    static Vec2 fan_tangent(const Seam& seam, double phi) noexcept {
         const SinCos turn = sin_cos(phi);
-        return turn.cos * joint.tangent_in - turn.sin * perp(joint.tangent_in);
+        return turn.cos * seam.tangent_in - turn.sin * perp(seam.tangent_in);
     }
 
     const Outline& outline_;
@@ -320,7 +314,7 @@ private:
 }  // namespace
 
 GodObject god_object_at(const Outline& outline, const Place& place) noexcept {
-    if (place.on_joint) {
+    if (place.on_seam) {
         return {.place = place};
     }
     return {.place = place, .jet = outline.spans()[place.index].at(place.parameter)};

@@ -7,20 +7,22 @@ namespace palpate::engine {
 
 /// Budget of one tick's walk and the price of a vertex, the "vertex slew".
 struct Slew {
-    double speed =
-        0.0;  ///< v_r, m/s: travel allowed beyond what HIP's own motion needs; 0: no slew
+    /// v_r, m/s: travel allowed beyond what HIP's own motion needs; 0: no slew
+    double speed = 0.0;
     double radius = 0.0;  ///< rho_v, m of budget per radian of a convex vertex's fan
 
+    /// There is no vertex slew.
     [[nodiscard]] bool none() const noexcept { return speed == 0.0; }
 };
 
-/// Where the god-object is. On a span it keeps the curve's jet, so that a tick in which it stays costs
-/// no evaluation.
+/// Where the god-object is. On a span it keeps the curve's jet, so that a tick in which it stays
+/// costs no evaluation.
 struct GodObject {
     Place place{};
-    Jet<2> jet{};  ///< of the span at the place; unused on a joint
+    Jet<2> jet{};  ///< of the span at the place; unused on a seam
 };
 
+/// A god-object at `place`. @pre the place is one of `outline`
 [[nodiscard]] GodObject god_object_at(const Outline& outline, const Place& place) noexcept;
 
 /// The god-object after a walk, with what the force needs to know.
@@ -31,7 +33,7 @@ struct Walk {
     double tau = 0.0;           ///< r . t, m
     double nu = 0.0;            ///< -r . n, m
     double slid = 0.0;          ///< arc length the GO slid along spans, m
-    bool held_outside = false;  ///< stopped outside its cone: the budget ran out, or at an open end
+    bool outside_cone = false;  ///< stopped outside its cone: the budget ran out, or at an open end
     bool out_of_budget = false;
     bool in_corner = false;  ///< rests in a concave vertex, whose two normals carry together
 };

@@ -4,8 +4,9 @@
 
 namespace palpate::engine {
 
-/// How much of the Stribeck state theta survives one tick. Needs exp, so it is computed once a scene
-/// (stribeck_decay, called when a scene is compiled) and kept with the session: exp differs between machines.
+/// How much of the Stribeck state theta survives one tick. Needs exp, so it is computed once a
+/// scene (stribeck_decay, called when a scene is compiled) and kept with the session: exp differs
+/// between machines.
 struct StribeckDecay {
     double slip = 0.0;  ///< exp(-T / tau_slip), 0 when tau_slip = 0
     double heal = 0.0;  ///< exp(-T / tau_heal), 0 when tau_heal = 0

@@ -21,8 +21,8 @@ constexpr double kNoise = 64.0 * std::numeric_limits<double>::epsilon();
 /// Control points nearer than this share of the size are the same.
 constexpr double kSamePoint = 1e-12;
 
-/// One component of the hodograph and, of each coefficient, how much of it may be rounding. Both are
-/// halved alike: beside light control points the hodograph is 1e-12 of what it is elsewhere.
+/// One component of the hodograph and, of each coefficient, how much of it may be rounding. Both
+/// are halved alike: beside light control points the hodograph is 1e-12 of what it is elsewhere.
 struct Component {
     Bernstein value;
     Bernstein noise;

@@ -32,18 +32,22 @@ public:
                std::size_t points,
                std::string_view name = "knots");
 
+    /// Degree of the pieces.
     [[nodiscard]] int degree() const noexcept { return degree_; }
+    /// The knots as they were given.
     [[nodiscard]] const std::vector<double>& values() const noexcept { return values_; }
+    /// The pieces, in the order of u; none is empty.
     [[nodiscard]] const std::vector<Interval>& intervals() const noexcept { return intervals_; }
+    /// The first and the last u of the domain.
     [[nodiscard]] double front() const noexcept { return values_.front(); }
     [[nodiscard]] double back() const noexcept { return values_.back(); }
 
     /// Index of the piece that holds u: [lo, hi), the last one closed. Outside: the nearest piece.
     [[nodiscard]] std::size_t interval_of(double u) const noexcept;
 
-    /// Bezier control points of piece `i` of the spline with control values `control` (one a control
-    /// point, `stride` apart): the blossom at lo (degree - j times) and hi (j times), j = 0 .. degree
-    /// (Ramshaw 1989; Piegl & Tiller, The NURBS Book, 5.3). Convex combinations only.
+    /// Bezier control points of piece `i` of the spline with control values `control` (one a
+    /// control point, `stride` apart): the blossom at lo (degree - j times) and hi (j times), j = 0
+    /// .. degree (Ramshaw 1989; Piegl & Tiller, The NURBS Book, 5.3). Convex combinations only.
     template <class Value>
     [[nodiscard]] std::vector<Value> bezier_points(std::size_t i,
                                                    std::span<const Value> control,
@@ -74,7 +78,8 @@ std::vector<Value> KnotVector::bezier_points(std::size_t i,
             for (std::size_t k = p; k >= level; --k) {
                 const double lo = values_[first + k];
                 const double hi = values_[first + k + p - level + 1];
-                // Both shares by themselves: 1 - share would lose digits that weights of 1e3 bring back.
+                // Both shares by themselves: 1 - share would lose digits that weights of 1e3 bring
+                // back.
                 d[k] = ((hi - u) / (hi - lo)) * d[k - 1] + ((u - lo) / (hi - lo)) * d[k];
             }
         }

@@ -1,19 +1,20 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
-#include "engine/geometry/knots.hpp"
 #include "engine/geometry/rational_bezier.hpp"
 
 namespace palpate::engine {
 
 /// A NURBS curve in D = 2 or 3 dimensions, split once into its rational Bezier spans.
 ///
-///     C(u) = sum N_i,p(u) w_i P_i / sum N_i,p(u) w_i        Piegl & Tiller, The NURBS Book, eq. 4.1
+///     C(u) = sum N_i,p(u) w_i P_i / sum N_i,p(u) w_i        Piegl & Tiller, The NURBS Book, eq.
+///     4.1
 ///                                                            (thesis eq. 2.1 to 2.5)
-/// u runs over [front, back] of the knot vector; the last span is closed, so that C(back) is the last
-/// control point (the thesis' half-open eq. 2.3 leaves it undefined).
+/// u runs over [front, back] of the knot vector; the last span is closed, so that C(back) is the
+/// last control point (the thesis' half-open eq. 2.3 leaves it undefined).
 template <int D>
 class NurbsCurve {
 public:
@@ -38,12 +39,16 @@ public:
         spans_.push_back({span, 0.0, 1.0});
     }
 
+    /// Degree of all spans.
     [[nodiscard]] int degree() const noexcept { return degree_; }
+    /// The first and the last u of the domain.
     [[nodiscard]] double front() const noexcept { return spans_.front().lo; }
     [[nodiscard]] double back() const noexcept { return spans_.back().hi; }
+    /// The spans in the order of u; at least one.
     [[nodiscard]] const std::vector<Span>& spans() const noexcept { return spans_; }
 
-    /// C, C' and C'' at u, per unit of u. Outside of the domain the end span goes on as a polynomial.
+    /// C, C' and C'' at u, per unit of u. Outside of the domain the end span goes on as a
+    /// polynomial.
     [[nodiscard]] Jet<D> at(double u) const noexcept;
     /// Index of the span that holds u.
     [[nodiscard]] std::size_t span_of(double u) const noexcept;
@@ -55,5 +60,38 @@ private:
 
 extern template class NurbsCurve<2>;
 extern template class NurbsCurve<3>;
+
+/// Where a span comes from: parameters [lo, hi] of the experimenter's segment.
+struct SpanName {
+    std::size_t segment = 0;
+    double lo = 0.0;
+    double hi = 1.0;
+    double ratio = 1.0;  ///< r of balanced(); 1 for nearly all curves
+
+    /// The segment's own parameter at t in [0, 1] of the span: t / (t + r (1 - t)) of the way.
+    [[nodiscard]] double parameter(double t) const noexcept {
+        const double share = ratio == 1.0 ? t : t / (t + ratio * (1.0 - t));
+        return t == 1.0 ? hi : lo + share * (hi - lo);
+    }
+};
+
+template <int D>
+struct BalancedSpan {
+    RationalBezier<D> curve;
+    SpanName name{};
+};
+
+/// The same curve with end weights as equal as a power of two makes them: w_i r^(n-i), r near
+/// (w_n / w_0)^(1/n), which the parameter t / (t + r (1 - t)) undoes (Patterson 1985: a Moebius
+/// transformation of u leaves the curve). Weights from 1e3 to 1e-3 in steps become all alike, and
+/// the parameter resolves both ends. Exact but for one rounding a control point; r = 1 leaves all
+/// bits.
+template <int D>
+[[nodiscard]] BalancedSpan<D> balanced(const RationalBezier<D>& curve);
+
+/// All spans of a curve, balanced and named as segment `index`.
+template <int D>
+[[nodiscard]] std::vector<BalancedSpan<D>> balanced_spans(const NurbsCurve<D>& curve,
+                                                          std::size_t index);
 
 }  // namespace palpate::engine

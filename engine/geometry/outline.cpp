@@ -17,8 +17,8 @@ constexpr double kSameEnd = 1e-9;
 /// Turns closer to pi than this, rad, are a cusp: the tangents alone no longer tell the side.
 constexpr double kCuspTurn = 1e-6;
 
-/// Side on which the outline goes on after turning back by pi: < 0 right, the object fills the spike
-/// between the two branches; > 0 left, it surrounds it; 0 if the branches coincide.
+/// Side on which the outline goes on after turning back by pi: < 0 right, the object fills the
+/// spike between the two branches; > 0 left, it surrounds it; 0 if the branches coincide.
 double side_of_cusp(const RationalBezier<2>& in,
                     const RationalBezier<2>& out,
                     const Vec2& tangent) {
@@ -26,7 +26,8 @@ double side_of_cusp(const RationalBezier<2>& in,
     for (const double s : {1e-3, 1e-2, 0.1, 0.3, 0.6, 1.0}) {
         const Vec2 before = in.at(1.0 - s).point - tip;
         const Vec2 after = out.at(s).point - tip;
-        // Compare at the same distance from the tip: the branches lie on curves tangent to each other.
+        // Compare at the same distance from the tip: the branches lie on curves tangent to each
+        // other.
         const double scale = glm::dot(after, tangent) / glm::dot(before, tangent);
         const double side = cross(tangent, after) - scale * cross(tangent, before);
         if (std::fabs(side) > 1e-9 * glm::length(after)) {
@@ -41,7 +42,7 @@ std::string name_text(const SpanName& name) {
            (name.lo == 0.0 ? "" : " at u = " + number_text(name.lo));
 }
 
-Joint join(const RationalBezier<2>& before, const RationalBezier<2>& after, const SpanName& name) {
+Seam join(const RationalBezier<2>& before, const RationalBezier<2>& after, const SpanName& name) {
     const Vec2 end = before.point(static_cast<std::size_t>(before.degree()));
     const Vec2 start = after.point(0);
     const double gap = glm::length(start - end);
@@ -50,22 +51,22 @@ Joint join(const RationalBezier<2>& before, const RationalBezier<2>& after, cons
                                     " m away from the end of the one before: let them share the "
                                     "point");
     }
-    Joint joint{.point = start,
-                .tangent_in = end_tangent(before, true),
-                .tangent_out = end_tangent(after, false)};
-    double side = cross(joint.tangent_in, joint.tangent_out);
-    joint.turn = std::fabs(arc_tan2(side, glm::dot(joint.tangent_in, joint.tangent_out)));
-    if (joint.turn > kPi - kCuspTurn) {
-        side = side_of_cusp(before, after, joint.tangent_in);
+    Seam seam{.point = start,
+              .tangent_in = end_tangent(before, true),
+              .tangent_out = end_tangent(after, false)};
+    double side = cross(seam.tangent_in, seam.tangent_out);
+    seam.turn = std::fabs(arc_tan2(side, glm::dot(seam.tangent_in, seam.tangent_out)));
+    if (seam.turn > kPi - kCuspTurn) {
+        side = side_of_cusp(before, after, seam.tangent_in);
         if (side == 0.0) {
             throw std::invalid_argument("the outline runs back along itself where " +
                                         name_text(name) + " starts: open the angle");
         }
     }
-    joint.kind = joint.turn <= kSmoothTurn ? JointKind::smooth
-               : side < 0.0                ? JointKind::convex
-                                           : JointKind::concave;
-    return joint;
+    seam.kind = seam.turn <= kSmoothTurn ? SeamKind::smooth
+              : side < 0.0               ? SeamKind::convex
+                                         : SeamKind::concave;
+    return seam;
 }
 
 /// Twice the signed area of the polygon of control points: < 0 clockwise.
@@ -110,6 +111,10 @@ Outline::Outline(std::vector<RationalBezier<2>> segments, bool closed) : closed_
 }
 
 void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
+    if (index >= kMaxSegments) {
+        throw std::invalid_argument("an outline has at most " + std::to_string(kMaxSegments) +
+                                    " segments: join some as spans of one NURBS");
+    }
     const std::size_t first = spans_.size();
     for (const auto& [span, name] : balanced_spans(curve, index)) {
         if (!(glm::length(span.box().size()) > 0.0)) {
@@ -144,10 +149,11 @@ void Outline::join_all() {
     const std::size_t n = spans_.size();
     for (std::size_t i = 0; i + (closed_ ? 0 : 1) < n; ++i) {
         const std::size_t next = (i + 1) % n;
-        Joint joint = join(spans_[i], spans_[next], names_[next]);
-        joint.before = i;
-        joint.after = next;
-        joints_.push_back(joint);
+        Seam seam = join(spans_[i], spans_[next], names_[next]);
+        seam.before = i;
+        seam.after = next;
+        seam.is_vertex = next <= i || names_[i].segment != names_[next].segment;
+        seams_.push_back(seam);
     }
     if (closed_ && !(control_area(spans_) < 0.0)) {
         throw std::invalid_argument(
@@ -156,7 +162,7 @@ void Outline::join_all() {
     }
 }
 
-std::optional<std::size_t> Outline::joint_beyond(std::size_t span, bool forward) const noexcept {
+std::optional<std::size_t> Outline::seam_beyond(std::size_t span, bool forward) const noexcept {
     const std::size_t n = spans_.size();
     if (forward) {
         if (span + 1 < n || closed_) {

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <span>
 
-#include "engine/geometry/box.hpp"
 #include "engine/geometry/vec.hpp"
 
 namespace palpate::engine {
@@ -12,8 +11,9 @@ namespace palpate::engine {
 /// Highest degree of a curve span.
 inline constexpr int kMaxDegree = 9;
 
-/// Largest coordinate of a control point, m, and the range of weights: beyond them products of three
-/// weights and two lengths, as the closest point needs them, would leave the range of doubles.
+/// Largest coordinate of a control point, m, and the range of weights: beyond them products of
+/// three weights and two lengths, as the closest point needs them, would leave the range of
+/// doubles.
 inline constexpr double kMaxCoordinate = 1e9;
 inline constexpr double kMinWeight = 1e-12;
 inline constexpr double kMaxWeight = 1e12;
@@ -38,14 +38,27 @@ template <int D>
             .second = jet.second};
 }
 
+/// A curve that moves less than this share of its own bending, |C'| < 1e-6 |C''|, stands still: an
+/// end with repeated control points, or a cusp. No Taylor series helps there, and the tangent is
+/// that of the end.
+inline constexpr double kStill2 = 1e-12;
+/// An end of a span, in u: where C' vanishes at the end itself, no more of the span stands still.
+inline constexpr double kStillEnd = 1e-5;
+
+/// Whether the curve all but stands still at this jet.
+template <int D>
+[[nodiscard]] bool stands_still(const Jet<D>& jet) noexcept {
+    return glm::dot(jet.first, jet.first) <= kStill2 * glm::dot(jet.second, jet.second);
+}
+
 /// One rational Bezier span in D = 2 or 3 dimensions, u in [0, 1].
 ///
 ///     C(u) = sum w_i B_i(u) P_i / sum w_i B_i(u)        Piegl & Tiller, The NURBS Book, eq. 4.1
 ///
-/// Every NURBS curve is a chain of such spans. Coordinates are kept about the middle of the control
-/// points. Polynomials up to degree 3 are evaluated by Horner's scheme (error below 1e-15 of the size);
-/// all others by de Casteljau's corner cutting in homogeneous coordinates (below 5e-16 for weights of
-/// 1e-3 to 1e3, where Horner loses up to 7 digits).
+/// Every NURBS curve is a row of such spans. Coordinates are kept about the middle of the control
+/// points. Polynomials up to degree 3 are evaluated by Horner's scheme (error below 1e-15 of the
+/// size); all others by de Casteljau's corner cutting in homogeneous coordinates (below 5e-16 for
+/// weights of 1e-3 to 1e3, where Horner loses up to 7 digits).
 template <int D>
 class RationalBezier {
 public:
@@ -54,6 +67,7 @@ public:
     /// @throws std::invalid_argument naming what is wrong, the value and the remedy
     RationalBezier(std::span<const Vec<D>> points, std::span<const double> weights);
 
+    /// 1 to kMaxDegree.
     [[nodiscard]] int degree() const noexcept { return degree_; }
     /// All weights are the same.
     [[nodiscard]] bool polynomial() const noexcept { return polynomial_; }
@@ -69,8 +83,8 @@ public:
     [[nodiscard]] Jet<D> at(double u) const noexcept {
         return horner_ ? by_horner(u) : by_corner_cutting(u, 1.0 - u);
     }
-    /// The same at u = 1 - v, for v near 0: beside a heavy last control point one bit of u may be 1e-10
-    /// of the size, while v has all its digits.
+    /// The same at u = 1 - v, for v near 0: beside a heavy last control point one bit of u may be
+    /// 1e-10 of the size, while v has all its digits.
     [[nodiscard]] Jet<D> at_from_end(double v) const noexcept {
         return horner_ ? by_horner(1.0 - v) : by_corner_cutting(1.0 - v, v);
     }

@@ -68,11 +68,11 @@ Bernstein derivative_size(const Bernstein& f) {
 }
 
 double largest_magnitude(const Bernstein& f) noexcept {
-    double most = 0.0;
+    double largest = 0.0;
     for (const double v : f) {
-        most = std::max(most, std::fabs(v));
+        largest = std::max(largest, std::fabs(v));
     }
-    return most;
+    return largest;
 }
 
 }  // namespace palpate::engine

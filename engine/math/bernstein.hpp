@@ -29,8 +29,8 @@ using Bernstein = std::vector<double>;
 /// Largest |coefficient|: no value on [0, 1] is larger.
 [[nodiscard]] double largest_magnitude(const Bernstein& f) noexcept;
 
-/// Cuts f at 1/2 (de Casteljau): `f` becomes its left half, the right half is returned. For any type
-/// that can be added and multiplied by a number.
+/// Cuts f at 1/2 (de Casteljau): `f` becomes its left half, the right half is returned. For any
+/// type that can be added and multiplied by a number.
 template <class Value>
 [[nodiscard]] std::vector<Value> cut_in_half(std::vector<Value>& f) {
     std::vector<Value> right = f;

@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <limits>
 
-#include "engine/math/near_sin_cos.hpp"
-
 namespace palpate::engine {
 namespace {
 
@@ -14,7 +12,7 @@ namespace {
 constexpr double kLn2Hi = 0x1.62e42fee00000p-1;
 constexpr double kLn2Lo = 0x1.a39ef35793c76p-33;
 
-/// Beyond kMostQuarters: the remainder is exact, 2 pi is not.
+/// Beyond kMaxQuarters: the remainder is exact, 2 pi is not.
 SinCos far_sin_cos(double x) noexcept {
     if (!std::isfinite(x)) {
         const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -52,7 +50,7 @@ double atan_unit(double z) noexcept {
 }  // namespace
 
 SinCos sin_cos(double x) noexcept {
-    return std::fabs(quarters_of(x)) < kMostQuarters ? near_sin_cos(x) : far_sin_cos(x);
+    return std::fabs(quarters_of(x)) < kMaxQuarters ? near_sin_cos(x) : far_sin_cos(x);
 }
 
 double arc_tan2(double y, double x) noexcept {

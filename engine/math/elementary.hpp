@@ -1,11 +1,14 @@
 #pragma once
 
+#include <cstdint>
+
 /// Sine, cosine, arctangent and logarithm from + - * / and exact scaling only.
 ///
 /// libm's versions differ between C libraries in the last bit, and one bit is enough to break a
 /// replay. These give the same result to the bit on every IEEE-754 machine built with
 /// -ffp-contract=off. Accuracy against the true value, measured over 1e6 seeded arguments
-/// (tests/engine/elementary_test.cpp): 2 ulp of the result, or 2.3e-16 near a zero of sine or cosine.
+/// (tests/engine/elementary_test.cpp): 2 ulp of the result, or 2.3e-16 near a zero of sine or
+/// cosine.
 namespace palpate::engine {
 
 inline constexpr double kPi = 3.141592653589793238462643383279502884;
@@ -27,7 +30,66 @@ struct SinCos {
 /// Angle whose cosine is `c`, rad in [0, pi]; `c` is clamped to [-1, 1].
 [[nodiscard]] double arc_cos(double c) noexcept;
 
-/// Natural logarithm of x > 0 (normal numbers). log m = 2 artanh((m-1)/(m+1)), m in [sqrt 1/2, sqrt 2).
+/// Natural logarithm of x > 0 (normal numbers). log m = 2 artanh((m-1)/(m+1)), m in [sqrt 1/2, sqrt
+/// 2).
 [[nodiscard]] double natural_log(double x) noexcept;
+
+// The arithmetic of sin_cos() without its question whether x is near enough, for loops over many
+// angles.
+
+/// Quarter turns that a 32 bit number counts.
+inline constexpr double kMaxQuarters = 0x1p31;
+
+/// What near_sin_cos rounds down to a whole number of quarter turns.
+[[nodiscard, gnu::always_inline]] inline double quarters_of(double x) noexcept {
+    return x * (2.0 / kPi) + 0.5;
+}
+
+/// sin r for |r| <= pi/4; the first term left out is below 1e-18 of the result.
+[[nodiscard, gnu::always_inline]] inline double sin_kernel(double r) noexcept {
+    const double z = r * r;
+    double p = 1.0 / 355687428096000.0;  // 1/17!
+    p = p * z - 1.0 / 1307674368000.0;
+    p = p * z + 1.0 / 6227020800.0;
+    p = p * z - 1.0 / 39916800.0;
+    p = p * z + 1.0 / 362880.0;
+    p = p * z - 1.0 / 5040.0;
+    p = p * z + 1.0 / 120.0;
+    p = p * z - 1.0 / 6.0;
+    return r + r * (z * p);
+}
+
+/// cos r for |r| <= pi/4. 1 - z/2 is formed last, with its rounding error put back.
+[[nodiscard, gnu::always_inline]] inline double cos_kernel(double r) noexcept {
+    const double z = r * r;
+    double p = 1.0 / 20922789888000.0;  // 1/16!
+    p = p * z - 1.0 / 87178291200.0;
+    p = p * z + 1.0 / 479001600.0;
+    p = p * z - 1.0 / 3628800.0;
+    p = p * z + 1.0 / 40320.0;
+    p = p * z - 1.0 / 720.0;
+    p = p * z + 1.0 / 24.0;
+    const double half = 0.5 * z;
+    const double head = 1.0 - half;
+    return head + (((1.0 - head) - half) + z * z * p);
+}
+
+/// sin_cos(x). @pre |quarters_of(x)| < kMaxQuarters
+[[nodiscard, gnu::always_inline]] inline SinCos near_sin_cos(double x) noexcept {
+    // pi/2 in three parts of 33, 33 and 53 bits: n * part is exact for |n| < 2^20.
+    constexpr double kHalfPi1 = 0x1.921fb54400000p+0;
+    constexpr double kHalfPi2 = 0x1.0b4611a600000p-34;
+    constexpr double kHalfPi3 = 0x1.3198a2e037073p-69;
+    const double quarters = quarters_of(x);
+    const auto whole = static_cast<std::int32_t>(quarters);
+    const std::int32_t n = whole - (static_cast<double>(whole) > quarters ? 1 : 0);  // floor
+    const double r = ((x - n * kHalfPi1) - n * kHalfPi2) - n * kHalfPi3;
+    const double s = sin_kernel(r);
+    const double c = cos_kernel(r);
+    const bool swapped = (n & 1) != 0;
+    const double sine = swapped ? c : s;
+    const double cosine = swapped ? s : c;
+    return {(n & 2) != 0 ? -sine : sine, ((n + 1) & 2) != 0 ? -cosine : cosine};
+}
 
 }  // namespace palpate::engine

@@ -19,12 +19,13 @@ public:
     /// Puts another one's ticks into this one.
     void add(const LatenessHistogram& other) noexcept;
 
+    /// Ticks, those that woke late, deadlines slept through, and the largest lateness, ns.
     [[nodiscard]] std::int64_t count() const noexcept { return count_; }
     [[nodiscard]] std::int64_t late() const noexcept { return late_; }
     [[nodiscard]] std::int64_t missed() const noexcept { return missed_; }
     [[nodiscard]] std::int64_t max_ns() const noexcept { return max_; }
-    /// Lateness that at least `share` of the ticks do not exceed, to the upper end of its bin and not
-    /// above max_ns(); 0 without ticks.
+    /// Lateness that at least `share` of the ticks do not exceed, to the upper end of its bin and
+    /// not above max_ns(); 0 without ticks.
     [[nodiscard]] std::int64_t quantile_ns(double share) const noexcept;
     /// Ticks with lateness below `bound_ns`, as far as bins tell.
     [[nodiscard]] std::int64_t below(std::int64_t bound_ns) const noexcept;

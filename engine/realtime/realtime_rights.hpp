@@ -18,7 +18,9 @@ struct RealtimeWish {
     bool slack = true;    ///< timer slack 1 ns instead of 50 us
     int priority = 80;    ///< of SCHED_FIFO, 1 to 99
 
+    /// For devices that give force.
     [[nodiscard]] static RealtimeWish everything() { return {}; }
+    /// For a virtual clock.
     [[nodiscard]] static RealtimeWish nothing() {
         return {.fifo = false, .memory = false, .latency = false, .slack = false};
     }
@@ -49,6 +51,7 @@ struct RealtimeRights {
     std::array<Granted, kRights> grants{};
     int priority = 0;  ///< of SCHED_FIFO, where given
 
+    /// What was granted of one right.
     [[nodiscard]] const Granted& of(Right right) const {
         return grants[static_cast<std::size_t>(right)];
     }
@@ -63,7 +66,8 @@ struct RealtimeRights {
 [[nodiscard]] std::string describe(Right right, const RealtimeRights& rights);
 /// What to do about a refusal, a sentence; empty when nothing was refused.
 [[nodiscard]] std::string remedy(Right right, const RealtimeRights& rights);
-/// One row a right, for the record of a session: {"realtime scheduling", "SCHED_FIFO, priority 80"}.
+/// One row a right, for the record of a session: {"realtime scheduling", "SCHED_FIFO, priority
+/// 80"}.
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> provenance(
     const RealtimeRights& rights);
 
@@ -83,8 +87,8 @@ private:
     int latency_file_ = -1;
 };
 
-/// The rights of the calling thread, scheduling and slack, until it ends. Touches its stack as well,
-/// so that no tick is the first to reach a page of it.
+/// The rights of the calling thread, scheduling and slack, until it ends. Touches its stack as
+/// well, so that no tick is the first to reach a page of it.
 void take_thread_rights(const RealtimeWish& wish, RealtimeRights& rights) noexcept;
 
 }  // namespace palpate::engine

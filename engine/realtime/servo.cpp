@@ -19,7 +19,7 @@ std::int64_t checked_period(const ServoSpec& spec) {
         throw std::invalid_argument("the servo may spin for " + std::to_string(spec.spin_share) +
                                     " of its period: give 0 to 0.5");
     }
-    return static_cast<std::int64_t>(std::floor(1e9 / spec.rate_hz + 0.5));
+    return tick_period_ns(spec.rate_hz);
 }
 
 SafetyLimits with_period(const ServoSpec& spec) {

@@ -19,7 +19,8 @@ using TickRing = SpscRing<TickRecord>;
 /// 16,384 ticks: 16 s at 1 kHz, far above any pause of the reader.
 inline constexpr std::size_t kRingTicks = 16384;
 
-/// A share of the period to watch the clock for, where watching is wanted. See ServoSpec::spin_share.
+/// A share of the period to watch the clock for, where watching is wanted. See
+/// ServoSpec::spin_share.
 inline constexpr double kSpinShare = 0.3;
 
 enum class ServoStatus : std::uint8_t {
@@ -35,16 +36,16 @@ struct ServoSpec {
     std::optional<RealtimeWish> realtime{};
     /// Share of the period that a real-time servo may watch the clock before a deadline instead of
     /// sleeping, 0 to 0.5; 0: it sleeps. See AdaptiveSpin. Off unless asked for: 25 us at the 99th
-    /// percentile do not matter at 1 kHz. kSpinShare brings them below 1 us for a tenth of a processor
-    /// at 1 kHz, a quarter at 4 and 10 kHz (tests/bench, `servo`).
+    /// percentile do not matter at 1 kHz. kSpinShare brings them below 1 us for a tenth of a
+    /// processor at 1 kHz, a quarter at 4 and 10 kHz (tests/bench, `servo`).
     double spin_share = 0.0;
 };
 
 /// The newest tick, for screens.
 struct LatestTick {
     std::int64_t tick = -1;  ///< of the running trial; -1 between trials
-    std::int64_t at_ns =
-        0;           ///< monotonic_ns() of a real-time tick; time of the trial on a virtual clock
+    /// monotonic_ns() of a real-time tick; time of the trial on a virtual clock
+    std::int64_t at_ns = 0;
     Vec2 hip{};      ///< m
     Vec2 command{};  ///< force asked of the device, N
     float lateness_us = 0.0F;
@@ -55,8 +56,8 @@ struct LatestTick {
 
 /// Runs ticks of a device and a scene, on some clock. Ticks come out of ring().
 ///
-/// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), stop() and latest() to
-/// any.
+/// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), stop() and latest()
+/// to any.
 class Servo {
 public:
     /// @param device  outlives the servo
@@ -76,15 +77,17 @@ public:
     [[nodiscard]] virtual double elapsed_s() const noexcept = 0;
 
     /// Between trials: from here to the next begin() or unpark() the device is not touched, so that
-    /// Device::reconnect() or a calibration may use it. Before the first begin(), and after a fault, a
-    /// servo is parked by itself.
+    /// Device::reconnect() or a calibration may use it. Before the first begin(), and after a
+    /// fault, a servo is parked by itself.
     virtual void park() {}
-    /// Between trials: reads the device again, with zero force, so that latest() moves with the hand.
+    /// Between trials: reads the device again, with zero force, so that latest() moves with the
+    /// hand.
     virtual void unpark() {}
 
     /// Deadlines are those of the wall clock, and may be missed.
     [[nodiscard]] virtual bool real_time() const noexcept { return false; }
 
+    /// Where the ticks come out; one reader.
     [[nodiscard]] TickRing& ring() noexcept { return ring_; }
     /// Ticks that found the ring full and are not in it; 0 in every sound run.
     [[nodiscard]] std::int64_t dropped() const noexcept {
@@ -93,14 +96,15 @@ public:
     [[nodiscard]] std::int64_t period_ns() const noexcept { return period_ns_; }
     [[nodiscard]] std::int64_t ramp_ticks() const noexcept { return ramp_ticks_; }
 
-    /// Any thread: the dead-man switch is held (from the start it counts as held).
+    /// Any thread: the dead-man key is held (from the start it counts as held).
     void hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
     /// Any thread: force off now and for the rest of the trial, the experimenter's key.
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
     /// Any thread: the newest tick; none before the first.
     [[nodiscard]] std::optional<LatestTick> latest() const noexcept { return latest_.read(); }
 
-    /// Why the force is off, and the ticks up to then. After advance() said faulted, or after end().
+    /// Why the force is off, and the ticks up to then. After advance() said faulted, or after
+    /// end().
     [[nodiscard]] Trip trip() const noexcept { return loop_.trip(); }
     [[nodiscard]] std::vector<TickRecord> last_ticks() const { return loop_.flight().last(); }
     /// Lateness of all ticks of all trials so far, 0 on a virtual clock. After end() or a fault.
@@ -133,12 +137,14 @@ private:
     std::atomic<bool> stop_{false};
 };
 
-/// The virtual clock: a tick is due whenever advance() is called, so a run is as fast as the machine
-/// and the same to the bit every time. `pace` > 0 slows it to that multiple of real time. The device is
-/// touched inside begin(), advance() and end() only. Every trial begins with cold motors: no time passes
-/// between trials on this clock, and a resumed session has to give the trials of the unbroken one.
+/// The virtual clock: a tick is due whenever advance() is called, so a run is as fast as the
+/// machine and the same to the bit every time. `pace` > 0 slows it to that multiple of real time.
+/// The device is touched inside begin(), advance() and end() only. Every trial begins with cold
+/// motors: no time passes between trials on this clock, and a resumed session has to give the
+/// trials of the unbroken one.
 class VirtualServo : public Servo {
 public:
+    /// @param pace  of real time; 0: as fast as the machine. @throws as Servo
     VirtualServo(Device& device, const ServoSpec& spec, double pace = 0.0);
     /// Zero force is the last thing written, also where a trial was left by an exception.
     ~VirtualServo() override;

@@ -12,20 +12,20 @@ namespace palpate::engine {
 
 /// Real time: one thread for the whole life of this, on absolute deadlines of CLOCK_MONOTONIC.
 ///
-/// The thread takes no lock, allocates nothing and makes no system call but clock, sleep and what the
-/// device makes. begin(), end(), park() and unpark() hand it one order at a time, in one atomic word
-/// that it looks at once a tick; they return when it has carried the order out.
+/// The thread takes no lock, allocates nothing and makes no system call but clock, sleep and what
+/// the device makes. begin(), end(), park() and unpark() hand it one order at a time, in one atomic
+/// word that it looks at once a tick; they return when it has carried the order out.
 ///
 ///     parked   the device is not touched. At the start, after park(), and after a fault
 ///     resting  read every tick, zero force: latest() moves with the hand
 ///     running  a trial
 ///
-/// Ticks of a trial are numbered without a gap. time_ns is true: where a deadline was slept through it
-/// jumps by the periods that went missing (see DeadlineGrid), the late tick's lateness tells by how many,
-/// and lateness().missed() counts them.
+/// Ticks of a trial are numbered without a gap. time_ns is true: where a deadline was slept through
+/// it jumps by the periods that went missing (see DeadlineGrid), the late tick's lateness tells by
+/// how many, and lateness().missed() counts them.
 ///
-/// The motors' heat outlives a trial, faulted or not: the next one begins with what is left of it after
-/// the rest in between. A new program takes the motors for cold.
+/// The motors' heat outlives a trial, faulted or not: the next one begins with what is left of it
+/// after the rest in between. A new program takes the motors for cold.
 class ThreadServo : public Servo {
 public:
     /// Starts the thread and takes its rights: rights() is final when this returns.

@@ -5,11 +5,6 @@
 namespace palpate::engine {
 namespace {
 
-std::int16_t feature_of(const Place& place) noexcept {
-    const auto index = static_cast<std::int16_t>(place.index);
-    return place.on_joint ? static_cast<std::int16_t>(-1 - index) : index;
-}
-
 Trip found(const Reading& reading, const Contact& contact) noexcept {
     switch (reading.fault) {
         case DeviceFault::none:
@@ -28,8 +23,9 @@ Trip found(const Reading& reading, const Contact& contact) noexcept {
     return Trip::device_lost;
 }
 
+/// The flags of the safety chain, the clock and the device; those of the scene come with its
+/// contact.
 std::uint8_t flags_of(const Command& command,
-                      const Contact& contact,
                       const Applied& applied,
                       bool late,
                       bool stale) noexcept {
@@ -39,8 +35,7 @@ std::uint8_t flags_of(const Command& command,
     return static_cast<std::uint8_t>(
         flag(command.saturated || applied.saturated, tick_saturated) | flag(late, tick_late) |
         flag(command.ramped, tick_ramped) | flag(command.trip != Trip::none, tick_fault) |
-        flag(contact.skipped, tick_skipped) | flag(contact.held, tick_held) |
-        flag(command.slewed, tick_slewed) | flag(stale, tick_stale));
+        flag(command.force_slew, tick_force_slew) | flag(stale, tick_stale));
 }
 
 }  // namespace
@@ -78,22 +73,13 @@ TickRecord TickLoop::tick(const TickOrder& order) noexcept {
     record.tick = next_++;
     record.time_ns = order.time_ns;
     record.hip = reading.hip;
-    record.cp = contact.cp.point;
-    record.go = contact.go;
-    record.force = contact.force;
     record.command = command.force;
-    record.normal_force = contact.normal_force;
-    record.tangential_force = contact.tangential_force;
-    record.mu = contact.mu;
-    record.parameter = contact.place.parameter;
     record.counts = reading.counts;
     record.codes = applied.codes;
     record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
-    record.feature = feature_of(contact.place);
-    record.mode = contact.mode;
-    record.flags =
-        flags_of(command, contact, applied, periods_late(order.lateness_ns, limits_.period) > 0,
-                 reading.ok() && !reading.fresh);
+    record.flags = flags_of(command, applied, periods_late(order.lateness_ns, limits_.period) > 0,
+                            reading.ok() && !reading.fresh);
+    set_contact(record, contact, scene_->outline());
     flight_.add(record);
     return record;
 }

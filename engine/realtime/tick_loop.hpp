@@ -1,9 +1,11 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <limits>
+#include <vector>
 
 #include "engine/device/device.hpp"
-#include "engine/realtime/flight_recorder.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "engine/rendering/scene.hpp"
 #include "engine/safety/safety_chain.hpp"
@@ -15,8 +17,32 @@ struct TickOrder {
     std::int64_t time_ns = 0;      ///< since the trial's first deadline
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
     bool enable = true;            ///< ramp the force towards on or off
-    bool held = true;              ///< someone holds the dead-man switch
+    bool held = true;              ///< someone holds the dead-man key
     bool stop = false;             ///< the experimenter's key
+};
+
+/// The last ticks before a fault, whatever became of the ring. No allocation but in last().
+class FlightRecorder {
+public:
+    static constexpr std::size_t kTicks = 100;
+
+    /// Forgets the last trial.
+    void clear() noexcept { seen_ = 0; }
+    /// The next tick.
+    void add(const TickRecord& tick) noexcept { slots_[seen_++ % kTicks] = tick; }
+
+    /// Oldest first, at most kTicks. Only while no servo ticks.
+    [[nodiscard]] std::vector<TickRecord> last() const {
+        std::vector<TickRecord> ticks;
+        for (std::size_t i = seen_ < kTicks ? 0 : seen_ - kTicks; i < seen_; ++i) {
+            ticks.push_back(slots_[i % kTicks]);
+        }
+        return ticks;
+    }
+
+private:
+    std::array<TickRecord, kTicks> slots_{};
+    std::size_t seen_ = 0;
 };
 
 /// The body of the servo loop, the same on every clock: read, render, guard, write, record.
@@ -27,21 +53,24 @@ public:
     TickLoop(Device& device, const SafetyLimits& limits) : device_(&device), limits_(limits) {}
 
     /// A new trial: fresh contact, force off. @param scene  outlives the trial
-    /// @param rest  s since the last trial's last tick, in which the motors cooled; by default for ever
+    /// @param rest  s since the last trial's last tick, in which the motors cooled; by default for
+    ///       ever
     void begin(const Scene& scene, double rest = std::numeric_limits<double>::infinity()) noexcept;
 
     /// One tick of a trial. A reading that is not to be used, or that is not finite, is a trip; the
     /// tick then has the last HIP that was good, so that every recorded force follows from its HIP.
     TickRecord tick(const TickOrder& order) noexcept;
 
-    /// One tick between trials: the device is read and told to give no force. The HIP of a reading
-    /// with a fault is the last good one.
+    /// One tick between trials: the device is read, and commanded to give no force. The HIP of a
+    /// reading with a fault is the last good one.
     Reading idle() noexcept;
 
     /// Zero force now, whatever the ramp says.
     void silence() noexcept;
 
+    /// Why the force is off; none while it is not.
     [[nodiscard]] Trip trip() const noexcept { return safety_.trip; }
+    /// The trial's last ticks.
     [[nodiscard]] const FlightRecorder& flight() const noexcept { return flight_; }
 
 private:

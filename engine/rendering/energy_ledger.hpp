@@ -9,12 +9,13 @@ namespace palpate::engine {
 
 /// What a held, sampled contact gave the user, episode by episode, J.
 ///
-/// Over an episode of contact, work = sum F_k . (h_k+1 - h_k) is done on the user by forces held for a
-/// tick. Sampling alone may give away leak = K/2 sum |h_k+1 - h_k|^2, which a device with b >= K T / 2
-/// takes up; the step that entered the contact counts too (for a scene that begins inside, the
-/// energy of its first stretch, |F|^2 / 2K). The law of friction adds nothing:
+/// Over an episode of contact, work = sum F_k . (h_k+1 - h_k) is done on the user by forces held
+/// for a tick. Sampling alone may give away leak = K/2 sum |h_k+1 - h_k|^2, which a device with b
+/// >= K T / 2 takes up; the step that entered the contact counts too (for a scene that begins
+/// inside, the energy of its first stretch, |F|^2 / 2K). The law of friction adds nothing:
 ///
-///     balance = work - leak <= 0                       from E = K/2 |GO - HIP|^2, which it never raises
+///     balance = work - leak <= 0                       from E = K/2 |GO - HIP|^2, which it never
+///     raises
 ///
 /// to rounding, whatever the path and mu(t). What is above 0 was made by something else: the vertex
 /// slew's cap, a damper with B < 0, a defect.
@@ -43,6 +44,7 @@ public:
         force_ = force;
     }
 
+    /// Episodes of contact begun so far.
     [[nodiscard]] std::int64_t episodes() const noexcept { return episodes_; }
     /// Largest balance of an episode, the running one included, J; 0 before the first.
     [[nodiscard]] double worst() const noexcept {

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -13,7 +17,37 @@ constexpr double kChordToArc = 1.6;
 /// A frictionless GO that moves less than this in u rests: rounding.
 constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
 
+void require(bool ok, const char* what, double value, const char* remedy) {
+    if (!ok) {
+        throw std::invalid_argument(std::string(what) + " is " + number_text(value) + ": " +
+                                    remedy);
+    }
+}
+
 }  // namespace
+
+const SceneSpec& checked(const SceneSpec& spec) {
+    const auto finite_from_zero = [](double v) {
+        return std::isfinite(v) && v >= 0.0;
+    };
+    require(std::isfinite(spec.stiffness) && spec.stiffness > 0.0, "stiffness", spec.stiffness,
+            "give N/m above 0");
+    require(finite_from_zero(spec.damping), "damping", spec.damping, "give N s/m, 0 for none");
+    require(std::isfinite(spec.period) && spec.period > 0.0, "tick period", spec.period,
+            "give seconds above 0");
+    require(finite_from_zero(spec.friction.mu_d), "mu_d", spec.friction.mu_d, "give 0 or more");
+    require(std::isfinite(spec.friction.mu_s) && spec.friction.mu_s >= spec.friction.mu_d, "mu_s",
+            spec.friction.mu_s, "give a finite value not below mu_d");
+    require(finite_from_zero(spec.friction.tau_slip), "tau_slip", spec.friction.tau_slip,
+            "give seconds, 0 for a sharp drop");
+    require(finite_from_zero(spec.friction.tau_heal), "tau_heal", spec.friction.tau_heal,
+            "give seconds, 0 for healing at once");
+    require(finite_from_zero(spec.slew.speed), "vertex slew", spec.slew.speed,
+            "give m/s, 0 for none");
+    require(spec.slew.none() || (std::isfinite(spec.slew.radius) && spec.slew.radius > 0.0),
+            "vertex radius", spec.slew.radius, "give m above 0 when there is a vertex slew");
+    return spec;
+}
 
 Scene::Scene(std::shared_ptr<const Outline> outline, const SceneSpec& spec)
     : outline_(std::move(outline)),
@@ -59,9 +93,10 @@ ClosestPoint Scene::look(ContactState& state, const Vec2& hip) const noexcept {
     return state.last_cp;
 }
 
-/// Without friction the GO is a foot of HIP. While the tracker's window proves that there is one foot only
-/// between the GO of the last tick and the closest point, both are the same and found once.
-/// False if that is not known: the GO then walks by itself. True with `mode` free: contact ended.
+/// Without friction the GO is a foot of HIP. While the tracker's window proves that there is one
+/// foot only between the GO of the last tick and the closest point, both are the same and found
+/// once. False if that is not known: the GO then walks by itself. True with `mode` free: contact
+/// ended.
 bool Scene::follow_foot(ContactState& state,
                         const Vec2& hip,
                         double budget,
@@ -70,7 +105,7 @@ bool Scene::follow_foot(ContactState& state,
     const std::uint64_t searched = state.counts.track.searched;
     const ClosestPoint cp = look(state, hip);
     const TrackWindow& track = state.track.best;
-    if (state.counts.track.searched != searched || from.on_joint || cp.place.on_joint ||
+    if (state.counts.track.searched != searched || from.on_seam || cp.place.on_seam ||
         from.index != cp.place.index || !track.holds(from.index, from.parameter) ||
         !(cp.place.parameter > 0.0 && cp.place.parameter < 1.0) ||  // an open end holds the GO
         !(kChordToArc * glm::length(cp.point - state.go.jet.point) < budget)) {
@@ -83,12 +118,11 @@ bool Scene::follow_foot(ContactState& state,
     }
     const double moved = cp.place.parameter - from.parameter;
     state.go = {.place = cp.place, .jet = beside(track.jet, cp.place.parameter - track.u)};
-    contact.mode = std::fabs(moved) <= kRest ? Mode::stuck : Mode::slip;
+    // The stretch of a foot is all load. tau = -0 gives a tangential force of +0.
+    contact = render<false>({.point = cp.point, .tau = -0.0, .nu = cp.distance}, hip, 0.0);
+    contact.mode = mode_of<false>(std::fabs(moved) > kRest, state.theta, spec_.friction);
     contact.cp = cp;
     contact.place = cp.place;
-    contact.go = cp.point;
-    contact.force = spec_.stiffness * (cp.point - hip);
-    contact.normal_force = spec_.stiffness * cp.distance;
     return true;
 }
 
@@ -139,11 +173,7 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     contact.cp = state.last_cp;
     contact.place = state.go.place;
     const bool slipped = walk.slid > 0.0;
-    contact.mode =
-        !slipped ? Mode::stuck
-        : HasFriction && state.theta > kRelaxed && spec_.friction.mu_s > spec_.friction.mu_d
-            ? Mode::transition
-            : Mode::slip;
+    contact.mode = mode_of<HasFriction>(slipped, state.theta, spec_.friction);
     if constexpr (HasDamper) {
         damp<HasFriction>(state, walk, contact);
     }
@@ -156,14 +186,14 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
 template <bool HasFriction>
 Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexcept {
     const double k = spec_.stiffness;
-    Contact contact{.go = walk.point, .mu = mu, .slewed = walk.out_of_budget};
-    if (walk.held_outside) {
-        contact.held = true;
+    Contact contact{.go = walk.point, .mu = mu, .vertex_slew = walk.out_of_budget};
+    if (walk.outside_cone) {
+        contact.outside_cone = true;
         // The GO could not reach its cone in this tick: keep what the surface can carry here.
         const double load = std::max(walk.nu, 0.0);
-        const double most = cone_radius<HasFriction>(mu, load);
+        const double limit = cone_radius<HasFriction>(mu, load);
         contact.normal_force = k * load;
-        contact.tangential_force = k * std::clamp(-walk.tau, -most, most);
+        contact.tangential_force = k * std::clamp(-walk.tau, -limit, limit);
         contact.force =
             contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
         return contact;
@@ -174,8 +204,9 @@ Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexce
     return contact;
 }
 
-/// The damper acts on the rate of the spring. The surface still only pushes, and friction stays in its
-/// cone; in a concave vertex, where two normals carry, the force may not turn against the spring.
+/// The damper acts on the rate of the spring. The surface still only pushes, and friction stays in
+/// its cone; in a concave vertex, where two normals carry, the force may not turn against the
+/// spring.
 template <bool HasFriction>
 void Scene::damp(ContactState& state, const Walk& walk, Contact& contact) const noexcept {
     const Vec2 spring = contact.force / spec_.stiffness;
@@ -189,8 +220,8 @@ void Scene::damp(ContactState& state, const Walk& walk, Contact& contact) const 
         return;
     }
     contact.normal_force = std::max(glm::dot(force, walk.normal), 0.0);
-    const double most = cone_radius<HasFriction>(contact.mu, contact.normal_force);
-    contact.tangential_force = std::clamp(glm::dot(force, walk.tangent), -most, most);
+    const double limit = cone_radius<HasFriction>(contact.mu, contact.normal_force);
+    contact.tangential_force = std::clamp(glm::dot(force, walk.tangent), -limit, limit);
     contact.force = contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
 }
 

@@ -5,10 +5,45 @@
 
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/friction/god_object.hpp"
+#include "engine/friction/stribeck.hpp"
 #include "engine/rendering/mode.hpp"
-#include "engine/rendering/scene_spec.hpp"
 
 namespace palpate::engine {
+
+/// When the closest point is looked for beyond what the force needs.
+enum class Look : std::uint8_t {
+    needed,    ///< never: in contact with friction it is the last one found
+    touching,  ///< on every tick in contact: what a trial records
+    always,    ///< out of reach too: for drawing and offline tools
+};
+
+/// What is to be felt, as chosen by an experimenter. SI.
+struct SceneSpec {
+    double stiffness = 1000.0;  ///< K, N/m, > 0: the spring of the virtual coupling
+    double damping = 0.0;   ///< B, N s/m, >= 0: its damper; the device must then give b > K T/2 + B
+    double period = 0.001;  ///< T, s, > 0
+    Friction friction{};
+    Slew slew{};
+    Look look = Look::touching;
+};
+
+/// The same spec, if all values are in range.
+/// @throws std::invalid_argument for the first that is not: which one, the value, what to give
+const SceneSpec& checked(const SceneSpec& spec);
+
+/// mu counts as relaxed once theta is below this: 1e-3 of mu_s - mu_d is 0.2 mN at 1 N.
+inline constexpr double kRelaxed = 1e-3;
+
+/// What a tick in contact did: `slipped`, the GO moved; theta, the Stribeck state before the tick.
+template <bool HasFriction>
+[[nodiscard]] Mode mode_of(bool slipped, double theta, const Friction& friction) noexcept {
+    return !slipped                                                         ? Mode::stuck
+         : HasFriction && theta > kRelaxed && friction.mu_s > friction.mu_d ? Mode::transition
+                                                                            : Mode::slip;
+}
+
+/// Share of the clearance that may be used up before the next look; the rest is for rounding.
+inline constexpr double kClearShare = 1.0 - 1e-12;
 
 /// How often the tick did less than everything, since the state was made.
 struct TickCounts {
@@ -20,17 +55,17 @@ struct TickCounts {
 /// One tick's answer. Frame: the object's; the force is the one on the user.
 struct Contact {
     Mode mode = Mode::free;
-    ClosestPoint
-        cp{};  ///< global closest point of HIP; where it was not looked for, the last one found
+    /// Global closest point of HIP; where it was not looked for, the last one found.
+    ClosestPoint cp{};
     Place place{};                  ///< of the GO
     Vec2 go{};                      ///< m; out of contact the closest point
     Vec2 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
     double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
-    bool slewed = false;            ///< the vertex slew held the GO back in this tick
-    bool held =
-        false;  ///< the GO stopped outside its cone (slew, an open end): the force is cut to it
+    bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
+    /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone.
+    bool outside_cone = false;
     bool refused = false;  ///< HIP was not finite: force zero, contact ended
     bool skipped = false;  ///< out of reach: nothing was computed
 };
@@ -51,15 +86,17 @@ struct ContactState {
     TickCounts counts{};
 };
 
-/// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of reach
-/// (the clearance of the last look minus the way since is > 0) a tick is a comparison. On an open chain a
-/// HIP led round an end within its clearance is seen on the other side at the next look only.
+/// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of
+/// reach (the clearance of the last look minus the way since is > 0) a tick is a comparison. On an
+/// open outline a HIP led round an end within its clearance is seen on the other side at the next
+/// look only.
 ///
-/// The law is GOS ("god-object spring"): F = K (GO - HIP), always; friction decides only where the GO
-/// may stay (Stretch in engine/friction/friction_law.hpp). Why it is safe: moving the GO along the
-/// surface in the direction of the tangential stretch never raises E = K/2 |GO - HIP|^2, so that
-/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. Held over a tick, the
-/// renderer asks of the device what a frictionless wall asks: b >= K T / 2 (thesis eq. 1.1).
+/// The law is GOS ("god-object spring"): F = K (GO - HIP), always; friction decides only where the
+/// GO may stay (Stretch in engine/friction/friction_law.hpp). Why it is safe: moving the GO along
+/// the surface in the direction of the tangential stretch never raises E = K/2 |GO - HIP|^2, so
+/// that F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. Held over a
+/// tick, the renderer asks of the device what a frictionless wall asks: b >= K T / 2 (thesis eq.
+/// 1.1).
 class Scene {
 public:
     /// @throws std::invalid_argument for values out of range: which one, the value, what to give
@@ -76,10 +113,14 @@ public:
         return (this->*step_)(state, hip);
     }
 
+    /// What is felt.
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
+    /// The spec with the period of today.
     [[nodiscard]] const SceneSpec& spec() const noexcept { return spec_; }
+    /// What a replay has to be given: see restore_decay().
     [[nodiscard]] const StribeckDecay& decay() const noexcept { return decay_; }
-    /// The same scene at another tick period, for paths whose ticks are uneven. @param period  s, > 0
+    /// The same scene at another tick period, for paths whose ticks are uneven. @param period  s, >
+    /// 0
     void set_period(double period);
     /// The same scene with decay constants recorded earlier, for a replay to the bit.
     void restore_decay(const StribeckDecay& recorded) noexcept { decay_ = recorded; }

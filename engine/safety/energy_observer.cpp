@@ -27,9 +27,10 @@ Vec2 acting(const EnergyObserver& observer, double delay_ticks) noexcept {
 
 }  // namespace
 
-double stored_energy(double length, double stiffness, double most) noexcept {
+double stored_energy(double length, double stiffness, double max_force) noexcept {
     const double force = stiffness * length;
-    return force <= most ? 0.5 * force * length : most * (length - 0.5 * most / stiffness);
+    return force <= max_force ? 0.5 * force * length
+                              : max_force * (length - 0.5 * max_force / stiffness);
 }
 
 double observe_energy(EnergyObserver& observer,
@@ -38,13 +39,13 @@ double observe_energy(EnergyObserver& observer,
                       const Vec2& spring,
                       double gain,
                       double since) noexcept {
-    const double stored = stored_energy(glm::length(spring), limits.stiffness, limits.most);
+    const double stored = stored_energy(glm::length(spring), limits.stiffness, limits.max_force);
     if (observer.started) {
         const Vec2 step = hip - observer.hip;
         const double given = glm::dot(acting(observer, limits.delay_ticks), step) +
                              gain * (stored - observer.stored);
-        const double least = least_damping(limits.stiffness, limits.period, limits.delay_ticks);
-        const double taken = std::max(limits.damping, least) * glm::dot(step, step) / since;
+        const double needed = min_damping(limits.stiffness, limits.period, limits.delay_ticks);
+        const double taken = std::max(limits.damping, needed) * glm::dot(step, step) / since;
         const double energy = observer.energy + given - taken;
         observer.energy = energy <= 0.0 ? 0.0 : energy;  // keeps a NaN
     }

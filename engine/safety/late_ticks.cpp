@@ -21,8 +21,8 @@ std::int32_t periods_late(std::int64_t lateness_ns, double period) noexcept {
     if (!(share > kLateShare)) {
         return 0;
     }
-    const double most = LateTicks::kWindow;
-    return static_cast<std::int32_t>(std::clamp(std::floor(share + 0.5), 1.0, most));
+    const double window = LateTicks::kWindow;
+    return static_cast<std::int32_t>(std::clamp(std::floor(share + 0.5), 1.0, window));
 }
 
 bool late_too_often(LateTicks& late,

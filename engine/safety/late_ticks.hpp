@@ -8,8 +8,8 @@
 
 namespace palpate::engine {
 
-/// Periods in which the force was not renewed in time: a tick that is late by k periods leaves k of them.
-/// A plain value.
+/// Periods in which the force was not renewed in time: a tick that is late by k periods leaves k of
+/// them. A plain value.
 struct LateTicks {
     static constexpr std::int32_t kWindow = 100;  ///< periods looked back on
 
@@ -21,13 +21,15 @@ struct LateTicks {
     std::size_t next = 0;  ///< slot of `recent`
 };
 
-/// How many periods a wake-up missed: 0 up to kLateShare of a period, else the nearest whole number.
+/// How many periods a wake-up missed: 0 up to kLateShare of a period, else the nearest whole
+/// number.
 [[nodiscard]] std::int32_t periods_late(std::int64_t lateness_ns, double period) noexcept;
 
 /// True when `limits.late_run` periods in a row or `limits.late_share` of the last 100 were late.
 ///
-/// After a stall of k periods the servo catches up: the ticks that follow are late by k - 1, k - 2, ...
-/// These belong to periods that are counted already, so a stall counts as k and not as k (k + 1) / 2.
+/// After a stall of k periods the servo catches up: the ticks that follow are late by k - 1, k - 2,
+/// ... These belong to periods that are counted already, so a stall counts as k and not as k (k +
+/// 1) / 2.
 [[nodiscard]] bool late_too_often(LateTicks& late,
                                   const SafetyLimits& limits,
                                   std::int64_t lateness_ns) noexcept;

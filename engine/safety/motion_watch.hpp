@@ -10,8 +10,8 @@
 
 namespace palpate::engine {
 
-/// Speed is the way over this time: one count of 0.1 mm is 0.1 m/s over a tick of 1 ms, and 5 mm/s over
-/// this window (which is also what the field's drivers take).
+/// Speed is the way over this time: one count of 0.1 mm is 0.1 m/s over a tick of 1 ms, and 5 mm/s
+/// over this window (which is also what the field's drivers take).
 inline constexpr double kSpeedWindow = 0.020;  ///< s
 
 /// Ticks that the window has, 1 to kWindowSlots - 1.
@@ -29,10 +29,11 @@ struct MotionWatch {
     std::size_t seen = 0;  ///< ticks so far
 };
 
-/// Jump: HIP moved further between two fresh readings than `limits.jump` for each period between them.
-/// Speed: its ends 20 ms apart are further from each other than `limits.speed` allows; before 20 ms have
-/// passed the same distance holds, so that a start cannot trip on a count.
-/// A reading that is not fresh says nothing new and trips nothing; the way starts at the first fresh one.
+/// Jump: HIP moved further between two fresh readings than `limits.jump` for each period between
+/// them. Speed: its ends 20 ms apart are further from each other than `limits.speed` allows; before
+/// 20 ms have passed the same distance holds, so that a start cannot trip on a count.
+/// A reading that is not fresh says nothing new and trips nothing; the way starts at the first
+/// fresh one.
 [[nodiscard]] Trip watch_motion(MotionWatch& watch,
                                 const SafetyLimits& limits,
                                 const Vec2& hip,

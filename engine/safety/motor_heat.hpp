@@ -8,9 +8,10 @@ namespace palpate::engine {
 ///
 ///     theta' = (load^2 - theta) / tau
 ///
-/// by theta += a (load^2 - theta) with a = 1 - 1 / (1 + s + s^2/2), s = step / tau: 1 - exp(-s) to s^3/6,
-/// and between 0 and 1 for any step. A load of 1 for ever never brings theta above 1.
-/// @param heat  theta, >= 0   @param load  |torque| / torque_forever   @param step  time / tau, >= 0
+/// by theta += a (load^2 - theta) with a = 1 - 1 / (1 + s + s^2/2), s = step / tau: 1 - exp(-s) to
+/// s^3/6, and between 0 and 1 for any step. A load of 1 for ever never brings theta above 1.
+/// @param heat  theta, >= 0   @param load  |torque| / torque_forever   @param step  time / tau, >=
+///       0
 [[nodiscard]] Vec2 heated(const Vec2& heat, const Vec2& load, double step) noexcept;
 
 }  // namespace palpate::engine

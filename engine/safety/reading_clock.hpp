@@ -14,8 +14,8 @@ struct ReadingClock {
     double read = 0.0;   ///< when the last fresh reading was taken, s
 };
 
-/// One tick on. A tick takes at least a period: one that catches up after a late one counts as whole, so
-/// that nothing is taken for faster than it was.
+/// One tick on. A tick takes at least a period: one that catches up after a late one counts as
+/// whole, so that nothing is taken for faster than it was.
 /// @param time_ns  when the tick woke up, since any moment   @param period  T, s
 inline void advance(ReadingClock& clock, std::int64_t time_ns, double period, bool fresh) noexcept {
     const double passed = static_cast<double>(time_ns - clock.last_ns) * 1e-9;

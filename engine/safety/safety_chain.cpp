@@ -1,12 +1,35 @@
 #include "engine/safety/safety_chain.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-#include "engine/safety/command_limits.hpp"
 #include "engine/safety/motor_heat.hpp"
 
 namespace palpate::engine {
 namespace {
+
+/// `force`, or where it is longer than `limit` the vector of that length in its direction: a force
+/// that is clipped axis by axis would turn, and a wall would feel as if it had friction.
+/// @param force  N, finite, |force| < 1e154   @param limit  N, >= 0
+Vec2 saturated(const Vec2& force, double limit) noexcept {
+    const double length = glm::length(force);
+    return length > limit ? force * (limit / length) : force;
+}
+
+/// `target`, or where that is further than `slew` from `last` the point at that distance on the way
+/// to it. Between two vectors of a disc the way stays inside: what is no longer than a limit stays
+/// so.
+/// @param last    the force of the tick before, N   @param slew  N, >= 0, infinity: no limit
+Vec2 within_slew(const Vec2& last, const Vec2& target, double slew) noexcept {
+    const Vec2 change = target - last;
+    const double length = glm::length(change);
+    return length > slew ? last + change * (slew / length) : target;
+}
+
+/// The gain of the ramp a tick later, 0 off ... 1 on. @param step  share a tick, > 0
+double ramped(double gain, double step, bool enable) noexcept {
+    return std::clamp(enable ? gain + step : gain - step, 0.0, 1.0);
+}
 
 /// |v| is a number: beyond 1e154 its square is not, and that is a fault too.
 bool finite(const Vec2& v) noexcept {
@@ -72,13 +95,13 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
 
 Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     Command command;
-    const Vec2 most = saturated(input.force, limits.most);
-    command.saturated = most != input.force;
+    const Vec2 strong = saturated(input.force, limits.max_force);
+    command.saturated = strong != input.force;
     state.gain = ramped(state.gain, limits.ramp_step, input.enable);
     command.ramped = state.gain < 1.0;
-    const Vec2 target = state.gain * most;
-    command.force = slewed(state.command, target, limits.slew);
-    command.slewed = command.force != target;
+    const Vec2 target = state.gain * strong;
+    command.force = within_slew(state.command, target, limits.slew);
+    command.force_slew = command.force != target;
     return command;
 }
 

@@ -14,7 +14,7 @@
 
 namespace palpate::engine {
 
-/// What the chain is told each tick.
+/// What the safety chain gets each tick.
 struct SafetyInput {
     Vec2 force{};   ///< rendered, N
     Vec2 spring{};  ///< GO - HIP, m; 0 out of contact
@@ -26,11 +26,11 @@ struct SafetyInput {
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
     Vec2 load{};                   ///< motors' torque share of the last tick, see Applied::load
     bool enable = true;            ///< ramp towards on (true) or off (false)
-    bool held = true;              ///< someone holds the dead-man switch
+    bool held = true;              ///< someone holds the dead-man key
     bool stop = false;             ///< the experimenter's key
 };
 
-/// What the chain remembers. A plain value; 8 kB, most of it the ways of the last 20 ms.
+/// What the safety chain remembers. A plain value; 8 kB, most of it the ways of the last 20 ms.
 struct SafetyState {
     double gain = 0.0;        ///< of the ramp: 0 off, 1 on
     Trip trip = Trip::none;   ///< latched: zero until the next trial
@@ -47,20 +47,22 @@ struct SafetyState {
 struct Command {
     Vec2 force{};
     bool saturated = false;
-    bool slewed = false;
-    bool ramped = false;     ///< scaled down by the ramp
-    Trip trip = Trip::none;  ///< the latched cause; the force is zero
+    bool force_slew = false;  ///< it changed as fast as the limit allows
+    bool ramped = false;      ///< scaled down by the ramp
+    Trip trip = Trip::none;   ///< the latched cause; the force is zero
 };
 
 /// What stands between the rendered force and the device, in this order:
 ///
-///     finite guard -> jump, speed -> stuck encoder -> late ticks -> silent device -> energy -> motor heat
-///     -> dead-man -> the experimenter's stop -> latched fault, or: saturation -> ramp -> slew limit
+///     finite guard -> jump, speed -> stuck encoder -> late ticks -> silent device -> energy ->
+///     motor heat -> dead-man -> the experimenter's stop -> latched fault, or: saturation -> ramp
+///     -> slew limit
 ///
-/// For any input at all, finite or not: the command is finite, |F| <= most, and |F[k] - F[k-1]| <= slew
-/// but for the step to zero at a trip (both to rounding); |F[k]| <= (k + 1) ramp_step most for tick k of
-/// a trial; from the tick of a trip on it is zero and keeps the first cause. When one tick has several, the
-/// order above decides. The slew limit comes last since it bounds what the hand feels, the ramp included.
+/// For any input at all, finite or not: the command is finite, |F| <= max_force, and |F[k] -
+/// F[k-1]| <= slew but for the step to zero at a trip (both to rounding); |F[k]| <= (k + 1)
+/// ramp_step max_force for tick k of a trial; from the tick of a trip on it is zero and keeps the
+/// first cause. When one tick has several, the order above decides. The slew limit comes last since
+/// it bounds what the hand feels, the ramp included.
 [[nodiscard]] Command make_safe(SafetyState& state,
                                 const SafetyLimits& limits,
                                 const SafetyInput& input) noexcept;

@@ -12,7 +12,7 @@ inline constexpr double kLateShare = 0.5;
 /// Infinity or 0, where said, switches a part of the chain off.
 struct SafetyLimits {
     double period = 1e-3;      ///< T, s
-    double most = 10.0;        ///< N; a stronger command is scaled to this, direction kept
+    double max_force = 10.0;   ///< N; a stronger command is scaled to this, direction kept
     double ramp_step = 0.005;  ///< share of the force gained or lost a tick, > 0
     double slew = std::numeric_limits<double>::infinity();   ///< N a tick
     double speed = std::numeric_limits<double>::infinity();  ///< m/s of HIP over the speed window

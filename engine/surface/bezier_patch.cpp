@@ -109,9 +109,9 @@ inline SurfaceJet divide(const HomogeneousJet& h) noexcept {
     return jet;
 }
 
-/// Bernstein polynomials of degree 3, 2 and 1 at u, the lower ones times 3 and 6: applied to control
-/// points, their first and their second differences they give value and derivatives. The same convex
-/// combinations as corner cutting, but side by side instead of one after the other.
+/// Bernstein polynomials of degree 3, 2 and 1 at u, the lower ones times 3 and 6: applied to
+/// control points, their first and their second differences they give value and derivatives. The
+/// same convex combinations as corner cutting, but side by side instead of one after the other.
 struct CubicBasis {
     std::array<double, 4> value;
     std::array<double, 3> first;
@@ -186,8 +186,8 @@ std::vector<Quad> with_differences(const std::vector<Quad>& net) {
     return all;
 }
 
-/// Value, slope and half the second derivative of c0 + c1 u + c2 u^2 + c3 u^3: Horner's scheme three
-/// times over, sharing c3 u.
+/// Value, slope and half the second derivative of c0 + c1 u + c2 u^2 + c3 u^3: Horner's scheme
+/// three times over, sharing c3 u.
 inline Line horner(
     const Quad& c0, const Quad& c1, const Quad& c2, const Quad& c3, double u) noexcept {
     const Quad t = u * c3;
@@ -290,6 +290,29 @@ SurfaceJet BezierPatch::at(double u, double v) const noexcept {
         default:
             return divide(cut_net(net_.data(), degree_u_, degree_v_, u, v));
     }
+}
+
+/// The shape operator in an orthonormal frame of the tangent plane: half the difference of its
+/// eigenvalues is then a length of two small numbers, not the root of a cancelled difference.
+Curvatures principal_curvatures(const SurfaceJet& jet, const Vec3& normal) noexcept {
+    const double e = glm::dot(jet.du, jet.du);
+    const Vec3 area = glm::cross(jet.du, jet.dv);
+    const double area2 = glm::dot(area, area);  // e g - f^2 without its cancellation
+    if (!(e > 0.0) || !(area2 > 0.0)) {
+        return {};
+    }
+    const double shear = glm::dot(jet.du, jet.dv) / e;
+    const double height2 = area2 / e;  // of dv above du
+    const double l = -glm::dot(jet.duu, normal);
+    const double m = -glm::dot(jet.duv, normal);
+    const double n = -glm::dot(jet.dvv, normal);
+    const double a = l / e;
+    const double b = (m - shear * l) / std::sqrt(area2);
+    const double c = (n - shear * (2.0 * m - shear * l)) / height2;
+    const double mean = 0.5 * (a + c);
+    const double skew = 0.5 * (a - c);
+    const double half = std::sqrt(skew * skew + b * b);
+    return {mean - half, mean + half};
 }
 
 }  // namespace palpate::engine

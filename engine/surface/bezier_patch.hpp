@@ -4,11 +4,75 @@
 #include <span>
 #include <vector>
 
-#include "engine/geometry/quad.hpp"
 #include "engine/geometry/rational_bezier.hpp"
-#include "engine/surface/surface_jet.hpp"
 
 namespace palpate::engine {
+
+/// Four doubles in two registers: homogeneous coordinates (w x, w y, w z, w). SSE2 is part of every
+/// x86-64, and each lane is one IEEE operation, so that all machines agree to the bit. A bare
+/// `Quad q;` holds rubbish: clearing scratch arrays would cost as much as an evaluation.
+struct Quad {
+    using Pair [[gnu::vector_size(16)]] = double;
+
+    Pair xy;
+    Pair zw;
+
+    [[nodiscard]] double w() const noexcept { return zw[1]; }
+    [[nodiscard]] Vec3 xyz() const noexcept { return Vec3{xy[0], xy[1], zw[0]}; }
+
+    Quad& operator+=(const Quad& b) noexcept {
+        xy += b.xy;
+        zw += b.zw;
+        return *this;
+    }
+    friend Quad operator+(const Quad& a, const Quad& b) noexcept {
+        return {a.xy + b.xy, a.zw + b.zw};
+    }
+    friend Quad operator-(const Quad& a, const Quad& b) noexcept {
+        return {a.xy - b.xy, a.zw - b.zw};
+    }
+    friend Quad operator*(double s, const Quad& a) noexcept { return {s * a.xy, s * a.zw}; }
+};
+
+[[nodiscard]] inline Quad quad(const Vec3& p, double w) noexcept {
+    return Quad{Quad::Pair{p.x, p.y}, Quad::Pair{p.z, w}};
+}
+
+/// Point and derivatives of a surface at one (u, v): m, m per unit of u or v, and so on.
+struct SurfaceJet {
+    Vec3 point{};
+    Vec3 du{};
+    Vec3 dv{};
+    Vec3 duu{};
+    Vec3 duv{};
+    Vec3 dvv{};
+};
+
+/// The two principal curvatures, 1/m, low <= high. > 0: the surface curves away from its normal, as
+/// a ball seen from outside does (the convention of engine/geometry/arc.hpp).
+struct Curvatures {
+    double low = 0.0;
+    double high = 0.0;
+};
+
+/// @param normal  unit normal at the place of `jet`
+///
+/// From the two fundamental forms (do Carmo, Differential Geometry, 3-3, eq. 7 and 8), relative
+/// error about 1e-15 times the largest over the smallest of |du|^2, |dv|^2 and |du x dv|. Both are
+/// 0 where du x dv vanishes.
+[[nodiscard]] Curvatures principal_curvatures(const SurfaceJet& jet, const Vec3& normal) noexcept;
+
+/// Curvature of the normal section in the direction a du + b dv, 1/m, > 0 as above. 0 for no
+/// direction.
+[[nodiscard]] inline double normal_curvature(const SurfaceJet& jet,
+                                             const Vec3& normal,
+                                             double a,
+                                             double b) noexcept {
+    const Vec3 direction = a * jet.du + b * jet.dv;
+    const double length2 = glm::dot(direction, direction);
+    const Vec3 bend = (a * a) * jet.duu + (2.0 * a * b) * jet.duv + (b * b) * jet.dvv;
+    return length2 > 0.0 ? -glm::dot(bend, normal) / length2 : 0.0;
+}
 
 /// One rational Bezier patch, u and v in [0, 1].
 ///
@@ -19,8 +83,8 @@ namespace palpate::engine {
 /// cutting or Bernstein polynomials (below 1e-15 for weights of 1e-3 to 1e3).
 class BezierPatch {
 public:
-    /// @param net         w_ij (P_ij, 1), place i (degree_v + 1) + j; (degree_u + 1)(degree_v + 1) of
-    ///                    them, all w > 0; P relative to a local origin that the caller keeps
+    /// @param net         w_ij (P_ij, 1), place i (degree_v + 1) + j; (degree_u + 1)(degree_v + 1)
+    ///                    of them, all w > 0; P relative to a local origin that the caller keeps
     /// @param polynomial  all weights are 1
     /// @throws std::invalid_argument for a degree outside 1 .. 9 or another number of points
     BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, bool polynomial);
@@ -33,8 +97,8 @@ public:
         return net_[static_cast<std::size_t>(i * (degree_v_ + 1) + j)];
     }
 
-    /// S and its derivatives per unit of this patch's u and v, relative to the local origin. u and v
-    /// are not clamped.
+    /// S and its derivatives per unit of this patch's u and v, relative to the local origin. u and
+    /// v are not clamped.
     [[nodiscard]] SurfaceJet at(double u, double v) const noexcept;
     /// S alone.
     [[nodiscard]] Vec3 point(double u, double v) const noexcept { return at(u, v).point; }

@@ -12,7 +12,8 @@ namespace {
 constexpr int kMaxDepth = 44;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
-/// Rounding of a coefficient, as a share of the sizes of its terms: sums of 5, and convex combinations.
+/// Rounding of a coefficient, as a share of the sizes of its terms: sums of 5, and convex
+/// combinations.
 constexpr double kNoise = 8.0 * kEpsilon;
 
 double binomial(std::size_t n, std::size_t k) {
@@ -23,8 +24,8 @@ double binomial(std::size_t n, std::size_t k) {
     return value;
 }
 
-/// Shares of the products of coefficients i and k of two polynomials of degree p in coefficient i + k
-/// of their product, at i (p + 1) + k.
+/// Shares of the products of coefficients i and k of two polynomials of degree p in coefficient i +
+/// k of their product, at i (p + 1) + k.
 std::vector<double> shares(std::size_t p) {
     std::vector<double> table;
     for (std::size_t i = 0; i <= p; ++i) {
@@ -36,11 +37,11 @@ std::vector<double> shares(std::size_t p) {
 }
 
 double largest(const std::vector<double>& values) {
-    double most = 0.0;
+    double largest = 0.0;
     for (const double v : values) {
-        most = std::max(most, std::fabs(v));
+        largest = std::max(largest, std::fabs(v));
     }
-    return most;
+    return largest;
 }
 
 }  // namespace
@@ -215,8 +216,8 @@ private:
         halve(piece);
     }
 
-    /// In a bowl: is the foot the lowest point of the part, to rounding? A bowl lies above its tangent
-    /// plane, whose slope is that of the distance where W does not vary or g is 0.
+    /// In a bowl: is the foot the lowest point of the part, to rounding? A bowl lies above its
+    /// tangent plane, whose slope is that of the distance where W does not vary or g is 0.
     bool is_bottom(const SurfaceFoot& foot, const PatchPart& part) noexcept {
         const FootSlope slope(foot.jet, foot.jet.point - h_);
         const SurfacePlace& p = foot.place;

@@ -14,9 +14,9 @@ namespace palpate::engine {
 ///
 ///     g = (|S - h|^2 - beta) W^2 = P.P - 2 q . (P W) + (|q|^2 - beta) W^2
 ///
-/// where P.P, P W and W^2 are prepared here once in Bernstein form (Farouki & Rajan 1988, eq. 44, in
-/// both directions). No point of a part of the patch lies closer than sqrt(beta) if no coefficient of g
-/// over that part is negative: a proof over the whole part, not over samples.
+/// where P.P, P W and W^2 are prepared here once in Bernstein form (Farouki & Rajan 1988, eq. 44,
+/// in both directions). No point of a part of the patch lies closer than sqrt(beta) if no
+/// coefficient of g over that part is negative: a proof over the whole part, not over samples.
 class DistanceForm {
 public:
     /// @param net  (degree_u + 1)(degree_v + 1) values w (P, 1), row after row

@@ -20,11 +20,12 @@ struct SurfacePlace {
 ///
 ///     S(u, v) = sum N_i,p(u) N_j,q(v) w_ij P_ij / sum N_i,p(u) N_j,q(v) w_ij
 ///                                                            The NURBS Book, eq. 4.11
-/// u and v run over the knots' [front, back]; the last patches are closed. The object lies on the side
-/// away from the outward normal dS/du x dS/dv. Borders are open unless the first and the last row of
-/// control points are the same: then the surface is closed in that direction, and its patches are
-/// neighbours over the seam. Coordinates are kept about the middle of the control points, so that an
-/// object a kilometre away from the world's origin is as exact as its coordinates are.
+/// u and v run over the knots' [front, back]; the last patches are closed. The object lies on the
+/// side away from the outward normal dS/du x dS/dv. Borders are open unless the first and the last
+/// row of control points are the same: then the surface is closed in that direction, and its
+/// patches are neighbours over the seam. Coordinates are kept about the middle of the control
+/// points, so that an object a kilometre away from the world's origin is as exact as its
+/// coordinates are.
 class NurbsSurface {
 public:
     /// @param degree_u  1 to 9, also degree_v
@@ -39,13 +40,15 @@ public:
                  const std::vector<std::vector<Vec3>>& points,
                  const std::vector<std::vector<double>>& weights = {});
 
+    /// The knots in u, and in v.
     [[nodiscard]] const KnotVector& knots_u() const noexcept { return knots_u_; }
     [[nodiscard]] const KnotVector& knots_v() const noexcept { return knots_v_; }
+    /// All weights are the same.
     [[nodiscard]] bool polynomial() const noexcept { return polynomial_; }
+    /// What patches are relative to, m.
     [[nodiscard]] const Vec3& origin() const noexcept { return origin_; }
-    [[nodiscard]] double size() const noexcept {
-        return size_;
-    }  ///< diagonal of the points' box, m
+    /// Diagonal of the box of all control points, m.
+    [[nodiscard]] double size() const noexcept { return size_; }
 
     /// S and its derivatives, world frame. Outside of the domain the end patch goes on.
     [[nodiscard]] SurfaceJet at(double u, double v) const noexcept;
@@ -53,12 +56,16 @@ public:
     /// surface without area.
     [[nodiscard]] Vec3 normal(double u, double v) const noexcept;
 
+    /// Patch i of those along u, j along v.
     [[nodiscard]] std::size_t rows() const noexcept { return rows_; }        ///< patches along u
     [[nodiscard]] std::size_t columns() const noexcept { return columns_; }  ///< patches along v
+    /// Patch i of those along u, j along v.
     [[nodiscard]] const BezierPatch& patch(std::size_t i, std::size_t j) const noexcept {
         return patches_[i * columns_ + j];
     }
+    /// The patch and its own parameters of (u, v), which are clamped to the domain.
     [[nodiscard]] SurfacePlace place_of(double u, double v) const noexcept;
+    /// The surface's u, or v, of a place.
     [[nodiscard]] double u_of(const SurfacePlace& p) const noexcept;
     [[nodiscard]] double v_of(const SurfacePlace& p) const noexcept;
     /// Jet per unit of the patch's own parameters, relative to origin().
@@ -68,9 +75,11 @@ public:
     /// Unit normal at `p`, whose local jet is `jet`.
     [[nodiscard]] Vec3 normal_at(const SurfacePlace& p, const SurfaceJet& jet) const noexcept;
 
+    /// Whether the borders at both ends of u, or v, are one.
     [[nodiscard]] bool closed_u() const noexcept { return closed_u_; }
     [[nodiscard]] bool closed_v() const noexcept { return closed_v_; }
-    /// Moves a place on an edge of its patch, u (or v) = 0 or 1, to the same point on the next patch.
+    /// Moves a place on an edge of its patch, u (or v) = 0 or 1, to the same point on the next
+    /// patch.
     /// @return false at an open border: nothing changed
     [[nodiscard]] bool cross_u(SurfacePlace& p, bool forward) const noexcept;
     [[nodiscard]] bool cross_v(SurfacePlace& p, bool forward) const noexcept;

@@ -127,8 +127,9 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip) const no
     return answer(track, h, foot_now);
 }
 
-/// Newton's step from the last jet, then from new ones until a step is so small that the second order
-/// of Taylor's series is exact to rounding. False at an edge of the patch, or where there is no bowl.
+/// Newton's step from the last jet, then from new ones until a step is so small that the second
+/// order of Taylor's series is exact to rounding. False at an edge of the patch, or where there is
+/// no bowl.
 bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Moved& moved) const noexcept {
     for (int i = 0; i < 6; ++i) {
         const SurfaceJet& j = track.jet;

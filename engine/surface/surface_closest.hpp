@@ -22,8 +22,9 @@ struct SurfaceClosest {
 
 /// What a tracker keeps from tick to tick. A plain value; a fresh one knows nothing.
 ///
-/// The certificate: at `reference` a search proved that |S - h|^2 has one minimum in `window`, that it
-/// still has while h moves by `slack`, and that everything outside of the window was `other` away.
+/// The certificate: at `reference` a search proved that |S - h|^2 has one minimum in `window`, that
+/// it still has while h moves by `slack`, and that everything outside of the window was `other`
+/// away.
 struct SurfaceTrack {
     struct Window {  ///< leaves [low, high) of the grid over all patches
         std::uint32_t low_u = 0;
@@ -48,15 +49,16 @@ struct SurfaceTrack {
 /// The closest point of a whole surface, borders and corners included, with a proof.
 ///
 /// Every patch is divided into leaves at construction, each with an oriented box and bounds on the
-/// second derivatives of |S - h|^2 that are linear in h; a tree of boxes stands above them. A search
-/// goes downhill to a foot, collects the leaves round it in which the distance is a proven bowl, and
-/// shows for all others that they are farther: by their boxes, or by Bernstein coefficients
-/// (DistanceForm). What is closer starts it anew from there.
+/// second derivatives of |S - h|^2 that are linear in h; a tree of boxes stands above them. A
+/// search goes downhill to a foot, collects the leaves round it in which the distance is a proven
+/// bowl, and shows for all others that they are farther: by their boxes, or by Bernstein
+/// coefficients (DistanceForm). What is closer starts it anew from there.
 ///
-/// `distance` is the global minimum to rounding, 1e-15 of the object's size plus the distance, also for
-/// weights of 1e-3 to 1e3. With ties any of the feet. The proof fails, and says so, where a patch is
-/// degenerate to a line under different weights, and in bent valleys that weights of 1e-3 to 1e3 make.
-/// A HIP that is not finite has the distance infinity and is not proven. A search needs 300 kB of stack.
+/// `distance` is the global minimum to rounding, 1e-15 of the object's size plus the distance, also
+/// for weights of 1e-3 to 1e3. With ties any of the feet. The proof fails, and says so, where a
+/// patch is degenerate to a line under different weights, and in bent valleys that weights of 1e-3
+/// to 1e3 make. A HIP that is not finite has the distance infinity and is not proven. A search
+/// needs 300 kB of stack.
 class SurfaceFeet {
 public:
     /// @throws std::invalid_argument for a null surface

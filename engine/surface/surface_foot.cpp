@@ -71,7 +71,7 @@ private:
         return (step < 0.0 && at <= lo) || (step > 0.0 && at >= hi);
     }
 
-    /// Newton's step, with the parameters at a bound held.
+    /// Newton's step, with the parameters at a bound kept.
     Step direction(const FootSlope& g, bool fix_u, bool fix_v) const noexcept {
         if (fix_u && fix_v) {
             return {};
@@ -91,12 +91,12 @@ private:
         return out_of_saddle(g);
     }
 
-    /// Where a bowl's lowest point lies over a bound: the lowest point on that bound. Cutting the step
-    /// short instead would creep along a narrow valley.
+    /// Where a bowl's lowest point lies over a bound: the lowest point on that bound. Cutting the
+    /// step short instead would creep along a narrow valley.
     Step within(const FootSlope& g, Step d) const noexcept {
         const SurfacePlace& p = foot_.place;
         const bool at_bound = p.u <= part_.lo_u || p.u >= part_.hi_u || p.v <= part_.lo_v ||
-                              p.v >= part_.hi_v;  // then step() decides what is held
+                              p.v >= part_.hi_v;  // then step() decides what stays
         const double u = std::clamp(p.u + d.u, part_.lo_u, part_.hi_u) - p.u;
         const double v = std::clamp(p.v + d.v, part_.lo_v, part_.hi_v) - p.v;
         if (at_bound || (std::fabs(u) >= std::fabs(d.u) && std::fabs(v) >= std::fabs(d.v))) {
@@ -112,8 +112,8 @@ private:
         return d;
     }
 
-    /// Newton's step with the sign of both eigenvalues made positive, which always leads downhill. In
-    /// parameters scaled to equal speed.
+    /// Newton's step with the sign of both eigenvalues made positive, which always leads downhill.
+    /// In parameters scaled to equal speed.
     Step out_of_saddle(const FootSlope& g) const noexcept {
         const double tiny = 1e-30 * surface_.size() * surface_.size();
         const double by_u = 1.0 / std::sqrt(glm::dot(foot_.jet.du, foot_.jet.du) + tiny);

@@ -41,13 +41,14 @@ struct PatchPart {
     double hi_v = 1.0;
 };
 
-/// Goes downhill from `start` to a local foot of h, over patch borders where there are neighbours and
-/// along open borders.
+/// Goes downhill from `start` to a local foot of h, over patch borders where there are neighbours
+/// and along open borders.
 ///
 ///     Newton's step on (S - h) . Su = (S - h) . Sv = 0, with bounds; The NURBS Book, 6.1
 ///
-/// Where the second derivatives are no bowl, with both eigenvalues made positive. Every step that is not tiny lowers the
-/// distance, so that it ends. The distance is the local minimum to rounding: 4e-16 of the size.
+/// Where the second derivatives are no bowl, with both eigenvalues made positive. Every step that
+/// is not tiny lowers the distance, so that it ends. The distance is the local minimum to rounding:
+/// 4e-16 of the size.
 /// @param h  relative to surface.origin(), m
 [[nodiscard]] SurfaceFoot descend(const NurbsSurface& surface,
                                   const Vec3& h,

@@ -59,13 +59,13 @@ Vec2 SurfaceGround::parameters(const SurfaceJet& j, const Vec3& t) noexcept {
     return Vec2{e > 0.0 ? a / e : 0.0, g > 0.0 ? b / g : 0.0};
 }
 
-bool SurfaceGround::held_u(const SurfaceSpot& s, double du) const noexcept {
+bool SurfaceGround::blocked_u(const SurfaceSpot& s, double du) const noexcept {
     const SurfacePlace& p = s.place;
     SurfacePlace beyond = p;
     return ((p.u == 0.0 && du < 0.0) || (p.u == 1.0 && du > 0.0)) &&
            (!surface_.cross_u(beyond, du > 0.0) || pushes_back(s, beyond, true));
 }
-bool SurfaceGround::held_v(const SurfaceSpot& s, double dv) const noexcept {
+bool SurfaceGround::blocked_v(const SurfaceSpot& s, double dv) const noexcept {
     const SurfacePlace& p = s.place;
     SurfacePlace beyond = p;
     return ((p.v == 0.0 && dv < 0.0) || (p.v == 1.0 && dv > 0.0)) &&

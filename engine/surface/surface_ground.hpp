@@ -33,15 +33,16 @@ public:
 
     /// Width of the shell inside the cone in which a slide ends, m: the rounding of a place.
     [[nodiscard]] static double tolerance(const SurfaceSpot& s) noexcept;
-    /// Within its cone; where that is narrower than rounding (no load, no friction) at the local foot.
+    /// Within its cone; where that is narrower than rounding (no load, no friction) at the local
+    /// foot.
     [[nodiscard]] static bool settled(const SurfaceSpot& s) noexcept;
     /// Parameters of the way `t` in the tangent plane: the 2 x 2 metric.
     [[nodiscard]] static Vec2 parameters(const SurfaceJet& jet, const Vec3& t) noexcept;
 
-    /// A way with this part in u (v) ends at once: at an open border, or in a concave crease, on whose
-    /// other side HIP draws the GO back.
-    [[nodiscard]] bool held_u(const SurfaceSpot& s, double du) const noexcept;
-    [[nodiscard]] bool held_v(const SurfaceSpot& s, double dv) const noexcept;
+    /// A way with this part in u (v) ends at once: at an open border, or in a concave crease, on
+    /// whose other side HIP draws the GO back.
+    [[nodiscard]] bool blocked_u(const SurfaceSpot& s, double du) const noexcept;
+    [[nodiscard]] bool blocked_v(const SurfaceSpot& s, double dv) const noexcept;
     /// On an edge between two patches, not on an open border.
     [[nodiscard]] bool between(SurfacePlace p) const noexcept;
 

@@ -45,11 +45,11 @@ void second_differences(std::size_t n, std::size_t m, int kind, Take take) {
 }
 
 double largest(const std::vector<double>& values) {
-    double most = 0.0;
+    double largest = 0.0;
     for (const double v : values) {
-        most = std::max(most, std::fabs(v));
+        largest = std::max(largest, std::fabs(v));
     }
-    return most;
+    return largest;
 }
 
 Range bend_range(const DistanceForm& form, const std::vector<double>& g, int kind) {
@@ -211,12 +211,12 @@ SurfaceLeaf::Bowl SurfaceLeaf::bowl(const Vec3& h, double d2) const noexcept {
     const double reach2 = glm::dot(q, q);
     const double reach = std::sqrt(reach2);
     const double rest = reach2 - d2;
-    const auto least = [&](const Bend& b) {
+    const auto smallest = [&](const Bend& b) {
         return b.low - glm::dot(q, b.slope) - reach * b.spread +
                std::min(rest * b.ww_low, rest * b.ww_high);
     };
-    const double uu = least(uu_);
-    const double vv = least(vv_);
+    const double uu = smallest(uu_);
+    const double vv = smallest(vv_);
     const double middle = 0.5 * (uv_.low + uv_.high) - glm::dot(q, uv_.slope) +
                           0.5 * rest * (uv_.ww_low + uv_.ww_high);
     const double uv = std::fabs(middle) + 0.5 * (uv_.high - uv_.low) + reach * uv_.spread +
@@ -230,7 +230,8 @@ SurfaceLeaf::Bowl SurfaceLeaf::bowl(const Vec3& h, double d2) const noexcept {
     if (drift_ww_ == 0.0) {
         return {depth, depth / (drift_ + std::numeric_limits<double>::min())};
     }
-    // |q|^2 - d2 changes by at most 2 (reach + d) s + 2 s^2 when h moves by s: the root of a parabola.
+    // |q|^2 - d2 changes by at most 2 (reach + d) s + 2 s^2 when h moves by s: the root of a
+    // parabola.
     const double rate = drift_ + drift_ww_ * 2.0 * (reach + std::sqrt(d2));
     return {depth, 2.0 * depth / (rate + std::sqrt(rate * rate + 8.0 * drift_ww_ * depth))};
 }

@@ -22,8 +22,8 @@ public:
         double slack = 0.0;  ///< HIP may move so far, m, and it still has
     };
     /// Is g = (|S - h|^2 - d2) W^2 convex over the leaf, and how far can h move? Linear in h.
-    /// A minimum x of |S - h|^2 with |S(x) - h|^2 = d2 is then the only one: g is convex, and flat and 0
-    /// at x, so that it is nowhere negative.
+    /// A minimum x of |S - h|^2 with |S(x) - h|^2 = d2 is then the only one: g is convex, and flat
+    /// and 0 at x, so that it is nowhere negative.
     [[nodiscard]] Bowl bowl(const Vec3& h, double d2) const noexcept;
 
     /// bowl() for a point on the leaf itself: how well the leaf is resolved.

@@ -100,10 +100,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     }
     SurfaceContact contact = render(slide, h, mu);
     contact.cp = state.seen;
-    contact.mode = !slipped ? Mode::stuck
-                 : HasFriction && state.theta > kRelaxed && friction.mu_s > friction.mu_d
-                     ? Mode::transition
-                     : Mode::slip;
+    contact.mode = mode_of<HasFriction>(slipped, state.theta, friction);
     if constexpr (HasFriction) {
         state.theta = next_theta(state.theta, slipped, decay_);
     }
@@ -120,9 +117,9 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
                            .normal = slide.normal,
                            .normal_force = k * slide.load,
                            .mu = mu,
-                           .held = slide.held_outside};
+                           .outside_cone = slide.outside_cone};
     const double cone = mu * slide.load;
-    if (slide.held_outside && !slide.in_crease && slide.length > cone) {
+    if (slide.outside_cone && !slide.in_crease && slide.length > cone) {
         const double share = cone / slide.length;
         contact.force = k * (slide.load * slide.normal - share * slide.tangential);
         contact.tangential_force = k * cone;

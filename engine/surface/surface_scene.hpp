@@ -13,12 +13,12 @@ namespace palpate::engine {
 
 /// What is to be felt on a surface. SI.
 struct SurfaceSceneSpec {
-    SceneSpec contact{};  ///< as for a chain of curves, without slew: a surface has no vertices
+    SceneSpec contact{};  ///< as for an outline, without slew: a surface has no vertices
 
-    /// While HIP is farther from the surface than it can have moved since the last look, do not look:
-    /// such a tick costs one comparison. Contact then begins only where HIP can have met the surface.
-    /// The same forces on a closed surface; on an open one HIP may be led round a border to the back
-    /// without a contact, where without this it would begin at full depth.
+    /// While HIP is farther from the surface than it can have moved since the last look, do not
+    /// look: such a tick costs one comparison. Contact then begins only where HIP can have met the
+    /// surface. The same forces on a closed surface; on an open one HIP may be led round a border
+    /// to the back without a contact, where without this it would begin at full depth.
     bool skip_far = false;
 };
 
@@ -46,7 +46,7 @@ struct SurfaceContact {
     double normal_force = 0.0;      ///< force . normal, N, >= 0
     double tangential_force = 0.0;  ///< length of the rest, N, >= 0
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
-    bool held = false;              ///< the GO rests at an open border or in a concave crease
+    bool outside_cone = false;      ///< the GO rests at an open border or in a concave crease
     bool skipped = false;           ///< out of reach: cp.distance is a lower bound
     bool refused = false;  ///< HIP was not finite or above 1e9 m: force zero, contact ended
 };
@@ -55,13 +55,13 @@ struct SurfaceContact {
 ///
 /// The law is Scene's: F = K (GO - HIP); friction decides only where the GO may stay
 /// (slide_on_surface). Moving the GO along the surface never raises K/2 |GO - HIP|^2, so that
-/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. At an open border the
-/// tangential part is cut to mu times the normal force, which is outside of that proof; in a concave
-/// crease both sides carry, and nothing is cut.
+/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. At an open border
+/// the tangential part is cut to mu times the normal force, which is outside of that proof; in a
+/// concave crease both sides carry, and nothing is cut.
 class SurfaceScene {
 public:
-    /// @throws std::invalid_argument for a null surface or values out of range: which one, the value,
-    ///                               what to give
+    /// @throws std::invalid_argument for a null surface or values out of range: which one, the
+    ///                               value, what to give
     SurfaceScene(std::shared_ptr<const NurbsSurface> surface, const SurfaceSceneSpec& spec);
     SurfaceScene(std::shared_ptr<const NurbsSurface> surface, const SceneSpec& spec)
         : SurfaceScene(std::move(surface), SurfaceSceneSpec{.contact = spec}) {}
@@ -71,11 +71,16 @@ public:
         return (this->*step_)(state, hip);
     }
 
+    /// What is felt.
     [[nodiscard]] const NurbsSurface& surface() const noexcept { return feet_.surface(); }
+    /// Its closest points.
     [[nodiscard]] const SurfaceFeet& feet() const noexcept { return feet_; }
+    /// The spec with the period of today.
     [[nodiscard]] const SurfaceSceneSpec& spec() const noexcept { return spec_; }
+    /// What a replay has to be given.
     [[nodiscard]] const StribeckDecay& decay() const noexcept { return decay_; }
-    /// The same scene at another tick period, for paths whose ticks are uneven. @param period  s, > 0
+    /// The same scene at another tick period, for paths whose ticks are uneven. @param period  s, >
+    /// 0
     void set_period(double period);
     /// The same scene with decay constants recorded earlier, for a replay to the bit.
     void restore_decay(const StribeckDecay& recorded) noexcept { decay_ = recorded; }

@@ -17,7 +17,8 @@ constexpr std::uint32_t kMaxReach = 2;
 constexpr double kWantedSlack = 8e-4;
 
 /// Pieces that one search, and one leaf of it, may look at: some milliseconds at worst, reported as
-/// not proven. Only patches that are a line or a point, with different weights, are known to need it.
+/// not proven. Only patches that are a line or a point, with different weights, are known to need
+/// it.
 constexpr int kBudget = 20000;
 constexpr int kLeafBudget = 1000;
 constexpr int kMaxRestarts = 64;
@@ -59,8 +60,8 @@ double SurfaceFeet::strip_slack(const Window& strip, const Vec3& h, double d2) c
     return slack;
 }
 
-/// Nothing pulls the foot along the surface, but over an open border: with a bowl, the minimum. Else
-/// the descent gave up early, and the foot proves nothing.
+/// Nothing pulls the foot along the surface, but over an open border: with a bowl, the minimum.
+/// Else the descent gave up early, and the foot proves nothing.
 bool SurfaceFeet::at_rest(const SurfaceTrack& track, const Vec3& h) const noexcept {
     const SurfaceJet& j = track.jet;
     const SurfacePlace& p = track.place;
@@ -69,8 +70,8 @@ bool SurfaceFeet::at_rest(const SurfaceTrack& track, const Vec3& h) const noexce
     const auto rests = [&](double at, const Vec3& along, bool crossable) {
         const double slope = glm::dot(r, along);
         const double still = rounding * glm::length(along);
-        const bool held = (at == 0.0 && slope > 0.0) || (at == 1.0 && slope < 0.0);
-        return std::fabs(slope) <= still || (held && !crossable);
+        const bool blocked = (at == 0.0 && slope > 0.0) || (at == 1.0 && slope < 0.0);
+        return std::fabs(slope) <= still || (blocked && !crossable);
     };
     SurfacePlace beyond = p;
     const bool over_u = (p.u == 0.0 || p.u == 1.0) && surface_->cross_u(beyond, p.u == 1.0);
@@ -78,8 +79,8 @@ bool SurfaceFeet::at_rest(const SurfaceTrack& track, const Vec3& h) const noexce
     return rests(p.u, j.du, over_u) && rests(p.v, j.dv, over_v);
 }
 
-/// The window: the foot's leaf, then whole strips on its four sides while they are bowls. It does not
-/// cross an edge where the derivative breaks: there two bowls do not make one.
+/// The window: the foot's leaf, then whole strips on its four sides while they are bowls. It does
+/// not cross an edge where the derivative breaks: there two bowls do not make one.
 void SurfaceFeet::grow(SurfaceTrack& track, const Vec3& h, double d2) const noexcept {
     const SurfacePlace& p = track.place;
     const auto leaf_of = [this](std::size_t patch, double t) {
@@ -153,8 +154,8 @@ Verdict SurfaceFeet::look_at(std::uint32_t leaf,
     return verdict;
 }
 
-/// Everything outside of the window, nearest boxes first: something closer than d2, or the lower bound
-/// of all of it in `lower2`.
+/// Everything outside of the window, nearest boxes first: something closer than d2, or the lower
+/// bound of all of it in `lower2`.
 Verdict SurfaceFeet::look_around(SurfaceTrack& track,
                                  const Vec3& h,
                                  double d2,

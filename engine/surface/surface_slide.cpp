@@ -50,7 +50,7 @@ public:
     SurfaceSlide rest_at_foot(const SurfacePlace& from) noexcept {
         const Vec3 start = ground_.surface().local_jet(from).point;
         SurfaceSpot s = ground_.look(descend(ground_.surface(), ground_.h(), from).place);
-        bool held = false;
+        bool blocked = false;
         const double last_bits = 1e-10 * ground_.surface().size();
         while (s.length > last_bits) {  // at a pole or a border
             if (pole(s)) {
@@ -58,12 +58,12 @@ public:
                 continue;
             }
             const Vec2 way = SurfaceGround::parameters(s.jet, s.along);
-            held = ground_.held_u(s, way.x) || ground_.held_v(s, way.y);
+            blocked = ground_.blocked_u(s, way.x) || ground_.blocked_v(s, way.y);
             break;
         }
         const double way = glm::length(s.jet.point - start);
         // Newton's last bits are no slip: a hand at rest finds the contact stuck.
-        return result(s, way > 4.0 * SurfaceGround::tolerance(s) ? way : 0.0, held);
+        return result(s, way > 4.0 * SurfaceGround::tolerance(s) ? way : 0.0, blocked);
     }
 
 private:
@@ -80,8 +80,8 @@ private:
         static_cast<void>(pole(s));
         Move move{.direction = s.along / s.length};
         const Vec2 way = SurfaceGround::parameters(s.jet, move.direction);
-        const bool out_u = ground_.held_u(s, way.x);
-        const bool out_v = ground_.held_v(s, way.y);
+        const bool out_u = ground_.blocked_u(s, way.x);
+        const bool out_v = ground_.blocked_v(s, way.y);
         if (out_u || out_v) {
             return along_border(s, out_u, out_v);
         }
@@ -111,18 +111,18 @@ private:
         return move;
     }
 
-    /// The spot after a step along `move`, shortened until |r| does not grow, and closed in where it
-    /// went through the cone.
+    /// The spot after a step along `move`, shortened until |r| does not grow, and closed in where
+    /// it went through the cone.
     [[nodiscard]] SurfaceSpot step(const SurfaceSpot& s, const Move& move) const noexcept {
         double length = move.length;
         SurfaceSpot next = go(s, move, length);
-        const double most =
+        const double limit =
             s.r2 + 2.0 * std::sqrt(s.r2) * SurfaceGround::tolerance(s);  // |r| plus rounding
-        for (int i = 0; i < 40 && !(next.r2 <= most); ++i) {
+        for (int i = 0; i < 40 && !(next.r2 <= limit); ++i) {
             length *= 0.5;
             next = go(s, move, length);
         }
-        if (!(next.r2 <= most)) {
+        if (!(next.r2 <= limit)) {
             return s;
         }
         const bool too_far =
@@ -179,8 +179,8 @@ private:
         return ground_.look(p);
     }
 
-    /// Between the ends of a step, `s` outside and `inside` within, the spot on the inner side of the
-    /// cone: regula falsi with the Illinois rule.
+    /// Between the ends of a step, `s` outside and `inside` within, the spot on the inner side of
+    /// the cone: regula falsi with the Illinois rule.
     [[nodiscard]] SurfaceSpot close_in(const SurfaceSpot& s,
                                        const Move& move,
                                        double length,
@@ -224,7 +224,9 @@ private:
         return best;
     }
 
-    [[nodiscard]] SurfaceSlide result(const SurfaceSpot& s, double slid, bool held) const noexcept {
+    [[nodiscard]] SurfaceSlide result(const SurfaceSpot& s,
+                                      double slid,
+                                      bool blocked) const noexcept {
         return {.place = s.place,
                 .point = s.jet.point,
                 .normal = s.normal,
@@ -232,8 +234,8 @@ private:
                 .length = s.length,
                 .load = s.load,
                 .slid = slid,
-                .held_outside = held,
-                .in_crease = held && ground_.between(s.place)};
+                .outside_cone = blocked,
+                .in_crease = blocked && ground_.between(s.place)};
     }
 
     SurfaceGround ground_;

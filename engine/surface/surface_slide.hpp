@@ -14,7 +14,7 @@ struct SurfaceSlide {
     double length = 0.0;         ///< |tangential|, m
     double load = 0.0;           ///< nu = -r . n, m: > 0 inside
     double slid = 0.0;           ///< way of the GO, m: sum of chords
-    bool held_outside = false;   ///< stopped outside its cone: at an open border or in a crease
+    bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
     bool in_crease = false;      ///< in a concave crease, whose two sides carry together
 };
 
@@ -25,15 +25,15 @@ struct SurfaceSlide {
 ///
 /// which is Newton's step: with kappa the normal curvature along t (> 0 convex), the derivative of
 /// |t| - mu nu along the way is -(1 - kappa (nu + mu |t|)) in 3-D as in 2-D, since geodesic torsion
-/// turns t without changing its length. Steps are taken in the tangent plane (2 x 2 metric) with the
-/// second order of the surface; long ones, and those over an edge of a patch, by the foot of the
-/// stepped point. No step raises |r|, which is what passivity rests on. A step over the cone is closed
-/// in from both sides, so that the end lies on the cone, on its inner side, within
+/// turns t without changing its length. Steps are taken in the tangent plane (2 x 2 metric) with
+/// the second order of the surface; long ones, and those over an edge of a patch, by the foot of
+/// the stepped point. No step raises |r|, which is what passivity rests on. A step over the cone is
+/// closed in from both sides, so that the end lies on the cone, on its inner side, within
 /// 1e-14 mu nu + 1e-15 (|g| + |r|).
 ///
-/// At an open border, and in a concave crease, the GO stays; it slides along the edge while the part of
-/// t along it exceeds mu nu. A pole (an edge that is one point) is crossed. Without friction the GO goes
-/// to the local foot of HIP.
+/// At an open border, and in a concave crease, the GO stays; it slides along the edge while the
+/// part of t along it exceeds mu nu. A pole (an edge that is one point) is crossed. Without
+/// friction the GO goes to the local foot of HIP.
 /// @param h   HIP relative to surface.origin(), m
 /// @param mu  >= 0, not read without friction
 template <bool HasFriction>

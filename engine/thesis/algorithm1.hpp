@@ -9,7 +9,8 @@ namespace palpate::engine {
 
 /// How Algorithm 1's test for slip -> stuck reads FN[k-1].
 enum class Algorithm1Variant : std::uint8_t {
-    literal,  ///< the tick before: mu_d FN[k] > mu_s FN[k-1] asks for 40 % more load within one tick
+    /// the tick before: mu_d FN[k] > mu_s FN[k-1] asks for 40 % more load within one tick
+    literal,
     latched,  ///< the load when slipping began: then figure 3.2.2's markers 3 -> 4 -> 5 can happen
 };
 
@@ -39,7 +40,7 @@ struct Algorithm1State {
     Vec2 last_velocity{};     ///< of HIP, m/s
 };
 
-/// Where the force is applied: GO's own point and frame (the feature it sits on).
+/// Where the force is applied: GO's own point and frame (the curve it sits on).
 struct PointOfApplication {
     Vec2 point{};
     Vec2 tangent{1.0, 0.0};
@@ -59,17 +60,21 @@ struct Algorithm1Force {
 ///
 /// Kept on purpose, though each breaks a promise of the thesis (numbers: tests/engine/
 /// thesis_friction_test.cpp):
-///  - F_offset is added in STATIC but not tested, so |F_f| may exceed mu_s F_N while stuck; it stays
+///  - F_offset is added in STATIC but not tested, so |F_f| may exceed mu_s F_N while stuck; it
+///  stays
 ///    and is added again to mu F_N in DYNAMIC, so |F_f| may exceed mu_s F_N for good.
 ///  - F_f keeps its old value on the tick of break-away and on those of slip -> stuck.
-///  - GO := CP when HIP's tangential velocity changes sign or stops: friction falls to 0 in one tick.
+///  - GO := CP when HIP's tangential velocity changes sign or stops: friction falls to 0 in one
+///  tick.
 ///    A dead band hides that, and then friction pushes along with a motion that has turned round.
 ///  - The direction of dynamic friction is that of the break-away; velocity never turns it.
 ///  - mu = mu_d + (mu_s - mu_d) min(1, |Psi| / Psi_0), Psi_0 that of the break-away: a tracker that
-///    lags by v / lambda keeps mu above mu_d for good, more so the faster it goes (against Stribeck).
+///    lags by v / lambda keeps mu above mu_d for good, more so the faster it goes (against
+///    Stribeck).
 ///
-/// Repaired, because it could not run otherwise: F_T is signed and its magnitude is tested; GO and CP
-/// are two points; HIP is sampled every tick, contact or not; the region lock ends with the contact.
+/// Repaired, because it could not run otherwise: F_T is signed and its magnitude is tested; GO and
+/// CP are two points; HIP is sampled every tick, contact or not; the region lock ends with the
+/// contact.
 class ThesisFriction {
 public:
     /// @throws std::invalid_argument for a number out of range: its name, the value, the remedy
@@ -78,8 +83,8 @@ public:
     /// A tick without contact: STATIC, forces zero, GO will be seated anew, regions may switch.
     void no_contact(Algorithm1State& state, const Vec2& velocity) const noexcept;
 
-    /// A tick in contact, with GO at `at` (already seated, held or tracked), HIP at `hip` moving with
-    /// `velocity`, m/s.
+    /// A tick in contact, with GO at `at` (already seated, stuck or tracked), HIP at `hip` moving
+    /// with `velocity`, m/s.
     Algorithm1Force contact(Algorithm1State& state,
                             const PointOfApplication& at,
                             const Vec2& hip,

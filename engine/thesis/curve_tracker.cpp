@@ -16,7 +16,7 @@ constexpr std::array<std::string_view, 5> kNames{"feedback", "feed_forward", "fe
                                                  "tangent_plane", "newton"};
 
 /// Share of |f'|^2 below which c is not let: 1 - kappa d, at most five times a Gauss-Newton step.
-constexpr double kLeastCurving = 0.2;
+constexpr double kMinCurving = 0.2;
 
 void require(bool ok, const char* what, double value, const char* remedy) {
     if (!ok) {
@@ -65,7 +65,7 @@ struct Error {
         speed2 = glm::dot(jet.first, jet.first);
         c = speed2 + glm::dot(gap, jet.second);
     }
-    [[nodiscard]] double safe_c() const noexcept { return std::max(c, kLeastCurving * speed2); }
+    [[nodiscard]] double safe_c() const noexcept { return std::max(c, kMinCurving * speed2); }
 };
 
 }  // namespace
@@ -166,7 +166,8 @@ void CurveTracker::follow(TrackerState& state, const Vec2& hip, double dt) const
         if (spec_.kind == TrackerKind::feed_forward) {
             du += glm::dot(jet.first, move) / e.speed2;
         } else if (spec_.kind == TrackerKind::feedback_linearised) {
-            // Here K is in 1/s and the whole is divided by c, so that the error decays at K everywhere.
+            // Here K is in 1/s and the whole is divided by c, so that the error decays at K
+            // everywhere.
             du = (du + glm::dot(jet.first, move)) / e.safe_c();
         }
         state.u = clamped(state.u + du, state.u);

@@ -13,8 +13,8 @@ namespace {
 /// Ends further apart than this, m, are not the same vertex: that of Outline.
 constexpr double kSameEnd = 1e-9;
 
-/// A foot is nearer only by more than rounding, as a share of the squared distance: in the region of a
-/// vertex both feet lie in it, and the active curve shall not flicker.
+/// A foot is nearer only by more than rounding, as a share of the squared distance: in the region
+/// of a vertex both feet lie in it, and the active curve shall not flicker.
 constexpr double kNearer = 1.0 - 1e-12;
 
 double distance2(const TrackedFoot& foot, const Vec2& hip) noexcept {
@@ -22,11 +22,11 @@ double distance2(const TrackedFoot& foot, const Vec2& hip) noexcept {
     return glm::dot(gap, gap);
 }
 
-/// Twice the signed area that the chain of sampled chords encloses: < 0 clockwise.
-double chord_area(const std::vector<NurbsCurve<2>>& chain) {
+/// Twice the signed area that the sampled chords of the curves enclose: < 0 clockwise.
+double chord_area(const std::vector<NurbsCurve<2>>& curves) {
     constexpr int kChords = 64;
     double area = 0.0;
-    for (const auto& curve : chain) {
+    for (const auto& curve : curves) {
         for (const auto& span : curve.spans()) {
             for (int i = 0; i < kChords; ++i) {
                 area += cross(span.curve.at(static_cast<double>(i) / kChords).point,
@@ -55,13 +55,13 @@ RegionRule region_rule_from_string(std::string_view name) {
                                 "\": give nearest_feature or end_normals");
 }
 
-RegionSwitch::RegionSwitch(const std::vector<NurbsCurve<2>>& chain, bool closed, RegionRule rule)
+RegionSwitch::RegionSwitch(const std::vector<NurbsCurve<2>>& curves, bool closed, RegionRule rule)
     : closed_(closed), rule_(rule) {
-    if (chain.empty() || chain.size() > kMaxRegions) {
-        throw std::invalid_argument("the chain has " + std::to_string(chain.size()) +
+    if (curves.empty() || curves.size() > kMaxRegions) {
+        throw std::invalid_argument("the outline has " + std::to_string(curves.size()) +
                                     " curves: give 1 to " + std::to_string(kMaxRegions));
     }
-    for (const auto& curve : chain) {
+    for (const auto& curve : curves) {
         const auto end_at = [&](double u) {
             const Jet<2> jet = curve.at(u);
             const double speed = glm::length(jet.first);
@@ -86,9 +86,9 @@ RegionSwitch::RegionSwitch(const std::vector<NurbsCurve<2>>& chain, bool closed,
                                         std::to_string(i) + ": let them share the point");
         }
     }
-    if (closed_ && !(chord_area(chain) < 0.0)) {
+    if (closed_ && !(chord_area(curves) < 0.0)) {
         throw std::invalid_argument(
-            "a closed chain must run clockwise, the object on the right of travel: reverse the "
+            "a closed outline must run clockwise, the object on the right of travel: reverse the "
             "order "
             "of its control points and of its curves");
     }

@@ -93,7 +93,8 @@ void ThesisScene::seat(ThesisState& state,
     state.release = releases_[segment].start_at(foot.u);
 }
 
-/// The released GO: one step of its own tracker. HIP in another region: it starts from the end there.
+/// The released GO: one step of its own tracker. HIP in another region: it starts from the end
+/// there.
 void ThesisScene::follow(ThesisState& state, const Vec2& hip) const noexcept {
     if (state.go_segment != state.active) {
         const NurbsCurve<2>& curve = releases_[state.active].curve();

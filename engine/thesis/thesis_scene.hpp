@@ -74,23 +74,27 @@ struct ThesisTick {
 /// The thesis' renderer: local trackers, Voronoi switching, Algorithm 1. For comparison with Scene
 /// (engine/rendering), which is what a study should use.
 ///
-/// The closest point is only as good as its tracker: what lags, lags in the force too (without friction
-/// as a drag K psi along the surface). On break-away past a corner GO is put on the start of the curve
-/// that HIP has reached (thesis, figure 3.2.4, marker 12): the force jumps there. Whether HIP touches is
-/// judged at the nearest tracked foot, also while the region is locked; the thesis asks the locked
-/// curve, which would go on pushing a HIP that has left through the other one.
+/// The closest point is only as good as its tracker: what lags, lags in the force too (without
+/// friction as a drag K psi along the surface). On break-away past a corner GO is put on the start
+/// of the curve that HIP has reached (thesis, figure 3.2.4, marker 12): the force jumps there.
+/// Whether HIP touches is judged at the nearest tracked foot, also while the region is locked; the
+/// thesis asks the locked curve, which would go on pushing a HIP that has left through the other
+/// one.
 class ThesisScene {
 public:
-    /// @param segments  1 to kMaxRegions curves joined end to end, the object on the right of travel
-    /// @param closed    the last ends where the first starts; else both ends are open, and HIP past the
-    ///                  normal of an open end is outside
+    /// @param segments  1 to kMaxRegions curves joined end to end, the object on the right of
+    ///       travel
+    /// @param closed    the last ends where the first starts; else both ends are open, and HIP past
+    ///                  the normal of an open end is outside
     /// @throws std::invalid_argument for values out of range: which one, the value, what to give
     ThesisScene(std::vector<NurbsCurve<2>> segments, bool closed, const ThesisSpec& spec);
 
     /// The contact after HIP moved to `hip`. No allocation, no lock; bit-reproducible.
     ThesisTick tick(ThesisState& state, const Vec2& hip) const noexcept;
 
+    /// The spec that was given.
     [[nodiscard]] const ThesisSpec& spec() const noexcept { return spec_; }
+    /// The tracker of each curve's closest point.
     [[nodiscard]] const std::vector<CurveTracker>& trackers() const noexcept { return trackers_; }
 
 private:

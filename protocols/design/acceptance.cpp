@@ -27,7 +27,8 @@ Acceptance estimate(OrderSampler& sampler, std::span<const Condition> trials) {
     constexpr std::uint64_t kProposals = 100'000;
     const OrderWay way = sampler.first_way();
     const auto counted = [&](std::size_t Condition::*factor) {
-        return sampler.counter_of(factor)->total().share_of(multinomial(counts_of(trials, factor)));
+        return share_of(sampler.counter_of(factor)->total(),
+                        multinomial(counts_of(trials, factor)));
     };
     double known = 1.0;
     if (way == OrderWay::friction_counted || way == OrderWay::apart) {
@@ -39,7 +40,7 @@ Acceptance estimate(OrderSampler& sampler, std::span<const Condition> trials) {
     if (way == OrderWay::apart) {  // its pairs have any table of conditions, shuffles the right one
         const Natural pairs = multinomial(counts_of(trials, &Condition::object)) *
                               multinomial(counts_of(trials, &Condition::friction));
-        known /= orders_of(trials).share_of(pairs);
+        known /= share_of(orders_of(trials), pairs);
     }
     Pcg32 random(0, 0);
     std::uint64_t kept = 0;
@@ -65,7 +66,7 @@ std::optional<double> acceptance_of_one(std::span<const Condition> trials,
     if (trials.size() > kMostCounted) {
         return std::nullopt;
     }
-    return count_orders(counts, limit).share_of(multinomial(counts));
+    return share_of(count_orders(counts, limit), multinomial(counts));
 }
 
 Acceptance acceptance_of(std::span<const Condition> trials, const RunLimits& limits) {
@@ -76,7 +77,7 @@ Acceptance acceptance_of(std::span<const Condition> trials, const RunLimits& lim
         return {.share = *object * *friction};
     }
     if (sampler.first_way() == OrderWay::together) {
-        return {.share = sampler.counter_of_both()->total().share_of(orders_of(trials))};
+        return {.share = share_of(sampler.counter_of_both()->total(), orders_of(trials))};
     }
     return estimate(sampler, trials);
 }

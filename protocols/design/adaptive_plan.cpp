@@ -146,7 +146,7 @@ StreamKey run_key(StreamKey key, std::size_t run) {
 }
 
 std::string rule_lines(const Protocol& protocol, const StreamKey& key) {
-    std::string text = fmt::format("rule={}\n", sha256_hex(protocol.procedure->rule));
+    std::string text = fmt::format("rule={}\n", sha256_hex(protocol.procedure->rule.text));
     for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
         text += fmt::format("run={} {}\n", run, sha256_hex(canonical_text(run_key(key, run))));
     }

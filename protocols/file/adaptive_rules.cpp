@@ -1,38 +1,34 @@
-#include "protocols/file/adaptive_rules.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <set>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "engine/contact/closest_point.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
-#include "protocols/file/procedure_keys.hpp"
-#include "protocols/file/procedure_tables.hpp"
+#include "protocols/file/procedure_file.hpp"
+#include "protocols/file/rules.hpp"
 #include "protocols/procedure/rule_facts.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 7> kTables{"constant", "staircase",  "quest", "model",
-                                                  "stimuli",  "parameters", "prior"};
+constexpr std::array<std::string_view, 7> kTablesOfRules{"constant", "staircase",  "quest", "model",
+                                                         "stimuli",  "parameters", "prior"};
 /// As [[friction]] has it.
 constexpr double kMostMu = 10.0;
-/// As an object's two curves have it: the sine of an arc's half sweep.
-constexpr double kMaxHalfSine = 0.95;
 
 bool of_the_rule(std::string_view key) {
-    const auto keys = procedure_keys();
-    return std::any_of(keys.begin(), keys.end(), [key](const ProcedureKey& row) {
-        return row.table == "procedure" && row.name == key;
-    });
+    const Keys keys = procedure_keys("procedure");
+    return std::any_of(keys.begin(), keys.end(), [key](const Key& row) { return row.name == key; });
 }
 
 template <class Spec>
@@ -70,6 +66,22 @@ void note_places(const Table& table, const std::string& path, Places& places) {
     for (const Entry& entry : table) {
         note_places(entry.value, path + '.' + entry.key, places);
     }
+}
+
+/// Every object that the rule can make of the procedure's, at the ends of what it may choose: what holds for
+/// both ends holds between them. Without curvature to vary: none.
+std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
+    std::vector<ObjectSpec> objects;
+    const ObjectSpec* base =
+        protocol.procedure ? named(protocol.objects, protocol.procedure->object) : nullptr;
+    if (base == nullptr || protocol.procedure->varies != Varies::curvature) {
+        return objects;
+    }
+    for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
+        ObjectSpec& object = objects.emplace_back(*base);
+        object.curvature = felt_value(*protocol.procedure, x);
+    }
+    return objects;
 }
 
 class AdaptiveRules {
@@ -229,8 +241,7 @@ private:
 
 }  // namespace
 
-void read_adaptive(
-    const Entry& entry, Reader& reader, Problems& problems, Places& places, Protocol& protocol) {
+void read_adaptive(const Entry& entry, Problems& problems, Places& places, Protocol& protocol) {
     const auto* given = std::get_if<Table>(&entry.value.data);
     if (given == nullptr) {
         problems.add(entry.at, fmt::format("procedure is {}: write it as a table, [procedure]",
@@ -241,24 +252,27 @@ void read_adaptive(
     Table of_rule;
     Table file;
     for (const Entry& one : *given) {
-        const bool table = std::find(kTables.begin(), kTables.end(), one.key) != kTables.end();
+        const bool table = std::find(kTablesOfRules.begin(), kTablesOfRules.end(), one.key) !=
+                           kTablesOfRules.end();
         (table ? file : of_the_rule(one.key) ? of_rule : own).push_back(one);
     }
     AdaptiveSpec& spec = protocol.procedure.emplace();
     note_places(*given, "procedure", places);
-    reader.read(own, "procedure", entry.at, spec);
+    TableReader reader(own, "procedure", entry.at, problems, places);
+    reader.fill(spec);
+    reader.refuse_unknown();
     file.push_back({.key = "procedure",
                     .at = entry.at,
                     .value = {.at = entry.value.at, .data = std::move(of_rule)}});
     Problems of_rule_alone;
-    const std::optional<ProcedureSpec> rule = read_procedure(file, of_rule_alone);
+    std::optional<ProcedureSpec> rule = read_procedure(file, of_rule_alone);
     problems.take(std::move(of_rule_alone));
     if (!rule) {
         return;
     }
     try {
         const RuleFacts facts = facts_of(*rule);
-        spec.rule = procedure_text(file);
+        spec.rule = {procedure_text(file), std::make_shared<const ProcedureSpec>(*std::move(rule))};
         spec.trials = facts.trials;
         spec.lowest = facts.lowest;
         spec.highest = facts.highest;
@@ -269,20 +283,6 @@ void read_adaptive(
     } catch (const std::invalid_argument& error) {
         problems.add(spoken_of(*given, error.what(), entry.at), error.what());
     }
-}
-
-std::vector<ObjectSpec> extreme_objects(const Protocol& protocol) {
-    std::vector<ObjectSpec> objects;
-    const ObjectSpec* base =
-        protocol.procedure ? named(protocol.objects, protocol.procedure->object) : nullptr;
-    if (base == nullptr || protocol.procedure->varies != Varies::curvature) {
-        return objects;
-    }
-    for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
-        ObjectSpec& object = objects.emplace_back(*base);
-        object.curvature = felt_value(*protocol.procedure, x);
-    }
-    return objects;
 }
 
 void check_adaptive(const Protocol& protocol, const Places& places, Problems& problems) {

@@ -2,18 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "engine/base/sha256.hpp"
-#include "engine/math/elementary.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/file/read_text.hpp"
-#include "protocols/file/table_view.hpp"
-#include "protocols/file/toml_text.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/library/shipped.hpp"
 
 namespace palpate::protocols {
@@ -21,148 +16,163 @@ namespace {
 
 using engine::Calibration;
 
-constexpr int kCalibrationFormat = 1;
-constexpr double kMilli = 1000.0;                 // mm, mN m
-constexpr double kDegrees = 180.0 / engine::kPi;  // of a radian
-constexpr std::size_t kLongestName = 64;
+constexpr std::int64_t kCalibrationFormat = 1;
+constexpr double kMilli = 1000.0;  // mm, mN m
 constexpr std::array<std::string_view, 2> kSides{"right", "left"};
 constexpr std::array<std::string_view, 2> kWays{"anticlockwise", "clockwise"};
 
 // Wide: check() of the engine refuses what no machine can be. These only keep the units apart.
-constexpr Range kLength{.lowest = 0.0, .highest = 2000.0, .above = true};
-constexpr Range kTorque{.lowest = 0.0, .highest = 1e6, .above = true};
+constexpr Range kLength{.min = 0.0, .max = 2000.0, .above = true};
+constexpr Range kTorque{.min = 0.0, .max = 1e6, .above = true};
+constexpr Range kPort{.min = 1.0, .max = 2.0};
+constexpr Range kChannel{.min = 0.0, .max = 65535.0};
+constexpr Range kVolts{.min = -1e6, .max = 1e6};
 
-template <class Integer>
-Integer whole(TableView& table, std::string_view key, const Range& range, Integer otherwise) {
-    const double value = table.number(key, range, static_cast<double>(otherwise));
-    if (std::isfinite(value) && value != std::floor(value)) {
-        table.refuse(key, fmt::format("{} is {}: give a whole number", key, value));
-    }
-    return table.broken() ? otherwise : static_cast<Integer>(value);
+/// As a file begins: its frame is the linkage's.
+struct Machine : Calibration {
+    Machine() { pantograph.origin = {}; }
+    explicit Machine(const Calibration& from) : Calibration(from) {}
+};
+
+/// What lies deeper in a record than one member.
+template <class Record, auto Get>
+Slot in(void* record) {
+    return slot_of(Get(record_at<Record>(record)));
+}
+/// The second word stands for true.
+template <class Record, const auto& kWords, auto Get>
+Slot is(void* record) {
+    return OneOf{kWords, whole_of(Get(record_at<Record>(record)))};
 }
 
-bool is(TableView& table,
-        std::string_view key,
-        std::span<const std::string_view> words,
-        bool otherwise) {
-    return table.choice(key, words, otherwise ? 1U : 0U) == 1U;
-}
+using engine::ComediWiring;
+using engine::FiveBar;
+using engine::HaplyWiring;
+using engine::PantographSpec;
+using enum Need;
 
-std::optional<engine::Vec2> place(TableView& table, std::string_view key) {
-    const std::vector<double> xy = table.numbers_or_none(key);
-    if (xy.empty()) {
-        return std::nullopt;
-    }
-    if (xy.size() != 2) {
-        table.refuse(key, fmt::format("{} has {} coordinates: give [x, y]", key, xy.size()));
-        return std::nullopt;
-    }
-    return engine::Vec2{xy[0] / kMilli, xy[1] / kMilli};
-}
+// clang-format off
+constexpr Key kPantograph[]{
+    {.name = "name", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.name; }>, .need = required, .form = Form::any,
+     .meaning = "of the machine, 1 to 64 bytes"},
+    {.name = "origin_mm", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.origin; }>, .per_si = kMilli,
+     .meaning = "the object frame's origin in the linkage's frame, whose x axis leads from pivot 1 to pivot 2"},
+    {.name = "turn_deg", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.turn; }>, .range = {-360, 360}, .per_si = kDegrees,
+     .meaning = "from the linkage's x axis to the object frame's"},
+    {.name = "home_mm", .slot = in<Machine, [](auto& r) -> auto& { return r.home; }>, .per_si = kMilli,
+     .meaning = "rest pose of the handle when the device is switched on; left out: by hand"},
+    {.name = "damping_n_s_per_m", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.damping; }>, .range = {0, 1e3},
+     .meaning = "of the machine at its handle, the least in the workspace"},
+    {.name = "motor_time_s", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.motor_time; }>, .range = {0, 1e5},
+     .meaning = "thermal time constant of the motors; 0: not known"},
+    {.name = "clearance_mm", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.clearance; }>, .range = {0, 50, true}, .per_si = kMilli,
+     .meaning = "poses closer to a singular one are refused"},
+};
 
-engine::FiveBar read_linkage(TableView& table) {
-    engine::FiveBar linkage;
-    linkage.driven_1 = table.required_number("driven_1_mm", kLength) / kMilli;
-    linkage.driven_2 = table.required_number("driven_2_mm", kLength) / kMilli;
-    linkage.free_1 = table.required_number("free_1_mm", kLength) / kMilli;
-    linkage.free_2 = table.required_number("free_2_mm", kLength) / kMilli;
-    linkage.base = table.required_number("base_mm", {.lowest = 0.0, .highest = 2000.0}) / kMilli;
-    linkage.mode = {.elbow_1_left = is(table, "elbow_1", kSides, true),
-                    .elbow_2_left = is(table, "elbow_2", kSides, false),
-                    .handle_left = is(table, "handle", kSides, true)};
-    table.refuse_unknown();
-    return linkage;
-}
+constexpr Key kLinkage[]{
+    {.name = "driven_1_mm", .slot = at<&FiveBar::driven_1>, .need = required, .range = kLength, .per_si = kMilli,
+     .meaning = "link at pivot 1"},
+    {.name = "driven_2_mm", .slot = at<&FiveBar::driven_2>, .need = required, .range = kLength, .per_si = kMilli,
+     .meaning = "link at pivot 2"},
+    {.name = "free_1_mm", .slot = at<&FiveBar::free_1>, .need = required, .range = kLength, .per_si = kMilli,
+     .meaning = "from elbow 1 to the handle"},
+    {.name = "free_2_mm", .slot = at<&FiveBar::free_2>, .need = required, .range = kLength, .per_si = kMilli,
+     .meaning = "from elbow 2 to the handle"},
+    {.name = "base_mm", .slot = at<&FiveBar::base>, .need = required, .range = {0, 2000}, .per_si = kMilli,
+     .meaning = "between the pivots"},
+    {.name = "elbow_1", .slot = is<FiveBar, kSides, [](auto& r) -> auto& { return r.mode.elbow_1_left; }>,
+     .meaning = "side of the line from pivot 1 to the handle"},
+    {.name = "elbow_2", .slot = is<FiveBar, kSides, [](auto& r) -> auto& { return r.mode.elbow_2_left; }>,
+     .meaning = "side of the line from pivot 2 to the handle"},
+    {.name = "handle", .slot = is<FiveBar, kSides, [](auto& r) -> auto& { return r.mode.handle_left; }>,
+     .meaning = "side of the line from elbow 1 to elbow 2"},
+};
 
-engine::Axis read_axis(TableView& table) {
-    engine::Axis axis;
-    axis.counts_per_turn =
-        table.required_number("counts_per_turn", {.lowest = 0.0, .highest = 1e9, .above = true});
-    axis.zero = table.required_number("zero_deg", {.lowest = -720.0, .highest = 720.0}) / kDegrees;
-    axis.torque_limit = table.required_number("torque_limit_mn_m", kTorque) / kMilli;
-    axis.torque_forever = table.required_number("torque_forever_mn_m", kTorque) / kMilli;
-    axis.codes_full_scale =
-        table.required_number("codes_full_scale", {.lowest = 1.0, .highest = 2147483647.0});
-    table.refuse_unknown();
-    return axis;
-}
+constexpr Key kAxis[]{
+    {.name = "counts_per_turn", .slot = at<&engine::Axis::counts_per_turn>, .need = required, .range = {0, 1e9, true},
+     .meaning = "of the encoder, at the joint"},
+    {.name = "zero_deg", .slot = at<&engine::Axis::zero>, .need = required, .range = {-720, 720}, .per_si = kDegrees,
+     .meaning = "angle at count 0"},
+    {.name = "torque_limit_mn_m", .slot = at<&engine::Axis::torque_limit>, .need = required, .range = kTorque, .per_si = kMilli,
+     .meaning = "the most that the motor gives, at the joint"},
+    {.name = "torque_forever_mn_m", .slot = at<&engine::Axis::torque_forever>, .need = required, .range = kTorque, .per_si = kMilli,
+     .meaning = "what it can give for ever"},
+    {.name = "codes_full_scale", .slot = at<&engine::Axis::codes_full_scale>, .need = required, .range = {1, 2147483647},
+     .meaning = "code of the torque limit"},
+};
 
-engine::HaplyWiring read_haply(TableView& table) {
-    engine::HaplyWiring wiring;
-    wiring.id = whole<std::uint8_t>(table, "id", {.lowest = 1.0, .highest = 255.0}, wiring.id);
-    const Range ports{.lowest = 1.0, .highest = 2.0};
-    wiring.port = {whole<std::uint8_t>(table, "port_1", ports, 1),
-                   whole<std::uint8_t>(table, "port_2", ports, 2)};
-    wiring.motor_clockwise = {is(table, "motor_1", kWays, false),
-                              is(table, "motor_2", kWays, false)};
-    wiring.encoder_clockwise = {is(table, "encoder_1", kWays, false),
-                                is(table, "encoder_2", kWays, false)};
-    const auto pin = whole<std::uint8_t>(table, "grip_pin", {.lowest = 54.0, .highest = 65.0}, 0);
-    if (pin != 0) {
-        wiring.grip_pin = pin;
-    }
-    wiring.grip_threshold = table.number("grip_threshold_adc", {.lowest = 0.0, .highest = 4095.0},
-                                         wiring.grip_threshold);
-    table.refuse_unknown();
-    return wiring;
-}
+constexpr Key kHaply[]{
+    {.name = "id", .slot = at<&HaplyWiring::id>, .range = {1, 255},
+     .meaning = "of the device on the board"},
+    {.name = "port_1", .slot = in<HaplyWiring, [](auto& r) -> auto& { return r.port[0]; }>, .range = kPort,
+     .meaning = "of pivot 1"},
+    {.name = "port_2", .slot = in<HaplyWiring, [](auto& r) -> auto& { return r.port[1]; }>, .range = kPort,
+     .meaning = "of pivot 2"},
+    {.name = "motor_1", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[0]; }>,
+     .meaning = "which way a positive torque turns"},
+    {.name = "motor_2", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[1]; }>,
+     .meaning = "the same at pivot 2"},
+    {.name = "encoder_1", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[0]; }>,
+     .meaning = "which way counts grow"},
+    {.name = "encoder_2", .slot = is<HaplyWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[1]; }>,
+     .meaning = "the same at pivot 2"},
+    {.name = "grip_pin", .slot = [](void* r) -> Slot { return whole_of(record_at<HaplyWiring>(r).grip_pin); }, .range = {54, 65},
+     .meaning = "analogue input that tells a held handle; left out: none"},
+    {.name = "grip_threshold_adc", .slot = at<&HaplyWiring::grip_threshold>, .range = {0, 4095},
+     .meaning = "the handle is held from this value up"},
+};
 
-engine::ComediWiring read_comedi(TableView& table) {
-    engine::ComediWiring wiring;
-    const Range channel{.lowest = 0.0, .highest = 65535.0};
-    const auto number = [&](std::string_view key, std::uint32_t otherwise) {
-        return whole<std::uint32_t>(table, key, channel, otherwise);
-    };
-    wiring.counter_subdevice = number("counter_subdevice", wiring.counter_subdevice);
-    wiring.counter = {number("counter_1", wiring.counter[0]),
-                      number("counter_2", wiring.counter[1])};
-    wiring.counter_clockwise = {is(table, "turns_1", kWays, false),
-                                is(table, "turns_2", kWays, false)};
-    wiring.output_subdevice = number("output_subdevice", wiring.output_subdevice);
-    wiring.output = {number("output_1", wiring.output[0]), number("output_2", wiring.output[1])};
-    wiring.range = number("output_range", wiring.range);
-    const Range volts{.lowest = -1e6, .highest = 1e6};
-    wiring.volts_per_newton_metre = {
-        table.number("volts_per_n_m_1", volts, wiring.volts_per_newton_metre[0]),
-        table.number("volts_per_n_m_2", volts, wiring.volts_per_newton_metre[1])};
-    table.refuse_unknown();
-    return wiring;
-}
+constexpr Key kComedi[]{
+    {.name = "counter_subdevice", .slot = at<&ComediWiring::counter_subdevice>, .range = kChannel,
+     .meaning = "of the card's counters"},
+    {.name = "counter_1", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.counter[0]; }>, .range = kChannel,
+     .meaning = "channel of pivot 1"},
+    {.name = "counter_2", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.counter[1]; }>, .range = kChannel,
+     .meaning = "channel of pivot 2"},
+    {.name = "turns_1", .slot = is<ComediWiring, kWays, [](auto& r) -> auto& { return r.counter_clockwise[0]; }>,
+     .meaning = "which way counts grow"},
+    {.name = "turns_2", .slot = is<ComediWiring, kWays, [](auto& r) -> auto& { return r.counter_clockwise[1]; }>,
+     .meaning = "the same at pivot 2"},
+    {.name = "output_subdevice", .slot = at<&ComediWiring::output_subdevice>, .range = kChannel,
+     .meaning = "of the card's analogue outputs"},
+    {.name = "output_1", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.output[0]; }>, .range = kChannel,
+     .meaning = "channel of pivot 1"},
+    {.name = "output_2", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.output[1]; }>, .range = kChannel,
+     .meaning = "channel of pivot 2"},
+    {.name = "output_range", .slot = at<&ComediWiring::range>, .range = kChannel,
+     .meaning = "of the outputs, by its number"},
+    {.name = "volts_per_n_m_1", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.volts_per_newton_metre[0]; }>, .range = kVolts,
+     .meaning = "of motor 1; negative: it turns the other way"},
+    {.name = "volts_per_n_m_2", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.volts_per_newton_metre[1]; }>, .range = kVolts,
+     .meaning = "of motor 2"},
+};
+// clang-format on
 
-Calibration read_pantograph(TableView table) {
-    Calibration calibration;
-    engine::PantographSpec& machine = calibration.pantograph;
-    machine.name = table.required_text("name");
+Calibration read_pantograph(TableReader& table) {
+    Machine calibration;
+    PantographSpec& machine = calibration.pantograph;
+    table.read(kPantograph, &calibration);
+    constexpr std::size_t kLongestName = 64;
     if (!table.broken() && (machine.name.empty() || machine.name.size() > kLongestName)) {
         table.refuse("name", fmt::format("name is {}: give 1 to {} bytes", shown(machine.name),
                                          kLongestName));
     }
-    machine.origin = place(table, "origin_mm").value_or(engine::Vec2{});
-    machine.turn = table.number("turn_deg", {.lowest = -360.0, .highest = 360.0}, 0.0) / kDegrees;
-    calibration.home = place(table, "home_mm");
-    const double damping = table.number("damping_n_s_per_m", {.lowest = 0.0, .highest = 1e3}, -1.0);
-    if (damping >= 0.0) {
-        machine.damping = damping;
-    }
-    machine.motor_time = table.number("motor_time_s", {.lowest = 0.0, .highest = 1e5}, 0.0);
-    machine.clearance =
-        table.number("clearance_mm", {.lowest = 0.0, .highest = 50.0, .above = true}, 1.0) / kMilli;
-
     bool parts_broken = false;
-    const auto part = [&](std::string_view name, bool required, auto&& read) {
-        if (auto view = table.table(name)) {
-            read(*view);
-            parts_broken = parts_broken || view->broken();
+    const auto part = [&](std::string_view name, bool required, Keys keys, auto&& record) {
+        if (auto reader = table.table(name)) {
+            reader->read(keys, record());
+            reader->refuse_unknown();
+            parts_broken = parts_broken || reader->broken();
         } else if (required && !table.broken()) {
             table.refuse(name, fmt::format("the machine {} has no table [pantograph.{}]: add it",
                                            shown(machine.name), name));
         }
     };
-    part("linkage", true, [&](TableView& t) { machine.linkage = read_linkage(t); });
-    part("axis_1", true, [&](TableView& t) { machine.axes[0] = read_axis(t); });
-    part("axis_2", true, [&](TableView& t) { machine.axes[1] = read_axis(t); });
-    part("haply", false, [&](TableView& t) { calibration.haply = read_haply(t); });
-    part("comedi", false, [&](TableView& t) { calibration.comedi = read_comedi(t); });
+    part("linkage", true, kLinkage, [&] { return &machine.linkage; });
+    part("axis_1", true, kAxis, [&] { return &machine.axes[0]; });
+    part("axis_2", true, kAxis, [&] { return &machine.axes[1]; });
+    part("haply", false, kHaply, [&] { return &calibration.haply.emplace(); });
+    part("comedi", false, kComedi, [&] { return &calibration.comedi.emplace(); });
     table.refuse_unknown();
     if (!parts_broken) {
         table.attempt([&] { check(calibration); });
@@ -170,95 +180,24 @@ Calibration read_pantograph(TableView table) {
     return calibration;
 }
 
-/// "key = value" lines of one table.
-class Writer {
-public:
-    explicit Writer(std::string& text) : text_(&text) {}
-
-    void head(std::string_view table) { *text_ += fmt::format("\n{}\n", table); }
-    void number(std::string_view key, double si, double per_si = 1.0) {
-        line(key, toml_text(si, per_si));
-    }
-    void place(std::string_view key, const engine::Vec2& p) {
-        line(key, fmt::format("[{}, {}]", toml_text(p.x, kMilli), toml_text(p.y, kMilli)));
-    }
-    void text(std::string_view key, const std::string& value) { line(key, toml_text(value)); }
-    void word(std::string_view key, std::span<const std::string_view> words, bool second) {
-        line(key, fmt::format("\"{}\"", words[second ? 1 : 0]));
-    }
-
-private:
-    void line(std::string_view key, const std::string& value) {
-        *text_ += fmt::format("{} = {}\n", key, value);
-    }
-
-    std::string* text_;
-};
-
-void write_linkage(Writer& out, const engine::FiveBar& linkage) {
-    out.head("[pantograph.linkage]");
-    out.number("driven_1_mm", linkage.driven_1, kMilli);
-    out.number("driven_2_mm", linkage.driven_2, kMilli);
-    out.number("free_1_mm", linkage.free_1, kMilli);
-    out.number("free_2_mm", linkage.free_2, kMilli);
-    out.number("base_mm", linkage.base, kMilli);
-    out.word("elbow_1", kSides, linkage.mode.elbow_1_left);
-    out.word("elbow_2", kSides, linkage.mode.elbow_2_left);
-    out.word("handle", kSides, linkage.mode.handle_left);
-}
-
-void write_axis(Writer& out, std::string_view head, const engine::Axis& axis) {
-    out.head(head);
-    out.number("counts_per_turn", axis.counts_per_turn);
-    out.number("zero_deg", axis.zero, kDegrees);
-    out.number("torque_limit_mn_m", axis.torque_limit, kMilli);
-    out.number("torque_forever_mn_m", axis.torque_forever, kMilli);
-    out.number("codes_full_scale", axis.codes_full_scale);
-}
-
-void write_haply(Writer& out, const engine::HaplyWiring& wiring) {
-    out.head("[pantograph.haply]");
-    out.number("id", wiring.id);
-    out.number("port_1", wiring.port[0]);
-    out.number("port_2", wiring.port[1]);
-    out.word("motor_1", kWays, wiring.motor_clockwise[0]);
-    out.word("motor_2", kWays, wiring.motor_clockwise[1]);
-    out.word("encoder_1", kWays, wiring.encoder_clockwise[0]);
-    out.word("encoder_2", kWays, wiring.encoder_clockwise[1]);
-    if (wiring.grip_pin) {
-        out.number("grip_pin", *wiring.grip_pin);
-    }
-    out.number("grip_threshold_adc", wiring.grip_threshold);
-}
-
-void write_comedi(Writer& out, const engine::ComediWiring& wiring) {
-    out.head("[pantograph.comedi]");
-    out.number("counter_subdevice", wiring.counter_subdevice);
-    out.number("counter_1", wiring.counter[0]);
-    out.number("counter_2", wiring.counter[1]);
-    out.word("turns_1", kWays, wiring.counter_clockwise[0]);
-    out.word("turns_2", kWays, wiring.counter_clockwise[1]);
-    out.number("output_subdevice", wiring.output_subdevice);
-    out.number("output_1", wiring.output[0]);
-    out.number("output_2", wiring.output[1]);
-    out.number("output_range", wiring.range);
-    out.number("volts_per_n_m_1", wiring.volts_per_newton_metre[0]);
-    out.number("volts_per_n_m_2", wiring.volts_per_newton_metre[1]);
-}
-
 }  // namespace
+
+std::vector<TableText> calibration_reference() {
+    return {{"[[pantograph]]", "once for each machine", kPantograph},
+            {"[pantograph.linkage]", "required", kLinkage},
+            {"[pantograph.axis_1]", "and [pantograph.axis_2], required", kAxis},
+            {"[pantograph.haply]", "of a Haply board", kHaply},
+            {"[pantograph.comedi]", "of a DAQ card", kComedi}};
+}
 
 std::vector<Calibration> parse_calibrations(std::string_view text, std::string_view file_name) {
     const Table file = parse_document(text, file_name);
     Problems problems;
-    TableView top(file, "the calibration file", {}, problems);
-    const double format = top.required_number("format", {});
-    if (!top.broken() && format != kCalibrationFormat) {
-        top.refuse("format", fmt::format("format is {}: this program reads format = {}", format,
-                                         kCalibrationFormat));
-    }
+    Places places;
+    TableReader top(file, "", {}, problems, places, "the calibration file");
+    top.check_format(kCalibrationFormat);
     std::vector<Calibration> found;
-    for (TableView& table : top.tables("pantograph")) {
+    for (TableReader& table : top.tables("pantograph")) {
         Calibration calibration = read_pantograph(table);
         const std::string& name = calibration.pantograph.name;
         if (std::any_of(found.begin(), found.end(),
@@ -303,29 +242,21 @@ Calibration load_calibration(const std::string& name_or_file) {
 }
 
 std::string to_toml(const Calibration& calibration) {
-    const engine::PantographSpec& machine = calibration.pantograph;
     std::string text = fmt::format("format = {}\n", kCalibrationFormat);
-    Writer out(text);
-    out.head("[[pantograph]]");
-    out.text("name", machine.name);
-    out.place("origin_mm", machine.origin);
-    out.number("turn_deg", machine.turn, kDegrees);
-    if (calibration.home) {
-        out.place("home_mm", *calibration.home);
-    }
-    if (machine.damping) {
-        out.number("damping_n_s_per_m", *machine.damping);
-    }
-    out.number("motor_time_s", machine.motor_time);
-    out.number("clearance_mm", machine.clearance, kMilli);
-    write_linkage(out, machine.linkage);
-    write_axis(out, "[pantograph.axis_1]", machine.axes[0]);
-    write_axis(out, "[pantograph.axis_2]", machine.axes[1]);
+    const auto append = [&text](std::string_view heading, Keys keys, const void* record) {
+        text += fmt::format("\n{}\n{}", heading, toml_lines(keys, record));
+    };
+    const Machine whole(calibration);
+    const PantographSpec& machine = calibration.pantograph;
+    append("[[pantograph]]", kPantograph, &whole);
+    append("[pantograph.linkage]", kLinkage, &machine.linkage);
+    append("[pantograph.axis_1]", kAxis, &machine.axes[0]);
+    append("[pantograph.axis_2]", kAxis, &machine.axes[1]);
     if (calibration.haply) {
-        write_haply(out, *calibration.haply);
+        append("[pantograph.haply]", kHaply, &*calibration.haply);
     }
     if (calibration.comedi) {
-        write_comedi(out, *calibration.comedi);
+        append("[pantograph.comedi]", kComedi, &*calibration.comedi);
     }
     return text;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/device/calibration.hpp"
+#include "protocols/file/schema.hpp"
 
 /// Calibration files: TOML text <-> engine::Calibration. protocols/library/pantographs.toml shows every
 /// key. Lengths in mm, angles in degrees, torques in mN m.
@@ -27,6 +28,9 @@ namespace palpate::protocols {
 /// the same text. Of the doubles in SI, a few are no quotient of a double by 1000 or 180 / pi, and are
 /// written as the nearest one that is.
 [[nodiscard]] std::string to_toml(const engine::Calibration& calibration);
+
+/// What a calibration file may say.
+[[nodiscard]] std::vector<TableText> calibration_reference();
 
 /// SHA-256 of the canonical text, 64 hexadecimal digits: comments and spelling do not matter.
 [[nodiscard]] std::string calibration_id(const engine::Calibration& calibration);

@@ -3,6 +3,8 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -10,6 +12,14 @@
 
 /// A TOML file as a plain tree with positions. Only document.cpp knows the TOML library.
 namespace palpate::protocols {
+
+/// What is wrong with a file. what() holds one line per problem, in the order of the file:
+///
+///     file:line:column: what is wrong, the value, what to do
+class ProtocolError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
 
 /// Where something stands in a text, both counted from 1.
 struct Position {
@@ -53,5 +63,18 @@ inline constexpr std::size_t kMostLevels = 16;
 /// Parses TOML; everything that is TOML enters here. @param file_name  for messages
 /// @throws ProtocolError at the first error of syntax, or at what is too long or too deep
 [[nodiscard]] Table parse_document(std::string_view text, std::string_view file_name);
+
+/// The longest text that is read, bytes: some hours of a trajectory at 1 kHz.
+inline constexpr std::size_t kMostText = std::size_t{1} << 30U;
+
+/// The whole text of a file, a pipe or a terminal. No name makes it wait for ever or fill the memory: a pipe
+/// has to give something every 10 s.
+/// @param most  bytes; a longer text is refused
+/// @throws ProtocolError "file:1:1: cannot be read: why; check the path"
+[[nodiscard]] std::string read_text(const std::filesystem::path& file,
+                                    std::size_t most = kMostText);
+
+/// Of toml++, which this program was compiled with.
+[[nodiscard]] std::string toml_version();
 
 }  // namespace palpate::protocols

@@ -1,14 +1,5 @@
 #include "protocols/file/keys.hpp"
 
-#include <array>
-#include <type_traits>
-#include <utility>
-
-#include <fmt/format.h>
-
-#include "engine/math/elementary.hpp"
-#include "protocols/file/object_tables.hpp"
-
 namespace palpate::protocols {
 namespace {
 
@@ -21,252 +12,311 @@ constexpr double kMostEnergy = 10;
 /// Ticks that are looked back on: more of them cannot be late.
 constexpr double kLateWindow = 100;
 
-constexpr double kDegrees = 180.0 / engine::kPi;  // of a radian
+/// Of what is varied, as the rule counts.
+constexpr double kMostStimulus = 1e10;
 
 using enum Need;
 
 // clang-format off
-constexpr std::array kStudy{
-    Key<Protocol>{.name = "id", .member = &Protocol::id, .need = required,
-                  .meaning = "names the study in the database"},
-    Key<Protocol>{.name = "title", .member = &Protocol::title, .need = required, .text = Text::free,
-                  .meaning = "shown to the participant"},
-    Key<Protocol>{.name = "seed", .member = &Protocol::seed, .need = required, .highest = kMostSeed,
-                  .meaning = "the one seed: every order and every simulated number follows from it"},
-    Key<Protocol>{.name = "participants", .member = &Protocol::participants, .lowest = 1, .highest = 10000,
-                  .meaning = "planned number of participants"},
-    Key<Protocol>{.name = "consent_required", .member = &Protocol::consent_required, .late = true,
-                  .meaning = "no real session without a noted consent; left out of the hash while false"},
-    Key<Protocol>{.name = "handedness", .member = &Protocol::handedness, .late = true,
-                  .meaning = "of the participants asked for"},
-    Key<Protocol>{.name = "language", .member = &Protocol::language, .late = true,
-                  .meaning = "of the participant's screen"},
+constexpr Key kStudy[]{
+    {.name = "id", .slot = at<&Protocol::id>, .need = required,
+     .meaning = "names the study in the database"},
+    {.name = "title", .slot = at<&Protocol::title>, .need = required, .form = Form::free,
+     .meaning = "shown to the participant"},
+    {.name = "seed", .slot = at<&Protocol::seed>, .need = required, .range = {0, kMostSeed},
+     .meaning = "the one seed: every order and every simulated number follows from it"},
+    {.name = "participants", .slot = at<&Protocol::participants>, .range = {1, 10000},
+     .meaning = "planned number of participants"},
+    {.name = "consent_required", .slot = at<&Protocol::consent_required>, .late = true,
+     .meaning = "no real session without a noted consent; left out of the hash while false"},
+    {.name = "handedness", .slot = at<&Protocol::handedness>, .late = true,
+     .meaning = "of the participants asked for"},
+    {.name = "language", .slot = at<&Protocol::language>, .late = true,
+     .meaning = "of the participant's screen"},
 };
 
-constexpr std::array kApparatus{
-    Key<ApparatusSpec>{.name = "device", .member = &ApparatusSpec::device, .late = true,
-                       .meaning = "of real sessions; pilots and simulations may use another"},
-    Key<ApparatusSpec>{.name = "rate_hz", .member = &ApparatusSpec::rate_hz, .lowest = 1000, .highest = 10000,
-                       .meaning = "rate of the force loop"},
-    Key<ApparatusSpec>{.name = "stiffness_n_per_m", .member = &ApparatusSpec::stiffness, .highest = 20000, .above = true,
-                       .meaning = "how hard the object is"},
-    Key<ApparatusSpec>{.name = "damping_n_s_per_m", .member = &ApparatusSpec::damping, .highest = 100, .late = true,
-                       .meaning = "damper of the contact beside its spring; the device must damp more"},
-    Key<ApparatusSpec>{.name = "force_limit_n", .member = &ApparatusSpec::force_limit, .highest = 50, .above = true,
-                       .meaning = "largest force; more is scaled down, its direction kept"},
-    Key<ApparatusSpec>{.name = "force_ramp_s", .member = &ApparatusSpec::force_ramp, .highest = 5,
-                       .meaning = "time for the force to come in and go out"},
-    Key<ApparatusSpec>{.name = "vertex_slew_mm_per_s", .member = &ApparatusSpec::vertex_slew, .highest = 10000, .per_si = 1000,
-                       .meaning = "how fast the contact may turn around a vertex; 0: at once"},
-    Key<ApparatusSpec>{.name = "vertex_radius_mm", .member = &ApparatusSpec::vertex_radius, .highest = 100, .above = true, .per_si = 1000,
-                       .meaning = "radius that a vertex counts as for that speed"},
-    Key<ApparatusSpec>{.name = "start_mm", .member = &ApparatusSpec::start, .lowest = -1000, .highest = 1000, .per_si = 1000,
-                       .meaning = "[x, y] where every trial starts, outside all objects"},
+constexpr Key kApparatus[]{
+    {.name = "device", .slot = at<&ApparatusSpec::device>, .late = true,
+     .meaning = "of real sessions; pilots and simulations may use another"},
+    {.name = "rate_hz", .slot = at<&ApparatusSpec::rate_hz>, .range = {1000, 10000},
+     .meaning = "rate of the force loop"},
+    {.name = "stiffness_n_per_m", .slot = at<&ApparatusSpec::stiffness>, .range = {0, 20000, true},
+     .meaning = "how hard the object is"},
+    {.name = "damping_n_s_per_m", .slot = at<&ApparatusSpec::damping>, .range = {0, 100}, .late = true,
+     .meaning = "damper of the contact beside its spring; the device must damp more"},
+    {.name = "force_limit_n", .slot = at<&ApparatusSpec::force_limit>, .range = {0, 50, true},
+     .meaning = "largest force; more is scaled down, its direction kept"},
+    {.name = "force_ramp_s", .slot = at<&ApparatusSpec::force_ramp>, .range = {0, 5},
+     .meaning = "time for the force to come in and go out"},
+    {.name = "vertex_slew_mm_per_s", .slot = at<&ApparatusSpec::vertex_slew>, .range = {0, 10000}, .per_si = 1000,
+     .meaning = "how fast the contact may turn around a vertex; 0: at once"},
+    {.name = "vertex_radius_mm", .slot = at<&ApparatusSpec::vertex_radius>, .range = {0, 100, true}, .per_si = 1000,
+     .meaning = "radius that a vertex counts as for that speed"},
+    {.name = "start_mm", .slot = at<&ApparatusSpec::start>, .range = {-1000, 1000}, .per_si = 1000,
+     .meaning = "[x, y] where every trial starts, outside all objects"},
 };
 
-constexpr std::array kOutline{
-    Key<OutlineSpec>{.name = "a_mm", .member = &OutlineSpec::a, .lowest = -1000, .highest = 1000, .per_si = 1000,
-                     .meaning = "[x, y] of A, left end of the base line"},
-    Key<OutlineSpec>{.name = "vertex_mm", .member = &OutlineSpec::vertex, .lowest = -1000, .highest = 1000, .per_si = 1000,
-                     .meaning = "[x, y] of the vertex V, where the curves A-V and V-B meet"},
-    Key<OutlineSpec>{.name = "b_mm", .member = &OutlineSpec::b, .lowest = -1000, .highest = 1000, .per_si = 1000,
-                     .meaning = "[x, y] of B, right end of the base line"},
+constexpr Key kOutline[]{
+    {.name = "a_mm", .slot = at<&OutlineSpec::a>, .range = {-1000, 1000}, .per_si = 1000,
+     .meaning = "[x, y] of A, left end of the base line"},
+    {.name = "vertex_mm", .slot = at<&OutlineSpec::vertex>, .range = {-1000, 1000}, .per_si = 1000,
+     .meaning = "[x, y] of the vertex V, where the curves A-V and V-B meet"},
+    {.name = "b_mm", .slot = at<&OutlineSpec::b>, .range = {-1000, 1000}, .per_si = 1000,
+     .meaning = "[x, y] of B, right end of the base line"},
 };
 
-constexpr std::array kObject{
-    Key<ObjectSpec>{.name = "name", .member = &ObjectSpec::name, .need = required,
-                    .meaning = "names the object in the database"},
-    Key<ObjectSpec>{.name = "curvature_per_m", .member = &ObjectSpec::curvature, .need = two_curve, .lowest = -1000, .highest = 1000,
-                    .meaning = "signed curvature of both curves: above 0 convex, 0 straight, below 0 concave"},
-    Key<ObjectSpec>{.name = "pictured", .member = &ObjectSpec::pictured,
-                    .meaning = "false: a catch object, felt but not among the pictures"},
-    Key<ObjectSpec>{.name = "size", .member = &ObjectSpec::size, .lowest = 0.01, .highest = 100, .late = true,
-                    .meaning = "factor about the origin; curvatures are divided by it"},
-    Key<ObjectSpec>{.name = "turn_deg", .member = &ObjectSpec::turn, .lowest = -360, .highest = 360, .per_si = kDegrees, .late = true,
-                    .meaning = "then turned about the origin, anticlockwise"},
-    Key<ObjectSpec>{.name = "offset_mm", .member = &ObjectSpec::offset, .lowest = -1000, .highest = 1000, .per_si = 1000, .late = true,
-                    .meaning = "then moved by [x, y]"},
+constexpr Key kObject[]{
+    {.name = "name", .slot = at<&ObjectSpec::name>, .need = required,
+     .meaning = "names the object in the database"},
+    {.name = "curvature_per_m", .slot = at<&ObjectSpec::curvature>, .need = two_curve, .range = {-1000, 1000},
+     .meaning = "signed curvature of both curves: above 0 convex, 0 straight, below 0 concave"},
+    {.name = "pictured", .slot = at<&ObjectSpec::pictured>,
+     .meaning = "false: a catch object, felt but not among the pictures"},
+    {.name = "size", .slot = at<&ObjectSpec::size>, .range = {0.01, 100}, .late = true,
+     .meaning = "factor about the origin; curvatures are divided by it"},
+    {.name = "turn_deg", .slot = at<&ObjectSpec::turn>, .range = {-360, 360}, .per_si = kDegrees, .late = true,
+     .meaning = "then turned about the origin, anticlockwise"},
+    {.name = "offset_mm", .slot = at<&ObjectSpec::offset>, .range = {-1000, 1000}, .per_si = 1000, .late = true,
+     .meaning = "then moved by [x, y]"},
 };
 
-constexpr std::array kFriction{
-    Key<FrictionSpec>{.name = "name", .member = &FrictionSpec::name, .need = required,
-                      .meaning = "names the friction in the database"},
-    Key<FrictionSpec>{.name = "law", .member = &FrictionSpec::law, .need = required,
-                      .meaning = "frictionless, or gos: stick and slip with the coefficients below"},
-    Key<FrictionSpec>{.name = "mu_s", .member = &FrictionSpec::mu_s, .need = gos, .highest = 10, .above = true,
-                      .meaning = "static coefficient"},
-    Key<FrictionSpec>{.name = "mu_d", .member = &FrictionSpec::mu_d, .need = gos, .highest = 10,
-                      .meaning = "dynamic coefficient, at most mu_s"},
-    Key<FrictionSpec>{.name = "tau_slip_ms", .member = &FrictionSpec::tau_slip, .need = gos_optional, .highest = 10000, .per_si = 1000,
-                      .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
-    Key<FrictionSpec>{.name = "tau_heal_ms", .member = &FrictionSpec::tau_heal, .need = gos_optional, .highest = 10000, .per_si = 1000,
-                      .meaning = "time constant back to mu_s while stuck; 0: at once"},
+constexpr Key kFriction[]{
+    {.name = "name", .slot = at<&FrictionSpec::name>, .need = required,
+     .meaning = "names the friction in the database"},
+    {.name = "law", .slot = at<&FrictionSpec::law>, .need = required,
+     .meaning = "frictionless, or gos: stick and slip with the coefficients below"},
+    {.name = "mu_s", .slot = at<&FrictionSpec::mu_s>, .need = gos, .range = {0, 10, true},
+     .meaning = "static coefficient"},
+    {.name = "mu_d", .slot = at<&FrictionSpec::mu_d>, .need = gos, .range = {0, 10},
+     .meaning = "dynamic coefficient, at most mu_s"},
+    {.name = "tau_slip_ms", .slot = at<&FrictionSpec::tau_slip>, .need = gos_optional, .range = {0, 10000}, .per_si = 1000,
+     .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
+    {.name = "tau_heal_ms", .slot = at<&FrictionSpec::tau_heal>, .need = gos_optional, .range = {0, 10000}, .per_si = 1000,
+     .meaning = "time constant back to mu_s while stuck; 0: at once"},
 };
 
-constexpr std::array kSafety{
-    Key<SafetySpec>{.name = "slew_limit_n_per_ms", .member = &SafetySpec::slew_limit, .highest = kMostSlew, .above = true, .per_si = 0.001,
-                    .meaning = "how fast the force may change"},
-    Key<SafetySpec>{.name = "speed_limit_m_per_s", .member = &SafetySpec::speed_limit, .highest = kMostSpeed, .above = true,
-                    .meaning = "a faster handle switches the force off"},
-    Key<SafetySpec>{.name = "late_in_a_row", .member = &SafetySpec::late_run, .highest = kLateWindow,
-                    .meaning = "late ticks in a row that switch the force off; 0: none do"},
-    Key<SafetySpec>{.name = "late_of_100", .member = &SafetySpec::late_share, .highest = kLateWindow,
-                    .meaning = "late ticks among the last 100 that switch it off; 0: none do"},
-    Key<SafetySpec>{.name = "energy_limit_j", .member = &SafetySpec::energy_limit, .highest = kMostEnergy, .above = true,
-                    .meaning = "energy that the object may give beyond what it took"},
-    Key<SafetySpec>{.name = "dead_man", .member = &SafetySpec::dead_man,
-                    .meaning = "force only while the participant holds Space; Enter then ends the exploration"},
+constexpr Key kSafety[]{
+    {.name = "slew_limit_n_per_ms", .slot = at<&SafetySpec::slew_limit>, .range = {0, kMostSlew, true}, .per_si = 0.001,
+     .meaning = "how fast the force may change"},
+    {.name = "speed_limit_m_per_s", .slot = at<&SafetySpec::speed_limit>, .range = {0, kMostSpeed, true},
+     .meaning = "a faster handle switches the force off"},
+    {.name = "late_in_a_row", .slot = at<&SafetySpec::late_run>, .range = {0, kLateWindow},
+     .meaning = "late ticks in a row that switch the force off; 0: none do"},
+    {.name = "late_of_100", .slot = at<&SafetySpec::late_share>, .range = {0, kLateWindow},
+     .meaning = "late ticks among the last 100 that switch it off; 0: none do"},
+    {.name = "energy_limit_j", .slot = at<&SafetySpec::energy_limit>, .range = {0, kMostEnergy, true},
+     .meaning = "energy that the object may give beyond what it took"},
+    {.name = "dead_man", .slot = at<&SafetySpec::dead_man>,
+     .meaning = "force only while the participant holds Space; Enter then ends the exploration"},
 };
 
-constexpr std::array kInvalid{
-    Key<InvalidSpec>{.name = "late_share", .member = &InvalidSpec::late_share, .highest = 1,
-                     .meaning = "share of late ticks above which a person's trial does not count; 1: never"},
-    Key<InvalidSpec>{.name = "contact_min_s", .member = &InvalidSpec::contact_min, .highest = 3600,
-                     .meaning = "a trial with less contact does not count; 0: all do"},
-    Key<InvalidSpec>{.name = "path_min_mm", .member = &InvalidSpec::path_min, .highest = 100000, .per_si = 1000,
-                     .meaning = "a trial with a shorter way of the handle does not count; 0: all do"},
-    Key<InvalidSpec>{.name = "requeue_most", .member = &InvalidSpec::requeue_most, .highest = 100,
-                     .meaning = "times that a trial which does not count or faulted is run again; 0: never"},
+constexpr Key kInvalid[]{
+    {.name = "late_share", .slot = at<&InvalidSpec::late_share>, .range = {0, 1},
+     .meaning = "share of late ticks above which a person's trial does not count; 1: never"},
+    {.name = "contact_min_s", .slot = at<&InvalidSpec::contact_min>, .range = {0, 3600},
+     .meaning = "a trial with less contact does not count; 0: all do"},
+    {.name = "path_min_mm", .slot = at<&InvalidSpec::path_min>, .range = {0, 100000}, .per_si = 1000,
+     .meaning = "a trial with a shorter way of the handle does not count; 0: all do"},
+    {.name = "requeue_most", .slot = at<&InvalidSpec::requeue_most>, .range = {0, 100},
+     .meaning = "times that a trial which does not count or faulted is run again; 0: never"},
 };
 
-constexpr std::array kExclusion{
-    Key<ExclusionSpec>{.name = "catch_correct_min", .member = &ExclusionSpec::catch_correct_min, .highest = 1,
-                       .meaning = "least share of catch trials answered with the outermost picture on their side"},
-    Key<ExclusionSpec>{.name = "share_correct_min", .member = &ExclusionSpec::share_correct_min, .highest = 1,
-                       .meaning = "least share of correct main trials"},
-    Key<ExclusionSpec>{.name = "timed_out_share_max", .member = &ExclusionSpec::timed_out_share_max, .highest = 1,
-                       .meaning = "largest share of main trials that timed out"},
-    Key<ExclusionSpec>{.name = "invalid_share_max", .member = &ExclusionSpec::invalid_share_max, .highest = 1,
-                       .meaning = "largest share of answers in main trials that do not count"},
-    Key<ExclusionSpec>{.name = "sessions_finished", .member = &ExclusionSpec::sessions_finished,
-                       .meaning = "leave out who has a session that is not finished"},
+constexpr Key kExclusion[]{
+    {.name = "catch_correct_min", .slot = at<&ExclusionSpec::catch_correct_min>, .range = {0, 1},
+     .meaning = "least share of catch trials answered with the outermost picture on their side"},
+    {.name = "share_correct_min", .slot = at<&ExclusionSpec::share_correct_min>, .range = {0, 1},
+     .meaning = "least share of correct main trials"},
+    {.name = "timed_out_share_max", .slot = at<&ExclusionSpec::timed_out_share_max>, .range = {0, 1},
+     .meaning = "largest share of main trials that timed out"},
+    {.name = "invalid_share_max", .slot = at<&ExclusionSpec::invalid_share_max>, .range = {0, 1},
+     .meaning = "largest share of answers in main trials that do not count"},
+    {.name = "sessions_finished", .slot = at<&ExclusionSpec::sessions_finished>,
+     .meaning = "leave out who has a session that is not finished"},
 };
 
-constexpr std::array kDesign{
-    Key<DesignSpec>{.name = "repetitions", .member = &DesignSpec::repetitions, .need = factorial, .lowest = 1, .highest = 1000,
-                    .meaning = "main trials of each object with each friction"},
-    Key<DesignSpec>{.name = "max_run_object", .member = &DesignSpec::max_run_object, .highest = 1000,
-                    .meaning = "same object in a row; 0: no limit"},
-    Key<DesignSpec>{.name = "max_run_friction", .member = &DesignSpec::max_run_friction, .highest = 1000,
-                    .meaning = "same friction in a row; 0: no limit"},
-    Key<DesignSpec>{.name = "practice_repetitions", .member = &DesignSpec::practice_repetitions, .highest = 100,
-                    .meaning = "practice trials of each condition; 0: none"},
-    Key<DesignSpec>{.name = "catch_trials", .member = &DesignSpec::catch_trials, .highest = 1000,
-                    .meaning = "trials with objects that are not pictured, among the main ones"},
-    Key<DesignSpec>{.name = "break_every", .member = &DesignSpec::break_every, .highest = 10000,
-                    .meaning = "trials between two breaks; 0: no breaks"},
-    Key<DesignSpec>{.name = "blocks", .member = &DesignSpec::blocks, .lowest = 1, .highest = 1000, .late = true,
-                    .meaning = "of the main trials, each balanced; a divisor of repetitions"},
-    Key<DesignSpec>{.name = "order", .member = &DesignSpec::order, .late = true,
-                    .meaning = "random within the run limits, or every condition after every condition once"},
-    Key<DesignSpec>{.name = "friction_blocks", .member = &DesignSpec::friction_blocks, .late = true,
-                    .meaning = "all frictions in each block; or one a block, there and back (abba) or always alike"},
+constexpr Key kDesign[]{
+    {.name = "repetitions", .slot = at<&DesignSpec::repetitions>, .need = factorial, .range = {1, 1000},
+     .meaning = "main trials of each object with each friction"},
+    {.name = "max_run_object", .slot = at<&DesignSpec::max_run_object>, .range = {0, 1000},
+     .meaning = "same object in a row; 0: no limit"},
+    {.name = "max_run_friction", .slot = at<&DesignSpec::max_run_friction>, .range = {0, 1000},
+     .meaning = "same friction in a row; 0: no limit"},
+    {.name = "practice_repetitions", .slot = at<&DesignSpec::practice_repetitions>, .range = {0, 100},
+     .meaning = "practice trials of each condition; 0: none"},
+    {.name = "catch_trials", .slot = at<&DesignSpec::catch_trials>, .range = {0, 1000},
+     .meaning = "trials with objects that are not pictured, among the main ones"},
+    {.name = "break_every", .slot = at<&DesignSpec::break_every>, .range = {0, 10000},
+     .meaning = "trials between two breaks; 0: no breaks"},
+    {.name = "blocks", .slot = at<&DesignSpec::blocks>, .range = {1, 1000}, .late = true,
+     .meaning = "of the main trials, each balanced; a divisor of repetitions"},
+    {.name = "order", .slot = at<&DesignSpec::order>, .late = true,
+     .meaning = "random within the run limits, or every condition after every condition once"},
+    {.name = "friction_blocks", .slot = at<&DesignSpec::friction_blocks>, .late = true,
+     .meaning = "all frictions in each block; or one a block, there and back (abba) or always alike"},
 };
 
-constexpr std::array kTiming{
-    Key<TimingSpec>{.name = "explore_min_s", .member = &TimingSpec::explore_min, .highest = 3600,
-                    .meaning = "an answer is not taken before"},
-    Key<TimingSpec>{.name = "explore_prompt_s", .member = &TimingSpec::explore_prompt, .highest = 3600, .above = true,
-                    .meaning = "the screen asks for an answer"},
-    Key<TimingSpec>{.name = "explore_timeout_s", .member = &TimingSpec::explore_timeout, .highest = 3600, .above = true,
-                    .meaning = "the pictures come even without the done key"},
-    Key<TimingSpec>{.name = "break_min_s", .member = &TimingSpec::break_min, .highest = 3600,
-                    .meaning = "shortest break"},
-    Key<TimingSpec>{.name = "gap_s", .member = &TimingSpec::gap, .highest = 60,
-                    .meaning = "blank screen between two trials"},
-    Key<TimingSpec>{.name = "guard_s", .member = &TimingSpec::guard, .highest = 2,
-                    .meaning = "presses earlier than this after a screen appeared are no answer to it; 0: all are"},
+constexpr Key kTiming[]{
+    {.name = "explore_min_s", .slot = at<&TimingSpec::explore_min>, .range = {0, 3600},
+     .meaning = "an answer is not taken before"},
+    {.name = "explore_prompt_s", .slot = at<&TimingSpec::explore_prompt>, .range = {0, 3600, true},
+     .meaning = "the screen asks for an answer"},
+    {.name = "explore_timeout_s", .slot = at<&TimingSpec::explore_timeout>, .range = {0, 3600, true},
+     .meaning = "the pictures come even without the done key"},
+    {.name = "break_min_s", .slot = at<&TimingSpec::break_min>, .range = {0, 3600},
+     .meaning = "shortest break"},
+    {.name = "gap_s", .slot = at<&TimingSpec::gap>, .range = {0, 60},
+     .meaning = "blank screen between two trials"},
+    {.name = "guard_s", .slot = at<&TimingSpec::guard>, .range = {0, 2},
+     .meaning = "presses earlier than this after a screen appeared are no answer to it; 0: all are"},
 };
 
-constexpr std::array kObserver{
-    Key<ObserverSpec>{.name = "noise_per_m", .member = &ObserverSpec::noise, .highest = 1000,
-                      .meaning = "standard deviation of the felt curvature"},
-    Key<ObserverSpec>{.name = "lapse", .member = &ObserverSpec::lapse, .highest = 1,
-                      .meaning = "share of answers given at random"},
-    Key<ObserverSpec>{.name = "force_weight", .member = &ObserverSpec::force_weight, .highest = 1,
-                      .meaning = "weight of the force cue; the position cue has the rest"},
-    Key<ObserverSpec>{.name = "bias_per_m_per_mu", .member = &ObserverSpec::bias_per_mu, .lowest = -1000, .highest = 1000,
-                      .meaning = "curvature added per unit of felt friction"},
-    Key<ObserverSpec>{.name = "noise_mu", .member = &ObserverSpec::noise_mu, .highest = 10, .late = true,
-                      .meaning = "standard deviation of the felt friction coefficient"},
+constexpr Key kResponse[]{
+    {.name = "kind", .slot = at<&ResponseSpec::kind>, .late = true,
+     .meaning = "what is asked after feeling"},
+    {.name = "question", .slot = at<&ResponseSpec::question>, .form = Form::free, .late = true,
+     .meaning = "what the screen asks; left out: a sentence of its own"},
+    {.name = "levels", .slot = at<&ResponseSpec::levels>, .range = {2, 9}, .late = true,
+     .meaning = "of a rating"},
+    {.name = "low", .slot = at<&ResponseSpec::low>, .form = Form::free, .late = true,
+     .meaning = "label of a rating's first level, or of no"},
+    {.name = "high", .slot = at<&ResponseSpec::high>, .form = Form::free, .late = true,
+     .meaning = "label of a rating's last level, or of yes"},
+    {.name = "confidence", .slot = at<&ResponseSpec::confidence>, .late = true,
+     .meaning = "after the answer: how sure, 1 to 4"},
+    {.name = "confirm", .slot = at<&ResponseSpec::confirm>, .late = true,
+     .meaning = "answers can be changed until Enter, or the same one again, confirms them"},
+    {.name = "feedback", .slot = at<&ResponseSpec::feedback>, .late = true,
+     .meaning = "after which answers the screen says right or wrong"},
 };
 
-constexpr std::array kMasking{
-    Key<MaskingSpec>{.name = "noise", .member = &MaskingSpec::noise, .late = true,
-                     .meaning = "on the headphones from the ready screen until the answer, over the sound of the motors"},
-    Key<MaskingSpec>{.name = "level_db", .member = &MaskingSpec::level_db, .lowest = -60, .highest = 0, .late = true,
-                     .meaning = "root mean square against full scale; how loud that is, measure on your headphones"},
+constexpr Key kAdaptive[]{
+    {.name = "varies", .slot = at<&AdaptiveSpec::varies>, .need = required,
+     .meaning = "what the rule chooses: the curvature, or mu_s (mu_d keeps its share)"},
+    {.name = "stimulus_as", .slot = at<&AdaptiveSpec::stimulus_as>, .late = true,
+     .meaning = "log10: what is felt is 10 to the power of what the rule chooses"},
+    {.name = "object", .slot = at<&AdaptiveSpec::object>, .need = required,
+     .meaning = "name of the object that is felt; as it stands it is the standard"},
+    {.name = "practice_trials", .slot = at<&AdaptiveSpec::practice_trials>, .range = {0, 100}, .late = true,
+     .meaning = "before the others, in turn of all runs"},
+    {.name = "practice_stimulus", .slot = at<&AdaptiveSpec::practice_stimulus>, .range = {-kMostStimulus, kMostStimulus}, .late = true,
+     .meaning = "of the comparison in all practice trials"},
+    {.name = "practice_balanced", .slot = at<&AdaptiveSpec::practice_balanced>, .late = true,
+     .meaning = "true: of every run's practice one half has the comparison in each interval; false: drawn"},
+    {.name = "max_run", .slot = at<&AdaptiveSpec::max_run>, .range = {0, 1000}, .late = true,
+     .meaning = "trials of the same run in a row; 0: no limit"},
+    {.name = "max_run_interval", .slot = at<&AdaptiveSpec::max_run_interval>, .range = {0, 1000}, .late = true,
+     .meaning = "comparisons in the same interval in a row; 0: no limit"},
 };
 
-constexpr std::array kInstructions{
-    Key<InstructionTexts>{.name = "welcome", .member = &InstructionTexts::welcome, .text = Text::lines, .late = true,
-                          .meaning = "before the first trial"},
-    Key<InstructionTexts>{.name = "ready", .member = &InstructionTexts::ready, .text = Text::lines, .late = true,
-                          .meaning = "before every trial"},
-    Key<InstructionTexts>{.name = "explore", .member = &InstructionTexts::explore, .text = Text::lines, .late = true,
-                          .meaning = "while an object is felt"},
-    Key<InstructionTexts>{.name = "choose", .member = &InstructionTexts::choose, .text = Text::lines, .late = true,
-                          .meaning = "the question above the answers"},
-    Key<InstructionTexts>{.name = "break", .member = &InstructionTexts::rest, .text = Text::lines, .late = true,
-                          .meaning = "in a break"},
-    Key<InstructionTexts>{.name = "end", .member = &InstructionTexts::end, .text = Text::lines, .late = true,
-                          .meaning = "after the last trial"},
+constexpr Key kRun[]{
+    {.name = "name", .slot = at<&RunSpec::name>, .need = required,
+     .meaning = "names the run in the database"},
+    {.name = "friction", .slot = at<&RunSpec::friction>, .need = required,
+     .meaning = "name of the comparison's friction"},
+    {.name = "standard_friction", .slot = at<&RunSpec::standard_friction>, .late = true,
+     .meaning = "name of the standard's friction; left out: the same"},
+};
+
+constexpr Key kObserver[]{
+    {.name = "noise_per_m", .slot = at<&ObserverSpec::noise>, .range = {0, 1000},
+     .meaning = "standard deviation of the felt curvature"},
+    {.name = "lapse", .slot = at<&ObserverSpec::lapse>, .range = {0, 1},
+     .meaning = "share of answers given at random"},
+    {.name = "force_weight", .slot = at<&ObserverSpec::force_weight>, .range = {0, 1},
+     .meaning = "weight of the force cue; the position cue has the rest"},
+    {.name = "bias_per_m_per_mu", .slot = at<&ObserverSpec::bias_per_mu>, .range = {-1000, 1000},
+     .meaning = "curvature added per unit of felt friction"},
+    {.name = "noise_mu", .slot = at<&ObserverSpec::noise_mu>, .range = {0, 10}, .late = true,
+     .meaning = "standard deviation of the felt friction coefficient"},
+};
+
+constexpr Key kMasking[]{
+    {.name = "noise", .slot = at<&MaskingSpec::noise>, .late = true,
+     .meaning = "on the headphones from the ready screen until the answer, over the sound of the motors"},
+    {.name = "level_db", .slot = at<&MaskingSpec::level_db>, .range = {-60, 0}, .late = true,
+     .meaning = "root mean square against full scale; how loud that is, measure on your headphones"},
+};
+
+constexpr Key kInstructions[]{
+    {.name = "welcome", .slot = at<&InstructionTexts::welcome>, .form = Form::lines, .late = true,
+     .meaning = "before the first trial"},
+    {.name = "ready", .slot = at<&InstructionTexts::ready>, .form = Form::lines, .late = true,
+     .meaning = "before every trial"},
+    {.name = "explore", .slot = at<&InstructionTexts::explore>, .form = Form::lines, .late = true,
+     .meaning = "while an object is felt"},
+    {.name = "choose", .slot = at<&InstructionTexts::choose>, .form = Form::lines, .late = true,
+     .meaning = "the question above the answers"},
+    {.name = "break", .slot = at<&InstructionTexts::rest>, .form = Form::lines, .late = true,
+     .meaning = "in a break"},
+    {.name = "end", .slot = at<&InstructionTexts::end>, .form = Form::lines, .late = true,
+     .meaning = "after the last trial"},
 };
 // clang-format on
 
 }  // namespace
 
 template <>
-std::span<const Key<Protocol>> keys_of() {
+Keys keys_of<Protocol>() {
     return kStudy;
 }
 template <>
-std::span<const Key<ApparatusSpec>> keys_of() {
+Keys keys_of<ApparatusSpec>() {
     return kApparatus;
 }
 template <>
-std::span<const Key<OutlineSpec>> keys_of() {
+Keys keys_of<OutlineSpec>() {
     return kOutline;
 }
 template <>
-std::span<const Key<ObjectSpec>> keys_of() {
+Keys keys_of<ObjectSpec>() {
     return kObject;
 }
 template <>
-std::span<const Key<FrictionSpec>> keys_of() {
+Keys keys_of<FrictionSpec>() {
     return kFriction;
 }
 template <>
-std::span<const Key<SafetySpec>> keys_of() {
+Keys keys_of<SafetySpec>() {
     return kSafety;
 }
 template <>
-std::span<const Key<InvalidSpec>> keys_of() {
+Keys keys_of<InvalidSpec>() {
     return kInvalid;
 }
 template <>
-std::span<const Key<ExclusionSpec>> keys_of() {
+Keys keys_of<ExclusionSpec>() {
     return kExclusion;
 }
 template <>
-std::span<const Key<DesignSpec>> keys_of() {
+Keys keys_of<DesignSpec>() {
     return kDesign;
 }
 template <>
-std::span<const Key<TimingSpec>> keys_of() {
+Keys keys_of<TimingSpec>() {
     return kTiming;
 }
 template <>
-std::span<const Key<ObserverSpec>> keys_of() {
+Keys keys_of<ResponseSpec>() {
+    return kResponse;
+}
+template <>
+Keys keys_of<AdaptiveSpec>() {
+    return kAdaptive;
+}
+template <>
+Keys keys_of<RunSpec>() {
+    return kRun;
+}
+template <>
+Keys keys_of<ObserverSpec>() {
     return kObserver;
 }
-
 template <>
-std::span<const Key<MaskingSpec>> keys_of() {
+Keys keys_of<MaskingSpec>() {
     return kMasking;
 }
 template <>
-std::span<const Key<InstructionTexts>> keys_of() {
+Keys keys_of<InstructionTexts>() {
     return kInstructions;
 }
 

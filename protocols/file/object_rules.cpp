@@ -1,5 +1,3 @@
-#include "protocols/file/object_rules.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -10,15 +8,13 @@
 #include "engine/contact/closest_point.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
+#include "protocols/file/rules.hpp"
 
 namespace palpate::protocols {
 namespace {
 
 using engine::Vec2;
 
-/// Largest |curvature| * chord / 2: the sine of an arc's half sweep. 0.95 is a sweep of 144 degrees;
-/// beyond it the two curves look like circles, and the arc comes near what one curve can hold.
-constexpr double kMaxHalfSine = 0.95;
 /// A vertex lower than this above its base line is no object to feel, m.
 constexpr double kMinHeight = 0.001;
 

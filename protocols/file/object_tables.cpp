@@ -3,28 +3,83 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
+#include "engine/base/text.hpp"
 #include "protocols/file/keys.hpp"
-#include "protocols/file/segment_table.hpp"
-#include "protocols/file/toml_text.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-/// Keys of [[object]] that keys_of<ObjectSpec>() does not have.
-constexpr std::array<std::string_view, 6> kMore{"segment",    "set",      "prefix",
-                                                "from_per_m", "to_per_m", "count"};
-constexpr std::array<std::string_view, 4> kOfSets{"prefix", "from_per_m", "to_per_m", "count"};
-constexpr std::array<std::string_view, 3> kSets{"five_shapes", "curvature_ladder", "catch_pair"};
+using SegmentKind = stimuli::Segment::Kind;
 
-const Entry* find(const Table& table, std::string_view key) {
-    const auto found = std::find_if(table.begin(), table.end(),
-                                    [key](const Entry& entry) { return entry.key == key; });
-    return found == table.end() ? nullptr : &*found;
+/// What a set of objects says.
+struct SetTable {
+    enum class Set : std::uint8_t { five_shapes, curvature_ladder, catch_pair };
+
+    Set set = Set::five_shapes;
+    std::string prefix{};
+    double from = 0.0;
+    double to = 0.0;
+    std::size_t count = 2;
+};
+
+constexpr std::array<std::string_view, 3> kSets{"five_shapes", "curvature_ladder", "catch_pair"};
+constexpr std::array<std::string_view, 3> kSegmentKinds{"nurbs", "line", "arc"};
+
+Words words_of(SetTable::Set) {
+    return kSets;
+}
+
+constexpr Range kCurvature{.min = -1000.0, .max = 1000.0};
+/// The largest coordinate, m: the squares of distances to farther places would overflow or round away.
+constexpr Range kPlace{.min = -1e6, .max = 1e6};
+
+using enum Need;
+
+// clang-format off
+constexpr Key kSet[]{
+    {.name = "set", .slot = at<&SetTable::set>, .need = required,
+     .meaning = "five_shapes: -10, -5, 0, 5 and 10 1/m, the objects of shape_friction; catch_pair: -20 and 20 1/m, not pictured; curvature_ladder: count of them, evenly"},
+    {.name = "prefix", .slot = at<&SetTable::prefix>, .form = Form::any,
+     .meaning = "before the names concave_5, straight, convex_7_5, ...; up to 32 letters a-z, digits and _"},
+};
+constexpr Key kLadder[]{
+    {.name = "from_per_m", .slot = at<&SetTable::from>, .need = required, .range = kCurvature,
+     .meaning = "the first curvature of a ladder"},
+    {.name = "to_per_m", .slot = at<&SetTable::to>, .need = required, .range = kCurvature,
+     .meaning = "the last"},
+    {.name = "count", .slot = at<&SetTable::count>, .need = required, .range = {2, kMaxObjects},
+     .meaning = "objects on a ladder"},
+};
+
+constexpr Key kSegment[]{
+    {.name = "kind", .slot = [](void* r) -> Slot { return OneOf{kSegmentKinds, whole_of(record_at<SegmentTable>(r).kind)}; }, .need = required,
+     .meaning = "each begins where the one before ends"},
+    {.name = "degree", .slot = at<&SegmentTable::degree>, .need = required, .range = {1, 1e6},
+     .meaning = "of a nurbs: of its polynomials"},
+    {.name = "knots", .slot = at<&SegmentTable::knots>, .need = required,
+     .meaning = "of a nurbs: clamped, rising, of any spacing"},
+    {.name = "points_m", .slot = at<&SegmentTable::points>, .need = required, .range = kPlace,
+     .meaning = "of a nurbs: control points; in space [x, y, z]"},
+    {.name = "weights", .slot = at<&SegmentTable::weights>,
+     .meaning = "of a nurbs: of the control points, above 0; left out: all 1"},
+    {.name = "from_m", .slot = at<&SegmentTable::from>, .need = required, .range = kPlace, .form = Form::point,
+     .meaning = "of a line or an arc: its first end"},
+    {.name = "to_m", .slot = at<&SegmentTable::to>, .need = required, .range = kPlace, .form = Form::point,
+     .meaning = "of a line or an arc: its last end"},
+    {.name = "curvature_per_m", .slot = at<&SegmentTable::curvature>, .need = required,
+     .meaning = "of an arc: above 0 convex, below 0 concave"},
+};
+// clang-format on
+
+/// The keys that a segment has beside its kind.
+Keys keys_of_segment(SegmentKind kind) {
+    const Keys all(kSegment);
+    return kind == SegmentKind::nurbs ? all.subspan(1, 4)
+         : kind == SegmentKind::line  ? all.subspan(5, 2)
+                                      : all.subspan(5, 3);
 }
 
 /// "convex_7_5" for 7.5 1/m; to a thousandth.
@@ -40,77 +95,55 @@ std::string name_of(double curvature) {
 }
 
 /// The curvatures that a set stands for.
-std::vector<double> curvatures_of(TableView& view, std::size_t set) {
-    constexpr Range kCurvature{.lowest = -1000.0, .highest = 1000.0};
-    if (set == 0) {
-        return {-10.0, -5.0, 0.0, 5.0, 10.0};
-    }
-    if (set == 2) {
-        return {-20.0, 20.0};
-    }
-    const double from = view.required_number("from_per_m", kCurvature);
-    const double to = view.required_number("to_per_m", kCurvature);
-    const auto count = view.required_integer(
-        "count", {.lowest = 2.0, .highest = static_cast<double>(kMaxObjects)});
-    if (!view.broken() && !(from < to)) {
-        view.refuse("to_per_m",
-                    fmt::format("to_per_m is {}, and from_per_m is {}: give more", to, from));
+std::vector<double> curvatures_of(const SetTable& set) {
+    switch (set.set) {
+        case SetTable::Set::five_shapes:
+            return {-10.0, -5.0, 0.0, 5.0, 10.0};
+        case SetTable::Set::catch_pair:
+            return {-20.0, 20.0};
+        case SetTable::Set::curvature_ladder:
+            break;
     }
     std::vector<double> curvatures;
-    for (std::int64_t i = 0; !view.broken() && i < count; ++i) {
-        const double share = static_cast<double>(i) / static_cast<double>(count - 1);
-        curvatures.push_back(i + 1 == count ? to : from + share * (to - from));
+    for (std::size_t i = 0; i < set.count; ++i) {
+        const double share = static_cast<double>(i) / static_cast<double>(set.count - 1);
+        curvatures.push_back(i + 1 == set.count ? set.to : set.from + share * (set.to - set.from));
     }
     return curvatures;
 }
 
-/// The objects of a set. `common` holds their size and pose; pictured as the set is unless it says so.
-void read_set(const Table& table,
-              const std::string& path,
-              const Position& at,
-              Problems& problems,
-              Places& places,
-              const ObjectSpec& common,
-              std::vector<ObjectSpec>& objects) {
-    TableView view(table, fmt::format("the set of [[object]] {}", objects.size() + 1), at,
-                   problems);
-    const std::size_t set = view.choice("set", kSets, std::nullopt);
-    const std::string prefix =
-        find(table, "prefix") == nullptr ? std::string() : view.required_text("prefix");
-    const bool named = std::all_of(prefix.begin(), prefix.end(), [](char c) {
+SetTable read_set_table(TableReader& table) {
+    SetTable set;
+    table.read(kSet, &set);
+    const bool named = std::all_of(set.prefix.begin(), set.prefix.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
     });
     constexpr std::size_t kLongest = 32;
-    if (!named || prefix.size() > kLongest) {
-        view.refuse("prefix", fmt::format("prefix is {}: give up to 32 letters a-z, digits and _",
-                                          shown(prefix)));
+    if (!named || set.prefix.size() > kLongest) {
+        table.refuse("prefix", fmt::format("prefix is {}: give up to 32 letters a-z, digits and _",
+                                           shown(set.prefix)));
     }
     for (const std::string_view key : {"name", "curvature_per_m", "segment"}) {
-        if (find(table, key) != nullptr) {
-            view.refuse(key, fmt::format("{} is given beside set, which says it itself: delete one "
-                                         "of them",
-                                         key));
+        if (table.has(key)) {
+            table.refuse(key, fmt::format("{} is given beside set, which says it itself: delete "
+                                          "one of them",
+                                          key));
         }
     }
-    if (set != 1) {
-        for (const std::string_view key : {"from_per_m", "to_per_m", "count"}) {
-            if (find(table, key) != nullptr) {
-                view.refuse(key, fmt::format("{} is given, but set is not \"curvature_ladder\": "
-                                             "delete it",
-                                             key));
-            }
+    const bool ladder = set.set == SetTable::Set::curvature_ladder;
+    table.read(kLadder, &set, ladder);
+    for (const Key& key : kLadder) {
+        if (!ladder && table.has(key.name)) {
+            table.refuse(key.name, fmt::format("{} is given, but set is not \"curvature_ladder\": "
+                                               "delete it",
+                                               key.name));
         }
     }
-    if (view.broken()) {
-        return;
+    if (ladder && !table.broken() && !(set.from < set.to)) {
+        table.refuse("to_per_m", fmt::format("to_per_m is {}, and from_per_m is {}: give more",
+                                             set.to, set.from));
     }
-    for (const double curvature : curvatures_of(view, set)) {
-        ObjectSpec& object = objects.emplace_back(common);
-        object.name = prefix + name_of(curvature);
-        object.curvature = curvature;
-        object.pictured = places.has(path + ".pictured") ? common.pictured : set != 2;
-        places.note(fmt::format("object.{}", objects.size()), at);
-    }
+    return set;
 }
 
 void read_segments(const Entry& entry,
@@ -135,62 +168,91 @@ void read_segments(const Entry& entry,
                                                i + 1, number, shown(value)));
             continue;
         }
-        places.note(fmt::format("{}.segment.{}", path, i + 1), value.at);
-        TableView view(*table, fmt::format("[[object.segment]] {} of [[object]] {}", i + 1, number),
-                       value.at, problems);
-        const SegmentTable read = read_segment_table(view);
+        TableReader reader(*table, fmt::format("{}.segment.{}", path, i + 1), value.at, problems,
+                           places,
+                           fmt::format("[[object.segment]] {} of [[object]] {}", i + 1, number));
+        const SegmentTable read = read_segment_table(reader);
         stimuli::Segment& segment = object.segments.emplace_back();
-        view.attempt([&] {
+        reader.attempt([&] {
             segment = plane_segment(read);
             static_cast<void>(curve_of(segment));
         });
     }
 }
 
-std::string points_text(const std::vector<engine::Vec2>& points) {
-    std::string text;
-    for (const engine::Vec2& point : points) {
-        text += fmt::format("{}[{}, {}]", text.empty() ? "" : ", ", toml_text(point.x, 1.0),
-                            toml_text(point.y, 1.0));
-    }
-    return text;
-}
-
-std::string numbers_text(const std::vector<double>& numbers) {
-    std::string text;
-    for (const double number : numbers) {
-        text += fmt::format("{}{}", text.empty() ? "" : ", ", toml_text(number, 1.0));
-    }
-    return text;
-}
-
 }  // namespace
+
+SegmentTable read_segment_table(TableReader& table) {
+    SegmentTable read;
+    table.read(Keys(kSegment).first(1), &read);
+    if (table.broken()) {
+        return read;  // what else it needs depends on its kind
+    }
+    table.read(keys_of_segment(read.kind), &read);
+    table.refuse_unknown();
+    if (read.kind == SegmentKind::nurbs || table.broken()) {
+        return read;
+    }
+    table.attempt([&] {
+        if (read.to.dimension != read.from.dimension ||
+            (read.kind == SegmentKind::arc && read.to.dimension != 2)) {
+            throw std::invalid_argument(
+                "from_m and to_m need two coordinates each (three only for lines in space)");
+        }
+    });
+    read.points = read.from;
+    read.points.values.push_back(read.to.values.at(0));
+    return read;
+}
+
+stimuli::Segment plane_segment(const SegmentTable& table) {
+    if (table.points.dimension != 2) {
+        throw std::invalid_argument("its points have three coordinates: give two each");
+    }
+    return {.kind = table.kind,
+            .degree = table.degree,
+            .knots = table.knots,
+            .points = table.points.plane(),
+            .weights = table.weights,
+            .curvature = table.curvature};
+}
 
 void read_object(const Table& table,
                  const Position& at,
                  Problems& problems,
                  Places& places,
                  std::vector<ObjectSpec>& objects) {
+    constexpr std::array<std::string_view, 6> kMore{"segment",    "set",      "prefix",
+                                                    "from_per_m", "to_per_m", "count"};
     const std::size_t number = objects.size() + 1;
     const std::string path = fmt::format("object.{}", number);
-    const Entry* set = find(table, "set");
-    const Entry* segments = find(table, "segment");
+    TableReader reader(table, path, at, problems, places);
     ObjectSpec object;
-    Reader(problems, places)
-        .read(table, path, at, object, {.known_elsewhere = kMore, .complete = set == nullptr});
-    if (set != nullptr) {
-        read_set(table, path, at, problems, places, object, objects);
+    reader.fill(object, !reader.has("set"));
+    reader.know(kMore);
+    reader.refuse_unknown();
+    if (reader.has("set")) {
+        const SetTable set = read_set_table(reader);
+        for (const double curvature :
+             reader.broken() ? std::vector<double>{} : curvatures_of(set)) {
+            ObjectSpec& one = objects.emplace_back(object);
+            one.name = set.prefix + name_of(curvature);
+            one.curvature = curvature;
+            one.pictured =
+                reader.has("pictured") ? object.pictured : set.set != SetTable::Set::catch_pair;
+            places.note(fmt::format("object.{}", objects.size()), at);
+        }
         return;
     }
-    for (const std::string_view key : kOfSets) {
-        if (const Entry* entry = find(table, key)) {
-            problems.add(entry->at,
+    for (const std::string_view key : Words(kMore).subspan(2)) {
+        if (reader.has(key)) {
+            problems.add(find(table, key)->at,
                          fmt::format("{} of [[object]] {} is for a set: give set, or delete it",
                                      key, number));
         }
     }
-    const bool curved = find(table, "curvature_per_m") != nullptr;
-    if (segments != nullptr) {
+    const bool curved = reader.has("curvature_per_m");
+    if (const Entry* segments = find(table, "segment")) {
         if (curved) {
             problems.add(places.of(path + ".curvature_per_m"),
                          fmt::format("[[object]] {} has curvature_per_m and [[object.segment]] "
@@ -208,58 +270,43 @@ void read_object(const Table& table,
 }
 
 std::string segments_toml(const ObjectSpec& object) {
-    using Kind = stimuli::Segment::Kind;
+    const auto listed = [](const engine::Vec2& point) {
+        return PointList{.values = {{point.x, point.y, 0.0}}};
+    };
     std::string text;
     for (const stimuli::Segment& segment : object.segments) {
-        text += "[[object.segment]]\n";
-        if (segment.kind == Kind::nurbs) {
-            text += fmt::format("kind = \"nurbs\"\ndegree = {}\nknots = [{}]\npoints_m = [{}]\n",
-                                segment.degree, numbers_text(segment.knots),
-                                points_text(segment.points));
-            if (!segment.weights.empty()) {
-                text += fmt::format("weights = [{}]\n", numbers_text(segment.weights));
-            }
-            continue;
+        SegmentTable table{.kind = segment.kind,
+                           .degree = segment.degree,
+                           .knots = segment.knots,
+                           .weights = segment.weights,
+                           .curvature = segment.curvature};
+        for (const engine::Vec2& point : segment.points) {
+            table.points.values.push_back({point.x, point.y, 0.0});
         }
-        const bool arc = segment.kind == Kind::arc;
-        text +=
-            fmt::format("kind = \"{}\"\nfrom_m = {}\nto_m = {}\n", arc ? "arc" : "line",
-                        points_text({segment.points.at(0)}), points_text({segment.points.at(1)}));
-        if (arc) {
-            text += fmt::format("curvature_per_m = {}\n", toml_text(segment.curvature, 1.0));
+        if (segment.kind != SegmentKind::nurbs) {
+            table.from = listed(segment.points.at(0));
+            table.to = listed(segment.points.at(1));
         }
+        text += "[[object.segment]]\n" + toml_lines(Keys(kSegment).first(1), &table) +
+                toml_lines(keys_of_segment(segment.kind), &table);
     }
     return text;
 }
 
-std::string object_reference() {
-    const auto row = [](std::string_view name, std::string_view range, std::string_view need,
-                        std::string_view meaning) {
-        return fmt::format("    {:<22} {:<28} {:<11} {}\n", name, range, need, meaning);
-    };
-    return "  instead of name and curvature_per_m, several objects at once:\n" +
-           row("set", "\"five_shapes\"", "",
-               "-10, -5, 0, 5 and 10 1/m: the objects of shape_friction") +
-           row("", "or \"catch_pair\"", "", "-20 and 20 1/m, not pictured") +
-           row("", "or \"curvature_ladder\"", "",
-               "count of them, evenly from from_per_m to to_per_m") +
-           row("from_per_m, to_per_m", "-1000 to 1000", "of a ladder", "its ends") +
-           row("count", fmt::format("2 to {}", kMaxObjects), "of a ladder", "objects on it") +
-           row("prefix", "letters a-z, digits and _", "\"\"",
-               "before the names concave_5, straight, convex_7_5, ...") +
-           fmt::format(
-               "\n[[object.segment]]  instead of curvature_per_m, 1 to {}: a closed outline, "
-               "clockwise, the object on\n  the right of travel; the same keys as in a "
-               "scene\n",
-               kMaxSegments) +
-           row("kind", "\"nurbs\", \"line\" or \"arc\"", "required",
-               "each begins where the one before ends") +
-           row("degree", "1 to 9", "of a nurbs", "of its polynomials") +
-           row("knots", "rising numbers", "of a nurbs", "clamped; of any spacing") +
-           row("points_m", "[[x, y], ...]", "of a nurbs", "control points") +
-           row("weights", "above 0", "all 1", "of the control points") +
-           row("from_m, to_m", "[x, y]", "of others", "the ends of a line or an arc") +
-           row("curvature_per_m", "a number", "of an arc", "above 0 convex, below 0 concave");
+std::vector<TableText> object_reference() {
+    return {{.heading = "[[object]] with set",
+             .remark = "instead of name and curvature_per_m: several objects at once",
+             .keys = kSet},
+            {.heading = "[[object]] with set = \"curvature_ladder\"", .keys = kLadder},
+            segment_reference(
+                "[[object.segment]]",
+                fmt::format("instead of curvature_per_m, 1 to {}: a closed outline, clockwise, the "
+                            "object on the right of travel; the same keys as in a scene",
+                            kMaxSegments))};
+}
+
+TableText segment_reference(std::string heading, std::string remark) {
+    return {std::move(heading), std::move(remark), kSegment};
 }
 
 }  // namespace palpate::protocols

@@ -1,14 +1,15 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "protocols/file/reader.hpp"
+#include "stimuli/free_outline.hpp"
+#include "protocols/file/schema.hpp"
 #include "protocols/protocol/protocol.hpp"
 
-/// Private to protocols/format: [[object]] tables, which say more than one key after the other can: free
-/// forms by [[object.segment]] tables, and named sets that stand for several objects.
+/// Private to protocols/file: [[object]] tables, which say more than one key after the other can: free
+/// forms by [[object.segment]] tables, and named sets that stand for several objects. A [[segment]] of a
+/// scene says the same with the same keys.
 namespace palpate::protocols {
 
 inline constexpr std::size_t kMaxSegments = 64;  ///< of one object
@@ -24,7 +25,26 @@ void read_object(const Table& table,
 /// The [[object.segment]] tables of a free form as they are read; empty for two curves.
 [[nodiscard]] std::string segments_toml(const ObjectSpec& object);
 
-/// What people can say about free forms and sets: part of key_reference().
-[[nodiscard]] std::string object_reference();
+/// What a segment says, in m, plane or in space.
+struct SegmentTable {
+    stimuli::Segment::Kind kind = stimuli::Segment::Kind::line;
+    int degree = 1;
+    std::vector<double> knots{};
+    PointList points{};  ///< of a nurbs
+    std::vector<double> weights{};
+    PointList from{}, to{};  ///< one point each, of a line or an arc
+    double curvature = 0.0;
+};
+
+/// Whatever is wrong becomes a problem; `table` is broken() then. Keys of another kind are unknown.
+/// `points` of a line or an arc become its two ends.
+[[nodiscard]] SegmentTable read_segment_table(TableReader& table);
+
+/// @throws std::invalid_argument if it is not plane
+[[nodiscard]] stimuli::Segment plane_segment(const SegmentTable& table);
+
+/// What people can say about free forms and sets.
+[[nodiscard]] std::vector<TableText> object_reference();
+[[nodiscard]] TableText segment_reference(std::string heading, std::string remark);
 
 }  // namespace palpate::protocols

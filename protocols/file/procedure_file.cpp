@@ -7,41 +7,56 @@
 
 #include <fmt/format.h>
 
-#include "protocols/file/procedure_tables.hpp"
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/file/read_text.hpp"
-#include "protocols/file/section.hpp"
+#include "engine/base/text.hpp"
+#include "protocols/design/streams.hpp"
+#include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-enum class Kind : std::uint8_t { constant, staircase, quest, psi, quest_plus };
-
-/// The words of procedure_keys() whose numbers these are.
-enum class Model : std::uint8_t { psychometric, covariate, identification };
-
 /// The tables that each kind uses, beside [procedure] and [stream].
-std::vector<std::string_view> tables_of(Kind kind) {
+std::vector<std::string_view> tables_of(RuleKind kind) {
     switch (kind) {
-        case Kind::constant:
+        case RuleKind::constant:
             return {"constant"};
-        case Kind::staircase:
+        case RuleKind::staircase:
             return {"staircase"};
-        case Kind::quest:
+        case RuleKind::quest:
             return {"quest"};
-        case Kind::psi:
-        case Kind::quest_plus:
+        case RuleKind::psi:
+        case RuleKind::quest_plus:
             return {"model", "stimuli", "parameters", "prior"};
     }
     return {};
 }
 
+/// How many of the keys of [procedure] each kind has, beside the first.
+std::size_t more_keys_of(RuleKind kind) {
+    return kind == RuleKind::psi || kind == RuleKind::quest_plus ? 3
+         : kind == RuleKind::quest                               ? 1
+                                                                 : 0;
+}
+
+struct NormalPrior {
+    double mean = 0.0;
+    double sd = 1.0;
+};
+// clang-format off
+constexpr Key kNormalPrior[]{
+    {.name = "mean", .slot = at<&NormalPrior::mean>, .need = Need::required, .meaning = "of the normal prior"},
+    {.name = "sd", .slot = at<&NormalPrior::sd>, .need = Need::required, .range = {.min = 0.0, .above = true}, .meaning = "its standard deviation"},
+};
+constexpr Key kWeights{.name = "", .slot = [](void* r) -> Slot { return static_cast<std::vector<double>*>(r); }, .range = {.min = 0.0}};
+// clang-format on
+
 class FileReader {
 public:
-    FileReader(const Table& file, Problems& problems) : file_(file), problems_(problems) {}
+    FileReader(const Table& file, Problems& problems)
+        : file_(file), problems_(problems), top_(file, "", {}, problems, places_, "the file") {}
 
     ProcedureFile read(std::string_view file_name) {
-        check_format(file_name);
+        top_.check_format(kProcedureFormat);
+        problems_.throw_if_any(file_name);
         std::optional<ProcedureSpec> spec = read_rule();
         const Pcg32 random = read_stream();
         problems_.throw_if_any(file_name);
@@ -61,12 +76,6 @@ public:
     }
 
 private:
-    const Entry* find(std::string_view name) const {
-        const auto entry = std::find_if(file_.begin(), file_.end(),
-                                        [name](const Entry& e) { return e.key == name; });
-        return entry == file_.end() ? nullptr : &*entry;
-    }
-
     template <class Make>
     void attempt(Make&& make) {
         try {
@@ -83,46 +92,61 @@ private:
     }
 
     std::optional<ProcedureSpec> read_rule() {
-        Section procedure = section("procedure");
-        kind_ = static_cast<Kind>(procedure.word("kind"));
+        TableReader procedure = section("procedure");
+        const Keys keys = procedure_keys("procedure");
+        procedure.read(keys.first(1), &rule_);
         if (procedure.broken()) {  // all else depends on the kind
             return std::nullopt;
         }
+        procedure.read(keys.subspan(1, more_keys_of(rule_.kind)), &rule_);
+        procedure.refuse_unknown();
         check_tables();
-        return read_spec(procedure);
-    }
-
-    void check_format(std::string_view file_name) {
-        const Entry* entry = find("format");
-        const auto* version =
-            entry == nullptr ? nullptr : std::get_if<std::int64_t>(&entry->value.data);
-        if (version == nullptr || *version != kProcedureFormat) {
-            throw ProtocolError(
-                fmt::format("{}:{}:{}: format is {}: give format = {} as the first line", file_name,
-                            entry == nullptr ? 1 : entry->value.at.line,
-                            entry == nullptr ? 1 : entry->value.at.column,
-                            entry == nullptr ? "missing" : shown(entry->value), kProcedureFormat));
+        switch (rule_.kind) {
+            case RuleKind::constant:
+                return filled<ConstantStimuliSpec>("constant");
+            case RuleKind::staircase:
+                return read_staircases();
+            case RuleKind::quest: {
+                QuestSpec spec = filled<QuestSpec>("quest");
+                spec.trials = rule_.trials;
+                return spec;
+            }
+            case RuleKind::psi:
+            case RuleKind::quest_plus:
+                return read_quest_plus();
         }
+        return std::nullopt;
     }
 
     /// The table `name`, empty if it is not there.
-    Section section(std::string_view name) {
-        const Entry* entry = find(name);
+    TableReader section(std::string_view name) {
+        const Entry* entry = find(file_, name);
         const auto* table = entry == nullptr ? nullptr : std::get_if<Table>(&entry->value.data);
         if (entry != nullptr && table == nullptr) {
             problems_.add(entry->at, fmt::format("{} is {}: write it as a table [{}]", name,
                                                  kind_of(entry->value), name));
         }
-        return {table == nullptr ? empty_ : *table, name, fmt::format("[{}]", name),
-                entry == nullptr ? Position{} : entry->at, problems_};
+        return {table == nullptr ? empty_ : *table, std::string(name),
+                entry == nullptr ? Position{} : entry->at, problems_, places_};
+    }
+
+    /// A table that says what a record holds.
+    template <class Record>
+    Record filled(std::string_view name) {
+        TableReader table = section(name);
+        Record record;
+        table.read(procedure_keys(name), &record);
+        table.refuse_unknown();
+        return record;
     }
 
     void check_tables() {
-        std::vector<std::string_view> used = tables_of(kind_);
+        std::vector<std::string_view> used = tables_of(rule_.kind);
         main_ = Position{};
-        if (const Entry* entry = find(kind_ == Kind::psi || kind_ == Kind::quest_plus
-                                          ? std::string_view("parameters")
-                                          : used.front())) {
+        if (const Entry* entry =
+                find(file_, rule_.kind == RuleKind::psi || rule_.kind == RuleKind::quest_plus
+                                ? std::string_view("parameters")
+                                : used.front())) {
             main_ = entry->at;
         }
         used.insert(used.end(), {"format", "procedure", "stream"});
@@ -135,61 +159,29 @@ private:
     }
 
     Pcg32 read_stream() {
-        Section section = this->section("stream");
-        const std::uint64_t seed = section.seed("seed");
-        const std::string origin = section.text("origin");
-        const bool wanted = section.has("origin");
-        if (wanted && (origin.size() != 32 ||
-                       origin.find_first_not_of("0123456789abcdef") != std::string::npos)) {
-            section.refuse("origin",
-                           "origin is not 32 of the digits 0 to 9 and a to f: copy it "
-                           "whole, or give a seed");
+        TableReader table = section("stream");
+        StreamTable read;
+        table.read(procedure_keys("stream"), &read);
+        table.refuse_unknown();
+        if (!table.has("origin")) {
+            return stream({.protocol_hash = {},
+                           .participant = {},
+                           .purpose = std::string(purpose::procedure),
+                           .seed = read.seed});
+        }
+        if (read.origin.size() != 32 ||
+            read.origin.find_first_not_of("0123456789abcdef") != std::string::npos) {
+            table.refuse("origin",
+                         "origin is not 32 of the digits 0 to 9 and a to f: copy it "
+                         "whole, or give a seed");
             return {0, 0};
         }
-        section.refuse_unknown();
-        return wanted ? stream_from(origin)
-                      : stream({.protocol_hash = {},
-                                .participant = {},
-                                .purpose = std::string(purpose::procedure),
-                                .seed = seed});
-    }
-
-    std::optional<ProcedureSpec> read_spec(Section& procedure) {
-        const auto keys = [&](std::initializer_list<std::string_view> known) {
-            procedure.refuse_unknown(std::vector<std::string_view>(known));
-        };
-        switch (kind_) {
-            case Kind::constant:
-                keys({"kind"});
-                return read_constant();
-            case Kind::staircase:
-                keys({"kind"});
-                return read_staircases();
-            case Kind::quest:
-                keys({"kind", "trials"});
-                return read_quest(procedure.count("trials"));
-            case Kind::psi:
-            case Kind::quest_plus:
-                keys({"kind", "trials", "entropy_bits", "nuisance"});
-                return read_quest_plus(procedure);
-        }
-        return std::nullopt;
-    }
-
-    ProcedureSpec read_constant() {
-        Section table = section("constant");
-        ConstantStimuliSpec spec;
-        spec.values = table.axis("stimuli").values;
-        spec.repetitions = table.count("repetitions");
-        spec.in_blocks = table.flag("in_blocks");
-        spec.outcomes = table.count("outcomes");
-        table.refuse_unknown();
-        return spec;
+        return stream_from(read.origin);
     }
 
     ProcedureSpec read_staircases() {
         std::vector<StaircaseSpec> specs;
-        const Entry* entry = find("staircase");
+        const Entry* entry = find(file_, "staircase");
         const auto* array = entry == nullptr ? nullptr : std::get_if<Array>(&entry->value.data);
         if (array == nullptr || array->empty()) {
             problems_.add(main_, "there is no staircase: write each as a table [[staircase]]");
@@ -203,146 +195,164 @@ private:
                                                     shown(value)));
                 continue;
             }
-            Section section(*table, "staircase", fmt::format("[[staircase]] {}", specs.size() + 1),
-                            value.at, problems_);
-            specs.push_back(read_staircase(section, specs.size() + 1));
+            TableReader reader(*table, fmt::format("staircase.{}", specs.size() + 1), value.at,
+                               problems_, places_);
+            specs.push_back(read_staircase(reader, specs.size() + 1));
         }
         return specs;
     }
 
-    static StaircaseSpec read_staircase(Section& table, std::size_t place) {
-        StaircaseSpec spec;
-        spec.name = table.has("name") ? table.text("name") : fmt::format("staircase_{}", place);
-        spec.start = table.number("start");
-        spec.up = table.count("up");
-        spec.down = table.has("target") && !table.has("down") ? 1 : table.count("down");
-        spec.steps_up = table.numbers("step_up");
-        spec.steps_down = table.has("step_down") ? table.numbers("step_down") : spec.steps_up;
-        if (const auto target = table.number_if("target")) {
+    static StaircaseSpec read_staircase(TableReader& table, std::size_t place) {
+        StaircaseTable read;
+        table.read(procedure_keys("staircase"), &read);
+        table.refuse_unknown();
+        StaircaseSpec& spec = read.spec;
+        if (!table.has("name")) {
+            spec.name = fmt::format("staircase_{}", place);
+        }
+        if (read.target && !table.has("down")) {
+            spec.down = 1;
+        }
+        if (!table.has("step_down")) {
+            spec.steps_down = spec.steps_up;
+        }
+        if (read.target) {
             if (table.has("step_down") || spec.up != 1 || spec.down != 1) {
                 table.refuse("target",
                              "target is for up = 1 and down = 1 without step_down: leave "
                              "these out, or target");
             }
             for (double& step : spec.steps_down) {
-                step *= weighted_step_ratio(*target);
+                step *= weighted_step_ratio(*read.target);
             }
         }
-        spec.scale = static_cast<StepScale>(table.word("scale"));
-        spec.fast_start = table.flag("fast_start");
-        spec.lowest = table.number("lowest");
-        spec.highest = table.number("highest");
-        spec.trials = table.count("trials");
-        spec.reversals = table.count("reversals");
-        spec.average = table.count("average");
-        table.refuse_unknown();
         table.attempt([&] { static_cast<void>(Staircase(spec)); });
         return spec;
     }
 
-    ProcedureSpec read_quest(std::size_t trials) {
-        Section table = section("quest");
-        QuestSpec spec;
-        spec.guess = table.number("guess");
-        spec.sd = table.number("sd");
-        spec.p_threshold = table.number("p_threshold");
-        spec.beta = table.number("beta");
-        spec.delta = table.number("delta");
-        spec.gamma = table.number("gamma");
-        spec.grain = table.number("grain");
-        spec.range = table.number("range");
-        spec.rule = static_cast<QuestRule>(table.word("rule"));
-        spec.lowest = table.number("lowest");
-        spec.highest = table.number("highest");
-        spec.trials = trials;
-        table.refuse_unknown();
-        return spec;
-    }
-
     std::optional<OutcomeModel> read_model() {
-        Section table = section("model");
-        const auto model = static_cast<Model>(table.word("kind"));
+        TableReader table = section("model");
+        const Keys keys = procedure_keys("model");
+        ModelTable read;
+        table.read(keys.first(1), &read);
         if (table.broken()) {
             return std::nullopt;
         }
-        std::optional<OutcomeModel> read;
-        if (model == Model::identification) {
-            if (kind_ == Kind::psi) {
+        const bool psi = rule_.kind == RuleKind::psi;
+        std::optional<OutcomeModel> model;
+        if (read.kind == ModelKind::identification) {
+            if (psi) {
                 table.refuse("kind",
                              "psi has two outcomes: give model kind \"psychometric\", or "
                              "procedure kind \"quest_plus\"");
             }
-            const std::vector<double> items = table.numbers("alternatives");
-            table.refuse_unknown(std::vector<std::string_view>{"kind", "alternatives"});
-            table.attempt([&] { read = identification_model(items); });
-            return read;
+            table.read(keys.last(1), &read);
+            table.refuse_unknown();
+            table.attempt([&] { model = identification_model(read.alternatives); });
+            return model;
         }
-        const auto family = static_cast<Family>(table.word("family"));
-        const auto form = static_cast<LapseForm>(table.word("lapse_form"));
-        const bool psi = kind_ == Kind::psi;
-        SlopeAs slope_as = psi ? SlopeAs::log10_slope : SlopeAs::slope;
-        if (table.has("slope_as")) {
-            slope_as = static_cast<SlopeAs>(table.word("slope_as"));
+        if (psi) {
+            read.slope_as = SlopeAs::log10_slope;
         }
-        if (psi && (slope_as != SlopeAs::log10_slope || model != Model::psychometric)) {
+        table.read(keys.subspan(1, 3), &read);
+        table.refuse_unknown();
+        if (psi &&
+            (read.slope_as != SlopeAs::log10_slope || read.kind != ModelKind::psychometric)) {
             table.refuse(
-                slope_as == SlopeAs::log10_slope ? "kind" : "slope_as",
+                read.slope_as == SlopeAs::log10_slope ? "kind" : "slope_as",
                 "psi has a psychometric model with slope_as \"log10_slope\": give that, or "
                 "procedure kind \"quest_plus\"");
         }
-        table.refuse_unknown(
-            std::vector<std::string_view>{"kind", "family", "lapse_form", "slope_as"});
         table.attempt([&] {
-            read = model == Model::covariate ? covariate_model(family, form, slope_as)
-                                             : psychometric_model(family, form, slope_as);
+            const auto make =
+                read.kind == ModelKind::covariate ? covariate_model : psychometric_model;
+            model = make(read.family, read.lapse_form, read.slope_as);
         });
-        return read;
+        return model;
     }
 
-    static std::vector<std::string_view> views(const std::vector<std::string>& names) {
-        return {names.begin(), names.end()};
-    }
-
-    static Grid read_grid(Section& table, const std::vector<std::string>& names) {
-        std::vector<Axis> axes;
+    /// The axes that a model names, out of the rows of a table.
+    Grid read_grid(TableReader& table, const std::vector<std::string>& names) {
+        const Keys all = procedure_keys(table.path());
+        std::vector<Key> keys;
+        AxesTable read;
         for (const std::string& name : names) {
-            axes.push_back(table.axis(name));
+            const auto key = std::find_if(all.begin(), all.end(),
+                                          [&](const Key& one) { return one.name == name; });
+            keys.push_back(*key);
+            keys.back().need = Need::required;
         }
-        table.refuse_unknown(views(names));
+        table.read(keys, &read);
+        table.refuse_unknown();
+        std::vector<Axis> axes;
+        for (const Key& key : keys) {
+            axes.push_back({std::string(key.name),
+                            std::move(*std::get<std::vector<double>*>(key.slot(&read)))});
+        }
         Grid grid;
         table.attempt([&] { grid = Grid(std::move(axes)); });
         return grid;
     }
 
-    std::optional<ProcedureSpec> read_quest_plus(Section& procedure) {
-        const std::size_t trials = procedure.count("trials");
-        const double entropy_bits = procedure.number("entropy_bits");
-        std::vector<std::string> nuisance = procedure.names("nuisance");
+    /// Weights of the values of an axis; none if they are left out.
+    std::vector<double> read_prior(TableReader& table, const Axis& axis) {
+        const Entry* entry = find(table.table(), axis.name);
+        std::vector<double> weights;
+        const auto* given = entry == nullptr ? nullptr : std::get_if<Table>(&entry->value.data);
+        if (given == nullptr) {
+            Key key = kWeights;
+            key.name = axis.name;
+            table.read({&key, 1}, &weights);
+            if (entry != nullptr && !table.broken() && weights.size() != axis.values.size()) {
+                table.refuse(axis.name, fmt::format("the prior of {} has {} weights: give {}, one "
+                                                    "for each value",
+                                                    axis.name, weights.size(), axis.values.size()));
+            }
+            return weights;
+        }
+        TableReader reader(*given, "prior." + axis.name, entry->value.at, problems_, places_,
+                           axis.name);
+        NormalPrior prior;
+        reader.read(kNormalPrior, &prior);
+        reader.refuse_unknown();
+        for (const double value : axis.values) {
+            const double z = (value - prior.mean) / prior.sd;
+            weights.push_back(exponential(-0.5 * z * z));
+        }
+        return weights;
+    }
+
+    std::optional<ProcedureSpec> read_quest_plus() {
         std::optional<OutcomeModel> model = read_model();
         if (!model) {
             return std::nullopt;  // its problem is noted; the grids depend on it
         }
-        Section stimuli = section("stimuli");
-        Section parameters = section("parameters");
-        Section priors = section("prior");
+        TableReader stimuli = section("stimuli");
+        TableReader parameters = section("parameters");
+        TableReader priors = section("prior");
         QuestPlusSpec spec{
-            .model = std::move(*model), .trials = trials, .entropy_bits = entropy_bits};
-        spec.nuisance = std::move(nuisance);
+            .model = std::move(*model), .trials = rule_.trials, .entropy_bits = rule_.entropy_bits};
+        spec.nuisance = rule_.nuisance;
         spec.stimuli = read_grid(stimuli, spec.model.stimulus);
         spec.parameters = read_grid(parameters, spec.model.parameters);
         if (!parameters.broken()) {
             for (const Axis& axis : spec.parameters.axes()) {
-                spec.prior.push_back(priors.prior(axis));
+                spec.prior.push_back(read_prior(priors, axis));
             }
         }
-        priors.refuse_unknown(views(spec.model.parameters));
+        const std::vector<std::string_view> names(spec.model.parameters.begin(),
+                                                  spec.model.parameters.end());
+        priors.know(names);
+        priors.refuse_unknown();
         return spec;
     }
 
     const Table& file_;
     Table empty_;
     Problems& problems_;
-    Kind kind_ = Kind::constant;
+    Places places_;
+    TableReader top_;
+    RuleTable rule_;
     Position main_;  ///< of the table to which problems of the whole are put down
 };
 

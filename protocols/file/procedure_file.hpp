@@ -1,10 +1,15 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
-#include "protocols/design/streams.hpp"
+#include "protocols/file/schema.hpp"
 #include "protocols/procedure/procedure.hpp"
 
 /// Procedure files (`palpate procedure`): TOML text -> a procedure at its start. What a file may say, key
@@ -28,5 +33,88 @@ struct ProcedureFile {
 
 /// All keys for people: table, key, range, default, meaning; one line a key, tables as headings.
 [[nodiscard]] std::string procedure_key_reference();
+
+// ------------------------------------------------------------------------- private to protocols/file
+
+inline constexpr std::int64_t kProcedureFormat = 1;
+
+enum class RuleKind : std::uint8_t { constant, staircase, quest, psi, quest_plus };
+inline constexpr std::array<std::string_view, 5> kRuleKinds{"constant", "staircase", "quest", "psi",
+                                                            "quest_plus"};
+enum class ModelKind : std::uint8_t { psychometric, covariate, identification };
+inline constexpr std::array<std::string_view, 3> kModelKinds{"psychometric", "covariate",
+                                                             "identification"};
+
+[[nodiscard]] constexpr Words words_of(RuleKind) {
+    return kRuleKinds;
+}
+[[nodiscard]] constexpr Words words_of(ModelKind) {
+    return kModelKinds;
+}
+[[nodiscard]] constexpr Words words_of(StepScale) {
+    return kStepScales;
+}
+[[nodiscard]] constexpr Words words_of(QuestRule) {
+    return kQuestRules;
+}
+[[nodiscard]] constexpr Words words_of(Family) {
+    return kFamilyWords;
+}
+[[nodiscard]] constexpr Words words_of(LapseForm) {
+    return kLapseWords;
+}
+[[nodiscard]] constexpr Words words_of(SlopeAs) {
+    return kSlopeWords;
+}
+
+/// [procedure]
+struct RuleTable {
+    RuleKind kind = RuleKind::constant;
+    std::size_t trials = 64;
+    double entropy_bits = 0.0;
+    std::vector<std::string> nuisance{};
+};
+
+/// [stream]
+struct StreamTable {
+    std::uint64_t seed = 0;
+    std::string origin{};
+};
+
+/// [[staircase]]
+struct StaircaseTable {
+    StaircaseSpec spec{.name = "", .steps_down = {}};
+    std::optional<double> target{};
+};
+
+/// [model]
+struct ModelTable {
+    ModelKind kind = ModelKind::psychometric;
+    Family family = Family::normal;
+    LapseForm lapse_form = LapseForm::upper;
+    SlopeAs slope_as = SlopeAs::slope;
+    std::vector<double> alternatives{};
+};
+
+/// [stimuli] and [parameters]: values of an axis in the order of their rows.
+using AxesTable = std::array<std::vector<double>, 9>;
+
+struct ProcedureTable {
+    std::string_view name;
+    Keys keys;
+};
+
+[[nodiscard]] std::span<const ProcedureTable> procedure_tables() noexcept;
+/// Of this table; of [prior] those of [parameters].
+[[nodiscard]] Keys procedure_keys(std::string_view table);
+
+/// The rule in the tables of a procedure file, wherever they stand; [stream] is not looked at. Nothing if
+/// there are problems.
+[[nodiscard]] std::optional<ProcedureSpec> read_procedure(const Table& file, Problems& problems);
+
+/// The tables as a procedure file: keys in the order of their rows, numbers as short as they can be. Read
+/// and written again it is the same text. [stream] is left out.
+/// @pre read_procedure() finds no problem
+[[nodiscard]] std::string procedure_text(const Table& file);
 
 }  // namespace palpate::protocols

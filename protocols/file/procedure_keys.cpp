@@ -1,209 +1,254 @@
-#include "protocols/file/procedure_keys.hpp"
-
-#include <array>
-#include <cmath>
-
 #include <fmt/format.h>
 
+#include "protocols/file/calibration_file.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/object_tables.hpp"
 #include "protocols/file/procedure_file.hpp"
-#include "protocols/procedure/outcome_model.hpp"
-#include "protocols/procedure/quest.hpp"
-#include "protocols/procedure/staircase.hpp"
+#include "protocols/file/scene_file.hpp"
 
+/// What a procedure file may say, and what people read of all files.
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 5> kKinds{"constant", "staircase", "quest", "psi",
-                                                 "quest_plus"};
-constexpr std::array<std::string_view, 3> kModels{"psychometric", "covariate", "identification"};
+constexpr Range kShare{.min = 0.0, .max = 1.0};
+constexpr Range kCount{.min = 1.0, .max = 100'000.0};
 
-constexpr double kMostSeed = 9223372036854775807.0;  // TOML integers have 63 bits and a sign
-constexpr Range kPositive{.lowest = 0.0, .above = true};
-constexpr Range kShare{.lowest = 0.0, .highest = 1.0};
-constexpr Range kCount{.lowest = 1.0, .highest = 100'000.0};
+template <auto Member>
+Slot of_staircase(void* record) {
+    return slot_of(record_at<StaircaseTable>(record).spec.*Member);
+}
+template <std::size_t I>
+Slot axis(void* record) {
+    return &record_at<AxesTable>(record)[I];
+}
+
+using enum Need;
 
 // clang-format off
-constexpr std::array kKeys{
-    ProcedureKey{.table = "procedure", .name = "kind", .kind = KeyKind::word, .required = true, .words = kKinds,
-                 .meaning = "what chooses the stimuli"},
-    ProcedureKey{.table = "procedure", .name = "trials", .kind = KeyKind::integer, .range = kCount, .otherwise = 64.0,
-                 .meaning = "quest, psi, quest_plus: it ends after so many"},
-    ProcedureKey{.table = "procedure", .name = "entropy_bits", .range = {.lowest = 0.0}, .otherwise = 0.0,
-                 .meaning = "psi, quest_plus: it ends below this entropy of the posterior; 0: never"},
-    ProcedureKey{.table = "procedure", .name = "nuisance", .kind = KeyKind::names,
-                 .meaning = "psi, quest_plus: parameters whose uncertainty does not count (psi-marginal)"},
+constexpr Key kProcedure[]{
+    {.name = "kind", .slot = at<&RuleTable::kind>, .need = required,
+     .meaning = "what chooses the stimuli"},
+    {.name = "trials", .slot = at<&RuleTable::trials>, .range = kCount,
+     .meaning = "quest, psi, quest_plus: it ends after so many"},
+    {.name = "entropy_bits", .slot = at<&RuleTable::entropy_bits>, .range = {.min = 0.0},
+     .meaning = "psi, quest_plus: it ends below this entropy of the posterior; 0: never"},
+    {.name = "nuisance", .slot = at<&RuleTable::nuisance>,
+     .meaning = "psi, quest_plus: parameters whose uncertainty does not count (psi-marginal)"},
+};
 
-    ProcedureKey{.table = "stream", .name = "seed", .kind = KeyKind::integer, .range = {.lowest = 0.0, .highest = kMostSeed}, .otherwise = 0.0,
-                 .meaning = "of the random orders"},
-    ProcedureKey{.table = "stream", .name = "origin", .kind = KeyKind::text,
-                 .meaning = "32 hexadecimal digits: the random numbers of a run that is replayed, instead of seed"},
+constexpr Key kStream[]{
+    {.name = "seed", .slot = at<&StreamTable::seed>, .range = {0, kMostSeed},
+     .meaning = "of the random orders"},
+    {.name = "origin", .slot = at<&StreamTable::origin>, .form = Form::any,
+     .meaning = "32 hexadecimal digits: the random numbers of a run that is replayed, instead of seed"},
+};
 
-    ProcedureKey{.table = "constant", .name = "stimuli", .kind = KeyKind::axis, .required = true,
-                 .meaning = "every value that is shown"},
-    ProcedureKey{.table = "constant", .name = "repetitions", .kind = KeyKind::integer, .range = kCount, .otherwise = 10.0,
-                 .meaning = "of each value"},
-    ProcedureKey{.table = "constant", .name = "in_blocks", .kind = KeyKind::flag, .otherwise = 0.0,
-                 .meaning = "true: each run through the list is shuffled by itself"},
-    ProcedureKey{.table = "constant", .name = "outcomes", .kind = KeyKind::integer, .range = {.lowest = 2.0, .highest = 100.0}, .otherwise = 2.0,
-                 .meaning = "responses are 0 to outcomes - 1"},
+constexpr Key kConstant[]{
+    {.name = "stimuli", .slot = at<&ConstantStimuliSpec::values>, .need = required, .form = Form::axis,
+     .meaning = "every value that is shown"},
+    {.name = "repetitions", .slot = at<&ConstantStimuliSpec::repetitions>, .range = kCount,
+     .meaning = "of each value"},
+    {.name = "in_blocks", .slot = at<&ConstantStimuliSpec::in_blocks>,
+     .meaning = "true: each run through the list is shuffled by itself"},
+    {.name = "outcomes", .slot = at<&ConstantStimuliSpec::outcomes>, .range = {2, 100},
+     .meaning = "responses are 0 to outcomes - 1"},
+};
 
-    ProcedureKey{.table = "staircase", .name = "name", .kind = KeyKind::name,
-                 .meaning = "names the estimate; left out: staircase_1, staircase_2, ..."},
-    ProcedureKey{.table = "staircase", .name = "start", .required = true,
-                 .meaning = "first level"},
-    ProcedureKey{.table = "staircase", .name = "up", .kind = KeyKind::integer, .range = {.lowest = 1.0, .highest = 100.0}, .otherwise = 1.0,
-                 .meaning = "wrong responses (0) in a row that raise the level"},
-    ProcedureKey{.table = "staircase", .name = "down", .kind = KeyKind::integer, .range = {.lowest = 1.0, .highest = 100.0}, .otherwise = 2.0,
-                 .meaning = "right responses (1) in a row that lower the level"},
-    ProcedureKey{.table = "staircase", .name = "step_up", .kind = KeyKind::one_or_more, .range = kPositive, .required = true,
-                 .meaning = "before the first reversal, after it, ...; the last one stays"},
-    ProcedureKey{.table = "staircase", .name = "step_down", .kind = KeyKind::one_or_more, .range = kPositive,
-                 .meaning = "left out: as step_up"},
-    ProcedureKey{.table = "staircase", .name = "target", .range = {.lowest = 0.01, .highest = 0.99},
-                 .meaning = "instead of step_down, with up = down = 1: step_down = step_up (1 - target) / target (Kaernbach 1991)"},
-    ProcedureKey{.table = "staircase", .name = "scale", .kind = KeyKind::word, .otherwise = 0.0, .words = kStepScales,
-                 .meaning = "linear: level + step; db: level * 10^(step/20); log10: level * 10^step"},
-    ProcedureKey{.table = "staircase", .name = "fast_start", .kind = KeyKind::flag, .otherwise = 0.0,
-                 .meaning = "true: every response moves the level until the first reversal"},
-    ProcedureKey{.table = "staircase", .name = "lowest", .otherwise = -1e10, .meaning = "the level never goes below"},
-    ProcedureKey{.table = "staircase", .name = "highest", .otherwise = 1e10, .meaning = "the level never goes above"},
-    ProcedureKey{.table = "staircase", .name = "trials", .kind = KeyKind::integer, .range = kCount,
-                 .meaning = "it ends after so many; this or reversals is needed"},
-    ProcedureKey{.table = "staircase", .name = "reversals", .kind = KeyKind::integer, .range = kCount,
-                 .meaning = "it ends after so many; this or trials is needed"},
-    ProcedureKey{.table = "staircase", .name = "average", .kind = KeyKind::integer, .range = kCount,
-                 .meaning = "the estimate is the mean of the last so many reversals; left out: of all"},
+constexpr Key kStaircase[]{
+    {.name = "name", .slot = of_staircase<&StaircaseSpec::name>,
+     .meaning = "names the estimate; left out: staircase_1, staircase_2, ..."},
+    {.name = "start", .slot = of_staircase<&StaircaseSpec::start>, .need = required,
+     .meaning = "first level"},
+    {.name = "up", .slot = of_staircase<&StaircaseSpec::up>, .range = {1, 100},
+     .meaning = "wrong responses (0) in a row that raise the level"},
+    {.name = "down", .slot = of_staircase<&StaircaseSpec::down>, .range = {1, 100},
+     .meaning = "right responses (1) in a row that lower the level"},
+    {.name = "step_up", .slot = of_staircase<&StaircaseSpec::steps_up>, .need = required, .range = kPositive, .form = Form::one_or_more,
+     .meaning = "before the first reversal, after it, ...; the last one stays"},
+    {.name = "step_down", .slot = of_staircase<&StaircaseSpec::steps_down>, .range = kPositive, .form = Form::one_or_more,
+     .meaning = "left out: as step_up"},
+    {.name = "target", .slot = at<&StaircaseTable::target>, .range = {0.01, 0.99},
+     .meaning = "instead of step_down, with up = down = 1: step_down = step_up (1 - target) / target (Kaernbach 1991)"},
+    {.name = "scale", .slot = of_staircase<&StaircaseSpec::scale>,
+     .meaning = "linear: level + step; db: level * 10^(step/20); log10: level * 10^step"},
+    {.name = "fast_start", .slot = of_staircase<&StaircaseSpec::fast_start>,
+     .meaning = "true: every response moves the level until the first reversal"},
+    {.name = "lowest", .slot = of_staircase<&StaircaseSpec::lowest>,
+     .meaning = "the level never goes below"},
+    {.name = "highest", .slot = of_staircase<&StaircaseSpec::highest>,
+     .meaning = "the level never goes above"},
+    {.name = "trials", .slot = of_staircase<&StaircaseSpec::trials>, .range = kCount,
+     .meaning = "it ends after so many; this or reversals is needed"},
+    {.name = "reversals", .slot = of_staircase<&StaircaseSpec::reversals>, .range = kCount,
+     .meaning = "it ends after so many; this or trials is needed"},
+    {.name = "average", .slot = of_staircase<&StaircaseSpec::average>, .range = kCount,
+     .meaning = "the estimate is the mean of the last so many reversals; left out: of all"},
+};
 
-    ProcedureKey{.table = "quest", .name = "guess", .required = true, .meaning = "prior mean of the threshold, log10 units"},
-    ProcedureKey{.table = "quest", .name = "sd", .range = kPositive, .required = true,
-                 .meaning = "prior standard deviation of the threshold, log10 units"},
-    ProcedureKey{.table = "quest", .name = "p_threshold", .range = kShare, .otherwise = 0.82,
-                 .meaning = "chance of a 1 at what is called the threshold"},
-    ProcedureKey{.table = "quest", .name = "beta", .range = kPositive, .otherwise = 3.5, .meaning = "slope of the Weibull function"},
-    ProcedureKey{.table = "quest", .name = "delta", .range = kShare, .otherwise = 0.01, .meaning = "share of blind responses"},
-    ProcedureKey{.table = "quest", .name = "gamma", .range = kShare, .otherwise = 0.5, .meaning = "chance of a 1 far below threshold"},
-    ProcedureKey{.table = "quest", .name = "grain", .range = kPositive, .otherwise = 0.01, .meaning = "step of the internal table"},
-    ProcedureKey{.table = "quest", .name = "range", .range = kPositive, .otherwise = 5.0, .meaning = "width of the internal table"},
-    ProcedureKey{.table = "quest", .name = "rule", .kind = KeyKind::word, .otherwise = 0.0, .words = kQuestRules,
-                 .meaning = "what of the posterior is shown next"},
-    ProcedureKey{.table = "quest", .name = "lowest", .otherwise = -1e10, .meaning = "nothing below is shown"},
-    ProcedureKey{.table = "quest", .name = "highest", .otherwise = 1e10, .meaning = "nothing above is shown"},
+constexpr Key kQuest[]{
+    {.name = "guess", .slot = at<&QuestSpec::guess>, .need = required,
+     .meaning = "prior mean of the threshold, log10 units"},
+    {.name = "sd", .slot = at<&QuestSpec::sd>, .need = required, .range = kPositive,
+     .meaning = "prior standard deviation of the threshold, log10 units"},
+    {.name = "p_threshold", .slot = at<&QuestSpec::p_threshold>, .range = kShare,
+     .meaning = "chance of a 1 at what is called the threshold"},
+    {.name = "beta", .slot = at<&QuestSpec::beta>, .range = kPositive,
+     .meaning = "slope of the Weibull function"},
+    {.name = "delta", .slot = at<&QuestSpec::delta>, .range = kShare,
+     .meaning = "share of blind responses"},
+    {.name = "gamma", .slot = at<&QuestSpec::gamma>, .range = kShare,
+     .meaning = "chance of a 1 far below threshold"},
+    {.name = "grain", .slot = at<&QuestSpec::grain>, .range = kPositive,
+     .meaning = "step of the internal table"},
+    {.name = "range", .slot = at<&QuestSpec::range>, .range = kPositive,
+     .meaning = "width of the internal table"},
+    {.name = "rule", .slot = at<&QuestSpec::rule>,
+     .meaning = "what of the posterior is shown next"},
+    {.name = "lowest", .slot = at<&QuestSpec::lowest>,
+     .meaning = "nothing below is shown"},
+    {.name = "highest", .slot = at<&QuestSpec::highest>,
+     .meaning = "nothing above is shown"},
+};
 
-    ProcedureKey{.table = "model", .name = "kind", .kind = KeyKind::word, .otherwise = 0.0, .words = kModels,
-                 .meaning = "psychometric: 0 or 1; covariate: its threshold moves with a second stimulus; identification: which of several items"},
-    ProcedureKey{.table = "model", .name = "family", .kind = KeyKind::word, .words = kFamilyWords,
-                 .meaning = "psychometric, covariate: required; weibull_log10 and weibull_db name the axis of the stimulus"},
-    ProcedureKey{.table = "model", .name = "lapse_form", .kind = KeyKind::word, .otherwise = 0.0, .words = kLapseWords,
-                 .meaning = "upper: g + (1 - g - l) F; two_sided: l + (1 - 2 l) F; guessing: lapses at the guess rate"},
-    ProcedureKey{.table = "model", .name = "slope_as", .kind = KeyKind::word, .words = kSlopeWords,
-                 .meaning = "which of the three the parameter is; left out: slope (psi: log10_slope)"},
-    ProcedureKey{.table = "model", .name = "alternatives", .kind = KeyKind::numbers,
-                 .meaning = "identification: the values of the items, increasing; response j names item j, from 0"},
+constexpr Key kModel[]{
+    {.name = "kind", .slot = at<&ModelTable::kind>,
+     .meaning = "psychometric: 0 or 1; covariate: its threshold moves with a second stimulus; identification: which of several items"},
+    {.name = "family", .slot = at<&ModelTable::family>, .need = required,
+     .meaning = "psychometric, covariate: required; weibull_log10 and weibull_db name the axis of the stimulus"},
+    {.name = "lapse_form", .slot = at<&ModelTable::lapse_form>,
+     .meaning = "upper: g + (1 - g - l) F; two_sided: l + (1 - 2 l) F; guessing: lapses at the guess rate"},
+    {.name = "slope_as", .slot = at<&ModelTable::slope_as>,
+     .meaning = "which of the three the parameter is; left out: slope (psi: log10_slope)"},
+    {.name = "alternatives", .slot = at<&ModelTable::alternatives>, .need = required,
+     .meaning = "identification: the values of the items, increasing; response j names item j, from 0"},
+};
 
-    ProcedureKey{.table = "stimuli", .name = "stimulus", .kind = KeyKind::axis, .required = true,
-                 .meaning = "every stimulus that may be shown"},
-    ProcedureKey{.table = "stimuli", .name = "covariate", .kind = KeyKind::axis,
-                 .meaning = "model covariate: its second dimension"},
+constexpr Key kStimuli[]{
+    {.name = "stimulus", .slot = axis<0>, .need = required, .form = Form::axis,
+     .meaning = "every stimulus that may be shown"},
+    {.name = "covariate", .slot = axis<1>, .form = Form::axis,
+     .meaning = "model covariate: its second dimension"},
+};
 
-    ProcedureKey{.table = "parameters", .name = "threshold", .kind = KeyKind::axis, .meaning = "psychometric, covariate"},
-    ProcedureKey{.table = "parameters", .name = "tilt", .kind = KeyKind::axis, .meaning = "covariate: change of the threshold per unit of it"},
-    ProcedureKey{.table = "parameters", .name = "slope", .kind = KeyKind::axis, .range = kPositive, .meaning = "with slope_as = \"slope\""},
-    ProcedureKey{.table = "parameters", .name = "log10_slope", .kind = KeyKind::axis, .meaning = "with slope_as = \"log10_slope\""},
-    ProcedureKey{.table = "parameters", .name = "sd", .kind = KeyKind::axis, .range = kPositive, .meaning = "with slope_as = \"sd\": 1 / slope"},
-    ProcedureKey{.table = "parameters", .name = "guess", .kind = KeyKind::axis, .range = kShare, .meaning = "chance of a 1 without a stimulus; not with two_sided"},
-    ProcedureKey{.table = "parameters", .name = "lapse", .kind = KeyKind::axis, .range = kShare, .meaning = "share of lapses"},
-    ProcedureKey{.table = "parameters", .name = "noise", .kind = KeyKind::axis, .range = kPositive, .meaning = "identification: standard deviation of the percept"},
-    ProcedureKey{.table = "parameters", .name = "bias", .kind = KeyKind::axis, .meaning = "identification: added to every percept"},
+constexpr Key kParameters[]{
+    {.name = "threshold", .slot = axis<0>, .form = Form::axis,
+     .meaning = "psychometric, covariate"},
+    {.name = "tilt", .slot = axis<1>, .form = Form::axis,
+     .meaning = "covariate: change of the threshold per unit of it"},
+    {.name = "slope", .slot = axis<2>, .range = kPositive, .form = Form::axis,
+     .meaning = "with slope_as = \"slope\""},
+    {.name = "log10_slope", .slot = axis<3>, .form = Form::axis,
+     .meaning = "with slope_as = \"log10_slope\""},
+    {.name = "sd", .slot = axis<4>, .range = kPositive, .form = Form::axis,
+     .meaning = "with slope_as = \"sd\": 1 / slope"},
+    {.name = "guess", .slot = axis<5>, .range = kShare, .form = Form::axis,
+     .meaning = "chance of a 1 without a stimulus; not with two_sided"},
+    {.name = "lapse", .slot = axis<6>, .range = kShare, .form = Form::axis,
+     .meaning = "share of lapses"},
+    {.name = "noise", .slot = axis<7>, .range = kPositive, .form = Form::axis,
+     .meaning = "identification: standard deviation of the percept"},
+    {.name = "bias", .slot = axis<8>, .form = Form::axis,
+     .meaning = "identification: added to every percept"},
 };
 // clang-format on
 
-std::string kind_text(const ProcedureKey& key) {
-    switch (key.kind) {
-        case KeyKind::number:
-        case KeyKind::integer:
-        case KeyKind::one_or_more: {
-            std::string range = range_words(key.range);
-            return key.kind == KeyKind::integer     ? "integer, " + range
-                 : key.kind == KeyKind::one_or_more ? "number or list, " + range
-                                                    : range;
-        }
-        case KeyKind::flag:
-            return "true or false";
-        case KeyKind::word:
-            return fmt::format("{}", fmt::join(key.words, ", "));
-        case KeyKind::name:
-            return "letters a-z, digits and _";
-        case KeyKind::text:
-            return "text";
-        case KeyKind::numbers:
-            return "list of numbers";
-        case KeyKind::names:
-            return "list of names";
-        case KeyKind::axis:
-            return std::isfinite(key.range.lowest) ? "axis, " + range_words(key.range) : "axis";
-        case KeyKind::prior:
-            return "prior";
+constexpr ProcedureTable kTablesOfProcedures[]{
+    {"procedure", kProcedure}, {"stream", kStream},        {"constant", kConstant},
+    {"staircase", kStaircase}, {"quest", kQuest},          {"model", kModel},
+    {"stimuli", kStimuli},     {"parameters", kParameters}};
+
+std::vector<TableText> procedure_reference() {
+    std::vector<TableText> all;
+    for (const ProcedureTable& table : kTablesOfProcedures) {
+        const bool several = table.name == "staircase";
+        all.push_back({several ? "[[staircase]]" : fmt::format("[{}]", table.name),
+                       several ? "once each; several are interleaved" : "", table.keys});
     }
-    return {};
+    all.push_back(
+        {"[prior]",
+         "of parameters by name, one that is left out is uniform: a list of weights, one for each "
+         "value, or { mean = ..., sd = ... } of a normal prior",
+         {}});
+    return all;
 }
 
-std::string default_text(const ProcedureKey& key) {
-    if (key.required) {
-        return "required";
+constexpr std::string_view kAxisText =
+    "\nAn axis is a number, an increasing list, { from = ..., to = ..., count = ... } or\n"
+    "{ from = ..., to = ..., step = ... }, the ends included.\n";
+
+std::vector<TableText> protocol_reference() {
+    const auto of_hash = [](std::string_view of) {
+        return fmt::format("{}left out of the study's hash as long as all are default", of);
+    };
+    std::vector<TableText> all{
+        {"[study]", "", keys_of<Protocol>()},
+        {"[apparatus]", "", keys_of<ApparatusSpec>()},
+        {"[outline]", "", keys_of<OutlineSpec>()},
+        {"[[object]]",
+         fmt::format("once each, {} to {} of them pictured", kMinPictures, kMaxPictures),
+         keys_of<ObjectSpec>()}};
+    for (TableText& table : object_reference()) {
+        all.push_back(std::move(table));
     }
-    if (!key.otherwise) {
-        return "-";
-    }
-    if (key.kind == KeyKind::flag) {
-        return "false";
-    }
-    if (key.kind == KeyKind::word) {
-        return std::string(key.words[static_cast<std::size_t>(*key.otherwise)]);
-    }
-    return fmt::format("{}", *key.otherwise);
+    const TableText rest[]{
+        {"[[friction]]", fmt::format("once each, 1 to {}", kMaxFrictions), keys_of<FrictionSpec>()},
+        {"[safety]", of_hash(""), keys_of<SafetySpec>()},
+        {"[invalid]", of_hash(""), keys_of<InvalidSpec>()},
+        {"[exclusion]", of_hash("of participants, applied by palpate summary; "),
+         keys_of<ExclusionSpec>()},
+        {"[design]", "", keys_of<DesignSpec>()},
+        {"[timing]", "", keys_of<TimingSpec>()},
+        {"[response]", of_hash(""), keys_of<ResponseSpec>()},
+        {"[procedure]",
+         "a rule that chooses by the answers, instead of [design]; beside these keys all of a "
+         "procedure file (palpate procedure --keys), with its tables as [procedure.model], "
+         "[[procedure.staircase]], ...",
+         keys_of<AdaptiveSpec>()},
+        {"[[run]]", fmt::format("with [procedure]: the rule runs once for each, 1 to {}", kMaxRuns),
+         keys_of<RunSpec>()},
+        {"[observer]", "of simulated sessions", keys_of<ObserverSpec>()},
+        {"[masking]", "left out of the hash while there is no noise", keys_of<MaskingSpec>()},
+        {fmt::format("[instructions.{}]", fmt::join(kLanguages, "], [instructions.")),
+         "shown instead of the screen's own sentences; left out of the hash where they are not "
+         "given",
+         keys_of<InstructionTexts>()}};
+    all.insert(all.end(), std::begin(rest), std::end(rest));
+    return all;
 }
 
 }  // namespace
 
-std::string range_words(const Range& range) {
-    if (range.highest == kMostSeed) {
-        return "0 to 9223372036854775807";
-    }
-    const bool low = std::isfinite(range.lowest);
-    const bool high = std::isfinite(range.highest);
-    if (!low && !high) {
-        return "any finite number";
-    }
-    if (!high) {
-        return range.above ? fmt::format("above {}", range.lowest)
-                           : fmt::format("{} or more", range.lowest);
-    }
-    return range.above ? fmt::format("above {}, at most {}", range.lowest, range.highest)
-                       : fmt::format("{} to {}", range.lowest, range.highest);
+std::span<const ProcedureTable> procedure_tables() noexcept {
+    return kTablesOfProcedures;
 }
 
-std::span<const ProcedureKey> procedure_keys() noexcept {
-    return kKeys;
+Keys procedure_keys(std::string_view table) {
+    // Parameters of a prior are named as those of the model.
+    for (const ProcedureTable& one : kTablesOfProcedures) {
+        if (one.name == (table == "prior" ? "parameters" : table)) {
+            return one.keys;
+        }
+    }
+    return {};
 }
 
 std::string procedure_key_reference() {
-    std::string text = fmt::format("format = {}\n", kProcedureFormat);
-    std::string_view table;
-    for (const ProcedureKey& key : kKeys) {
-        if (key.table != table) {
-            table = key.table;
-            text += table == "staircase" ? "\n[[staircase]]  once each; several are interleaved\n"
-                                         : fmt::format("\n[{}]\n", table);
-        }
-        text += fmt::format("    {:<14} {:<44} {:<13} {}\n", key.name, kind_text(key),
-                            default_text(key), key.meaning);
-    }
-    text +=
-        "\n[prior]  of parameters by name; one that is left out is uniform\n"
-        "    a list of weights, one for each value, or { mean = ..., sd = ... } of a normal prior\n"
-        "\nAn axis is a number, an increasing list, { from = ..., to = ..., count = ... } or\n"
-        "{ from = ..., to = ..., step = ... }, the ends included.\n";
-    return text;
+    return fmt::format("format = {}\n", kProcedureFormat) + reference_text(procedure_reference()) +
+           std::string(kAxisText);
+}
+
+std::string key_reference() {
+    return fmt::format("format = {}\n", kFormat) + reference_text(protocol_reference());
+}
+
+std::string keys_markdown() {
+    return "\n### Of a protocol\n\nIt begins with `format = 1`.\n" +
+           reference_markdown(protocol_reference()) +
+           "\n### Of a procedure\n\nIt begins with `format = 1`.\n" + std::string(kAxisText) +
+           reference_markdown(procedure_reference()) + "\n### Of a scene\n" +
+           reference_markdown(scene_reference()) +
+           "\n### Of a calibration\n\nIt begins with `format = 1`.\n" +
+           reference_markdown(calibration_reference());
 }
 
 }  // namespace palpate::protocols

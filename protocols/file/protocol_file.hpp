@@ -1,22 +1,14 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
+#include "protocols/file/document.hpp"
 #include "protocols/protocol/protocol.hpp"
 
 /// Protocol files: TOML text <-> Protocol. What a file may say, key by key: protocols/file/keys.hpp.
 namespace palpate::protocols {
-
-/// What is wrong with a protocol file. what() holds one line per problem, in the order of the file:
-///
-///     file:line:column: what is wrong, the value, what to do
-class ProtocolError : public std::runtime_error {
-public:
-    using std::runtime_error::runtime_error;
-};
 
 /// Reads a protocol. Past this door every value has the right type, is finite and in its range, and the
 /// values fit together: names are unique, curves and start pose possible, run limits feasible.

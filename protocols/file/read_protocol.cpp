@@ -1,24 +1,18 @@
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <fstream>
-#include <iterator>
-#include <system_error>
 
 #include <fmt/format.h>
 
-#include "protocols/file/adaptive_rules.hpp"
+#include "engine/base/text.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/object_tables.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/file/read_text.hpp"
-#include "protocols/file/reader.hpp"
 #include "protocols/file/rules.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 17> kTables{
+constexpr std::array<std::string_view, 17> kTablesOfProtocols{
     "format",   "study",   "apparatus",    "outline",   "object", "friction",
     "safety",   "invalid", "exclusion",    "design",    "timing", "response",
     "observer", "masking", "instructions", "procedure", "run"};
@@ -27,17 +21,18 @@ constexpr std::array<std::string_view, 17> kTables{
 class Stage {
 public:
     Stage(const Table& file, Problems& problems, Places& places)
-        : file_(file), problems_(problems), places_(places), reader_(problems, places) {}
+        : file_(file), problems_(problems), places_(places) {}
 
     Protocol read() {
         Protocol protocol;
         for (const Entry& entry : file_) {
-            if (std::find(kTables.begin(), kTables.end(), entry.key) == kTables.end()) {
+            if (std::find(kTablesOfProtocols.begin(), kTablesOfProtocols.end(), entry.key) ==
+                kTablesOfProtocols.end()) {
                 problems_.add(entry.at, fmt::format("unknown key or table {}{}", shown(entry.key),
-                                                    suggestion(entry.key, kTables)));
+                                                    suggestion(entry.key, kTablesOfProtocols)));
             }
         }
-        format();
+        TableReader(file_, "", {}, problems_, places_, "the file").check_format(kFormat);
         table("study", protocol, true);
         table("apparatus", protocol.apparatus, false);
         table("outline", protocol.outline, false);
@@ -46,7 +41,7 @@ public:
         });
         tables("friction", [&](const Table& found, const Position& at) {
             const std::string path = fmt::format("friction.{}", protocol.frictions.size() + 1);
-            reader_.read(found, path, at, protocol.frictions.emplace_back());
+            fill(found, path, at, protocol.frictions.emplace_back());
         });
         for (std::size_t i = 0; i < protocol.frictions.size(); ++i) {
             law(protocol.frictions[i], fmt::format("friction.{}", i + 1));
@@ -58,10 +53,10 @@ public:
         table("design", protocol.design, procedure == nullptr);
         if (procedure != nullptr) {
             breaks_alone(procedure->at);
-            read_adaptive(*procedure, reader_, problems_, places_, protocol);
+            read_adaptive(*procedure, problems_, places_, protocol);
             tables("run", [&](const Table& found, const Position& at) {
                 const std::string path = fmt::format("run.{}", protocol.runs.size() + 1);
-                reader_.read(found, path, at, protocol.runs.emplace_back());
+                fill(found, path, at, protocol.runs.emplace_back());
             });
         } else {
             factorial();
@@ -76,30 +71,19 @@ public:
 
 private:
     [[nodiscard]] const Entry* find(std::string_view key) const {
-        const auto found = std::find_if(file_.begin(), file_.end(),
-                                        [&](const Entry& entry) { return entry.key == key; });
-        return found == file_.end() ? nullptr : &*found;
+        return protocols::find(file_, key);
     }
 
-    void format() {
-        const Entry* entry = find("format");
-        if (entry == nullptr) {
-            problems_.add({},
-                          fmt::format("the file does not say its format: begin it with format = {}",
-                                      kFormat));
-            return;
-        }
-        const auto* version = std::get_if<std::int64_t>(&entry->value.data);
-        if (version == nullptr || *version != kFormat) {
-            problems_.add(entry->value.at,
-                          fmt::format("format is {}: this program reads format = {}",
-                                      shown(entry->value), kFormat));
-        }
+    template <class Record>
+    void fill(const Table& table, const std::string& path, const Position& at, Record& record) {
+        TableReader reader(table, path, at, problems_, places_);
+        reader.fill(record);
+        reader.refuse_unknown();
     }
 
     /// Without a rule that chooses, the design has to say how often each condition comes.
     void factorial() {
-        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+        for (const Key& key : keys_of<DesignSpec>()) {
             if (key.need == Need::factorial && find("design") != nullptr &&
                 !places_.has(fmt::format("design.{}", key.name))) {
                 problems_.add(places_.of("design"),
@@ -117,7 +101,7 @@ private:
     /// Where a rule chooses, it says how often, too: of the design only the breaks are left.
     void breaks_alone(const Position& procedure) {
         std::string keys;
-        for (const Key<DesignSpec>& key : keys_of<DesignSpec>()) {
+        for (const Key& key : keys_of<DesignSpec>()) {
             if (key.name != "break_every" && places_.has(fmt::format("design.{}", key.name))) {
                 keys += (keys.empty() ? "" : ", ") + std::string(key.name);
             }
@@ -142,7 +126,7 @@ private:
             return;
         }
         if (const auto* found = std::get_if<Table>(&entry->value.data)) {
-            reader_.read(*found, std::string(name), entry->at, record);
+            fill(*found, std::string(name), entry->at, record);
         } else {
             problems_.add(entry->at, fmt::format("{} is {}: write it as a table, [{}]", name,
                                                  shown(entry->value), name));
@@ -178,8 +162,8 @@ private:
                                           suggestion(language.key, kLanguages)));
             } else {
                 const auto index = static_cast<std::size_t>(known - kLanguages.begin());
-                reader_.read(*texts, "instructions." + language.key, language.at,
-                             protocol.instructions.at(index));
+                fill(*texts, "instructions." + language.key, language.at,
+                     protocol.instructions.at(index));
             }
         }
     }
@@ -222,7 +206,7 @@ private:
                                       suggestion(friction.law, kLaws, "")));
             return;
         }
-        for (const Key<FrictionSpec>& key : keys_of<FrictionSpec>()) {
+        for (const Key& key : keys_of<FrictionSpec>()) {
             const bool coefficient = key.need == Need::gos || key.need == Need::gos_optional;
             const std::string at = fmt::format("{}.{}", path, key.name);
             if (gos && key.need == Need::gos && !places_.has(at)) {
@@ -242,7 +226,6 @@ private:
     const Table& file_;
     Problems& problems_;
     Places& places_;
-    Reader reader_;
 };
 
 Protocol parse(std::string_view text, std::string_view file_name, bool stored) {

@@ -7,102 +7,193 @@
 
 #include <fmt/format.h>
 
-#include "protocols/file/protocol_file.hpp"
-#include "protocols/file/read_text.hpp"
-#include "protocols/file/segment_table.hpp"
-#include "protocols/file/table_view.hpp"
+#include "protocols/file/object_tables.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-using engine::Vec3;
-
 /// Ends nearer than this, m, close the chain; the same as Outline asks of a joint.
-constexpr double kSameEnd = 1e-9;
+constexpr double kClosingGap = 1e-9;
 
-constexpr std::array<std::string_view, 5> kLaws{"frictionless", "gos", "coulomb", "thesis_literal",
-                                                "thesis_latched"};
 constexpr std::array<std::string_view, 6> kTrackers{
     "certified", "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
 
-SceneRenderer read_renderer(TableView table) {
+/// What [friction] says, as it stands.
+struct FrictionTable {
+    SceneFriction friction{};
+    double mu_s = -1.0;  ///< below 0: not given
+    double mu_d = 0.0;
+    double tau_slip = 0.0;
+    double tau_heal = 0.0;
+
+    FrictionTable() {
+        friction.law = Law::gos;
+        friction.slew = {.speed = 0.0, .radius = 0.003};
+    }
+};
+
+struct SurfaceTable {
+    int degree_u = 1;
+    int degree_v = 1;
+    std::vector<double> knots_u{};
+    std::vector<double> knots_v{};
+    PointGrid points{};
+    NumberGrid weights{};
+};
+
+/// The first word is no tracker of the thesis; the others are in the order of TrackerKind.
+Slot tracker(void* record) {
+    auto& r = record_at<SceneRenderer>(record);
+    return OneOf{kTrackers,
+                 {&r,
+                  [](const void* p) {
+                      const auto& one = *static_cast<const SceneRenderer*>(p);
+                      return std::optional<std::int64_t>(
+                          one.certified ? 0 : 1 + static_cast<std::int64_t>(one.tracker.kind));
+                  },
+                  [](void* p, std::int64_t word) {
+                      auto& one = *static_cast<SceneRenderer*>(p);
+                      one.certified = word == 0;
+                      if (word > 0) {
+                          one.tracker.kind = static_cast<engine::TrackerKind>(word - 1);
+                      }
+                  }}};
+}
+
+constexpr Range kFromZero{.min = 0.0};
+constexpr Range kFew{.min = 0.0, .max = 10.0};
+
+template <auto Get>
+Slot of_renderer(void* record) {
+    return slot_of(Get(record_at<SceneRenderer>(record)));
+}
+template <auto Get>
+Slot of_friction(void* record) {
+    return slot_of(Get(record_at<FrictionTable>(record)));
+}
+
+using enum Need;
+
+// clang-format off
+constexpr Key kRenderer[]{
+    {.name = "stiffness_n_per_m", .slot = at<&SceneRenderer::stiffness>, .range = kPositive,
+     .meaning = "how hard the object is"},
+    {.name = "damping_n_s_per_m", .slot = at<&SceneRenderer::damping>, .range = kFromZero,
+     .meaning = "damper of the contact beside its spring; plane curves only"},
+    {.name = "tracker", .slot = tracker,
+     .meaning = "how the closest point is found; all but the first are the thesis' trackers"},
+    {.name = "sub_steps", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.sub_steps; }>, .range = {1, 1000},
+     .meaning = "of a tracker with a gain: explicit Euler steps a tick"},
+    {.name = "rate_hz", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.rate_hz; }>, .range = kPositive,
+     .meaning = "of tangent_plane: refreshes a second"},
+    {.name = "iterations", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.iterations; }>, .range = {1, 100},
+     .meaning = "of newton: steps a tick"},
+};
+constexpr Key kGain[]{
+    {.name = "gain", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.gain; }>, .need = required, .range = kPositive,
+     .meaning = "of feedback and feed_forward: 1/(m^2 s); of feedback_linearised: 1/s"},
+};
+
+// Keys that a law does not use may stay, so that laws can be compared by changing one word.
+constexpr Key kSceneFriction[]{
+    {.name = "law", .slot = of_friction<[](auto& f) -> auto& { return f.friction.law; }>,
+     .meaning = "by which the contact force is computed"},
+    {.name = "vertex_slew_m_per_s", .slot = of_friction<[](auto& f) -> auto& { return f.friction.slew.speed; }>, .range = {0, 1e6},
+     .meaning = "how fast the contact may turn around a vertex; 0: at once"},
+    {.name = "vertex_radius_m", .slot = of_friction<[](auto& f) -> auto& { return f.friction.slew.radius; }>, .range = {0, 1e3, true},
+     .meaning = "radius that a vertex counts as for that speed"},
+    {.name = "dead_band_m_per_s", .slot = of_friction<[](auto& f) -> auto& { return f.friction.dead_band; }>, .range = {0, 1e3},
+     .meaning = "the thesis' laws take slower closest points for resting"},
+    {.name = "tau_slip_s", .slot = at<&FrictionTable::tau_slip>, .range = kFew,
+     .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
+    {.name = "tau_heal_s", .slot = at<&FrictionTable::tau_heal>, .range = kFew,
+     .meaning = "time constant back to mu_s while stuck; 0: at once"},
+};
+constexpr Key kMuD[]{
+    {.name = "mu_d", .slot = at<&FrictionTable::mu_d>, .need = required, .range = kFew,
+     .meaning = "dynamic coefficient, of every law that rubs"},
+};
+constexpr Key kMuS[]{
+    {.name = "mu_s", .slot = at<&FrictionTable::mu_s>, .need = required, .range = kFew,
+     .meaning = "static coefficient, of every law but frictionless and coulomb; at least mu_d"},
+};
+
+constexpr Key kSurface[]{
+    {.name = "degree_u", .slot = at<&SurfaceTable::degree_u>, .need = required, .range = {1, 1e6},
+     .meaning = "of the polynomials along u"},
+    {.name = "degree_v", .slot = at<&SurfaceTable::degree_v>, .need = required, .range = {1, 1e6},
+     .meaning = "along v"},
+    {.name = "knots_u", .slot = at<&SurfaceTable::knots_u>, .need = required,
+     .meaning = "clamped, rising, of any spacing"},
+    {.name = "knots_v", .slot = at<&SurfaceTable::knots_v>, .need = required,
+     .meaning = "the same along v"},
+    {.name = "points_m", .slot = at<&SurfaceTable::points>, .need = required, .range = {-kFarthest, kFarthest},
+     .meaning = "control points, a row for each u"},
+    {.name = "weights", .slot = at<&SurfaceTable::weights>,
+     .meaning = "of the control points, above 0; left out: all 1"},
+};
+// clang-format on
+
+SceneRenderer read_renderer(TableReader table) {
     SceneRenderer r;
-    r.stiffness = table.number("stiffness_n_per_m", {.lowest = 0.0, .above = true}, r.stiffness);
-    r.damping = table.number("damping_n_s_per_m", {.lowest = 0.0}, r.damping);
-    const std::size_t kind = table.choice("tracker", kTrackers, 0);
-    r.certified = kind == 0;
-    if (!r.certified) {
-        r.tracker.kind = engine::tracker_kind_from_string(kTrackers.at(kind));
-    }
-    const bool gain = kind >= 1 && kind <= 3;
+    table.read(kRenderer, &r);
+    using engine::TrackerKind;
+    const bool gain = !r.certified && r.tracker.kind != TrackerKind::tangent_plane &&
+                      r.tracker.kind != TrackerKind::newton;
     if (gain) {
-        r.tracker.gain = table.required_number("gain", {.lowest = 0.0, .above = true});
+        table.read(kGain, &r);
     }
-    r.tracker.sub_steps = static_cast<int>(
-        table.integer("sub_steps", {.lowest = 1.0, .highest = 1000.0}, r.tracker.sub_steps));
-    r.tracker.rate_hz = table.number("rate_hz", {.lowest = 0.0, .above = true}, r.tracker.rate_hz);
-    r.tracker.iterations = static_cast<int>(
-        table.integer("iterations", {.lowest = 1.0, .highest = 100.0}, r.tracker.iterations));
     table.refuse_unknown();
     return r;
 }
 
-SceneFriction read_friction(TableView table) {
-    SceneFriction f;
-    const std::size_t law = table.choice("law", kLaws, 1);
-    f.law = static_cast<Law>(law);
-    // Keys that a law does not use may stay, so that laws can be compared by changing one word.
-    const bool rubs = f.law != Law::frictionless;
-    const Range from_zero{.lowest = 0.0, .highest = 10.0};
-    const double mu_d =
-        rubs ? table.required_number("mu_d", from_zero) : table.number("mu_d", from_zero, 0.0);
-    const double mu_s = rubs && f.law != Law::coulomb ? table.required_number("mu_s", from_zero)
-                                                      : table.number("mu_s", from_zero, mu_d);
-    const double slip = table.number("tau_slip_s", from_zero, 0.0);
-    const double heal = table.number("tau_heal_s", from_zero, 0.0);
-    if (mu_s < mu_d) {
+SceneFriction read_friction(TableReader table) {
+    FrictionTable f;
+    table.read(kSceneFriction, &f);
+    const Law law = f.friction.law;
+    const bool rubs = law != Law::frictionless;
+    table.read(kMuD, &f, rubs);
+    table.read(kMuS, &f, rubs && law != Law::coulomb);
+    table.refuse_unknown();
+    if (f.mu_s < 0.0) {
+        f.mu_s = f.mu_d;
+    }
+    if (f.mu_s < f.mu_d) {
         table.refuse("mu_s", fmt::format("mu_s is {}, below mu_d = {}: static friction is not "
                                          "smaller than dynamic friction",
-                                         mu_s, mu_d));
+                                         f.mu_s, f.mu_d));
     }
-    if (f.law == Law::coulomb) {
-        f.set = {.mu_s = mu_d, .mu_d = mu_d};
+    if (law == Law::coulomb) {
+        f.friction.set = {.mu_s = f.mu_d, .mu_d = f.mu_d};
     } else if (rubs) {
-        f.set = {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = slip, .tau_heal = heal};
+        f.friction.set = {
+            .mu_s = f.mu_s, .mu_d = f.mu_d, .tau_slip = f.tau_slip, .tau_heal = f.tau_heal};
     }
-    f.slew.speed = table.number("vertex_slew_m_per_s", {.lowest = 0.0, .highest = 1e6}, 0.0);
-    f.slew.radius =
-        table.number("vertex_radius_m", {.lowest = 0.0, .highest = 1e3, .above = true}, 0.003);
-    f.dead_band = table.number("dead_band_m_per_s", {.lowest = 0.0, .highest = 1e3}, 0.0);
-    table.refuse_unknown();
-    return f;
+    return f.friction;
 }
 
-void read_segment(TableView table, SceneFile& scene) {
+void read_segment(TableReader table, SceneFile& scene) {
     const SegmentTable segment = read_segment_table(table);
     table.attempt([&] {
         if (segment.points.dimension == 2) {
             scene.curves.push_back(curve_of(plane_segment(segment)));
         } else if (segment.kind == stimuli::Segment::Kind::nurbs) {
-            scene.space_curves.emplace_back(segment.degree, segment.knots, segment.points.space(),
+            scene.space_curves.emplace_back(segment.degree, segment.knots, segment.points.values,
                                             segment.weights);
         } else {
             const std::vector<double> knots{0, 0, 1, 1};
-            scene.space_curves.emplace_back(1, knots, segment.points.space());
+            scene.space_curves.emplace_back(1, knots, segment.points.values);
         }
     });
 }
 
-void read_surface(TableView table, SceneFile& scene) {
-    const int degree_u = static_cast<int>(table.required_integer("degree_u", {.lowest = 1.0}));
-    const int degree_v = static_cast<int>(table.required_integer("degree_v", {.lowest = 1.0}));
-    const std::vector<double> knots_u = table.numbers("knots_u");
-    const std::vector<double> knots_v = table.numbers("knots_v");
-    const std::vector<std::vector<Vec3>> points = table.point_grid("points_m");
-    const std::vector<std::vector<double>> weights = table.number_grid_or_none("weights");
+void read_surface(TableReader table, SceneFile& scene) {
+    SurfaceTable s;
+    table.read(kSurface, &s);
     table.refuse_unknown();
     table.attempt([&] {
-        scene.surfaces.emplace_back(degree_u, degree_v, knots_u, knots_v, points, weights);
+        scene.surfaces.emplace_back(s.degree_u, s.degree_v, s.knots_u, s.knots_v, s.points,
+                                    s.weights);
     });
 }
 
@@ -135,15 +226,16 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
 SceneFile parse_scene(std::string_view text, std::string_view file_name) {
     const Table file = parse_document(text, file_name);
     Problems problems;
+    Places places;
     SceneFile scene;
-    TableView top(file, "the scene", {}, problems);
+    TableReader top(file, "", {}, problems, places, "the scene");
     if (const auto table = top.table("renderer")) {
         scene.renderer = read_renderer(*table);
     }
     if (const auto table = top.table("friction")) {
         scene.friction = read_friction(*table);
     }
-    for (const TableView& table : top.tables("segment")) {
+    for (const TableReader& table : top.tables("segment")) {
         read_segment(table, scene);
     }
     if (const auto table = top.table("surface")) {
@@ -156,6 +248,16 @@ SceneFile parse_scene(std::string_view text, std::string_view file_name) {
     return scene;
 }
 
+std::vector<TableText> scene_reference() {
+    return {{.heading = "[renderer]", .keys = kRenderer},
+            {.heading = "[renderer] with a tracker that has a gain", .keys = kGain},
+            {.heading = "[friction]", .keys = kSceneFriction},
+            {.heading = "[friction] with a law that rubs", .keys = kMuD},
+            {.heading = "[friction] with a law that sticks", .keys = kMuS},
+            segment_reference("[[segment]]", "once each, or one [surface]"),
+            {.heading = "[surface]", .keys = kSurface}};
+}
+
 SceneFile load_scene(const std::filesystem::path& file) {
     return parse_scene(read_text(file, kMostDocument), file.string());
 }
@@ -164,7 +266,7 @@ engine::Outline outline_of(const SceneFile& scene) {
     const auto& first = scene.curves.front();
     const auto& last = scene.curves.back();
     const double gap = glm::length(last.at(last.back()).point - first.at(first.front()).point);
-    return {scene.curves, gap <= kSameEnd};
+    return {scene.curves, gap <= kClosingGap};
 }
 
 engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "engine/rendering/scene.hpp"
 #include "engine/surface/nurbs_surface.hpp"
 #include "engine/thesis/curve_tracker.hpp"
+#include "protocols/file/schema.hpp"
 
 /// Scene files of the offline tools (`palpate render`, `palpate closest`): TOML text -> curves or a
 /// surface, and how they are to be felt. Problems are reported like those of a protocol.
@@ -15,6 +17,15 @@ namespace palpate::protocols {
 
 /// The laws by which the contact force can be computed. The last two are the thesis' Algorithm 1.
 enum class Law : std::uint8_t { frictionless, gos, coulomb, thesis_literal, thesis_latched };
+
+inline constexpr std::array<std::string_view, 5> kLaws{"frictionless", "gos", "coulomb",
+                                                       "thesis_literal", "thesis_latched"};
+[[nodiscard]] constexpr Words words_of(Law) {
+    return kLaws;
+}
+
+/// The largest coordinate, m: the squares of distances to farther places would overflow or round away.
+inline constexpr double kFarthest = 1e6;
 
 /// How the contact of a scene is computed.
 struct SceneRenderer {
@@ -49,6 +60,9 @@ struct SceneFile {
 
 /// parse_scene of a file's text. @throws ProtocolError also if the file cannot be read
 [[nodiscard]] SceneFile load_scene(const std::filesystem::path& file);
+
+/// What a scene file may say.
+[[nodiscard]] std::vector<TableText> scene_reference();
 
 /// The chain of a scene's plane curves: closed if the last ends where the first starts.
 /// @throws std::invalid_argument if consecutive curves share no end point

@@ -1,59 +1,122 @@
-#include <type_traits>
+#include <array>
+#include <sstream>
 
 #include <fmt/format.h>
 
 #include "engine/base/sha256.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/object_tables.hpp"
-#include "protocols/file/procedure_tables.hpp"
+#include "protocols/file/procedure_file.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/file/toml_text.hpp"
 
 namespace palpate::protocols {
 namespace {
 
-std::string text_of(double si, double per_si) {
-    return toml_text(si, per_si);
-}
-std::string text_of(const std::string& text, double /*per_si*/) {
-    return toml_text(text);
-}
-std::string text_of(std::uint64_t value, double /*per_si*/) {
-    return fmt::format("{}", value);
-}
-std::string text_of(bool value, double /*per_si*/) {
-    return value ? "true" : "false";
-}
-std::string text_of(const engine::Vec2& value, double per_si) {
-    return fmt::format("[{}, {}]", text_of(value.x, per_si), text_of(value.y, per_si));
-}
-
-template <class Enumeration>
-requires std::is_enum_v<Enumeration> std::string text_of(Enumeration value, double /*per_si*/) {
-    return toml_text(std::string(word_of(value)));
-}
-
 template <class Record>
-void append(std::string& text,
-            std::string_view heading,
-            const Record& record,
-            bool described = true) {
+void append(std::string& text, std::string_view heading, const Record& record) {
+    text += fmt::format("\n{}\n{}", heading, toml_lines(keys_of<Record>(), &record));
+}
+
+/// Without the keys that only another kind of object or friction has.
+template <class Record>
+void append_undescribed(std::string& text, std::string_view heading, const Record& record) {
     text += fmt::format("\n{}\n", heading);
-    for (const Key<Record>& key : keys_of<Record>()) {
-        if (!described && (key.need == Need::gos || key.need == Need::gos_optional ||
-                           key.need == Need::two_curve)) {
-            continue;
+    for (const Key& key : keys_of<Record>()) {
+        if (key.need == Need::required || key.need == Need::optional) {
+            text += toml_lines({&key, 1}, &record);
         }
-        if (left_out(key, record)) {
-            continue;
-        }
-        const std::string value = std::visit(
-            [&](auto member) { return text_of(record.*member, key.per_si); }, key.member);
-        text += fmt::format("{} = {}\n", key.name, value);
     }
 }
 
+/// How tables follow each other; [prior] has keys of its own.
+constexpr std::array<std::string_view, 8> kOrder{"procedure", "constant", "staircase",  "quest",
+                                                 "model",     "stimuli",  "parameters", "prior"};
+
+/// @param whole  the key takes an integer
+std::string value_text(const Value& value, bool whole) {
+    if (const auto* flag = std::get_if<bool>(&value.data)) {
+        return *flag ? "true" : "false";
+    }
+    if (const auto* integer = std::get_if<std::int64_t>(&value.data)) {
+        return whole ? fmt::format("{}", *integer) : toml_text(static_cast<double>(*integer), 1.0);
+    }
+    if (const auto* number = std::get_if<double>(&value.data)) {
+        return toml_text(*number + 0.0, 1.0);
+    }
+    if (const auto* text = std::get_if<std::string>(&value.data)) {
+        return toml_text(*text);
+    }
+    std::string text;
+    if (const auto* array = std::get_if<Array>(&value.data)) {
+        for (const Value& one : *array) {
+            text += (text.empty() ? "" : ", ") + value_text(one, whole);
+        }
+        return '[' + text + ']';
+    }
+    if (const auto* table = std::get_if<Table>(&value.data)) {
+        for (const std::string_view key : {"from", "to", "count", "step", "mean", "sd"}) {
+            if (const Entry* entry = find(*table, key)) {
+                text += fmt::format("{}{} = {}", text.empty() ? "" : ", ", key,
+                                    value_text(entry->value, key == "count"));
+            }
+        }
+    }
+    return "{ " + text + " }";
+}
+
+void append_given(std::string& text, std::string_view name, const Table& table) {
+    for (const Key& key : procedure_keys(name)) {
+        if (const Entry* entry = find(table, key.name)) {
+            const bool whole = std::holds_alternative<Whole>(key.slot(nullptr));
+            text += fmt::format("{} = {}\n", key.name, value_text(entry->value, whole));
+        }
+    }
+}
+
+/// The text of a procedure file as a part of a protocol: the keys of its [procedure] first, without that
+/// heading, then its other tables as [procedure.model], [[procedure.staircase]], ...
+std::string nested_in_protocol(std::string_view procedure_text) {
+    std::istringstream lines{std::string(procedure_text)};
+    std::string text;
+    bool begun = false;
+    for (std::string line; std::getline(lines, line);) {
+        if (line == "[procedure]") {
+            begun = true;
+            continue;
+        }
+        if (!begun) {
+            continue;  // the format and the empty line after it
+        }
+        const std::size_t name = line.find_first_not_of('[');
+        if (name != 0 && name != std::string::npos) {
+            line.insert(name, "procedure.");
+        }
+        text += line + '\n';
+    }
+    return text;
+}
+
 }  // namespace
+
+std::string procedure_text(const Table& file) {
+    std::string text = fmt::format("format = {}\n", kProcedureFormat);
+    for (const std::string_view name : kOrder) {
+        const Entry* entry = find(file, name);
+        if (entry == nullptr) {
+            continue;
+        }
+        if (const auto* table = std::get_if<Table>(&entry->value.data)) {
+            text += fmt::format("\n[{}]\n", name);
+            append_given(text, name, *table);
+        } else if (const auto* array = std::get_if<Array>(&entry->value.data)) {
+            for (const Value& value : *array) {
+                text += fmt::format("\n[[{}]]\n", name);
+                append_given(text, name, std::get<Table>(value.data));
+            }
+        }
+    }
+    return text;
+}
 
 std::string to_toml(const Protocol& protocol) {
     std::string text = fmt::format("format = {}\n", kFormat);
@@ -61,11 +124,19 @@ std::string to_toml(const Protocol& protocol) {
     append(text, "[apparatus]", protocol.apparatus);
     append(text, "[outline]", protocol.outline);
     for (const ObjectSpec& object : protocol.objects) {
-        append(text, "[[object]]", object, object.segments.empty());
+        if (object.segments.empty()) {
+            append(text, "[[object]]", object);
+        } else {
+            append_undescribed(text, "[[object]]", object);
+        }
         text += segments_toml(object);
     }
     for (const FrictionSpec& friction : protocol.frictions) {
-        append(text, "[[friction]]", friction, friction.law != "frictionless");
+        if (friction.law != "frictionless") {
+            append(text, "[[friction]]", friction);
+        } else {
+            append_undescribed(text, "[[friction]]", friction);
+        }
     }
     if (protocol.safety != SafetySpec{}) {  // studies are older than this table: their hashes stay
         append(text, "[safety]", protocol.safety);
@@ -87,7 +158,7 @@ std::string to_toml(const Protocol& protocol) {
     }
     if (protocol.procedure) {
         append(text, "[procedure]", *protocol.procedure);
-        text += nested_in_protocol(protocol.procedure->rule);
+        text += nested_in_protocol(protocol.procedure->rule.text);
         for (const RunSpec& run : protocol.runs) {
             append(text, "[[run]]", run);
         }

@@ -7,65 +7,39 @@
 namespace palpate::protocols {
 namespace {
 
-/// plus - minus
-struct Signed {
-    Natural plus, minus;
-
-    void add(const Signed& other) {
-        plus += other.plus;
-        minus += other.minus;
-    }
-    void reduce() {
-        const Natural both = std::min(plus, minus);
-        plus -= both;
-        minus -= both;
-    }
-};
-
-Signed operator*(const Signed& a, const Signed& b) {
-    Signed product{a.plus * b.plus, a.plus * b.minus};
-    product.plus += a.minus * b.minus;
-    product.minus += a.minus * b.plus;
-    return product;
-}
-
 Natural choose(std::size_t n, std::size_t k) {
     return k > n ? Natural{} : multinomial({n - k, k});
 }
 
-/// Q(n, j) for j = 0 ... n.
-std::vector<Signed> pieces_of(std::size_t n, std::size_t limit) {
-    std::vector<Signed> ways(n + 1);
+/// Q(n, j) for j = 0 ... n; some are below 0.
+std::vector<Natural> pieces_of(std::size_t n, std::size_t limit) {
+    std::vector<Natural> ways(n + 1);
     if (n == 0) {
-        ways[0].plus = 1;
+        ways[0] = 1;
     }
     for (std::size_t j = 1; j <= n; ++j) {
         for (std::size_t a = 0; a <= j && a * limit <= n - j; ++a) {
             const std::size_t rest = n - j - a * limit;
             if (rest % (limit + 1) == 0) {
                 const std::size_t b = rest / (limit + 1);
-                (a % 2 == 0 ? ways[j].plus : ways[j].minus) += choose(j, a) * choose(j - 1 + b, b);
+                const Natural chosen = choose(j, a) * choose(j - 1 + b, b);
+                ways[j] += a % 2 == 0 ? chosen : -chosen;
             }
         }
-        ways[j].reduce();
     }
     return ways;
 }
 
 /// Ways to mix s pieces of the levels so far with those of one more: C(s, j) for each.
-std::vector<Signed> mixed(const std::vector<Signed>& before, const std::vector<Signed>& level) {
-    std::vector<Signed> after(before.size() + level.size() - 1);
+std::vector<Natural> mixed(const std::vector<Natural>& before, const std::vector<Natural>& level) {
+    std::vector<Natural> after(before.size() + level.size() - 1);
     std::vector<Natural> row{1};  // of Pascal's triangle
     for (std::size_t s = 0; s < after.size(); ++s) {
         for (std::size_t j = 0; j < level.size() && j <= s; ++j) {
             if (s - j < before.size()) {
-                Signed ways = before[s - j] * level[j];
-                ways.plus = ways.plus * row[j];
-                ways.minus = ways.minus * row[j];
-                after[s].add(ways);
+                after[s] += before[s - j] * level[j] * row[j];
             }
         }
-        after[s].reduce();
         row.emplace_back(1);
         for (std::size_t j = row.size() - 2; j > 0; --j) {
             row[j] += row[j - 1];
@@ -95,17 +69,11 @@ bool binds(std::span<const std::size_t> counts, std::size_t limit) noexcept {
 }
 
 Natural count_orders(std::span<const std::size_t> counts, std::size_t limit) {
-    std::vector<Signed> pieces(1);
-    pieces[0].plus = 1;
+    std::vector<Natural> pieces{1};
     for (const std::size_t count : counts) {
         pieces = mixed(pieces, pieces_of(count, limit));
     }
-    Signed sum;
-    for (const Signed& ways : pieces) {
-        sum.add(ways);
-    }
-    sum.reduce();
-    return sum.plus;
+    return std::accumulate(pieces.begin(), pieces.end(), Natural{});
 }
 
 std::size_t rarity_of(std::span<const std::size_t> counts, std::size_t limit) {
@@ -114,8 +82,8 @@ std::size_t rarity_of(std::span<const std::size_t> counts, std::size_t limit) {
     }
     const std::size_t trials = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
     if (trials <= kMostCounted) {
-        return multinomial({counts.begin(), counts.end()}).bits() -
-               count_orders(counts, limit).bits();
+        return bits_of(multinomial({counts.begin(), counts.end()})) -
+               bits_of(count_orders(counts, limit));
     }
     const auto n = static_cast<double>(trials);
     double too_long = 0.0;

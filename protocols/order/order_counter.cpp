@@ -161,7 +161,7 @@ OrderWalk::OrderWalk(const OrderCounter& counter)
     : counter_(&counter), at_(counter.start_), ways_(&counter.total_) {}
 
 Condition OrderWalk::next(Pcg32& random) {
-    Natural drawn = Natural::below(*ways_, random);
+    Natural drawn = draw_below(*ways_, random);
     const OrderCounter::Place from = OrderCounter::runs_of(at_);
     for (std::size_t object = 0; object < counter_->objects_; ++object) {
         for (std::size_t friction = 0; friction < counter_->frictions_; ++friction) {

@@ -32,8 +32,9 @@ std::size_t rarity_of_table(std::span<const Condition> trials) {
     for (const auto& [condition, count] : cells) {
         counts.push_back(count);
     }
-    return multinomial(counts_of(trials, &Condition::object)).bits() +
-           multinomial(counts_of(trials, &Condition::friction)).bits() - multinomial(counts).bits();
+    return bits_of(multinomial(counts_of(trials, &Condition::object))) +
+           bits_of(multinomial(counts_of(trials, &Condition::friction))) -
+           bits_of(multinomial(counts));
 }
 
 /// No fewer than the states of a counter of both factors.
@@ -137,7 +138,7 @@ const OrderCounter* OrderSampler::counter_of(Level factor) {
 const OrderCounter* OrderSampler::counter_of_both() {
     if (!std::exchange(both_.tried, true)) {
         both_.counter = OrderCounter::build(trials_, limits_, most_states(trials_.size()));
-        if (both_.counter && both_.counter->total().zero()) {
+        if (both_.counter && both_.counter->total().is_zero()) {
             throw OrderError(fmt::format(
                 "no order keeps the run limits (object {}, friction {}) at once, though "
                 "each alone can be kept: allow longer runs of one of them",

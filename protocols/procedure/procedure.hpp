@@ -18,8 +18,13 @@
 namespace palpate::protocols {
 
 /// What may choose stimuli, before it starts.
-using ProcedureSpec = std::
-    variant<ConstantStimuliSpec, std::vector<StaircaseSpec>, QuestSpec, PsiSpec, QuestPlusSpec>;
+struct ProcedureSpec : std::variant<ConstantStimuliSpec,
+                                    std::vector<StaircaseSpec>,
+                                    QuestSpec,
+                                    PsiSpec,
+                                    QuestPlusSpec> {
+    using variant::variant;
+};
 
 /// What chooses the stimuli of a run of trials. A value: copying one copies its state.
 ///

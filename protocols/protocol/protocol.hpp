@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -177,6 +178,18 @@ enum class Varies : std::uint8_t {
 /// How the number that a rule chooses becomes what is felt.
 enum class StimulusAs : std::uint8_t { value, log10 };  ///< log10: 10 to that power is felt
 
+struct ProcedureSpec;  // protocols/procedure/procedure.hpp
+
+/// How to choose, ready to begin.
+struct RuleSpec {
+    /// The canonical text of the procedure file that says the same, its name in hashes and in files.
+    std::string text;
+    std::shared_ptr<const ProcedureSpec>
+        spec;  ///< what the text says; never none in a read protocol
+
+    friend bool operator==(const RuleSpec& a, const RuleSpec& b) { return a.text == b.text; }
+};
+
 /// A rule that chooses what is felt next, by the answers so far: the table [procedure].
 struct AdaptiveSpec {
     Varies varies = Varies::curvature;
@@ -187,7 +200,7 @@ struct AdaptiveSpec {
     bool practice_balanced = false;    ///< one half of every run's in each interval; else drawn
     std::size_t max_run = 0;           ///< trials of the same run in a row, 0: no limit
     std::size_t max_run_interval = 0;  ///< comparisons in the same interval in a row, 0: no limit
-    std::string rule;  ///< the procedure file that says how to choose, canonical text
+    RuleSpec rule;
 
     // What follows from the rule; not written.
     std::size_t trials = 0;  ///< of every run

@@ -7,7 +7,6 @@
 
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/session_plan.hpp"
-#include "protocols/file/procedure_file.hpp"
 #include "protocols/session/recorder.hpp"
 
 namespace palpate::protocols {
@@ -16,9 +15,8 @@ AdaptiveRuns::AdaptiveRuns(const Protocol& protocol, const StreamKey& session) {
     if (!protocol.procedure) {
         return;
     }
-    const ProcedureSpec spec = parse_procedure(protocol.procedure->rule, "[procedure]").spec;
     for (std::size_t run = 0; run < protocol.runs.size(); ++run) {
-        begun_.emplace_back(spec, stream(run_key(session, run)));
+        begun_.emplace_back(*protocol.procedure->rule.spec, stream(run_key(session, run)));
     }
     procedures_ = begun_;
 }
@@ -31,34 +29,14 @@ double AdaptiveRuns::next(std::size_t run) const {
     return procedure.next().front();
 }
 
-void AdaptiveRuns::forget(std::int64_t trial) {
-    const auto found = std::find_if(answers_.begin(), answers_.end(),
-                                    [trial](const Answer& one) { return one.trial == trial; });
-    if (found == answers_.end()) {
-        return;
-    }
-    const std::size_t run = found->run;
-    answers_.erase(found);
-    procedures_[run] = begun_[run];
-    for (const Answer& one : answers_) {
-        if (one.run == run) {
-            procedures_[run].update(std::span(&one.shown, 1), one.outcome);
-        }
-    }
+void AdaptiveRuns::update(const RuleAnswer& answer) {
+    procedures_.at(answer.run).update(std::span(&answer.stimulus, 1), answer.outcome);
 }
 
-AdaptiveStep AdaptiveRuns::update(std::size_t run,
-                                  double shown,
-                                  std::size_t outcome,
-                                  std::int64_t trial) {
-    Procedure& procedure = procedures_.at(run);
-    procedure.update(std::span(&shown, 1), outcome);
-    answers_.push_back({trial, run, shown, outcome});
-    return {.run = run,
-            .stimulus = shown,
-            .outcome = outcome,
-            .estimates = procedure.estimates(),
-            .state_hash = procedure.state_hash()};
+AdaptiveStep AdaptiveRuns::step_after(const RuleAnswer& answer) const {
+    const Procedure& procedure = procedures_.at(answer.run);
+    return {
+        .answer = answer, .estimates = procedure.estimates(), .state_hash = procedure.state_hash()};
 }
 
 std::optional<double> stimulus_for(const Protocol& protocol,

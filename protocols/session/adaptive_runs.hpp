@@ -18,11 +18,18 @@ namespace palpate::protocols {
 
 struct Response;
 
-/// An answer that a rule took in, and what it says afterwards.
-struct AdaptiveStep {
+/// An answer that a rule takes in.
+struct RuleAnswer {
     std::size_t run = 0;
     double stimulus = 0.0;    ///< what was shown, as the rule counts
     std::size_t outcome = 0;  ///< 0 ... Procedure::outcomes() - 1
+
+    friend bool operator==(const RuleAnswer&, const RuleAnswer&) = default;
+};
+
+/// The same with what the rule says afterwards.
+struct AdaptiveStep {
+    RuleAnswer answer{};
     std::vector<Estimate> estimates{};
     std::string state_hash;  ///< Procedure::state_hash() with this answer
 
@@ -38,26 +45,18 @@ public:
 
     /// What the rule shows next. @throws std::logic_error if the run has ended
     [[nodiscard]] double next(std::size_t run) const;
-    /// @param trial  names the answer for forget()
     /// @throws std::invalid_argument as Procedure::update
-    AdaptiveStep update(std::size_t run, double shown, std::size_t outcome, std::int64_t trial);
-    /// As if this answer had never come: the run is built again from the others, each with what was shown
-    /// then. Nothing happens if it is not among them.
-    void forget(std::int64_t trial);
+    void update(const RuleAnswer& answer);
+    /// The run as it was before its first answer.
+    void restart(std::size_t run) { procedures_.at(run) = begun_.at(run); }
+    /// What the rule says with `answer`, its last one.
+    [[nodiscard]] AdaptiveStep step_after(const RuleAnswer& answer) const;
     [[nodiscard]] const Procedure& of(std::size_t run) const { return procedures_.at(run); }
     [[nodiscard]] std::size_t size() const noexcept { return procedures_.size(); }
 
 private:
-    struct Answer {
-        std::int64_t trial = 0;
-        std::size_t run = 0;
-        double shown = 0.0;
-        std::size_t outcome = 0;
-    };
-
     std::vector<Procedure> begun_;  ///< before the first answer
     std::vector<Procedure> procedures_;
-    std::vector<Answer> answers_;
 };
 
 /// The stimulus of a planned trial: the rule's next one, in practice that of the protocol; none without a

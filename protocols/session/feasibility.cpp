@@ -57,7 +57,7 @@ void check_passivity(const ApparatusSpec& apparatus,
                      std::vector<Finding>& findings) {
     const double period = 1.0 / apparatus.rate_hz;
     const double need =
-        engine::least_damping(apparatus.stiffness, period, traits.delay_ticks, apparatus.damping);
+        engine::min_damping(apparatus.stiffness, period, traits.delay_ticks, apparatus.damping);
     const std::string asked = fmt::format(
         "{:.6g} N/m{} at {:.6g} Hz {} needs {:.3g} N s/m at the handle", apparatus.stiffness,
         damper_text(apparatus.damping), apparatus.rate_hz, delay_text(traits.delay_ticks), need);
@@ -150,8 +150,8 @@ void check_force(const ApparatusSpec& apparatus,
 Margins margins_of(const Protocol& protocol, const engine::Device& device) {
     const engine::DeviceTraits traits = device.traits();
     Margins margins{
-        .needed_damping = engine::least_damping(
-            protocol.apparatus.stiffness, 1.0 / protocol.apparatus.rate_hz, traits.delay_ticks),
+        .needed_damping = engine::min_damping(protocol.apparatus.stiffness,
+                                              1.0 / protocol.apparatus.rate_hz, traits.delay_ticks),
         .damping = traits.damping,
         .weakest_force = {}};
     for (const Spot& spot : spots(protocol, device)) {

@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/observer.hpp"
 
@@ -31,6 +35,28 @@ std::string_view to_string(Outcome outcome) noexcept {
             return "faulted";
     }
     return "?";
+}
+
+namespace {
+
+/// In the order of EventKind.
+constexpr std::array<std::string_view, kEventKinds> kEventWords{
+    "break",   "pause",        "go on",  "abort",    "gave up",     "fault",       "reconnect",
+    "invalid", "note",         "mark",   "redo",     "interrupted", "timing",      "ticks lost",
+    "masking", "display lost", "device", "operator", "provenance",  "participant", "planned again"};
+
+}  // namespace
+
+std::string_view to_string(EventKind kind) noexcept {
+    return kEventWords[static_cast<std::size_t>(kind)];
+}
+
+EventKind event_kind(std::string_view word) {
+    const auto found = std::find(kEventWords.begin(), kEventWords.end(), word);
+    if (found == kEventWords.end()) {
+        throw std::invalid_argument("no kind of event: " + std::string(word));
+    }
+    return static_cast<EventKind>(found - kEventWords.begin());
 }
 
 }  // namespace palpate::protocols

@@ -3,7 +3,7 @@
 #include <functional>
 
 #include "protocols/session/operator_desk.hpp"
-#include "protocols/session/pending_trials.hpp"
+#include "protocols/session/progress.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/apparatus.hpp"
 #include "protocols/trial/observer.hpp"
@@ -17,9 +17,11 @@ void sleep_for(double seconds);
 struct Progress {
     const PlannedTrial& planned;
     const TrialResult& result;
-    TrialNumber number{};     ///< as its screens said
-    std::size_t left = 0;     ///< trials of the session
-    bool runs_again = false;  ///< its position is among them
+    TrialNumber number{};          ///< as its screens said
+    const SessionProgress& known;  ///< what the session knows now
+
+    [[nodiscard]] std::size_t left() const { return known.pending().order().size(); }
+    [[nodiscard]] bool runs_again() const { return known.pending().has(planned.position); }
 };
 
 /// The three ports of a session, and how to interrupt it. All outlive the run.

@@ -46,8 +46,8 @@ struct TrialSummary {
     std::int64_t strokes = 0;  ///< along the surface, see StrokeCounter
     double mean_speed_m_per_s =
         0.0;  ///< of HIP in contact: its path by its time, 0 without contact
-    std::int64_t before_vertex_ticks = 0;  ///< in contact with the first segment: up to the vertex
-    std::int64_t after_vertex_ticks = 0;   ///< with the second: from the vertex on
+    std::int64_t before_vertex_ticks = 0;  ///< in contact with segment 0: up to vertex 0
+    std::int64_t after_vertex_ticks = 0;   ///< with segment 1: from vertex 0 on
     std::int64_t contact_episodes = 0;
     double worst_episode_j =
         0.0;  ///< largest engine::EnergyLedger balance of an episode, <= 0: passive
@@ -105,6 +105,52 @@ struct SceneConstants {
 
 using TrialId = std::int64_t;
 
+/// What can happen beside the trials. The database has the words of to_string().
+enum class EventKind : std::uint8_t {
+    rest,           ///< "break": before the trial at `position`
+    pause,          ///< by the experimenter, before the trial at `position`
+    go_on,          ///< after a pause of `duration_s`, or after a fault: `value` is its cause
+    abort,          ///< before the trial at `position`
+    gave_up,        ///< before the trial at `position`, after `count` tries in vain
+    fault,          ///< of `trial` at `position`; `value`: its cause
+    reconnect,      ///< the device works again, after `count` tries in vain
+    invalid,        ///< the answer of `trial` at `position` breaks a rule of the protocol
+    note,           ///< somebody noted it
+    mark,           ///< the answer of `trial` does not count after all; the text is the reason
+    redo,           ///< `part` begins again; `count` answers do not count any more
+    interrupted,    ///< `trial` was found unfinished
+    timing,         ///< how late the ticks were
+    ticks_lost,     ///< `count` of them, in `trial` at `position`
+    masking,        ///< of the masking noise; `duration_s`: that there was none
+    display_lost,   ///< the participant's screen is gone
+    device,         ///< the session goes on with the device `value`
+    experimenter,   ///< "operator": the session goes on with `value`
+    provenance,     ///< the session goes on with `value` of `key`
+    participant,    ///< `value` was noted of the participant's `key`
+    planned_again,  ///< before its first trial the session became another one
+};
+inline constexpr std::size_t kEventKinds = 21;
+
+[[nodiscard]] std::string_view to_string(EventKind kind) noexcept;
+/// @throws std::invalid_argument for other words
+[[nodiscard]] EventKind event_kind(std::string_view word);
+
+/// Something that happened: what programs go by is the kind and its numbers. The sentence is for people, and
+/// no program reads it again.
+struct Event {
+    EventKind kind = EventKind::note;
+    std::string text;
+    std::optional<TrialId> trial{};
+    std::optional<std::size_t> position{};  ///< in the plan, from 0
+    std::optional<std::size_t> part{};      ///< 0: practice; else 1 + block
+    std::optional<std::int64_t> count{};
+    std::optional<double> duration_s{};
+    std::string key{};
+    std::string value{};
+
+    friend bool operator==(const Event&, const Event&) = default;
+};
+
 class Recorder {
 public:
     Recorder() = default;
@@ -112,30 +158,19 @@ public:
     Recorder& operator=(const Recorder&) = delete;
     virtual ~Recorder() = default;
 
-    /// A new attempt at a planned trial. @param scene  of its first interval
-    [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned,
-                                              const SceneConstants& scene) = 0;
+    /// A new attempt at a planned trial; nothing is felt before its first interval begins.
+    [[nodiscard]] virtual TrialId begin_trial(const PlannedTrial& planned) = 0;
     /// The next interval of the running trial begins: its ticks are counted from 0.
     virtual void begin_interval(TrialId trial,
-                                const Presentation& presentation,
-                                const SceneConstants& scene) {
-        static_cast<void>(trial);
-        static_cast<void>(presentation);
-        static_cast<void>(scene);
-    }
+                                const Presentation& felt,
+                                const SceneConstants& scene) = 0;
     /// The next ticks of the running interval, in order and without gaps. Durable with the next save().
     virtual void append(TrialId trial, std::span<const engine::TickRecord> ticks) = 0;
     /// Makes durable what was appended. @return false if it has to be tried again, nothing is lost
     virtual bool save() { return true; }
     virtual void end_trial(TrialId trial, const TrialResult& result) = 0;
-    /// Something that happened: "break", "abort", "fault", "reconnect", "go on",
-    /// "timing", ... with a sentence.
-    virtual void event(std::string_view kind, std::string_view text) = 0;
-    /// The answer of a trial that has ended does not count after all: it stays, with the reason.
-    virtual void mark(TrialId trial, std::string_view reason) {
-        static_cast<void>(trial);
-        static_cast<void>(reason);
-    }
+    /// A mark also leaves its reason with the trial, which has ended and keeps its answer.
+    virtual void event(const Event& event) = 0;
     /// All planned trials are done.
     virtual void finish_session() = 0;
 };

@@ -1,7 +1,6 @@
 #include "protocols/session/session.hpp"
 
 #include <chrono>
-#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
@@ -18,23 +17,21 @@ class Session {
 public:
     Session(const Protocol& protocol,
             const Plan& plan,
-            PendingTrials pending,
+            SessionProgress progress,
             Ports& ports,
-            bool simulated,
-            AdaptiveRuns& runs)
+            bool simulated)
         : protocol_(protocol),
           plan_(plan),
           ports_(ports),
-          runs_(runs),
-          runner_(protocol, plan, ports, simulated, runs),
-          pending_(std::move(pending)),
-          rested_(pending_.answered()) {}
+          progress_(std::move(progress)),
+          runner_(protocol, plan, ports, simulated, progress_),
+          rested_(pending().answered()) {}
 
     SessionEnd run(const SessionView& view) {
         if (ports_.observer.welcome(view) == Signal::abort) {
             return stopped();
         }
-        for (bool fresh = true; heed_mark(), !pending_.empty();) {
+        for (bool fresh = true; heed_mark(), !pending().empty();) {
             const TrialView next = view_of_next();
             if (heed_pause(next) == Signal::abort || (!fresh && between(next) == Signal::abort)) {
                 return stopped();
@@ -43,7 +40,8 @@ public:
             if (wanted()) {
                 continue;
             }
-            const PlannedTrial& planned = plan_.trials.at(pending_.next());
+            const PlannedTrial& planned = plan_.trials.at(pending().next());
+            const TrialNumber number = pending().number();
             const TrialResult result = runner_.run(planned, next);
             if (!result.begun) {
                 if (result.outcome == Outcome::aborted) {
@@ -52,15 +50,9 @@ public:
                 continue;
             }
             fresh = false;
-            const TrialNumber number = pending_.number();
-            last_ = Last{planned.position, result.outcome, runner_.last(),
-                         result.response && result.invalid.empty(), pending_};
-            pending_.note(planned.position, result.outcome, result.invalid.empty());
-            ports_.progress({.planned = planned,
-                             .result = result,
-                             .number = number,
-                             .left = pending_.order().size(),
-                             .runs_again = pending_.has(planned.position)});
+            last_ = runner_.last();
+            ports_.progress(
+                {.planned = planned, .result = result, .number = number, .known = progress_});
             if (result.outcome == Outcome::aborted) {
                 last_.reset();  // a mark that was made meanwhile was not meant for the one before
                 return stopped();
@@ -71,9 +63,10 @@ public:
             }
             faults_ = result.fault ? faults_ + 1 : 0;
             if (result.fault) {
-                ports_.recorder.event(
-                    "fault", fmt::format("position {}: {}: {}", planned.position,
-                                         to_string(result.fault->cause), result.fault->text));
+                note_attempt(
+                    EventKind::fault, planned,
+                    fmt::format("{}: {}", to_string(result.fault->cause), result.fault->text),
+                    to_string(result.fault->cause));
                 note_timing();
                 const Mended mended = mend(ports_, *result.fault, faults_);
                 if (mended.signal == Signal::give_up) {
@@ -87,31 +80,35 @@ public:
         note_timing();
         ports_.recorder.finish_session();
         ports_.observer.finish(view);
-        return {
-            .why = SessionEnd::Why::finished, .next = pending_.next(), .number = pending_.number()};
+        return {.why = SessionEnd::Why::finished,
+                .next = pending().next(),
+                .number = pending().number()};
     }
 
 private:
+    [[nodiscard]] const PendingTrials& pending() const { return progress_.pending(); }
+
     [[nodiscard]] TrialView view_of_next() const {
-        return runner_.view_of(pending_.number(), pending_.answered());
+        return runner_.view_of(pending().number(), pending().answered());
     }
 
     [[nodiscard]] bool wanted() const { return ports_.desk != nullptr && ports_.desk->wants(); }
 
-    /// A mark concerns the last attempt, which was the last to change what is left: that change is made
-    /// again, with an answer that does not count. So does whoever resumes from the database.
+    void happened(const Event& event) {
+        ports_.recorder.event(event);
+        progress_ = apply(std::move(progress_), event);
+    }
+
+    /// A mark concerns the last attempt of this run.
     void heed_mark() {
         if (ports_.desk == nullptr || !ports_.desk->take_mark()) {
             return;
         }
-        if (!last_ || !last_->counts) {
-            ports_.recorder.event("note", "a mark found no answer that counts");
+        if (!last_ || !progress_.counts(*last_)) {
+            happened({.kind = EventKind::note, .text = "a mark found no answer that counts"});
             return;
         }
-        ports_.recorder.mark(last_->id, kMarkedAtDesk);
-        runs_.forget(last_->id);
-        pending_ = last_->before;
-        pending_.note(last_->position, last_->outcome, false);
+        happened({.kind = EventKind::mark, .text = kMarkedAtDesk, .trial = last_});
         last_.reset();
     }
 
@@ -119,23 +116,24 @@ private:
         if (ports_.desk == nullptr || !ports_.desk->take_pause()) {
             return Signal::go_on;
         }
-        ports_.recorder.event("pause", before_next());
+        note_before_next(EventKind::pause);
         const std::int64_t begun = engine::monotonic_ns();
         const Signal signal = ports_.observer.pause(next);
-        ports_.recorder.event(
-            "go on", fmt::format("after a pause of {:.1f} s",
-                                 static_cast<double>(engine::monotonic_ns() - begun) * 1e-9));
+        const double paused = static_cast<double>(engine::monotonic_ns() - begun) * 1e-9;
+        happened({.kind = EventKind::go_on,
+                  .text = fmt::format("after a pause of {:.1f} s", paused),
+                  .duration_s = paused});
         return signal;
     }
 
     /// A break where the plan has one after as many answered trials, once; a gap elsewhere.
     Signal between(const TrialView& next) {
-        const std::size_t done = pending_.answered();
+        const std::size_t done = pending().answered();
         if (!plan_.trials[done].break_before || rested_ == done) {
             return ports_.observer.gap(protocol_.timing.gap);
         }
         rested_ = done;
-        ports_.recorder.event("break", before_next());
+        note_before_next(EventKind::rest);
         return ports_.observer.rest(protocol_.timing.break_min, next);
     }
 
@@ -150,29 +148,31 @@ private:
 
     void note_invalid(const PlannedTrial& planned, const TrialResult& result) {
         if (!result.invalid.empty()) {
-            ports_.recorder.event(
-                "invalid", fmt::format("position {}: {}: {}", planned.position, result.invalid,
-                                       pending_.has(planned.position) ? "will be run again"
-                                                                      : "not run again"));
+            note_attempt(EventKind::invalid, planned,
+                         fmt::format("{}: {}", result.invalid,
+                                     pending().has(planned.position) ? "will be run again"
+                                                                     : "not run again"));
         }
     }
 
     SessionEnd stopped() {
         heed_mark();
         note_timing();
-        ports_.recorder.event("abort", before_next());
-        return {
-            .why = SessionEnd::Why::aborted, .next = pending_.next(), .number = pending_.number()};
+        note_before_next(EventKind::abort);
+        return {.why = SessionEnd::Why::aborted,
+                .next = pending().next(),
+                .number = pending().number()};
     }
 
     SessionEnd gave_up(const Fault& fault, std::size_t tries) {
         const std::string trouble = ports_.apparatus.trouble();
-        ports_.recorder.event(
-            "gave up", fmt::format("{}, after {} in vain and {} in a row", before_next(),
-                                   counted(tries, "try", "tries"), counted(faults_, "fault")));
+        note_before_next(EventKind::gave_up,
+                         fmt::format(", after {} in vain and {} in a row",
+                                     counted(tries, "try", "tries"), counted(faults_, "fault")),
+                         static_cast<std::int64_t>(tries));
         return {.why = SessionEnd::Why::faulted,
-                .next = pending_.next(),
-                .number = pending_.number(),
+                .next = pending().next(),
+                .number = pending().number(),
                 .fault = trouble.empty() ? fault.text : trouble,
                 .in_a_row = faults_,
                 .tries = tries};
@@ -180,32 +180,41 @@ private:
 
     void note_timing() {
         if (const std::string timing = ports_.apparatus.timing(); !timing.empty()) {
-            ports_.recorder.event("timing", timing);
+            happened({.kind = EventKind::timing, .text = timing});
         }
     }
 
-    [[nodiscard]] std::string before_next() const {
-        return fmt::format("before the trial at position {}", pending_.next());
+    /// Of the trial that would come now.
+    void note_before_next(EventKind kind,
+                          const std::string& more = {},
+                          std::optional<std::int64_t> count = {}) {
+        const std::size_t position = pending().next();
+        happened({.kind = kind,
+                  .text = fmt::format("before the trial at position {}{}", position, more),
+                  .position = position,
+                  .count = count});
+    }
+
+    /// Of the attempt that is over.
+    void note_attempt(EventKind kind,
+                      const PlannedTrial& planned,
+                      const std::string& what,
+                      std::string_view value = {}) {
+        happened({.kind = kind,
+                  .text = fmt::format("position {}: {}", planned.position, what),
+                  .trial = last_,
+                  .position = planned.position,
+                  .value = std::string(value)});
     }
 
     const Protocol& protocol_;
     const Plan& plan_;
     Ports& ports_;
-    AdaptiveRuns& runs_;
-    TrialRunner runner_;
-    PendingTrials pending_;
-    std::size_t rested_;      ///< answered trials at the last break, or when this run began
-    std::size_t faults_ = 0;  ///< in a row
-
-    /// The attempt before now.
-    struct Last {
-        std::size_t position = 0;
-        Outcome outcome{};
-        TrialId id = 0;
-        bool counts = false;   ///< it has an answer, and no rule of [invalid] was broken
-        PendingTrials before;  ///< what was left when it began
-    };
-    std::optional<Last> last_;
+    SessionProgress progress_;
+    TrialRunner runner_;           ///< notes what becomes of its trials in progress_
+    std::size_t rested_;           ///< answered trials at the last break, or when this run began
+    std::size_t faults_ = 0;       ///< in a row
+    std::optional<TrialId> last_;  ///< the attempt before now, of this run; a mark would mean it
 };
 
 }  // namespace
@@ -217,14 +226,9 @@ void sleep_for(double seconds) {
 SessionEnd run_session(const Protocol& protocol,
                        const Plan& plan,
                        const SessionView& view,
-                       PendingTrials pending,
-                       Ports ports,
-                       AdaptiveRuns runs) {
-    if (runs.size() != protocol.runs.size()) {
-        throw std::logic_error(
-            fmt::format("{} rules for {} runs", runs.size(), protocol.runs.size()));
-    }
-    return Session(protocol, plan, std::move(pending), ports, view.simulated, runs).run(view);
+                       SessionProgress progress,
+                       Ports ports) {
+    return Session(protocol, plan, std::move(progress), ports, view.simulated).run(view);
 }
 
 }  // namespace palpate::protocols

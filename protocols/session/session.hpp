@@ -5,8 +5,8 @@
 #include <string>
 
 #include "protocols/protocol/protocol.hpp"
-#include "protocols/session/pending_trials.hpp"
 #include "protocols/session/ports.hpp"
+#include "protocols/session/progress.hpp"
 
 namespace palpate::protocols {
 
@@ -43,12 +43,11 @@ struct SessionEnd {
 /// Where the protocol has a rule, it chooses what is felt, and takes in every answer that counts before the
 /// next trial; practice does not go there. A trial that does not count leaves it as it was: the next
 /// trial of the run is asked what this one was.
-/// @param runs  of the protocol's rule, with all answers so far
+/// @param progress  of this protocol and plan, with all attempts and events so far
 [[nodiscard]] SessionEnd run_session(const Protocol& protocol,
                                      const Plan& plan,
                                      const SessionView& view,
-                                     PendingTrials pending,
-                                     Ports ports,
-                                     AdaptiveRuns runs = {});
+                                     SessionProgress progress,
+                                     Ports ports);
 
 }  // namespace palpate::protocols

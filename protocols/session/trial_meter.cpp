@@ -27,7 +27,7 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         sum_.late_ticks += (tick.flags & engine::tick_late) != 0 ? 1 : 0;
         sum_.saturated_ticks += (tick.flags & engine::tick_saturated) != 0 ? 1 : 0;
         sum_.skipped_ticks += (tick.flags & engine::tick_skipped) != 0 ? 1 : 0;
-        sum_.slewed_ticks += (tick.flags & engine::tick_slewed) != 0 ? 1 : 0;
+        sum_.slewed_ticks += (tick.flags & engine::tick_force_slew) != 0 ? 1 : 0;
         sum_.stale_ticks += (tick.flags & engine::tick_stale) != 0 ? 1 : 0;
         if (tick.mode == engine::Mode::free) {
             continue;
@@ -35,8 +35,8 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         if (sum_.contact_ticks++ == 0) {
             sum_.first_contact_s = static_cast<double>(tick.time_ns) * 1e-9;
         }
-        sum_.before_vertex_ticks += tick.feature == 0 ? 1 : 0;
-        sum_.after_vertex_ticks += tick.feature == 1 ? 1 : 0;
+        sum_.before_vertex_ticks += tick.segment == 0 ? 1 : 0;
+        sum_.after_vertex_ticks += tick.segment == 1 ? 1 : 0;
         sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
         force_sum_ += tick.normal_force;
         sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);

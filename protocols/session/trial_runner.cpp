@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "protocols/session/pending_trials.hpp"
 #include "protocols/trial/trial_scene.hpp"
 
 namespace palpate::protocols {
@@ -35,13 +34,16 @@ private:
 
 }  // namespace
 
-TrialRunner::TrialRunner(
-    const Protocol& protocol, const Plan& plan, Ports& ports, bool simulated, AdaptiveRuns& runs)
+TrialRunner::TrialRunner(const Protocol& protocol,
+                         const Plan& plan,
+                         Ports& ports,
+                         bool simulated,
+                         SessionProgress& progress)
     : protocol_(protocol),
       plan_(plan),
       ports_(ports),
       simulated_(simulated),
-      runs_(runs),
+      progress_(progress),
       pictures_(make_pictures(protocol, plan.picture_order)),
       question_(question_of(protocol, pictures_)) {}
 
@@ -67,7 +69,7 @@ Signal TrialRunner::begin(const TrialView& view) {
 TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
     TrialResult result;
     const std::vector<Presentation> felt =
-        presentations_of(protocol_, planned, stimulus_for(protocol_, planned, runs_));
+        presentations_of(protocol_, planned, stimulus_for(protocol_, planned, progress_.runs()));
     view.intervals = felt.size();
     const Signal begun = begin(view);
     if (begun != Signal::go_on || (ports_.desk != nullptr && ports_.desk->wants())) {
@@ -75,7 +77,8 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
         result.begun = false;
         return result;
     }
-    TrialId id = 0;
+    const TrialId id = ports_.recorder.begin_trial(planned);
+    last_ = id;
     bool timed_out = false;
     for (const Presentation& one : felt) {
         view.interval = one.interval;
@@ -84,26 +87,38 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
             break;
         }
         const engine::Scene scene = make_scene(protocol_, one);
-        const SceneConstants constants{.slip_decay = scene.decay().slip,
-                                       .heal_decay = scene.decay().heal};
-        if (one.interval == 1) {
-            id = ports_.recorder.begin_trial(planned, constants);
-            last_ = id;
-        }
-        ports_.recorder.begin_interval(id, one, constants);
+        ports_.recorder.begin_interval(
+            id, one, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
         feel(id, planned, one, scene, view, result);
         timed_out = timed_out || result.outcome == Outcome::timed_out;
         if (!is_answered(result.outcome)) {
             break;
         }
     }
+    std::optional<RuleAnswer> told;
     if (is_answered(result.outcome)) {
         result.outcome = timed_out ? Outcome::timed_out : Outcome::complete;
-        answer(id, planned, felt, view, result);
+        told = answer(planned, felt, view, result);
+    }
+    end(id, planned, told, result);
+    return result;
+}
+
+/// @param answer  what the protocol's rule takes in
+void TrialRunner::end(TrialId id,
+                      const PlannedTrial& planned,
+                      const std::optional<RuleAnswer>& answer,
+                      TrialResult& result) {
+    progress_ = apply(std::move(progress_), {.trial = id,
+                                             .position = planned.position,
+                                             .outcome = result.outcome,
+                                             .counts = result.response && result.invalid.empty(),
+                                             .answer = answer});
+    if (answer) {
+        result.step = progress_.runs().step_after(*answer);
     }
     ports_.recorder.end_trial(id, result);
-    note_lost_ticks(planned);
-    return result;
+    note_lost_ticks(id, planned);
 }
 
 void TrialRunner::feel(TrialId id,
@@ -121,7 +136,7 @@ void TrialRunner::feel(TrialId id,
         force.end();
         drain(id, false);
     }
-    note_fault(planned, result);
+    note_fault(id, planned, result);
     result.intervals.push_back({.done_s = result.done_s,
                                 .done_uncertainty_s = result.done_uncertainty_s,
                                 .summary = meter_.summary()});
@@ -164,7 +179,7 @@ void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result
 
 /// A trip before done spoils the trial, also when it was seen only afterwards; one in the ramp out of the
 /// force spoils nothing that was felt.
-void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
+void TrialRunner::note_fault(TrialId id, const PlannedTrial& planned, TrialResult& result) {
     const bool felt = tripped_s_ && *tripped_s_ <= result.done_s;
     if (is_answered(result.outcome) && felt) {
         result.outcome = Outcome::faulted;
@@ -173,9 +188,13 @@ void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
     const engine::Trip cause = ports_.apparatus.trip();
     if (result.outcome != Outcome::faulted) {
         if (tripped_s_) {
-            ports_.recorder.event("fault",
-                                  fmt::format("after the exploration at position {} had ended: {}",
-                                              planned.position, to_string(cause)));
+            ports_.recorder.event(
+                {.kind = EventKind::fault,
+                 .text = fmt::format("after the exploration at position {} had ended: {}",
+                                     planned.position, to_string(cause)),
+                 .trial = id,
+                 .position = planned.position,
+                 .value = std::string(to_string(cause))});
         }
         return;
     }
@@ -185,15 +204,14 @@ void TrialRunner::note_fault(const PlannedTrial& planned, TrialResult& result) {
                          .last = ports_.apparatus.last_ticks()};
 }
 
-void TrialRunner::answer(TrialId id,
-                         const PlannedTrial& planned,
-                         std::span<const Presentation> felt,
-                         const TrialView& view,
-                         TrialResult& result) {
+std::optional<RuleAnswer> TrialRunner::answer(const PlannedTrial& planned,
+                                              std::span<const Presentation> felt,
+                                              const TrialView& view,
+                                              TrialResult& result) {
     const Choice choice = ports_.observer.choose(view, question_);
     if (choice.signal == Signal::abort) {
         result.outcome = Outcome::aborted;
-        return;
+        return std::nullopt;
     }
     Response response{.place = choice.place,
                       .correct = is_right(protocol_, plan_, planned, felt, choice.place),
@@ -215,13 +233,14 @@ void TrialRunner::answer(TrialId id,
     if (!ports_.apparatus.repeats()) {
         result.invalid = why_invalid(protocol_, summaries, !simulated_);
     }
-    if (planned.adaptive && planned.phase != Phase::practice && result.invalid.empty()) {
-        const double stimulus =
-            felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1].stimulus.value();
-        result.step = runs_.update(planned.adaptive->run, stimulus,
-                                   outcome_of(protocol_, planned, response), id);
-    }
     result.response = response;
+    if (!planned.adaptive || planned.phase == Phase::practice || !result.invalid.empty()) {
+        return std::nullopt;
+    }
+    const Presentation& chosen = felt[felt.size() == 1 ? 0 : planned.adaptive->comparison - 1];
+    return RuleAnswer{.run = planned.adaptive->run,
+                      .stimulus = chosen.stimulus.value(),
+                      .outcome = outcome_of(protocol_, planned, response)};
 }
 
 /// @param exploring  the ticks count for the summary and for the observer; the ramp out does not
@@ -245,11 +264,15 @@ void TrialRunner::drain(TrialId id, bool exploring) {
     }
 }
 
-void TrialRunner::note_lost_ticks(const PlannedTrial& planned) {
+void TrialRunner::note_lost_ticks(TrialId id, const PlannedTrial& planned) {
     if (const std::int64_t lost = ports_.apparatus.dropped() - dropped_; lost > 0) {
         dropped_ += lost;
-        ports_.recorder.event("ticks lost", fmt::format("{} found the ring full at position {}",
-                                                        counted(lost, "tick"), planned.position));
+        ports_.recorder.event({.kind = EventKind::ticks_lost,
+                               .text = fmt::format("{} found the ring full at position {}",
+                                                   counted(lost, "tick"), planned.position),
+                               .trial = id,
+                               .position = planned.position,
+                               .count = lost});
     }
 }
 

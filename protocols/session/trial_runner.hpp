@@ -4,24 +4,23 @@
 #include <vector>
 
 #include "protocols/protocol/protocol.hpp"
-#include "protocols/session/adaptive_runs.hpp"
-#include "protocols/session/pending_trials.hpp"
 #include "protocols/session/ports.hpp"
+#include "protocols/session/progress.hpp"
 #include "protocols/session/trial_meter.hpp"
 
 namespace palpate::protocols {
 
-/// Runs one trial after another on the ports of a session. Private to protocols/running.
+/// Runs one trial after another on the ports of a session. Private to protocols/session.
 class TrialRunner {
 public:
     /// All arguments outlive the runner.
     /// @param simulated  the hand: its late ticks make no trial invalid
-    /// @param runs       of the protocol's rule: a counting answer goes there
+    /// @param progress   of the session: every attempt goes there when it is over
     TrialRunner(const Protocol& protocol,
                 const Plan& plan,
                 Ports& ports,
                 bool simulated,
-                AdaptiveRuns& runs);
+                SessionProgress& progress);
 
     /// One attempt, recorded unless it was aborted before it began. The force is off when it returns,
     /// and when anything is thrown.
@@ -43,20 +42,24 @@ private:
               const TrialView& view,
               TrialResult& result);
     void explore(TrialId id, const TrialView& view, TrialResult& result);
-    void note_fault(const PlannedTrial& planned, TrialResult& result);
-    void note_lost_ticks(const PlannedTrial& planned);
-    void answer(TrialId id,
-                const PlannedTrial& planned,
-                std::span<const Presentation> felt,
-                const TrialView& view,
-                TrialResult& result);
+    void note_fault(TrialId id, const PlannedTrial& planned, TrialResult& result);
+    void note_lost_ticks(TrialId id, const PlannedTrial& planned);
+    /// @return what the protocol's rule takes in, if it does
+    std::optional<RuleAnswer> answer(const PlannedTrial& planned,
+                                     std::span<const Presentation> felt,
+                                     const TrialView& view,
+                                     TrialResult& result);
+    void end(TrialId id,
+             const PlannedTrial& planned,
+             const std::optional<RuleAnswer>& answer,
+             TrialResult& result);
     void drain(TrialId id, bool exploring);
 
     const Protocol& protocol_;
     const Plan& plan_;
     Ports& ports_;
     bool simulated_;
-    AdaptiveRuns& runs_;
+    SessionProgress& progress_;
     std::vector<Picture> pictures_;
     TrialId last_ = 0;
     Question question_;

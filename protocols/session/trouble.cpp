@@ -15,9 +15,10 @@ Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
             view.solved = ports.apparatus.reconnect();
             if (view.solved) {
                 view.sentence = fault.text;  // no longer why it could not be reached
-                ports.recorder.event(
-                    "reconnect",
-                    "the device works, after " + counted(view.tries, "try", "tries") + " in vain");
+                ports.recorder.event({.kind = EventKind::reconnect,
+                                      .text = "the device works, after " +
+                                              counted(view.tries, "try", "tries") + " in vain",
+                                      .count = static_cast<std::int64_t>(view.tries)});
             } else {
                 ++view.tries;
                 const std::string trouble = ports.apparatus.trouble();
@@ -32,7 +33,9 @@ Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
             return {*said, view.tries};
         }
         if (said == Signal::go_on && view.solved) {
-            ports.recorder.event("go on", fmt::format("after {}", to_string(fault.cause)));
+            ports.recorder.event({.kind = EventKind::go_on,
+                                  .text = fmt::format("after {}", to_string(fault.cause)),
+                                  .value = std::string(to_string(fault.cause))});
             return {Signal::go_on, view.tries};
         }
         ports.pause(kTroubleSlice);

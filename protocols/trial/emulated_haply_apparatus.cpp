@@ -15,7 +15,7 @@ engine::PlantModel plant_of(const engine::Calibration& machine) {
 /// the board is set up, and by how much the emulated joints damp is known.
 engine::Calibration as_emulated(engine::Calibration machine) {
     machine.home = engine::Exploration{}.start;
-    machine.pantograph.damping = least_handle_damping(plant_of(machine));
+    machine.pantograph.damping = min_handle_damping(plant_of(machine));
     return machine;
 }
 

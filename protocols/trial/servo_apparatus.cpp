@@ -25,7 +25,7 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
     const engine::DeviceTraits traits = device.traits();
     const double period = 1.0 / apparatus.rate_hz;
     engine::SafetyLimits limits{.period = period,
-                                .most = apparatus.force_limit,
+                                .max_force = apparatus.force_limit,
                                 .ramp_step = engine::ramp_step(apparatus.force_ramp, period),
                                 .slew = safety.slew_limit * period,
                                 .stiffness = apparatus.stiffness};
@@ -37,8 +37,8 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
         limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
         limits.energy = safety.energy_limit;
         limits.damping = std::max(traits.damping.value_or(0.0),
-                                  engine::least_damping(apparatus.stiffness, period,
-                                                        traits.delay_ticks, apparatus.damping));
+                                  engine::min_damping(apparatus.stiffness, period,
+                                                      traits.delay_ticks, apparatus.damping));
         limits.delay_ticks = traits.delay_ticks;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
         limits.watch_encoders = true;

@@ -5,7 +5,7 @@
 BEGIN {
     links["engine"] = "glm::glm fmt::fmt Threads::Threads PkgConfig::SODIUM PkgConfig::COMEDI"
     links["stimuli"] = "palpate::engine"
-    links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus"
+    links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus Boost::headers"
     links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ Boost::headers" \
                     " PostgreSQL::PostgreSQL palpate::xxhash"
     links["ui"] = "palpate::data CLI11::CLI11 SDL2::SDL2 PkgConfig::SDL2_TTF PkgConfig::SDL2_IMAGE"

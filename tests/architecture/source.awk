@@ -15,7 +15,7 @@ BEGIN {
     }
 
     # Where a library's headers may be included: a room, or a folder of one. In .cpp files only, but
-    # for glm and fmt, whose values are part of our own interfaces.
+    # for glm, fmt and Boost's whole numbers, whose values are part of our own interfaces.
     where["glm"] = "engine stimuli protocols data ui"
     where["fmt"] = "engine/base protocols data ui"
     where["toml++"] = "protocols"
@@ -23,6 +23,7 @@ BEGIN {
     where["SQLite"] = "data"
     where["zlib"] = "data"
     where["Boost"] = "data"
+    where["Boost.Multiprecision"] = "protocols/order"
     where["xxHash"] = "data"
     where["libpq"] = "data"
     where["SDL2"] = "ui"
@@ -110,6 +111,7 @@ function library_of(path) {
     if (path ~ /^sodium(\.h|\/)/) return "libsodium"
     if (path ~ /^sqlite3(ext)?\.h$/) return "SQLite"
     if (path ~ /^boost\/math\//) return "Boost"
+    if (path ~ /^boost\/multiprecision\//) return "Boost.Multiprecision"
     if (path ~ /^(zlib|zconf)\.h$/) return "zlib"
     if (path ~ /^xxh(ash|3)\.h$/) return "xxHash"
     if (path ~ /^(libpq|pq|postgresql)\/|^libpq-fe\.h$/) return "libpq"
@@ -126,7 +128,7 @@ function check_library(path,   library) {
     if (library == "") breach("<" path "> is of no library that the guard knows")
     else if (!listed(room, where[library]) && !listed(room "/" folder, where[library]))
         breach("<" path ">: " library " belongs to " where[library])
-    else if (header && library != "glm" && library != "fmt")
+    else if (header && library != "glm" && library != "fmt" && library != "Boost.Multiprecision")
         breach("<" path ">: " library " stays out of headers")
 }
 

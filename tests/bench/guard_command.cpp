@@ -7,10 +7,10 @@
 
 #include "engine/device/drivers/serial_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
-#include "engine/device/emulator/guided_hand.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
 #include "tests/support/emulated_machine.hpp"
+#include "tests/support/guided_hand.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/random.hpp"
 
@@ -77,8 +77,9 @@ int guard_command(const std::vector<std::string>& arguments) {
         csv << "machine,end,kills,p50_ms,p99_ms,worst_ms\n";
     }
     const Calibration machine_calibration = tests::emulated_calibration();
-    const EmulatedBoard board(machine_calibration,
-                              [&] { return std::make_unique<GuidedHand>(machine_calibration); });
+    const EmulatedBoard board(machine_calibration, [&] {
+        return std::make_unique<tests::GuidedHand>(machine_calibration);
+    });
     std::cout << machine() << "\nfrom a signal to zero torque at an emulated board, ms\n";
     std::printf("%-34s %7s %9s %9s %9s\n", "palpate", "times", "p50", "p99", "worst");
     for (const auto& [name, signal] : {std::pair{"killed (kill -9)", SIGKILL},

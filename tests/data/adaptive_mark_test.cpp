@@ -108,23 +108,22 @@ SessionEnd run(Database& database,
                        {.title = spec.protocol.title,
                         .participant = spec.key.participant,
                         .trials = spec.plan.trials.size(),
-                        .next = opened.pending.answered(),
+                        .next = opened.progress.pending().answered(),
                         .simulated = true,
                         .device = "test"},
-                       opened.pending,
+                       opened.progress,
                        {.apparatus = apparatus,
                         .observer = seed ? marking : plain,
                         .recorder = recorder,
                         .pause = [](double) {},
-                        .desk = &desk},
-                       opened.runs);
+                        .desk = &desk});
 }
 
 /// Every attempt in its order: what was felt, answered and taken in by the rule, and what was marked when.
 std::string attempts(Database& database) {
     std::string text;
-    for (const char* sql : {"SELECT trial_id, plan_position, outcome, invalid_reason, slip_decay, "
-                            "heal_decay, ticks, path_length_m FROM trial ORDER BY trial_id",
+    for (const char* sql : {"SELECT trial_id, plan_position, outcome, invalid_reason, "
+                            "ticks, path_length_m FROM trial ORDER BY trial_id",
                             "SELECT * FROM presentation ORDER BY trial_id, interval",
                             "SELECT * FROM response ORDER BY trial_id",
                             "SELECT * FROM adaptive_step ORDER BY trial_id",

@@ -9,12 +9,12 @@
 #include "protocols/trial/object_hash.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/adaptive_export.hpp"
-#include "data/store/content_hash.hpp"
 #include "data/store/people.hpp"
 #include "data/sync/merge.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/process.hpp"
 
@@ -37,10 +37,9 @@ public:
 
     Killer(protocols::Recorder& recorder, int at) : recorder_(recorder), left_(at) {}
 
-    TrialId begin_trial(const protocols::PlannedTrial& planned,
-                        const protocols::SceneConstants& scene) override {
+    TrialId begin_trial(const protocols::PlannedTrial& planned) override {
         step();
-        return recorder_.begin_trial(planned, scene);
+        return recorder_.begin_trial(planned);
     }
     void begin_interval(TrialId trial,
                         const protocols::Presentation& felt,
@@ -56,9 +55,7 @@ public:
         recorder_.end_trial(trial, result);
         step();
     }
-    void event(std::string_view kind, std::string_view text) override {
-        recorder_.event(kind, text);
-    }
+    void event(const protocols::Event& event) override { recorder_.event(event); }
     void finish_session() override { recorder_.finish_session(); }
 
 private:
@@ -312,7 +309,7 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
     const std::int64_t answered = count(database, "response");
     spec.resume = how;
     const auto last = [&] {
-        return data::open_session(database, spec).pending.order();
+        return data::open_session(database, spec).progress.pending().order();
     }();
     CHECK(std::is_sorted(last.begin(), last.end()));
     const std::int64_t marked = count(database, "trial WHERE invalid_reason IS NOT NULL");

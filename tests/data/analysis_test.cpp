@@ -84,7 +84,7 @@ TEST_CASE("the summary counts main trials of each kind apart, and says what is s
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         for (const auto& planned : spec.plan.trials) {  // the real one always says "convex"
             const std::size_t object = kind == data::RunKind::real ? 2 : planned.condition.object;
-            const auto id = recorder.begin_trial(planned, {});
+            const auto id = tests::begin_trial(recorder, spec.protocol, planned);
             recorder.end_trial(id, tests::answered(object, object == planned.condition.object));
         }
     }
@@ -112,7 +112,7 @@ TEST_CASE(
     int answers = 0;
     for (const auto& planned : spec.plan.trials) {
         const auto object = static_cast<std::size_t>(random.below(3));
-        recorder.end_trial(recorder.begin_trial(planned, {}),
+        recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned),
                            tests::answered(object, object == planned.condition.object));
         ++answers;
         const auto matrix = matrix_of(data::summary_text(database));
@@ -135,7 +135,8 @@ TEST_CASE("the two queries of the summary run as printed, also for a name with a
     const auto spec = tests::session_spec(tests::small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    recorder.end_trial(recorder.begin_trial(spec.plan.trials[0], {}), tests::answered(1, false));
+    recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
+                       tests::answered(1, false));
     const std::string text = data::example_queries(file);
     int ran = 0;
     for (std::size_t at = text.find("  sqlite3"); at != std::string::npos;

@@ -14,10 +14,12 @@ namespace {
 class DiskWithHiccup : public protocols::Recorder {
 public:
     explicit DiskWithHiccup(int failing) : failing_(failing) {}
-    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/,
-                                   const protocols::SceneConstants& /*s*/) override {
+    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override {
         return ++calls_;
     }
+    void begin_interval(protocols::TrialId /*trial*/,
+                        const protocols::Presentation& /*felt*/,
+                        const protocols::SceneConstants& /*scene*/) override {}
     void append(protocols::TrialId /*t*/, std::span<const engine::TickRecord> ticks) override {
         ++calls_;
         if (++appends_ == failing_) {
@@ -28,7 +30,7 @@ public:
     void end_trial(protocols::TrialId /*t*/, const protocols::TrialResult& /*r*/) override {
         ++calls_;
     }
-    void event(std::string_view /*k*/, std::string_view /*t*/) override { ++calls_; }
+    void event(const protocols::Event& /*event*/) override { ++calls_; }
     void finish_session() override { ++calls_; }
 
     [[nodiscard]] int calls() const { return calls_; }
@@ -63,14 +65,14 @@ TEST_CASE("after one lost append nothing is stored any more, and every call says
     DiskWithHiccup disk(failing);
     {
         data::AsyncRecorder recorder(disk);
-        const auto id = recorder.begin_trial({}, {});
+        const auto id = recorder.begin_trial({});
         const bool refused = append_all(recorder, kTicks);
         CAPTURE(refused);
         const std::function<void()> calls[] = {
             [&] { recorder.end_trial(id, tests::answered(0, true)); },
             [&] { recorder.append(id, tests::random_ticks(1, 10, kTicks)); },
-            [&] { recorder.event("break", "before the trial at position 1"); },
-            [&] { static_cast<void>(recorder.begin_trial({}, {})); },
+            [&] { recorder.event({.text = "somebody noted it"}); },
+            [&] { static_cast<void>(recorder.begin_trial({})); },
             [&] {
                 recorder.finish_session();
             }};

@@ -1,6 +1,6 @@
-#include "data/store/content_hash.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
@@ -17,11 +17,11 @@ void fill(Database& database, std::uint64_t seed) {
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     for (const auto& planned : spec.plan.trials) {
-        const auto id = recorder.begin_trial(planned, {});
+        const auto id = tests::begin_trial(recorder, spec.protocol, planned);
         recorder.append(id, tests::random_ticks(planned.position, 4500));
         recorder.end_trial(id, tests::answered(0, planned.condition.object == 0, 4500));
     }
-    recorder.event("note", "a test");
+    recorder.event({.text = "a test"});
     recorder.finish_session();
 }
 
@@ -34,22 +34,22 @@ TEST_CASE("two equal sessions have one hash, whatever the clock and the machine'
     Database b(folder.file("b.sqlite"), Access::write);
     fill(a, 1);
     fill(b, 2);
-    CHECK(data::content_hash(a) == data::content_hash(b));
+    CHECK(tests::content_hash(a) == tests::content_hash(b));
     a.execute("UPDATE trial SET started_utc = 'yesterday'; VACUUM");
-    CHECK(data::content_hash(a) == data::content_hash(b));
+    CHECK(tests::content_hash(a) == tests::content_hash(b));
 }
 
 TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
     const TemporaryFolder folder;
     Database database(folder.file("a.sqlite"), Access::write);
     fill(database, 1);
-    const std::string before = data::content_hash(database);
+    const std::string before = tests::content_hash(database);
     const char* edits[] = {
         "UPDATE response SET correct = 1 - correct WHERE trial_id = 3",
         "UPDATE response SET reaction_s = reaction_s + 1e-15 WHERE trial_id = 1",
         "UPDATE plan SET planned_object = 'straight' WHERE plan_position = 2",
         "UPDATE session SET seed = '8'",
-        "UPDATE trial SET slip_decay = 0.5 WHERE trial_id = 2",
+        "UPDATE presentation SET slip_decay = 0.5 WHERE trial_id = 2",
         "UPDATE event SET text = 'another' WHERE event_kind = 'note'",
         "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096",
         "UPDATE picture SET picture_place = 2 - picture_place + 10",
@@ -58,8 +58,8 @@ TEST_CASE("any change of what was recorded changes the hash", "[store][law]") {
         CAPTURE(sql);
         database.execute("SAVEPOINT edit");
         database.execute(sql);
-        CHECK(data::content_hash(database) != before);
+        CHECK(tests::content_hash(database) != before);
         database.execute("ROLLBACK TO edit; RELEASE edit");
     }
-    CHECK(data::content_hash(database) == before);
+    CHECK(tests::content_hash(database) == before);
 }

@@ -15,9 +15,8 @@ namespace {
 void begin(data::Database& database, std::int64_t session) {
     database
         .prepare(
-            "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
-            "heal_decay, started_utc) SELECT ?1, 0, 1 + count(*), 'interrupted', 0.0, 0.0, '' FROM "
-            "trial WHERE session_id = ?1")
+            "INSERT INTO trial (session_id, plan_position, attempt, outcome, started_utc)"
+            " SELECT ?1, 0, 1 + count(*), 'interrupted', '' FROM trial WHERE session_id = ?1")
         .bind(1, session)
         .run();
 }
@@ -143,8 +142,8 @@ TEST_CASE("whoever leaves before the first trial uses up no row, and is planned 
     CHECK(orders.size() == rows - 1);
     // The last row is left for whoever comes back, whichever it was before; a note on the session stays.
     database.execute(
-        "INSERT INTO event (session_id, event_kind, text, at_utc) SELECT min(event_id), 'note', "
-        "'late', '' FROM session");
+        "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) SELECT"
+        " min(session_id), 'note', 'late', '', 0 FROM session");
     orders.insert(open(database, protocol, "LEFT", data::RunKind::real));
     CHECK(orders.size() == rows);
     // With other words too: nobody has felt anything of it yet.

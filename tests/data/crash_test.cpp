@@ -21,7 +21,7 @@ namespace {
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     for (std::size_t i = opened.next; i < spec.plan.trials.size(); ++i) {
-        const auto id = recorder.begin_trial(spec.plan.trials[i], {});
+        const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[i]);
         for (std::int64_t chunk = 0; chunk < 4; ++chunk) {
             recorder.append(id, tests::random_ticks(i, 256, 256 * chunk));
             if (!recorder.save()) {

@@ -106,7 +106,7 @@ std::string attempts(std::uint64_t seed, int stop_every) {
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         OperatorDesk desk;
         Marking observer(seed, apparatus, desk, stop_every);
-        static_cast<void>(run_session(spec.protocol, spec.plan, {}, opened.pending,
+        static_cast<void>(run_session(spec.protocol, spec.plan, {}, opened.progress,
                                       {.apparatus = apparatus,
                                        .observer = observer,
                                        .recorder = recorder,
@@ -203,7 +203,7 @@ TEST_CASE("verify finds nothing wrong in a session with marks and pauses on ever
         SessionView view;
         view.trials = spec.plan.trials.size();
         view.simulated = true;
-        const SessionEnd end = run_session(spec.protocol, spec.plan, view, opened.pending,
+        const SessionEnd end = run_session(spec.protocol, spec.plan, view, opened.progress,
                                            {.apparatus = apparatus,
                                             .observer = observer,
                                             .recorder = recorder,

@@ -71,7 +71,7 @@ private:
     const auto opened = data::open_session(database, spec);
     Telling disk(database, spec.protocol, opened.id, pipe);
     data::AsyncRecorder recorder(disk);
-    const auto id = recorder.begin_trial(spec.plan.trials[opened.next], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[opened.next]);
     const auto start = std::chrono::steady_clock::now();
     for (std::int64_t tick = 0; tick < 8192; ++tick) {
         std::this_thread::sleep_until(start + tick * 1ms);
@@ -169,7 +169,7 @@ TEST_CASE("a lock of another program keeps no tick and no answer back for good",
     const auto session = data::open_session(database, spec).id;
     data::SqliteRecorder disk(database, spec.protocol, session);
     data::AsyncRecorder recorder(disk, 5ms);
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     const auto ticks = tests::random_ticks(1, 9000);
     Database analyst(file, Access::write);
     analyst.execute("BEGIN IMMEDIATE");
@@ -199,7 +199,7 @@ TEST_CASE("ticks that come slowly are saved by the clock, not by their number", 
     const auto session = data::open_session(database, spec).id;
     data::SqliteRecorder disk(database, spec.protocol, session);
     data::AsyncRecorder recorder(disk, 5ms);
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     for (std::int64_t tick = 0; tick < 5; ++tick) {
         recorder.append(id, tests::random_ticks(1, 1, tick));
         wait_for_ticks(file, tick + 1);  // nothing else is appended
@@ -244,10 +244,10 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
     const auto session = data::open_session(database, spec).id;
     data::SqliteRecorder recorder(database, spec.protocol, session);
     for (const auto& planned : spec.plan.trials) {
-        const auto id = recorder.begin_trial(planned, {});
+        const auto id = tests::begin_trial(recorder, spec.protocol, planned);
         recorder.append(id, tests::random_ticks(planned.position, 50));
         recorder.end_trial(id, tests::answered(0, planned.condition.object == 0, 50));
-        recorder.event("note", "after it");
+        recorder.event({.text = "after it"});
     }
     recorder.finish_session();
     REQUIRE(data::chain_breaks(database, session).empty());
@@ -267,8 +267,8 @@ TEST_CASE("every edit of a chained session is evident, and a mark is a link of i
         "UPDATE session SET newest_seal = NULL",
         "DELETE FROM event WHERE event_kind = 'mark'; UPDATE trial SET invalid_reason = NULL",
         "DELETE FROM event WHERE event_id = 1",
-        "INSERT INTO event (event_id, session_id, event_kind, text, at_utc) VALUES (0, 1, 'a', "
-        "'b', '')",
+        "INSERT INTO event (event_id, session_id, event_kind, text, at_utc, trials_begun) "
+        "VALUES (0, 1, 'note', 'b', '', 0)",
         "UPDATE session SET device = 'another'",
         "UPDATE session SET uuid = replace(uuid, substr(uuid, 1, 8), '00000000')",
         "UPDATE session SET finished_utc = '2026'",

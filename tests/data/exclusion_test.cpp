@@ -58,7 +58,8 @@ void run(data::Database& database,
         if (planned.phase == protocols::Phase::catch_trial) {
             const std::size_t right = felt == 3 ? 0 : 2;  // concave is place 0, convex 2
             const std::size_t said = due(catches++, habits.catches) ? right : 1;
-            recorder.end_trial(recorder.begin_trial(planned, {}), tests::answered(said, false));
+            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned),
+                               tests::answered(said, false));
             continue;
         }
         const bool right = due(main, habits.correct);
@@ -69,7 +70,7 @@ void run(data::Database& database,
         if (due(main, habits.invalid)) {
             result.invalid = "short_contact";
         }
-        recorder.end_trial(recorder.begin_trial(planned, {}), result);
+        recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned), result);
         ++main;
     }
     if (habits.finishes) {

@@ -62,9 +62,8 @@ std::string a_database(const TemporaryFolder& folder) {
                                {.handedness = 60, .details = {{"age", "SECRET age"}}});
         database
             .prepare(
-                "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
-                "heal_decay, started_utc, done_s) VALUES (?1, 0, 1, 'complete', 0.1, 0.3, ?2, "
-                "1.25)")
+                "INSERT INTO trial (session_id, plan_position, attempt, outcome, started_utc,"
+                " done_s) VALUES (?1, 0, 1, 'complete', ?2, 1.25)")
             .bind(1, session)
             .bind(2, std::string_view(data::utc_now()))
             .run();

@@ -21,9 +21,9 @@ class Killing : public Recorder {
 public:
     Killing(Recorder& recorder, int calls) : recorder_(recorder), calls_(calls) {}
 
-    TrialId begin_trial(const PlannedTrial& planned, const SceneConstants& scene) override {
+    TrialId begin_trial(const PlannedTrial& planned) override {
         call();
-        return recorder_.begin_trial(planned, scene);
+        return recorder_.begin_trial(planned);
     }
     void append(TrialId trial, std::span<const engine::TickRecord> ticks) override {
         recorder_.append(trial, ticks);
@@ -33,9 +33,14 @@ public:
         recorder_.end_trial(trial, result);
         call();
     }
-    void event(std::string_view kind, std::string_view text) override {
+    void begin_interval(TrialId trial,
+                        const Presentation& felt,
+                        const SceneConstants& scene) override {
+        recorder_.begin_interval(trial, felt, scene);
+    }
+    void event(const Event& event) override {
         call();
-        recorder_.event(kind, text);
+        recorder_.event(event);
     }
     void finish_session() override { recorder_.finish_session(); }
 
@@ -81,13 +86,13 @@ int run_to_the_end(Database& database,
         }
         known.reset();
         const data::OpenedSession opened = data::open_session(database, spec);
-        CHECK(opened.next == opened.pending.next());
+        CHECK(opened.next == opened.progress.pending().next());
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         Killing killing(recorder, kill_after > 0 && kills < 8 ? random.below(kill_after) : -1);
         tests::FaultyApparatus apparatus(world);
         tests::Patient observer;
         try {
-            const SessionEnd end = run_session(spec.protocol, spec.plan, {}, opened.pending,
+            const SessionEnd end = run_session(spec.protocol, spec.plan, {}, opened.progress,
                                                {.apparatus = apparatus,
                                                 .observer = observer,
                                                 .recorder = killing,
@@ -148,7 +153,7 @@ TEST_CASE(
     result.summary.slewed_ticks = 3;
     result.summary.stale_ticks = 2;
     result.fault = Fault{.cause = engine::Trip::device_lost, .text = "gone", .last = ticks};
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.end_trial(id, result);  // no tick came through the ring
 
     auto row = database.prepare("SELECT * FROM fault_tick ORDER BY tick");
@@ -170,7 +175,7 @@ TEST_CASE(
         CHECK(same(7, double{tick.lateness_us}));
         CHECK(row.integer(8) == tick.flags);
         CHECK(row.text(9) == to_string(tick.mode));
-        CHECK(row.integer(10) == tick.feature);
+        CHECK(row.integer(10) == tick.segment);
         CHECK(same(12, tick.hip.x));
         CHECK(same(13, tick.hip.y));
         CHECK(same(18, tick.force.x));
@@ -191,7 +196,7 @@ TEST_CASE("a fault belongs to a faulted trial, and a refused result leaves nothi
     const auto spec = tests::session_spec(tests::small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     TrialResult result = tests::answered(0, true);
     result.fault =
         Fault{.cause = engine::Trip::late, .text = {}, .last = tests::random_ticks(1, 5)};

@@ -85,7 +85,7 @@ void run_by_turns(const std::string& file, const data::SessionSpec& spec) {
             return;
         }
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-        const auto id = recorder.begin_trial(spec.plan.trials[opened.next], {});
+        const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[opened.next]);
         recorder.append(id, tests::random_ticks(opened.next, 300));
         usleep(3000);  // the others try to come in
         recorder.end_trial(id, tests::answered(0, true, 300));

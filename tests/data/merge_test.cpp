@@ -52,7 +52,8 @@ std::string content(const std::string& file) {
           "FROM trace_chunk WHERE trace_chunk.trial_id = trial.trial_id ORDER BY first_tick)) FROM "
           "trial JOIN session USING (session_id) LEFT JOIN response USING (trial_id) ORDER BY "
           "uuid, trial.trial_id",
-          "SELECT uuid, event.event_kind, at_utc, plan_position, attempt, text FROM event JOIN "
+          "SELECT uuid, event.event_kind, at_utc, trial.plan_position, attempt, text FROM event "
+          "JOIN "
           "session USING (session_id) LEFT JOIN trial USING (trial_id) ORDER BY uuid, "
           "event.event_id"}) {
         auto row = database.prepare(sql);
@@ -173,9 +174,9 @@ TEST_CASE(
     {
         Database database(rig.file(), Access::write);
         database.execute(
-            "INSERT INTO trial (session_id, plan_position, attempt, outcome, slip_decay, "
-            "heal_decay, started_utc, done_s, invalid_reason) VALUES (1, 0, 1, 'complete', 0.5, "
-            "0.5, '2026', 1.0, 'talked');INSERT INTO response (trial_id, chosen_place, "
+            "INSERT INTO trial (session_id, plan_position, attempt, outcome, "
+            "started_utc, done_s, invalid_reason) VALUES (1, 0, 1, 'complete', "
+            "'2026', 1.0, 'talked');INSERT INTO response (trial_id, chosen_place, "
             "chosen_object, correct, reaction_s, reaction_uncertainty_s, input, answer_code) "
             "VALUES (1, 0, "
             "'straight', 1, 1.0, 0.0, 'key', 0);INSERT INTO trace_chunk (trial_id, interval, "

@@ -44,11 +44,11 @@ void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, st
         auto opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         for (int i = 0; i < at_a_time; ++i) {
-            if (opened.pending.empty()) {
+            if (opened.progress.pending().empty()) {
                 recorder.finish_session();
                 return;
             }
-            const std::size_t at = opened.pending.next();
+            const std::size_t at = opened.progress.pending().next();
             auto attempt = database.prepare(
                 "SELECT count(*) FROM response JOIN trial USING (trial_id) WHERE plan_position = "
                 "?1");
@@ -56,12 +56,18 @@ void run_on(Database& database, const data::SessionSpec& spec, int at_a_time, st
             auto result = tests::answered(0, false);
             result.invalid = reason_of(at, attempt.integer(0), seed);
             attempt.reset();
-            recorder.end_trial(recorder.begin_trial(spec.plan.trials[at], {}), result);
-            opened.pending.note(at, result.outcome, result.invalid.empty());
+            const auto trial = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[at]);
+            recorder.end_trial(trial, result);
+            opened.progress = apply(std::move(opened.progress), {.trial = trial,
+                                                                 .position = at,
+                                                                 .outcome = result.outcome,
+                                                                 .counts = result.invalid.empty()});
         }
-        static_cast<void>(recorder.begin_trial(
-            spec.plan.trials[opened.pending.empty() ? 0 : opened.pending.next()],
-            {}));  // and is cut off
+        static_cast<void>(tests::begin_trial(
+            recorder, spec.protocol,
+            spec.plan.trials[opened.progress.pending().empty()
+                                 ? 0
+                                 : opened.progress.pending().next()]));  // and is cut off
     }
 }
 
@@ -108,10 +114,11 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     auto bad = tests::answered(1, true);
     bad.invalid = "path 12.0 mm, below 160 mm";
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.end_trial(id, bad);
     CHECK_THAT(data::summary_text(database), ContainsSubstring("1 answered trial is invalid"));
-    recorder.end_trial(recorder.begin_trial(spec.plan.trials[1], {}), tests::answered(1, true));
+    recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[1]),
+                       tests::answered(1, true));
     CHECK(lines(database,
                 "SELECT trial_id, invalid_reason FROM analysis_trial WHERE invalid_reason IS NOT "
                 "NULL") == fmt::format("{} path 12.0 mm, below 160 mm \n", id));
@@ -122,7 +129,7 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
     protocols::TrialResult aborted;
     aborted.outcome = protocols::Outcome::aborted;
     aborted.invalid = "x";
-    const auto other = recorder.begin_trial(spec.plan.trials[2], {});
+    const auto other = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[2]);
     CHECK_THROWS_AS(recorder.end_trial(other, aborted), std::logic_error);
 }
 
@@ -135,12 +142,14 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
         const auto opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         for (std::size_t i = 0; i < 3; ++i) {
-            recorder.end_trial(recorder.begin_trial(spec.plan.trials[i], {}),
+            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[i]),
                                tests::answered(0, false));
         }
         protocols::TrialResult aborted;
         aborted.outcome = protocols::Outcome::aborted;
-        recorder.end_trial(recorder.begin_trial(spec.plan.trials[3], {}), aborted);
+        recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[3]),
+                           aborted);
+        CHECK_THROWS_WITH(data::mark_invalid(database, 2, "x"), ContainsSubstring("runs now"));
     }
     CHECK_THROWS_WITH(data::mark_invalid(database, 99, "x"), ContainsSubstring("no trial 99"));
     CHECK_THROWS_WITH(data::mark_invalid(database, 4, "x"), ContainsSubstring("aborted"));
@@ -149,14 +158,14 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
     CHECK(lines(database, "SELECT trial_id FROM analysis_trial WHERE counts ORDER BY 1") ==
           "1 \n3 \n");
     CHECK(lines(database, "SELECT trial_id, text FROM event WHERE event_kind = 'mark'") ==
-          "2 after 4 attempts: she sneezed \n");
+          "2 she sneezed \n");
     {
         const auto opened = data::open_session(database, spec);
-        CHECK(opened.pending.has(1));
-        CHECK_FALSE(opened.pending.has(0));
-        CHECK_FALSE(opened.pending.has(2));
+        CHECK(opened.progress.pending().has(1));
+        CHECK_FALSE(opened.progress.pending().has(0));
+        CHECK_FALSE(opened.progress.pending().has(2));
         // What was aborted stays where it was; the marked one is somewhere after where it might have been next.
-        std::vector<std::size_t> others = opened.pending.order();
+        std::vector<std::size_t> others = opened.progress.pending().order();
         std::erase(others, 1U);
         CHECK(others == std::vector<std::size_t>{3, 4, 5});
     }
@@ -223,7 +232,7 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
             const auto spec = tests::session_spec(tests::small_protocol(), "P1", number);
             const auto opened = data::open_session(database, spec);
             data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-            recorder.end_trial(recorder.begin_trial(spec.plan.trials[0], {}),
+            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
                                tests::answered(0, false));
         }
         auto other = tests::small_protocol();
@@ -247,7 +256,7 @@ TEST_CASE("participant, note and mark work from the command line and refuse with
     CHECK(lines(database,
                 "SELECT session_number, event.event_kind, text FROM event JOIN session USING "
                 "(session_id) WHERE event.event_kind <> 'participant' ORDER BY event.event_id") ==
-          "2 note tired \n1 note early \n1 mark after 1 attempts: bell rang \n");
+          "2 note tired \n1 note early \n1 mark bell rang \n");
     CHECK(lines(database, "SELECT count(*) FROM participant") == "1 \n");
 }
 

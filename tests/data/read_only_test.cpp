@@ -6,10 +6,10 @@
 #include <unistd.h>
 
 #include "data/analysis/summary.hpp"
-#include "data/store/content_hash.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
@@ -23,7 +23,7 @@ namespace {
 
 /// What the database says of itself.
 std::string contents(Database& database) {
-    return data::summary_text(database) + data::content_hash(database);
+    return data::summary_text(database) + tests::content_hash(database);
 }
 
 std::string contents(const std::string& file) {
@@ -37,7 +37,7 @@ std::string record(const std::string& file) {
     const auto spec = tests::session_spec(tests::small_protocol());
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.append(id, tests::random_ticks(1, 300));
     recorder.end_trial(id, tests::answered(0, true, 300));
     return contents(database);
@@ -104,7 +104,7 @@ std::string without_rights(const Work& work) {
 
 std::string hash_of(const std::string& file) {
     Database database(file, Access::read);
-    return data::content_hash(database);
+    return tests::content_hash(database);
 }
 
 /// Records into `file` and is killed in the middle of a trial. Most is in the log only.
@@ -115,9 +115,10 @@ std::string record_and_die(const std::string& file) {
         const auto spec = tests::session_spec(tests::small_protocol());
         const auto opened = data::open_session(rig, spec);
         data::SqliteRecorder recorder(rig, spec.protocol, opened.id);
-        recorder.append(recorder.begin_trial(spec.plan.trials[0], {}), tests::random_ticks(1, 512));
+        recorder.append(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]),
+                        tests::random_ticks(1, 512));
         recorder.save();
-        return data::content_hash(rig);
+        return tests::content_hash(rig);
     });
 }
 

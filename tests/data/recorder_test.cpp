@@ -51,17 +51,17 @@ void check_same(const std::vector<engine::TickRecord>& stored,
 
 class FullDisk : public protocols::Recorder {
 public:
-    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/,
-                                   const protocols::SceneConstants& /*s*/) override {
-        return 1;
-    }
+    protocols::TrialId begin_trial(const protocols::PlannedTrial& /*p*/) override { return 1; }
+    void begin_interval(protocols::TrialId /*trial*/,
+                        const protocols::Presentation& /*felt*/,
+                        const protocols::SceneConstants& /*scene*/) override {}
     void append(protocols::TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {
         throw data::StoreError("the disk is full");
     }
     void end_trial(protocols::TrialId /*t*/, const protocols::TrialResult& /*r*/) override {
         ++ended;
     }
-    void event(std::string_view /*k*/, std::string_view /*t*/) override {}
+    void event(const protocols::Event& /*event*/) override {}
     void finish_session() override {}
     int ended = 0;
 };
@@ -80,7 +80,7 @@ TEST_CASE("ticks come back to the bit, in chunks of 4096 whatever the pace", "[s
         data::AsyncRecorder thread(rig.recorder);
         protocols::Recorder& recorder =
             async ? static_cast<protocols::Recorder&>(thread) : rig.recorder;
-        id = recorder.begin_trial(rig.spec.plan.trials[0], {});
+        id = tests::begin_trial(recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
         append_in_bits(recorder, id, ticks, seed);
         recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(ticks.size())));
     }
@@ -95,7 +95,7 @@ TEST_CASE("after a trial the database file alone is whole", "[store][law]") {
     const TemporaryFolder folder;
     Rig rig(folder);
     const auto ticks = tests::random_ticks(1, 700);
-    const auto id = rig.recorder.begin_trial(rig.spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
     rig.recorder.append(id, ticks);
     rig.recorder.end_trial(id, tests::answered(0, true));
     std::filesystem::copy(folder.file("a.sqlite"), folder.file("copy.sqlite"));  // without the log
@@ -110,7 +110,7 @@ TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
     auto looking = analyst.prepare("SELECT * FROM plan");
     REQUIRE(looking.step());  // holds a read transaction open
     const auto ticks = tests::random_ticks(2, 1000);
-    const auto id = rig.recorder.begin_trial(rig.spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
     rig.recorder.append(id, ticks);
     CHECK_NOTHROW(rig.recorder.end_trial(id, tests::answered(0, true)));
     check_same(data::read_trace(rig.database, id), ticks);
@@ -119,7 +119,7 @@ TEST_CASE("an analyst who reads does not stop the rig", "[store][law]") {
 TEST_CASE("a full disk is said, and everything acknowledged before it is there", "[store][law]") {
     const TemporaryFolder folder;
     Rig rig(folder);
-    const auto first = rig.recorder.begin_trial(rig.spec.plan.trials[0], {});
+    const auto first = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
     const auto ticks = tests::random_ticks(3, 512);
     rig.recorder.append(first, ticks);
     rig.recorder.end_trial(first, tests::answered(0, true));
@@ -128,7 +128,8 @@ TEST_CASE("a full disk is said, and everything acknowledged before it is there",
     rig.database.execute(
         ("PRAGMA max_page_count = " + std::to_string(pages.integer(0) + 60)).c_str());
     pages.reset();
-    const auto second = rig.recorder.begin_trial(rig.spec.plan.trials[1], {});
+    const auto second =
+        tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[1]);
     std::size_t stored = 0;
     std::string said;
     try {
@@ -156,7 +157,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     Rig rig(folder);
     const auto ticks = tests::random_ticks(3, 5000);
-    const auto id = rig.recorder.begin_trial(rig.spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
     rig.recorder.append(id, std::span(ticks).first(4500));
     if (moved) {
         std::filesystem::rename(folder.file("a.sqlite"), folder.file("b.sqlite"));
@@ -166,7 +167,7 @@ TEST_CASE(
     rig.recorder.append(id, std::span(ticks).subspan(4500));
     CHECK_THROWS_WITH(rig.recorder.end_trial(id, tests::answered(0, true, 5000)),
                       ContainsSubstring("a.sqlite: it was moved or deleted"));
-    CHECK_THROWS_WITH(rig.recorder.begin_trial(rig.spec.plan.trials[1], {}),
+    CHECK_THROWS_WITH(tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[1]),
                       ContainsSubstring("put it back"));
     if (moved) {
         Database there(folder.file("b.sqlite"), Access::read);
@@ -178,7 +179,7 @@ TEST_CASE("what fails on the writing thread is heard of, and nothing is stored a
           "[store][law]") {
     FullDisk disk;
     data::AsyncRecorder recorder(disk);
-    const auto id = recorder.begin_trial({}, {});
+    const auto id = recorder.begin_trial({});
     const auto ticks = tests::random_ticks(1, 10);
     recorder.append(id, ticks);
     CHECK_THROWS_WITH(recorder.end_trial(id, tests::answered(0, true)),
@@ -189,7 +190,7 @@ TEST_CASE("what fails on the writing thread is heard of, and nothing is stored a
 TEST_CASE("a damaged or missing chunk is reported, never averaged", "[store][law]") {
     const TemporaryFolder folder;
     Rig rig(folder);
-    const auto id = rig.recorder.begin_trial(rig.spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(rig.recorder, rig.spec.protocol, rig.spec.plan.trials[0]);
     rig.recorder.append(id, tests::random_ticks(1, 9000));
     rig.recorder.end_trial(id, tests::answered(0, true));
     CHECK_THROWS_WITH(data::read_trace(rig.database, 99), ContainsSubstring("no trial 99"));

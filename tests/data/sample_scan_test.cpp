@@ -218,7 +218,8 @@ TEST_CASE(
     // Where the session says that ticks were lost, what is left can be had.
     database.execute(
         "DELETE FROM trace_chunk WHERE trial_id = 4 AND first_tick = 4096;INSERT INTO event "
-        "(session_id, event_kind, text, at_utc) VALUES (1, 'ticks lost', '4096', '')");
+        "(session_id, event_kind, text, at_utc, trials_begun, count) VALUES (1, 'ticks lost', "
+        "'4096', '', 4, 4096)");
     CHECK(tests::error_of(database, "SELECT sum(count_1) FROM sample WHERE trial_id = 4").empty());
 }
 

@@ -26,8 +26,8 @@ struct Wild {
         const auto opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
         for (std::size_t i = 0; i < sizes.size(); ++i) {
-            const auto id =
-                recorder.begin_trial(spec.plan.trials[i], {.slip_decay = 0.9, .heal_decay = 0.9});
+            const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[i],
+                                               {.slip_decay = 0.9, .heal_decay = 0.9});
             recorder.append(id, tests::random_ticks(11 + i, sizes[i]));
             recorder.end_trial(id, tests::answered(0, true, static_cast<std::int64_t>(sizes[i])));
             ids.push_back(id);

@@ -59,7 +59,7 @@ struct Run {
     SessionEnd with(Observer& observer) {
         const data::OpenedSession opened = data::open_session(database, spec);
         data::SqliteRecorder recorder(database, spec.protocol, opened.id);
-        return run_session(spec.protocol, spec.plan, {}, opened.pending,
+        return run_session(spec.protocol, spec.plan, {}, opened.progress,
                            {.apparatus = apparatus,
                             .observer = observer,
                             .recorder = recorder,
@@ -93,7 +93,8 @@ constexpr const char* kAttempts =
 /// The first trial faulted by `cause` and came again where its key says; all others went well.
 std::string one_fault(const data::SessionSpec& spec, const std::string& cause) {
     std::string text = "0 faulted " + cause + " \n";
-    PendingTrials pending(spec.plan, data::requeue_rule(spec));
+    PendingTrials pending(spec.plan, RequeueRule{.key = session_stream(spec),
+                                                 .most = spec.protocol.invalid.requeue_most});
     for (pending.note(0, Outcome::faulted); !pending.empty();) {
         text += std::to_string(pending.next()) + " complete - \n";
         pending.note(pending.next(), Outcome::complete);
@@ -274,7 +275,7 @@ TEST_CASE("in real time an event tells how late the ticks were, at each fault an
     } observer(apparatus);
     const data::OpenedSession opened = data::open_session(run.database, run.spec);
     data::SqliteRecorder recorder(run.database, protocol, opened.id);
-    CHECK(run_session(protocol, run.spec.plan, {}, opened.pending,
+    CHECK(run_session(protocol, run.spec.plan, {}, opened.progress,
                       {.apparatus = apparatus, .observer = observer, .recorder = recorder})
               .why == SessionEnd::Why::finished);
     CHECK(run.lines("SELECT count(*) FROM event WHERE event_kind = 'timing' AND text LIKE '% "

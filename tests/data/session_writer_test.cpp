@@ -1,7 +1,7 @@
-#include "data/store/content_hash.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 
@@ -23,7 +23,7 @@ std::string outcomes(Database& database) {
 /// From its first trial on a session is what it was begun as.
 void begin(Database& database, const data::SessionSpec& spec, std::int64_t session) {
     data::SqliteRecorder recorder(database, spec.protocol, session);
-    static_cast<void>(recorder.begin_trial(spec.plan.trials[0], {}));
+    static_cast<void>(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]));
 }
 
 }  // namespace
@@ -36,9 +36,9 @@ TEST_CASE("a session that somebody runs is refused, and its running trial goes o
     const std::int64_t session = data::open_session(rig, spec).id;
     const data::SessionLock lock(rig, session);
     data::SqliteRecorder recorder(rig, spec.protocol, session);
-    const auto trial = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto trial = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.append(trial, tests::random_ticks(1, 300));
-    const std::string before = data::content_hash(rig);
+    const std::string before = tests::content_hash(rig);
 
     Database second(folder.file("a.sqlite"), Access::write);
     auto elsewhere = spec;
@@ -48,7 +48,7 @@ TEST_CASE("a session that somebody runs is refused, and its running trial goes o
     CHECK_THROWS_WITH(data::open_session(rig, spec), ContainsSubstring("another palpate"));
 
     CHECK(outcomes(rig) == "running, events 0");
-    CHECK(data::content_hash(rig) == before);
+    CHECK(tests::content_hash(rig) == before);
     CHECK_NOTHROW(recorder.end_trial(trial, tests::answered(0, true, 300)));
     CHECK(outcomes(rig) == "complete, events 0");
 }
@@ -92,7 +92,7 @@ TEST_CASE("a session goes on only with its own seed, also when the order is the 
     const auto spec = tests::session_spec(tests::small_protocol());
     begin(database, spec, data::open_session(database, spec).id);
     static_cast<void>(data::open_session(database, spec));
-    const std::string before = data::content_hash(database);
+    const std::string before = tests::content_hash(database);
     for (const std::uint64_t seed : {spec.seed + 1, ~std::uint64_t{0}, std::uint64_t{0}}) {
         CAPTURE(seed);
         auto seeded = spec;
@@ -100,6 +100,6 @@ TEST_CASE("a session goes on only with its own seed, also when the order is the 
         CHECK_THROWS_WITH(data::open_session(database, seeded),
                           ContainsSubstring("seed 7") && ContainsSubstring("--seed"));
     }
-    CHECK(data::content_hash(database) == before);
+    CHECK(tests::content_hash(database) == before);
     CHECK_NOTHROW(data::open_session(database, spec));
 }

@@ -19,7 +19,7 @@ struct Recorded {
         const auto spec = tests::session_spec(tests::small_protocol());
         const std::int64_t session = data::open_session(database, spec).id;
         data::SqliteRecorder recorder(database, spec.protocol, session);
-        trial = recorder.begin_trial(spec.plan.trials[0], {});
+        trial = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
         recorder.append(trial, ticks);
         recorder.end_trial(trial, tests::answered(0, true, counted));
     }

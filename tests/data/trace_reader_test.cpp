@@ -23,7 +23,7 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
     const auto opened = data::open_session(database, spec);
     data::SqliteRecorder recorder(database, spec.protocol, opened.id);
     const auto ticks = tests::random_ticks(5, 5000);
-    const auto id = recorder.begin_trial(spec.plan.trials[0], {});
+    const auto id = tests::begin_trial(recorder, spec.protocol, spec.plan.trials[0]);
     recorder.append(id, ticks);
     recorder.end_trial(id, tests::answered(0, true, 5000));
 

@@ -108,14 +108,14 @@ TEST_CASE("a cusp inside a curve is a vertex that turns by pi, and nothing near 
     const NurbsCurve<2> curve(3, {0, 0, 0, 0, 1, 1, 1, 1}, points);
     const Outline chain(std::vector<NurbsCurve<2>>{curve}, false);
     REQUIRE(chain.spans().size() == 2);
-    REQUIRE(chain.joints().size() == 1);
-    CHECK(chain.joints()[0].turn == Approx(kPi).epsilon(1e-6));
-    CHECK(chain.joints()[0].kind == JointKind::convex);
+    REQUIRE(chain.seams().size() == 1);
+    CHECK(chain.seams()[0].turn == Approx(kPi).epsilon(1e-6));
+    CHECK(chain.seams()[0].kind == SeamKind::convex);
     CHECK(chain.name(1).lo == Approx(0.5).epsilon(1e-9));
-    const Vec2 tip = chain.joints()[0].point;
+    const Vec2 tip = chain.seams()[0].point;
     CHECK(tip.y == Approx(0.06).epsilon(1e-9));
     const ClosestPoint above = OutlineFeet(chain).closest(tip + Vec2{0.001, 0.002});
-    CHECK(above.place.on_joint);
+    CHECK(above.place.on_seam);
     CHECK_FALSE(above.inside);
 }
 
@@ -126,7 +126,7 @@ TEST_CASE("spans of one smooth curve join smoothly, and names lead back to its p
     const NurbsCurve<2> curve(3, {0, 0, 0, 0, 2.5, 4, 4, 4, 4}, points);
     const Outline chain(std::vector<NurbsCurve<2>>{curve}, false);
     REQUIRE(chain.spans().size() == 2);
-    CHECK(chain.joints()[0].kind == JointKind::smooth);
+    CHECK(chain.seams()[0].kind == SeamKind::smooth);
     CHECK(chain.name(0).parameter(1.0) == 2.5);
     CHECK(chain.name(1).parameter(0.5) == 3.25);
     CHECK(glm::length(chain.spans()[1].at(0.5).point - curve.at(3.25).point) < 1e-16);
@@ -172,7 +172,7 @@ TEST_CASE("a damper takes energy from a moving hand and never pulls or leaves th
         const Contact c = scene.tick(state, hand.next());
         REQUIRE(c.normal_force >= 0.0);
         const bool corner =
-            c.place.on_joint && outline->joints()[c.place.index].kind == JointKind::concave;
+            c.place.on_seam && outline->seams()[c.place.index].kind == SeamKind::concave;
         if (!corner) {
             REQUIRE(std::fabs(c.tangential_force) <= c.mu * c.normal_force * (1.0 + 1e-12));
         }

@@ -118,7 +118,7 @@ TEST_CASE("outside a convex vertex the closest feature is the vertex, with the f
         const double angle = (135.0 - i) * M_PI / 180.0;
         const ClosestPoint cp =
             feet.closest(Vec2{0.0, 0.040} + 0.01 * Vec2{std::cos(angle), std::sin(angle)});
-        CHECK(cp.place.on_joint);
+        CHECK(cp.place.on_seam);
         CHECK(cp.place.index == 0);
         CHECK_FALSE(cp.inside);
         CHECK(std::fabs(cp.place.parameter - i * M_PI / 180.0) < 1e-12);
@@ -130,7 +130,7 @@ TEST_CASE("a concave vertex is the closest feature of a fan inside the object", 
                         false);
     const OutlineFeet feet(chain);
     const ClosestPoint cp = feet.closest({0.3, -0.2});
-    CHECK(cp.place.on_joint);
+    CHECK(cp.place.on_seam);
     CHECK(cp.inside);
     CHECK(std::fabs(cp.distance - std::hypot(0.3, 0.2)) < 1e-15);
 }

@@ -57,12 +57,12 @@ Vec2 somewhere(Random& random) {
 }
 
 double volts_of(const Bench& bench, std::size_t axis) {
-    return bench.output.least +
-           bench.code[axis] * (bench.output.most - bench.output.least) / bench.output.top;
+    return bench.output.min +
+           bench.code[axis] * (bench.output.max - bench.output.min) / bench.output.top;
 }
 
 bool at_zero(const Bench& bench) {
-    const double half_code = 0.5 * (bench.output.most - bench.output.least) / bench.output.top;
+    const double half_code = 0.5 * (bench.output.max - bench.output.min) / bench.output.top;
     return std::fabs(volts_of(bench, 0)) <= half_code * (1.0 + 1e-9) &&
            std::fabs(volts_of(bench, 1)) <= half_code * (1.0 + 1e-9);
 }
@@ -120,8 +120,8 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
     const Calibration how = calibration();
     Bench bench;
     const bool narrow = random.coin();  // 2 V: the card limits before the motor
-    bench.output = {.least = narrow ? -2.0 : -10.0,
-                    .most = narrow ? 3.0 : 10.0,
+    bench.output = {.min = narrow ? -2.0 : -10.0,
+                    .max = narrow ? 3.0 : 10.0,
                     .top = random.coin() ? 4095U : 65535U};
     const auto device = plug(bench, how);
     CHECK(at_zero(bench));
@@ -145,7 +145,7 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
 
         const auto fix = *pantograph.locate(pantograph.angles(reading.counts));
         const Pantograph::Drive drive = pantograph.drive(fix, force);
-        const double code = (bench.output.most - bench.output.least) / bench.output.top;
+        const double code = (bench.output.max - bench.output.min) / bench.output.top;
         CHECK(std::fabs(volts_of(bench, 0) - 10.0 * drive.torque.x) <= 0.500001 * code);
         CHECK(std::fabs(volts_of(bench, 1) + 8.0 * drive.torque.y) <= 0.500001 * code);
         CHECK(applied.saturated == drive.saturated);
@@ -166,7 +166,7 @@ TEST_CASE("zero volts is the middle of the range and never code 0", "[device][co
         CHECK(bench.code[0] == 32768);  // (0 + 10) / 20 * 65535 = 32767.5
         CHECK(bench.code[1] == 32768);
     }
-    bench.output = {.least = -5.0, .most = 10.0, .top = 3000};
+    bench.output = {.min = -5.0, .max = 10.0, .top = 3000};
     const auto device = plug(bench);
     CHECK(bench.code[0] == 1000);
 }
@@ -311,10 +311,10 @@ TEST_CASE("a card or a calibration that does not fit is refused with the remedy,
     bench.open_error = EACCES;
     CHECK_THAT(said(bench, how), ContainsSubstring("join the group"));
     bench.open_error = 0;
-    bench.output.least = 0.0;
+    bench.output.min = 0.0;
     CHECK_THAT(said(bench, how), ContainsSubstring("range 3 of output 2 goes from 0 V to 10 V") &&
                                      ContainsSubstring("both signs"));
-    bench.output.least = -10.0;
+    bench.output.min = -10.0;
     bench.counter_top = 255;
     CHECK_THAT(said(bench, how), ContainsSubstring("16 to 32 bits"));
     CHECK(bench.code[0] == 32768);  // the output was reached: zero

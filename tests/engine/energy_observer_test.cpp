@@ -53,7 +53,7 @@ Honest honest(Random& random, bool vertex_slew) {
     const double mu_s = mu_d > 0.0 ? mu_d + random.in(0.0, 0.5) : 0.0;
     const Slew slew = vertex_slew ? Slew{.speed = 0.2, .radius = 0.003} : Slew{};
     SafetyLimits limits{.period = period,
-                        .most = random.in(1.0, 12.0),
+                        .max_force = random.in(1.0, 12.0),
                         .ramp_step = ramp_step(random.coin() ? 0.2 : 0.0, period),
                         .energy = kLimit,
                         .stiffness = stiffness};
@@ -130,7 +130,7 @@ TEST_CASE("a force that follows the motion trips before it gave the limit and a 
                               .stiffness = random.in(100.0, 2000.0),
                               .damping = random.coin() ? 0.0 : random.in(0.0, 2.0)};
     const double taken =
-        std::max(limits.damping, least_damping(limits.stiffness, limits.period, 0.0));
+        std::max(limits.damping, min_damping(limits.stiffness, limits.period, 0.0));
     const double push = linear ? taken * random.in(2.0, 5.0) : random.in(1.0, 5.0);
     SafetyState state;
     Given given;
@@ -236,7 +236,7 @@ TEST_CASE("the cut spring stores what its force does on the way", "[safety][law]
 }
 
 TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks", "[safety]") {
-    SafetyLimits limits{.most = 1e3, .ramp_step = 1.0, .energy = 1e6, .stiffness = 1e-9};
+    SafetyLimits limits{.max_force = 1e3, .ramp_step = 1.0, .energy = 1e6, .stiffness = 1e-9};
     limits.delay_ticks = 2.25;
     EnergyObserver observer;
     for (int k = 0; k < 10; ++k) {

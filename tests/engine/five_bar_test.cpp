@@ -144,8 +144,8 @@ TEST_CASE("inverse and forward undo each other in every working mode, and keep i
         }
         linkage.mode = linkage.mode_of(*pose);  // the mode that these angles belong to
         const Clearance clearance = linkage.clearance(*pose);
-        CHECK(clearance.least() >= 0.0);
-        if (clearance.least() < 0.001) {
+        CHECK(clearance.min() >= 0.0);
+        if (clearance.min() < 0.001) {
             continue;
         }
         ++kept;

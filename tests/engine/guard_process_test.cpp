@@ -7,9 +7,9 @@
 #include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/serial_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
-#include "engine/device/emulator/guided_hand.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
+#include "tests/support/guided_hand.hpp"
 #include "tests/support/presser.hpp"
 
 using namespace palpate::engine;

@@ -3,10 +3,10 @@
 
 #include "engine/device/drivers/haply_wire.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
-#include "engine/device/emulator/guided_hand.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
+#include "tests/support/guided_hand.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -17,7 +17,7 @@ namespace {
 /// A board and a naive host, who sends what it likes.
 struct Naive {
     Calibration machine = palpate::tests::emulated_calibration();
-    GuidedHand plant{machine};
+    palpate::tests::GuidedHand plant{machine};
     HaplyBoard board{plant, machine.pantograph, *machine.haply};
 
     void send(std::span<const std::uint8_t> bytes, int polls = 20) {

@@ -7,10 +7,10 @@
 #include "engine/device/drivers/guard_process.hpp"
 #include "engine/device/drivers/serial_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
-#include "engine/device/emulator/guided_hand.hpp"
 #include "tests/support/allocations.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/emulated_machine.hpp"
+#include "tests/support/guided_hand.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
 

@@ -15,22 +15,22 @@ TEST_CASE("the turn at the vertex is 90 degrees less twice what the arcs take up
     CAPTURE(kappa);
     const auto outline = stimuli::make_outline({.curvature = kappa});
     const double half_chord = 0.5 * std::hypot(0.040, 0.040);
-    const Joint& vertex = outline->joints()[0];
-    CHECK(vertex.kind == JointKind::convex);
+    const Seam& vertex = outline->seams()[0];
+    CHECK(vertex.kind == SeamKind::convex);
     CHECK(std::fabs(vertex.turn - (M_PI / 2.0 - 2.0 * std::asin(kappa * half_chord))) < 1e-14);
-    CHECK(outline->joints().size() == 3);
-    CHECK(outline->joints()[1].kind == JointKind::convex);
-    CHECK(outline->joints()[2].kind == JointKind::convex);
+    CHECK(outline->seams().size() == 3);
+    CHECK(outline->seams()[1].kind == SeamKind::convex);
+    CHECK(outline->seams()[2].kind == SeamKind::convex);
 }
 
-TEST_CASE("joints are classified by the side to which the outline turns", "[geometry]") {
+TEST_CASE("seams are classified by the side to which the outline turns", "[geometry]") {
     const auto bend = [](Vec2 end) {
         return Outline({make_line({-1.0, 0.0}, {0.0, 0.0}), make_line({0.0, 0.0}, end)}, false)
-            .joints()[0];
+            .seams()[0];
     };
-    CHECK(bend({1.0, -0.5}).kind == JointKind::convex);
-    CHECK(bend({1.0, 0.5}).kind == JointKind::concave);
-    CHECK(bend({1.0, 0.0}).kind == JointKind::smooth);
+    CHECK(bend({1.0, -0.5}).kind == SeamKind::convex);
+    CHECK(bend({1.0, 0.5}).kind == SeamKind::concave);
+    CHECK(bend({1.0, 0.0}).kind == SeamKind::smooth);
 }
 
 TEST_CASE("an outline that is not one is refused with the reason", "[geometry]") {
@@ -51,14 +51,14 @@ TEST_CASE("walking over every end of a closed outline comes back to the start", 
     const auto outline = stimuli::make_outline({});
     std::size_t segment = 0;
     for (int i = 0; i < 3; ++i) {
-        segment = outline->joints()[outline->joint_beyond(segment, true).value()].after;
+        segment = outline->seams()[outline->seam_beyond(segment, true).value()].after;
     }
     CHECK(segment == 0);
     for (int i = 0; i < 3; ++i) {
-        segment = outline->joints()[outline->joint_beyond(segment, false).value()].before;
+        segment = outline->seams()[outline->seam_beyond(segment, false).value()].before;
     }
     CHECK(segment == 0);
     const Outline open({make_line({0.0, 0.0}, {1.0, 0.0})}, false);
-    CHECK_FALSE(open.joint_beyond(0, true).has_value());
-    CHECK_FALSE(open.joint_beyond(0, false).has_value());
+    CHECK_FALSE(open.seam_beyond(0, true).has_value());
+    CHECK_FALSE(open.seam_beyond(0, false).has_value());
 }

@@ -13,16 +13,16 @@ TEST_CASE("no command is stronger than the limit, and its direction is kept", "[
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
-    const SafetyLimits limits{.most = random.in(0.5, 10.0), .ramp_step = 1.0};
+    const SafetyLimits limits{.max_force = random.in(0.5, 10.0), .ramp_step = 1.0};
     SafetyState gate;
     for (int i = 0; i < 200; ++i) {
         const double size = random.decade(-3.0, 4.0);
         const Vec2 force = random.point(-size, size);
         const Command c = make_safe(gate, limits, {.force = force, .enable = true});
-        REQUIRE(glm::length(c.force) <= limits.most * (1.0 + 1e-15));
-        REQUIRE(std::fabs(cross(c.force, force)) <= 1e-12 * glm::length(force) * limits.most);
+        REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-15));
+        REQUIRE(std::fabs(cross(c.force, force)) <= 1e-12 * glm::length(force) * limits.max_force);
         REQUIRE(glm::dot(c.force, force) >= 0.0);
-        REQUIRE(c.saturated == (glm::length(force) > limits.most));
+        REQUIRE(c.saturated == (glm::length(force) > limits.max_force));
         if (!c.saturated) {
             REQUIRE(c.force == force);
         }
@@ -30,7 +30,7 @@ TEST_CASE("no command is stronger than the limit, and its direction is kept", "[
 }
 
 TEST_CASE("the ramp takes as long as asked, on and off, and never jumps", "[safety][law]") {
-    const SafetyLimits limits{.most = 10.0, .ramp_step = ramp_step(0.2, 1e-3)};
+    const SafetyLimits limits{.max_force = 10.0, .ramp_step = ramp_step(0.2, 1e-3)};
     SafetyState gate;
     const Vec2 force{3.0, -4.0};
     double last = 0.0;
@@ -52,12 +52,13 @@ TEST_CASE("a trial that starts inside the object feels no kick", "[safety][law]"
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{50}));
     CAPTURE(seed);
     Random random(seed);
-    const SafetyLimits limits{.most = random.in(1.0, 10.0), .ramp_step = random.in(0.001, 0.1)};
+    const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
+                              .ramp_step = random.in(0.001, 0.1)};
     SafetyState state;
     const Vec2 force = random.point(-30.0, 30.0);
     for (int k = 1; k <= 300; ++k) {
         const Command c = make_safe(state, limits, {.force = force});
-        REQUIRE(glm::length(c.force) <= k * limits.ramp_step * limits.most * (1.0 + 1e-12));
+        REQUIRE(glm::length(c.force) <= k * limits.ramp_step * limits.max_force * (1.0 + 1e-12));
     }
 }
 
@@ -66,7 +67,7 @@ TEST_CASE("a command changes no faster than the slew limit, within the force lim
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
     CAPTURE(seed);
     Random random(seed);
-    const SafetyLimits limits{.most = random.in(1.0, 10.0),
+    const SafetyLimits limits{.max_force = random.in(1.0, 10.0),
                               .ramp_step = random.in(0.001, 1.0),
                               .slew = random.in(0.05, 3.0)};
     SafetyState state;
@@ -79,8 +80,8 @@ TEST_CASE("a command changes no faster than the slew limit, within the force lim
         const Command c =
             make_safe(state, limits, {.force = force, .enable = random.below(9) != 0});
         REQUIRE(glm::length(c.force - last) <= limits.slew * (1.0 + 1e-12));
-        REQUIRE(glm::length(c.force) <= limits.most * (1.0 + 1e-12));
-        if (!c.slewed && !c.saturated && !c.ramped) {
+        REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-12));
+        if (!c.force_slew && !c.saturated && !c.ramped) {
             REQUIRE(c.force == force);  // untouched where nothing is said of it
         }
         last = c.force;
@@ -93,7 +94,7 @@ TEST_CASE("a step of the force arrives at the pace of the slew limit and says so
     for (const double expected : {2.0, 4.0, 5.0, 5.0}) {
         const Command c = make_safe(state, limits, {.force = {3.0, -4.0}});
         CHECK(glm::length(c.force - expected * Vec2{0.6, -0.8}) < 1e-12);
-        CHECK(c.slewed == (expected < 5.0));
+        CHECK(c.force_slew == (expected < 5.0));
     }
 }
 
@@ -205,7 +206,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
         return random.coin() ? value : std::numeric_limits<double>::infinity();
     };
     const SafetyLimits limits{.period = random.coin() ? 1e-3 : 1e-4,
-                              .most = random.in(0.5, 10.0),
+                              .max_force = random.in(0.5, 10.0),
                               .ramp_step = random.in(0.001, 1.0),
                               .slew = perhaps(random.in(0.1, 3.0)),
                               .speed = perhaps(random.in(0.5, 3.0)),
@@ -255,8 +256,9 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
         const Command c = make_safe(state, limits, input);
         REQUIRE(std::isfinite(c.force.x));
         REQUIRE(std::isfinite(c.force.y));
-        REQUIRE(glm::length(c.force) <= limits.most * (1.0 + 1e-12));
-        REQUIRE(glm::length(c.force) <= (k + 1) * limits.ramp_step * limits.most * (1.0 + 1e-12));
+        REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-12));
+        REQUIRE(glm::length(c.force) <=
+                (k + 1) * limits.ramp_step * limits.max_force * (1.0 + 1e-12));
         if (c.trip == Trip::none) {
             REQUIRE(glm::length(c.force - last.force) <= limits.slew * (1.0 + 1e-12));
         } else {

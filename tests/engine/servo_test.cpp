@@ -30,7 +30,7 @@ std::vector<TickRecord> drain(TickRing& ring) {
 
 std::vector<TickRecord> simulated_trial() {
     SimulatedPantograph device({}, 1e-3);
-    VirtualServo servo(device, {.limits = {.most = 10.0, .ramp_step = ramp_step(0.2, 1e-3)}});
+    VirtualServo servo(device, {.limits = {.max_force = 10.0, .ramp_step = ramp_step(0.2, 1e-3)}});
     const Scene felt = scene();
     device.begin({});
     servo.begin(felt);

@@ -107,7 +107,7 @@ TEST_CASE("the force never leaves the friction cone of the GO's own normal",
         REQUIRE(c.normal_force == Approx(load).margin(1e-10));
         REQUIRE(c.tangential_force == Approx(rest).margin(1e-10));
         excess = std::max(excess, rest - c.mu * load);
-        if (!c.held) {
+        if (!c.outside_cone) {
             REQUIRE(glm::length(c.force - kStiffness * (c.go - h)) < 1e-10);
         }
     }
@@ -189,7 +189,7 @@ TEST_CASE("a hand at rest leaves the contact stuck, slip ends on the cone",
     int slips = 0;
     for (const Vec3& h : surface_hand(scene.surface(), seed, 3000, 0.003, 0.18, 0.35)) {
         const SurfaceContact c = scene.tick(state, h);
-        if (c.mode != Mode::slip || c.held) {
+        if (c.mode != Mode::slip || c.outside_cone) {
             continue;
         }
         ++slips;
@@ -220,7 +220,7 @@ TEST_CASE("a finger drawn over the pole of a ball goes straight over it", "[scen
                 const Vec3 h = (r - 0.002) * Vec3{std::sin(phi), aside, std::cos(phi)};
                 c = scene.tick(state, h);
                 REQUIRE(c.mode != Mode::free);
-                REQUIRE_FALSE(c.held);
+                REQUIRE_FALSE(c.outside_cone);
                 jump = k > 1 ? std::max(jump, glm::length(c.force - last)) : 0.0;
                 last = c.force;
             }
@@ -244,7 +244,7 @@ TEST_CASE("an open border holds the GO, lets it slide along, and keeps the force
             REQUIRE(c.tangential_force <= c.mu * c.normal_force + 1e-12);
             REQUIRE(c.normal_force == Approx(1.0).epsilon(1e-12));
         }
-        CHECK(c.held);
+        CHECK(c.outside_cone);
         CHECK(c.go.x == half);
         for (int k = 0; k <= 200; ++k) {  // along it
             c = scene.tick(state, Vec3{0.07, 1e-4 * k, -0.001});
@@ -252,7 +252,7 @@ TEST_CASE("an open border holds the GO, lets it slide along, and keeps the force
         }
         CHECK(c.go.y == Approx(0.02 - friction.mu_s * 0.001).margin(1e-12));
         c = scene.tick(state, Vec3{0.04, 0.02, -0.001});
-        CHECK_FALSE(c.held);
+        CHECK_FALSE(c.outside_cone);
         CHECK(c.go.x < 0.041);
         c = scene.tick(state, Vec3{0.04, 0.02, 0.0});
         CHECK(c.mode == Mode::free);

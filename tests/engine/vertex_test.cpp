@@ -55,7 +55,7 @@ TEST_CASE("a convex vertex is crossed whole, and the GO arrives on the other cur
         for (int k = 0; k < 50; ++k) {
             c = scene.tick(state, state.last_hip);
         }
-        CHECK_FALSE(c.place.on_joint);
+        CHECK_FALSE(c.place.on_seam);
         CHECK(c.place.index == 1);
         CHECK(glm::length(c.go - c.cp.point) < 1e-14);
     }

@@ -156,9 +156,7 @@ void check_command(const std::vector<std::string>& words) {
 
 /// The part of docs/protocol.md that is not written by hand.
 std::string keys_of_the_program() {
-    return "\n### Of a protocol\n\n```\n" + palpate_command({"new", "--keys"}).out +
-           "```\n\n### Of a procedure\n\n```\n" + palpate_command({"procedure", "--keys"}).out +
-           "```\n";
+    return palpate_command({"new", "--keys", "--markdown"}).out;
 }
 
 /// Words that the launcher answers by itself.

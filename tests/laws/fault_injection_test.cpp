@@ -338,7 +338,7 @@ void run(std::uint64_t seed, Tally& tally) {
     ++tally.schedules;
     tally.tripped += trip != Trip::none ? 1 : 0;
     tally.not_latched += latched ? 0 : 1;
-    tally.over_limit += device.strongest <= limits.most * (1.0 + 1e-12) ? 0 : 1;
+    tally.over_limit += device.strongest <= limits.max_force * (1.0 + 1e-12) ? 0 : 1;
     // A hand that rests shows no encoder that stands still: it must have gone four strokes and more.
     const bool due =
         strong && (fault.kind != Kind::stuck_encoder || glm::length(high - low) > 0.05);

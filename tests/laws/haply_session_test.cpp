@@ -41,11 +41,13 @@ struct Kept : protocols::Recorder {
     std::vector<std::string> events;
     bool finished = false;
 
-    TrialId begin_trial(const protocols::PlannedTrial& planned,
-                        const protocols::SceneConstants& /*scene*/) override {
+    TrialId begin_trial(const protocols::PlannedTrial& planned) override {
         trials.push_back({.condition = planned.condition, .ticks = {}, .result = {}});
         return static_cast<TrialId>(trials.size()) - 1;
     }
+    void begin_interval(TrialId /*trial*/,
+                        const protocols::Presentation& /*felt*/,
+                        const protocols::SceneConstants& /*scene*/) override {}
     void append(TrialId id, std::span<const engine::TickRecord> ticks) override {
         auto& all = trials[static_cast<std::size_t>(id)].ticks;
         all.insert(all.end(), ticks.begin(), ticks.end());
@@ -53,9 +55,7 @@ struct Kept : protocols::Recorder {
     void end_trial(TrialId id, const protocols::TrialResult& result) override {
         trials[static_cast<std::size_t>(id)].result = result;
     }
-    void event(std::string_view kind, std::string_view /*text*/) override {
-        events.emplace_back(kind);
-    }
+    void event(const protocols::Event& event) override { events.emplace_back(event.text); }
     void finish_session() override { finished = true; }
 };
 
@@ -124,7 +124,7 @@ TEST_CASE(
     const auto end = protocols::run_session(
         protocol, spec.plan,
         {.title = {}, .participant = {}, .trials = spec.plan.trials.size(), .device = {}},
-        protocols::PendingTrials(spec.plan),
+        protocols::SessionProgress(protocol, spec.plan, {}),
         {.apparatus = apparatus, .observer = observer, .recorder = kept});
     CAPTURE(observer.sentences, kept.events);
     REQUIRE(end.why == protocols::SessionEnd::Why::finished);

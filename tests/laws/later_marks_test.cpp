@@ -87,9 +87,8 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
         rows(study.after,
              "SELECT event_kind, text, operator, trial_id FROM event WHERE event_kind IN ('note', "
              "'mark', 'participant') ORDER BY event_id") ==
-        "event_kind,text,operator,trial_id\nnote,hand rested,,\nmark,after 10 attempts: bell "
-        "rang,Ada,2\n"
-        "note,left early,Bo,\nmark,after 10 attempts: sneezed,,5\nparticipant,handedness 80,Ada,\n"
+        "event_kind,text,operator,trial_id\nnote,hand rested,,\nmark,bell rang,Ada,2\n"
+        "note,left early,Bo,\nmark,sneezed,,5\nparticipant,handedness 80,Ada,\n"
         "participant,consent yes,Ada,\n");
     CHECK_THAT(said({"verify", study.after, "--json"}), ContainsSubstring(head));
     struct Edit {
@@ -105,11 +104,16 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
              Edit{"DELETE FROM event WHERE trial_id = 2 AND event_kind = 'mark'; UPDATE trial SET "
                   "invalid_reason = NULL WHERE trial_id = 2",
                   "event.seal (note"},
-             Edit{"UPDATE event SET text = 'after 10 attempts: bored' WHERE trial_id = 2; UPDATE "
+             Edit{"UPDATE event SET text = 'bored' WHERE trial_id = 2; UPDATE "
                   "trial SET invalid_reason = 'bored' WHERE trial_id = 2",
                   "trial 2, event.seal (mark"},
              Edit{"UPDATE trial SET invalid_reason = 'bored' WHERE trial_id = 2",
                   "trial 2, trial.invalid_reason"},
+             Edit{"UPDATE event SET trials_begun = 3 WHERE trial_id = 2",
+                  "trial 2, event.seal (mark"},
+             Edit{"UPDATE event SET part = 1 WHERE event_kind = 'note'", "event.seal (note"},
+             Edit{"UPDATE event SET value = '-80' WHERE key = 'handedness'",
+                  "event.seal (participant"},
              Edit{"UPDATE trial SET invalid_reason = NULL WHERE trial_id = 5",
                   "trial 5, trial.invalid_reason"},
              Edit{"UPDATE event SET operator = NULL WHERE text = 'left early'", "event.seal (note"},
@@ -117,8 +121,9 @@ TEST_CASE("marks and notes made later are under the seal, with operator and time
                   "event.seal (note"},
              Edit{"UPDATE event SET event_id = event_id + 1000 WHERE text = 'hand rested'",
                   "event.seal (mark"},
-             Edit{"INSERT INTO event (session_id, event_kind, text, at_utc) VALUES (1, 'note', "
-                  "'x', '')",
+             Edit{"INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) VALUES "
+                  "(1, "
+                  "'note', 'x', '', 10)",
                   "stored NULL"},
              Edit{"UPDATE session SET newest_seal = NULL", "session.newest_seal"},
              Edit{"UPDATE participant SET handedness = -80", "participant demo handedness"},

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "data/store/content_hash.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;

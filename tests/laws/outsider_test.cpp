@@ -10,9 +10,9 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "data/store/content_hash.hpp"
 #include "data/store/secret.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/slurp.hpp"
 
@@ -287,7 +287,7 @@ TEST_CASE(
     const auto content = [&](const std::string& name, std::vector<std::string> more) {
         REQUIRE(run("P01", folder.file(name), std::move(more)).code == 0);
         data::Database database(folder.file(name), data::Access::read);
-        return data::content_hash(database);
+        return tests::content_hash(database);
     };
     const std::string first = content("a.sqlite", {"--secret", secret});
     CHECK(content("b.sqlite", {"--secret", secret}) == first);

@@ -29,8 +29,7 @@ TEST_CASE("every recorded force comes back to the bit from the database alone", 
     text.step();
     const protocols::Protocol protocol = protocols::parse_protocol(text.text(0), "stored");
     auto trial = database.prepare(
-        "SELECT trial.trial_id, plan.planned_object, plan.friction, slip_decay, heal_decay FROM "
-        "trial JOIN plan USING (session_id, plan_position)");
+        "SELECT trial_id, felt_object, friction, slip_decay, heal_decay FROM presentation");
     int replayed = 0;
     while (trial.step()) {
         const auto index = [&](const auto& list, const std::string& name) {

@@ -5,9 +5,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/store/content_hash.hpp"
 #include "data/store/reader.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"
 

@@ -75,7 +75,7 @@ void answer(const std::string& file, const protocols::Protocol& protocol, int pe
                 result.response->correct = std::nullopt;
                 result.response->place = right ? 1 : 0;
             }
-            recorder.end_trial(recorder.begin_trial(planned, {}), result);
+            recorder.end_trial(tests::begin_trial(recorder, spec.protocol, planned), result);
             if (person == 0 && ++n == 20 && people > 1) {
                 break;
             }

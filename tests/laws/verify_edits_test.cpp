@@ -101,9 +101,10 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
         edits.push_back(all + fmt::format("DELETE FROM trial WHERE trial_id = ({})", last));
     }
     for (const char* edit :
-         {"INSERT INTO trial (trial_id, session_id, plan_position, attempt, outcome, slip_decay, "
-          "heal_decay, started_utc) SELECT 99, session_id, plan_position, attempt + 7, "
-          "'interrupted', slip_decay, heal_decay, started_utc FROM trial WHERE trial_id = 2",
+         {"INSERT INTO trial (trial_id, session_id, plan_position, attempt, outcome, started_utc) "
+          "SELECT 99, session_id, plan_position, attempt + 7, 'interrupted', started_utc FROM "
+          "trial "
+          "WHERE trial_id = 2",
           "INSERT INTO session_provenance VALUES (1, 'zz', 'x')",
           "INSERT INTO picture VALUES (2, 0, 'straight')",
           "INSERT INTO plan SELECT session_id, 90, phase, planned_object, friction, mu_s, mu_d, "

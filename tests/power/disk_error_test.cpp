@@ -32,12 +32,11 @@ public:
             TrialId trial,
             std::int64_t ticks)
         : Noting(recorder, disk, promises, save_every), disk_(disk), trial_(trial), left_(ticks) {}
-    TrialId begin_trial(const protocols::PlannedTrial& planned,
-                        const protocols::SceneConstants& scene) override {
+    TrialId begin_trial(const protocols::PlannedTrial& planned) override {
         if (left_ < 0) {
             disk_.room(0);
         }
-        return Noting::begin_trial(planned, scene);
+        return Noting::begin_trial(planned);
     }
     void append(TrialId trial, std::span<const engine::TickRecord> ticks) override {
         const bool filled = left_ < 0;

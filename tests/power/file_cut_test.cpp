@@ -11,10 +11,10 @@
 #include "engine/base/files.hpp"
 #include "data/export/export.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/content_hash.hpp"
 #include "data/sync/merge.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
@@ -83,7 +83,7 @@ std::string a_session(const std::string& file, const std::string& participant) {
 
 std::string hash_of(const std::string& file) {
     Database database(file, Access::read);
-    return data::content_hash(database);
+    return tests::content_hash(database);
 }
 
 }  // namespace

@@ -44,9 +44,8 @@ public:
           promises_(promises),
           now_(promises.back()) {}
 
-    protocols::TrialId begin_trial(const protocols::PlannedTrial& planned,
-                                   const protocols::SceneConstants& scene) override {
-        now_.trial = recorder_.begin_trial(planned, scene);
+    protocols::TrialId begin_trial(const protocols::PlannedTrial& planned) override {
+        now_.trial = recorder_.begin_trial(planned);
         now_.interval = 1;
         now_.ticks = 0;
         handed_ = 0;
@@ -77,9 +76,7 @@ public:
         now_.ticks = handed_;
         note();
     }
-    void event(std::string_view kind, std::string_view text) override {
-        recorder_.event(kind, text);
-    }
+    void event(const protocols::Event& event) override { recorder_.event(event); }
     void finish_session() override {
         recorder_.finish_session();
         now_.finished = true;

@@ -83,7 +83,7 @@ TEST_CASE("the hash of a plan follows the rule, its stream and every trial", "[a
     const Plan plan = make_plan(protocol, hash, key, 3);
     CHECK(plan.hash == make_plan(protocol, hash, key, 3).hash);
     Protocol other = protocol;
-    other.procedure->rule += "# another\n";  // the same trials
+    other.procedure->rule.text += "# another\n";  // the same trials
     CHECK(make_plan(other, hash, key, 3).trials == plan.trials);
     CHECK(make_plan(other, hash, key, 3).hash != plan.hash);
     CHECK(make_plan(protocol, hash, key, 4).hash != plan.hash);

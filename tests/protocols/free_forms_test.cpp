@@ -276,7 +276,7 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
           Change{"degree = 3", "degree = 12", "degree"},
           Change{"knots = [0, 0, 0, 0, 1, 2, 2, 2, 2]", "knots = [0, 0, 0, 0, 1, 2, 2, 2]",
                  "[[object.segment]] 1 of [[object]] 1"},
-          Change{"degree = 3\n", "", "needs the key degree"},
+          Change{"degree = 3\n", "", "lacks the key degree"},
           Change{"degree = 3", "degre = 3", "did you mean degree?"},
           Change{"kind = \"arc\"", "kind = \"arch\"", "did you mean arc?"},
           Change{"name = \"dome\"", "name = \"dome\"\ncurvature_per_m = 1",
@@ -350,8 +350,8 @@ TEST_CASE("an observer without noise knows each form by touch, wherever its pict
     // What the ticks say of the truth is not read.
     for (engine::TickRecord& tick : ticks) {
         tick.cp = tick.go = Vec2{random.in(-1.0, 1.0), random.in(-1.0, 1.0)};
-        tick.parameter = random.in(0.0, 1.0);
-        tick.feature = static_cast<std::int16_t>(random.below(4));
+        tick.u = random.in(0.0, 1.0);
+        tick.segment = static_cast<std::int16_t>(random.below(4));
     }
     OutlineCues again(study, order);
     again.add(ticks);

@@ -56,7 +56,7 @@ Seen feel(const Protocol& protocol, const Condition& condition, double speed, Ra
                                      .time_ns = tick.time_ns}));
         ++seen.ticks;
         seen.contact += free ? 0 : 1;
-        seen.slewed += (tick.flags & engine::tick_slewed) != 0 ? 1 : 0;
+        seen.slewed += (tick.flags & engine::tick_force_slew) != 0 ? 1 : 0;
         seen.most_energy = std::max(seen.most_energy, second.energy.energy);
     }
     seen.trip = loop.trip();

@@ -229,6 +229,25 @@ TEST_CASE("a byte order mark and Windows line ends do not matter", "[protocol]")
     CHECK(to_toml(parse_protocol(windows, "windows.toml")) == text);
 }
 
+TEST_CASE("every row of the keys as Markdown has five cells, and every key a meaning",
+          "[protocol]") {
+    std::istringstream lines(keys_markdown());
+    std::size_t rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+        if (line.starts_with("| `")) {
+            CAPTURE(line);
+            ++rows;
+            std::size_t bars = 0;
+            for (std::size_t i = 0; i < line.size(); ++i) {
+                bars += line[i] == '|' && (i == 0 || line[i - 1] != '\\') ? 1U : 0U;
+            }
+            CHECK(bars == 6);
+            CHECK(line.find("|  |", line.size() - 5) == std::string::npos);
+        }
+    }
+    CHECK(rows > 200);
+}
+
 TEST_CASE("the reference for people names every key of the canonical text", "[protocol]") {
     const std::string reference = key_reference();
     Protocol study = load_protocol(library("shape_friction.toml"));

@@ -18,7 +18,7 @@ using Why = SessionEnd::Why;
 
 namespace {
 
-struct Attempt {
+struct Made {
     std::size_t position = 0;
     bool running = true;
     Outcome outcome = Outcome::interrupted;
@@ -28,33 +28,38 @@ struct Attempt {
 /// Keeps everything, and ends the program at a given call.
 class Ledger : public Recorder {
 public:
-    TrialId begin_trial(const PlannedTrial& planned, const SceneConstants& /*scene*/) override {
+    TrialId begin_trial(const PlannedTrial& planned) override {
         call();
         attempts.push_back({.position = planned.position});
         return static_cast<TrialId>(attempts.size());
     }
+    void begin_interval(TrialId /*trial*/,
+                        const Presentation& /*felt*/,
+                        const SceneConstants& /*scene*/) override {}
     void append(TrialId /*trial*/, std::span<const engine::TickRecord> /*ticks*/) override {
         call();
     }
     void end_trial(TrialId trial, const TrialResult& result) override {
         call();
-        Attempt& attempt = attempts.at(static_cast<std::size_t>(trial) - 1);
+        Made& attempt = attempts.at(static_cast<std::size_t>(trial) - 1);
         attempt.running = false;
         attempt.outcome = result.outcome;
         attempt.result = result;
     }
-    void event(std::string_view kind, std::string_view text) override {
+    void event(const Event& event) override {
         call();
-        events.emplace_back(std::string(kind) + ": " + std::string(text));
+        events.push_back(std::string(to_string(event.kind)) + ": " + event.text);
     }
     void finish_session() override { finished = true; }
 
-    [[nodiscard]] PendingTrials pending(const Plan& plan) const {
-        PendingTrials pending(plan);
-        for (const Attempt& attempt : attempts) {
-            pending.note(attempt.position, attempt.outcome);
+    [[nodiscard]] SessionProgress progress(const Protocol& protocol, const Plan& plan) const {
+        SessionProgress progress(protocol, plan, {});
+        for (const Made& made : attempts) {
+            progress = apply(std::move(progress), {.position = made.position,
+                                                   .outcome = made.outcome,
+                                                   .counts = made.result.response.has_value()});
         }
-        return pending;
+        return progress;
     }
     [[nodiscard]] std::size_t count(const std::string& kind) const {
         return static_cast<std::size_t>(std::count_if(
@@ -62,7 +67,7 @@ public:
             [&](const std::string& event) { return event.starts_with(kind + ": "); }));
     }
 
-    std::vector<Attempt> attempts;
+    std::vector<Made> attempts;
     std::vector<std::string> events;
     bool finished = false;
     int calls_left = -1;  ///< < 0: never killed
@@ -82,7 +87,7 @@ SessionEnd run(const Protocol& protocol,
                Ledger& ledger,
                int* pauses = nullptr) {
     FaultyApparatus apparatus(world);
-    const SessionEnd end = run_session(protocol, plan, {}, ledger.pending(plan),
+    const SessionEnd end = run_session(protocol, plan, {}, ledger.progress(protocol, plan),
                                        {.apparatus = apparatus,
                                         .observer = observer,
                                         .recorder = ledger,
@@ -100,7 +105,7 @@ SessionEnd run(const Protocol& protocol,
 /// Positions and outcomes in order, without what a kill cut off.
 std::vector<std::pair<std::size_t, Outcome>> felt(const Ledger& ledger) {
     std::vector<std::pair<std::size_t, Outcome>> all;
-    for (const Attempt& attempt : ledger.attempts) {
+    for (const Made& attempt : ledger.attempts) {
         if (!attempt.running) {
             all.emplace_back(attempt.position, attempt.outcome);
         }
@@ -207,7 +212,7 @@ TEST_CASE("a fault reaches the recorder with cause, sentence and the last ticks,
     Ledger ledger;
     CHECK(run(protocol, plan, world, observer, ledger).why == Why::finished);
     CHECK(ledger.attempts.size() == 2 * plan.trials.size());
-    for (const Attempt& attempt : ledger.attempts) {
+    for (const Made& attempt : ledger.attempts) {
         if (attempt.outcome != Outcome::faulted) {
             CHECK_FALSE(attempt.result.fault.has_value());
             CHECK(attempt.result.response.has_value());
@@ -319,12 +324,12 @@ TEST_CASE("a stop or a signal ends a session in trouble as aborted", "[session][
     Stopping observer;
     Ledger ledger;
     CHECK(run(protocol, plan, world, observer, ledger).why == Why::aborted);
-    CHECK(ledger.pending(plan).next() == 1);
+    CHECK(ledger.progress(protocol, plan).pending().next() == 1);
 
     FaultyApparatus apparatus(world);
     Patient patient;
     bool arrived = false;
-    const SessionEnd end = run_session(protocol, plan, {}, PendingTrials(plan),
+    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
                                        {.apparatus = apparatus,
                                         .observer = patient,
                                         .recorder = ledger,
@@ -348,7 +353,8 @@ TEST_CASE(
         FaultyApparatus apparatus(world);
         apparatus.trips_in_ramp = true;
         Ledger ledger;
-        CHECK(run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, observer, ledger})
+        CHECK(run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+                          {apparatus, observer, ledger})
                   .why == Why::finished);
         REQUIRE(ledger.attempts.size() == 1);
         CHECK(ledger.attempts[0].outcome == Outcome::complete);
@@ -366,9 +372,9 @@ TEST_CASE(
             }
         } never;
         Ledger ledger;
-        CHECK(
-            run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, never, ledger}).why ==
-            Why::aborted);
+        CHECK(run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+                          {apparatus, never, ledger})
+                  .why == Why::aborted);
         REQUIRE(ledger.attempts.size() == 1);
         CHECK(ledger.attempts[0].outcome == Outcome::faulted);
         CHECK(ledger.attempts[0].result.fault->cause == engine::Trip::energy);

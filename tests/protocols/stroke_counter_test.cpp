@@ -84,7 +84,7 @@ TEST_CASE("the meter says speed in contact and time on each side of the vertex",
     std::vector<TickRecord> ticks;
     for (int k = 0; k < 1000; ++k) {  // 0.1 m/s along a line, 200 ticks of it in the air
         TickRecord tick = tick_at(k, 1e-4 * k, 0.7);
-        tick.feature = static_cast<std::int16_t>(k < 500 ? 0 : k < 510 ? -2 : 1);
+        tick.segment = static_cast<std::int16_t>(k < 500 ? 0 : k < 510 ? -2 : 1);
         tick.mode = k >= 700 && k < 900 ? engine::Mode::free : engine::Mode::stuck;
         ticks.push_back(tick);
     }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "engine/geometry/box.hpp"
+#include "engine/geometry/vec.hpp"
 
 namespace palpate::stress {
 namespace {
@@ -103,12 +103,12 @@ private:
     /// Onto a place where something changes, or anywhere.
     void jump() {
         const auto& spans = outline_->spans();
-        const auto& joints = outline_->joints();
+        const auto& seams = outline_->seams();
         switch (random_->below(6)) {
             case 0:
-                if (!joints.empty()) {
-                    const auto i = random_->below(static_cast<int>(joints.size()));
-                    go_to(joints[static_cast<std::size_t>(i)].point);
+                if (!seams.empty()) {
+                    const auto i = random_->below(static_cast<int>(seams.size()));
+                    go_to(seams[static_cast<std::size_t>(i)].point);
                 }
                 break;
             case 1: {
@@ -157,9 +157,9 @@ private:
             if (u >= 0.0 && u <= 1.0) {
                 continue;
             }
-            const auto joint = outline_->joint_beyond(span, way > 0.0);
-            if (joint && random_->below(8) != 0) {
-                const engine::Joint& vertex = outline_->joints()[*joint];
+            const auto seam = outline_->seam_beyond(span, way > 0.0);
+            if (seam && random_->below(8) != 0) {
+                const engine::Seam& vertex = outline_->seams()[*seam];
                 span = way > 0.0 ? vertex.after : vertex.before;
                 u = way > 0.0 ? 0.0 : 1.0;
             } else {

@@ -121,7 +121,7 @@ std::optional<Breach> feel(const Case& c, Tally& tally, bool watch) {
         }
         ++tally.ticks;
         tally.in_contact += contact.mode != engine::Mode::free ? 1U : 0U;
-        tally.on_vertex += contact.mode != engine::Mode::free && contact.place.on_joint ? 1U : 0U;
+        tally.on_vertex += contact.mode != engine::Mode::free && contact.place.on_seam ? 1U : 0U;
         felt.push_back(contact);
         if (auto breach = laws.look(c.path[i], before, contact)) {
             return breach;

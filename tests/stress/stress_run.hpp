@@ -13,7 +13,7 @@ namespace palpate::stress {
 struct Tally {
     std::uint64_t scenes = 0;
     std::uint64_t refused_scenes =
-        0;  ///< no outline: a joint that runs back along itself, a mere point
+        0;  ///< no outline: a seam that runs back along itself, a mere point
     std::uint64_t ticks = 0;
     std::uint64_t in_contact = 0;
     std::uint64_t on_vertex = 0;

@@ -9,9 +9,9 @@ namespace palpate::stress {
 namespace {
 
 using engine::Contact;
-using engine::JointKind;
 using engine::Mode;
 using engine::Place;
+using engine::SeamKind;
 using engine::Vec2;
 
 constexpr double kSameLength = 1e-12;
@@ -88,7 +88,7 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
         return breach_;
     }
     same_ = kSameLength * std::max(extent_, reach);
-    const bool exact = !contact.held && !contact.slewed && !at_open_end(contact.place);
+    const bool exact = !contact.outside_cone && !contact.vertex_slew && !at_open_end(contact.place);
     now.springy = scene_->spec().damping == 0.0 && !free(contact) && exact;
     check_closest(now);
     check_free(now);
@@ -167,10 +167,9 @@ void TickLaws::check_force(const Tick& now) {
 void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
     const Contact& c = now.contact;
     const auto& outline = scene_->outline();
-    check("without slew the walk finds its end", !c.slewed || !scene_->spec().slew.none());
-    const Vec2 there = c.place.on_joint
-                         ? outline.joints()[c.place.index].point
-                         : outline.spans()[c.place.index].at(c.place.parameter).point;
+    check("without slew the walk finds its end", !c.vertex_slew || !scene_->spec().slew.none());
+    const Vec2 there = c.place.on_seam ? outline.seams()[c.place.index].point
+                                       : outline.spans()[c.place.index].at(c.place.parameter).point;
     check("the god-object is on the outline", glm::length(there - c.go),
           same_ + resolution(c.place));
     const bool touched = before.touching && started_;
@@ -185,9 +184,9 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
     if (c.mode == Mode::stuck) {
         check("a stuck god-object does not move", glm::length(c.go - l.go), same_);
     }
-    const bool same_span = !c.place.on_joint && !l.place.on_joint &&
-                           c.place.index == l.place.index && c.place.parameter > 0.0 &&
-                           c.place.parameter < 1.0 && outline.spans().size() > 1;
+    const bool same_span = !c.place.on_seam && !l.place.on_seam && c.place.index == l.place.index &&
+                           c.place.parameter > 0.0 && c.place.parameter < 1.0 &&
+                           outline.spans().size() > 1;
     if (now.springy && same_span && c.mode != Mode::stuck) {
         check("a slip ends on the edge of the cone", c.mu * c.normal_force,
               std::fabs(c.tangential_force) +
@@ -207,7 +206,7 @@ void TickLaws::check_step(const Tick& now) {
     const double dg = glm::length(c.go - l.go);
     check("the force steps no further than HIP and GO", glm::length(c.force - l.force),
           spec.stiffness * (dh + dg) * (1.0 + 1e-12) + spec.stiffness * same_);
-    const bool line = !c.place.on_joint && !l.place.on_joint && c.place.index == l.place.index &&
+    const bool line = !c.place.on_seam && !l.place.on_seam && c.place.index == l.place.index &&
                       scene_->outline().spans()[c.place.index].degree() == 1;
     if (line) {
         const double share = spec.friction.tau_slip > 0.0
@@ -271,7 +270,7 @@ void TickLaws::check_recovery(const Tick& now) {
 /// are worth most where a heavy control point makes |C'| large.
 double TickLaws::resolution(const Place& place) const noexcept {
     constexpr double kLastBits = 0x1p-33;
-    return place.on_joint
+    return place.on_seam
              ? 0.0
              : kLastBits *
                    glm::length(scene_->outline().spans()[place.index].at(place.parameter).first);
@@ -279,10 +278,10 @@ double TickLaws::resolution(const Place& place) const noexcept {
 
 bool TickLaws::at_open_end(const Place& place) const noexcept {
     constexpr double kNear = 1e-6;  // where repeated control points make the curve stand still
-    if (place.on_joint || (place.parameter > kNear && place.parameter < 1.0 - kNear)) {
+    if (place.on_seam || (place.parameter > kNear && place.parameter < 1.0 - kNear)) {
         return false;
     }
-    return !scene_->outline().joint_beyond(place.index, place.parameter > 0.5);
+    return !scene_->outline().seam_beyond(place.index, place.parameter > 0.5);
 }
 
 /// On the line through an open end that is square to the curve.
@@ -297,8 +296,8 @@ bool TickLaws::on_end_normal(const Place& place, const Vec2& h) const noexcept {
 }
 
 bool TickLaws::in_corner(const Contact& contact) const noexcept {
-    return contact.place.on_joint &&
-           scene_->outline().joints()[contact.place.index].kind == JointKind::concave;
+    return contact.place.on_seam &&
+           scene_->outline().seams()[contact.place.index].kind == SeamKind::concave;
 }
 
 }  // namespace palpate::stress

@@ -29,12 +29,11 @@ protocols::SessionEnd run_simulated(data::Database& database,
                        {.title = spec.protocol.title,
                         .participant = spec.key.participant,
                         .trials = spec.plan.trials.size(),
-                        .next = opened.pending.answered(),
+                        .next = opened.progress.pending().answered(),
                         .simulated = true,
                         .device = "test"},
-                       opened.pending,
-                       {.apparatus = apparatus, .observer = observer, .recorder = port},
-                       opened.runs);
+                       opened.progress,
+                       {.apparatus = apparatus, .observer = observer, .recorder = port});
 }
 
 inline protocols::SessionEnd run_simulated(data::Database& database,

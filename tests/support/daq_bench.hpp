@@ -14,7 +14,7 @@ namespace palpate::tests {
 struct Bench {
     std::array<std::uint32_t, 2> counter{};
     std::uint32_t counter_top = 0xFFFFFF;
-    engine::DaqCard::Output output{.least = -10.0, .most = 10.0, .top = 65535};
+    engine::DaqCard::Output output{.min = -10.0, .max = 10.0, .top = 65535};
     std::array<std::uint32_t, 2> code{12345, 54321};  ///< what a program before us left
     std::vector<std::uint32_t> range_used;
     bool is_open = false;

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "engine/device/drivers/haply_device.hpp"
-#include "engine/device/emulator/board_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
-#include "engine/device/emulator/guided_hand.hpp"
+#include "tests/support/board_link.hpp"
 #include "tests/support/emulated_machine.hpp"
+#include "tests/support/guided_hand.hpp"
 
 namespace palpate::tests {
 
@@ -47,7 +47,7 @@ private:
 };
 
 inline constexpr std::int64_t kPeriod = 1'000'000;  // ns
-using Packets = std::vector<engine::BoardCable::Packet>;
+using Packets = std::vector<tests::BoardCable::Packet>;
 
 /// A board in memory, its driver, and the clock that both live on.
 struct Bench {
@@ -56,15 +56,15 @@ struct Bench {
 
     engine::Calibration machine;
     engine::Pantograph pantograph{machine.pantograph};
-    engine::GuidedHand plant{machine};
+    tests::GuidedHand plant{machine};
     engine::HaplyBoard board{plant, machine.pantograph, *machine.haply};
-    engine::BoardCable cable{board};
+    tests::BoardCable cable{board};
     ScriptedGuard::Script guard;
     std::unique_ptr<engine::HaplyDevice> device;
 
     void open(const engine::HaplyTiming& timing = {}) {
         device = std::make_unique<engine::HaplyDevice>(
-            machine, std::make_unique<engine::BoardLink>(cable),
+            machine, std::make_unique<tests::BoardLink>(cable),
             std::make_unique<ScriptedGuard>(guard), timing);
     }
     engine::Reading tick(const engine::Vec2& force) {
@@ -86,7 +86,7 @@ private:
     std::int64_t next_ = 0;  ///< deadline, ns
 };
 
-inline bool is_zero_torque(const engine::BoardCable::Packet& packet) {
+inline bool is_zero_torque(const tests::BoardCable::Packet& packet) {
     return packet.size() == 10 && packet[0] == 2 &&
            std::all_of(packet.begin() + 2, packet.end(), [](auto byte) { return byte == 0; });
 }

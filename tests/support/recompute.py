@@ -222,7 +222,7 @@ def main(file, samples, document):
     for view in db.execute("SELECT * FROM session_health").fetchall():
         s = sessions[view["session_id"]]
         mine = [t for t in trials.values() if t["session_id"] == s["session_id"]]
-        events = [r for r in db.execute("SELECT event_kind, text FROM event WHERE session_id = ?", (s["session_id"],))]
+        events = [r for r in db.execute("SELECT event_kind, count FROM event WHERE session_id = ?", (s["session_id"],))]
         ticks = sum(t["ticks"] or 0 for t in mine)
         end = s["finished_utc"] or max([t["ended_utc"] for t in mine if t["ended_utc"]])
         outcomes = Counter(t["outcome"] for t in mine)
@@ -234,7 +234,7 @@ def main(file, samples, document):
             "aborted": outcomes["aborted"], "interrupted": outcomes["interrupted"],
             "late_share": ratio(sum(t["late_ticks"] or 0 for t in mine), ticks),
             "saturated_share": ratio(sum(t["saturated_ticks"] or 0 for t in mine), ticks),
-            "lost_ticks": sum(int(e["text"].split()[0]) for e in events if e["event_kind"] == "ticks lost"),
+            "lost_ticks": sum(e["count"] for e in events if e["event_kind"] == "ticks lost"),
             "felt_s": ticks / s["rate_hz"], "breaks": sum(e["event_kind"] == "break" for e in events)})
         lasted = (time(end) - time(s["started_utc"])).total_seconds()
         expect(f"session_health {s['session_id']}", {"duration_s": abs(view["duration_s"] - lasted) < 1e-3}, {"duration_s": True})

@@ -8,6 +8,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/trial/object_hash.hpp"
+#include "protocols/trial/presentation.hpp"
 #include "data/store/session_store.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
@@ -77,11 +78,11 @@ inline std::vector<engine::TickRecord> random_ticks(std::uint64_t seed,
         t.normal_force = bits();
         t.tangential_force = bits();
         t.mu = bits();
-        t.parameter = bits();
+        t.u = bits();
         t.counts = {random.below(1 << 20) - (1 << 19), random.below(100)};
         t.codes = {random.below(65536) - 32768, random.below(100)};
         t.lateness_us = static_cast<float>(random.in(0.0, 50.0));
-        t.feature = static_cast<std::int16_t>(random.below(6) - 3);
+        t.segment = static_cast<std::int16_t>(random.below(6) - 3);
         t.mode = static_cast<engine::Mode>(random.below(4));
         t.flags = static_cast<std::uint8_t>(random.below(16));
     }
@@ -96,9 +97,19 @@ inline bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b) 
     return a.tick == b.tick && a.time_ns == b.time_ns && equal(a.hip, b.hip) && equal(a.cp, b.cp) &&
            equal(a.go, b.go) && equal(a.force, b.force) && equal(a.command, b.command) &&
            equal(a.normal_force, b.normal_force) && equal(a.tangential_force, b.tangential_force) &&
-           equal(a.mu, b.mu) && equal(a.parameter, b.parameter) && a.counts == b.counts &&
-           a.codes == b.codes && equal(a.lateness_us, b.lateness_us) && a.feature == b.feature &&
-           a.mode == b.mode && a.flags == b.flags;
+           equal(a.mu, b.mu) && equal(a.u, b.u) && a.counts == b.counts && a.codes == b.codes &&
+           equal(a.lateness_us, b.lateness_us) && a.segment == b.segment && a.mode == b.mode &&
+           a.flags == b.flags;
+}
+
+/// Begins a trial and its first interval, as a session does.
+inline protocols::TrialId begin_trial(protocols::Recorder& recorder,
+                                      const protocols::Protocol& protocol,
+                                      const protocols::PlannedTrial& planned,
+                                      const protocols::SceneConstants& scene = {}) {
+    const protocols::TrialId id = recorder.begin_trial(planned);
+    recorder.begin_interval(id, protocols::presentations_of(protocol, planned).front(), scene);
+    return id;
 }
 
 /// A complete, plausible result.
@@ -106,6 +117,7 @@ inline protocols::TrialResult answered(std::size_t object, bool correct, std::in
     protocols::TrialResult result;
     result.done_s = 3.0;
     result.summary.ticks = ticks;
+    result.intervals = {{.done_s = result.done_s, .summary = result.summary}};
     result.response = protocols::Response{
         .place = object, .object = object, .correct = correct, .reaction_s = 1.0};
     return result;

@@ -105,13 +105,16 @@ private:
 
 class Forgetful : public Recorder {
 public:
-    TrialId begin_trial(const PlannedTrial& planned, const SceneConstants& /*scene*/) override {
+    TrialId begin_trial(const PlannedTrial& planned) override {
         conditions.insert(planned.condition);
         return 1;
     }
+    void begin_interval(TrialId /*trial*/,
+                        const Presentation& /*felt*/,
+                        const SceneConstants& /*scene*/) override {}
     void append(TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {}
     void end_trial(TrialId /*t*/, const TrialResult& /*result*/) override {}
-    void event(std::string_view /*kind*/, std::string_view /*text*/) override {}
+    void event(const Event& /*event*/) override {}
     void finish_session() override {}
     std::set<Condition> conditions;
 };
@@ -131,8 +134,8 @@ TEST_CASE("while exploring, the subject's picture is the same to the pixel for a
     SimulatedApparatus apparatus(protocol, DrawnHand(protocol, hash, key, protocol.seed));
     WatchedScreen screen;
     Forgetful recorder;
-    const SessionEnd end =
-        run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, screen, recorder});
+    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+                                       {apparatus, screen, recorder});
     CHECK(end.why == SessionEnd::Why::finished);
     CHECK(recorder.conditions.size() == 10);
     CHECK(screen.frames_ >= 100);
@@ -197,7 +200,7 @@ TEST_CASE(
     Shaken screen(dead_man);
     Forgetful recorder;
     const SessionEnd end = run_session(
-        protocol, plan, {}, PendingTrials(plan),
+        protocol, plan, {}, SessionProgress(protocol, plan, {}),
         {.apparatus = apparatus, .observer = screen, .recorder = recorder, .pause = [](double) {
          }});
     CHECK(end.why == SessionEnd::Why::finished);
@@ -304,8 +307,8 @@ TEST_CASE(
     tests::FaultyApparatus apparatus(world);
     TwoIntervals screen;
     Forgetful recorder;
-    const SessionEnd end =
-        run_session(protocol, plan, {}, PendingTrials(plan), {apparatus, screen, recorder});
+    const SessionEnd end = run_session(protocol, plan, {}, SessionProgress(protocol, plan, {}),
+                                       {apparatus, screen, recorder});
     CHECK(end.why == SessionEnd::Why::finished);
     CHECK(recorder.conditions.size() >= 6);
     std::set<std::string> all;

@@ -11,8 +11,8 @@
 
 #include "protocols/design/session_plan.hpp"
 #include "protocols/session/session.hpp"
-#include "ui/cli/open_masking.hpp"
 #include "ui/cli/study_advice.hpp"
+#include "ui/session/open_masking.hpp"
 #include "ui/sound/masked_observer.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
@@ -54,13 +54,14 @@ private:
 /// Keeps the events.
 class Notes : public Recorder {
 public:
-    TrialId begin_trial(const PlannedTrial& /*p*/, const SceneConstants& /*s*/) override {
-        return 1;
-    }
+    TrialId begin_trial(const PlannedTrial& /*p*/) override { return 1; }
+    void begin_interval(TrialId /*trial*/,
+                        const Presentation& /*felt*/,
+                        const SceneConstants& /*scene*/) override {}
     void append(TrialId /*t*/, std::span<const engine::TickRecord> /*ticks*/) override {}
     void end_trial(TrialId /*t*/, const TrialResult& /*r*/) override {}
-    void event(std::string_view kind, std::string_view text) override {
-        all.push_back(std::string(kind) + ": " + std::string(text));
+    void event(const Event& event) override {
+        all.push_back(std::string(to_string(event.kind)) + ": " + event.text);
     }
     void finish_session() override {}
     std::vector<std::string> all;
@@ -120,7 +121,7 @@ TEST_CASE("there is noise whenever the force is on, and none at questions, gaps 
     {
         ui::MaskedObserver masked(listener, player, notes, true);
         const SessionEnd end = run_session(
-            protocol, plan, {}, PendingTrials(plan),
+            protocol, plan, {}, SessionProgress(protocol, plan, {}),
             {.apparatus = apparatus, .observer = masked, .recorder = notes, .pause = [](double) {
              }});
         CHECK(end.why == SessionEnd::Why::finished);

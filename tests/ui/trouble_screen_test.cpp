@@ -1,6 +1,6 @@
 #include <vector>
 
-#include "ui/rig/fault_text.hpp"
+#include "ui/rig/operator_log.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/ui/keys.hpp"
 

@@ -14,12 +14,20 @@
 #include "engine/device/homing.hpp"
 #include "engine/device/pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/calibration_device.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct CalibrateOptions {
+    std::string device = "sim";
+    std::string preset = "mk2";      ///< a calibration file, or the name of a shipped machine
+    std::vector<std::string> marks;  ///< X_MM,Y_MM each; none: the home pose, or the origin
+    bool scale = false;              ///< counts per turn as well
+    std::string output;
+};
 
 using engine::Vec2;
 
@@ -127,9 +135,23 @@ void print_found(const engine::Calibration& found,
     }
 }
 
-}  // namespace
+void declare(CommandWords& words, CalibrateOptions& options) {
+    words.add("--device", options.device, "The device to calibrate; sim to try it out")
+        .with_default();
+    words
+        .add("--preset", options.preset,
+             "What is known of it: a calibration file, or haplet, 2diy_gen2, 2diy_gen3, mk2")
+        .with_default();
+    words
+        .add("--mark", options.marks,
+             "X_MM,Y_MM of a place where the handle will be held; once for each mark")
+        .again_for_each();
+    words.add("--scale", options.scale,
+              "Find counts per turn as well: three marks or more, not in line");
+    words.add("-o,--output", options.output, "The calibration file to write").required();
+}
 
-int calibrate_command(const CalibrateOptions& options) {
+int run(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
     const std::vector<Vec2> marks = marks_of(options, calibration);
     const auto device = open_for_calibration(options.device, calibration);
@@ -154,6 +176,14 @@ int calibrate_command(const CalibrateOptions& options) {
     say("Calibration {} written to {}\n",
         protocols::calibration_id(calibration).substr(0, kShownId), options.output);
     return 0;
+}
+
+}  // namespace
+
+Command calibrate_command() {
+    return make_command<CalibrateOptions>(
+        "calibrate", "Find the encoders' zeros of a pantograph, and write its calibration file",
+        declare, run);
 }
 
 }  // namespace palpate::ui

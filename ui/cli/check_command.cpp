@@ -12,14 +12,23 @@
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
 #include "data/report/object_sheet.hpp"
-#include "ui/cli/commands.hpp"
-#include "ui/cli/open_apparatus.hpp"
 #include "ui/cli/plan_text.hpp"
 #include "ui/cli/study_advice.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/open_apparatus.hpp"
+#include "ui/session/run_rig.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct CheckOptions {
+    std::string protocol;        ///< a file, or the name of a shipped protocol
+    std::string device = "sim";  ///< as RunOptions::device
+    std::string calibration;     ///< as RunOptions::calibration
+    std::string svg;             ///< where to draw the objects; empty: nowhere
+    bool tables = false;         ///< counts, limits and successions as well
+};
 
 using protocols::Phase;
 using protocols::Plan;
@@ -116,9 +125,17 @@ bool print_feasibility(const Study& study,
     return !refused;
 }
 
-}  // namespace
+void declare(CommandWords& words, CheckOptions& options) {
+    words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
+        .required();
+    words.add("--device", options.device, std::string(kDeviceWords)).with_default();
+    words.add("--calibration", options.calibration, std::string(kCalibrationWords));
+    words.add("--svg", options.svg, "Draw the objects into this file");
+    words.add("--long", options.tables,
+              "The tables as well: trials of each condition, limits, what follows what");
+}
 
-int check_command(const CheckOptions& options) {
+int run(const CheckOptions& options) {
     const Study study = load_study(options.protocol);
     const protocols::SessionKey key{kExample, 1};
     const Plan plan = make_plan(study.protocol, study.hash, key, study.protocol.seed);
@@ -139,6 +156,14 @@ int check_command(const CheckOptions& options) {
         say("objects drawn in {}\n", options.svg);
     }
     return feasible ? 0 : kExitFailure;
+}
+
+}  // namespace
+
+Command check_command() {
+    return make_command<CheckOptions>(
+        "check", "Is this protocol right, how long does it take, and can this device render it?",
+        declare, run);
 }
 
 }  // namespace palpate::ui

@@ -3,17 +3,23 @@
 #include "protocols/file/protocol_file.hpp"
 #include "data/analysis/summary.hpp"
 #include "data/store/secret.hpp"
-#include "ui/cli/commands.hpp"
-#include "ui/cli/rig.hpp"
-#include "ui/cli/session_choice.hpp"
-#include "ui/rig/fault_text.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/run_rig.hpp"
+#include "ui/session/session_choice.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct DemoOptions {
+    std::string database = "palpate-demo.sqlite";
+    std::string device = "sim";  ///< sim or haply-emulator
+    std::optional<std::uint64_t> seed;
+    ScreenOptions screen{};
+};
 
 constexpr const char* kProtocol = "shape_friction_demo";
 constexpr const char* kHaplyProtocol = "shape_friction_haply";
@@ -35,9 +41,19 @@ Study ten_trials_of(Study study) {
     return study;
 }
 
-}  // namespace
+void declare(CommandWords& words, DemoOptions& options) {
+    words.add("--db", options.database, "Where the data goes").with_default();
+    words
+        .add("--device", options.device,
+             "sim, or haply-emulator: in real time over a serial port, with board and guard as "
+             "processes of their own")
+        .among({"sim", "haply-emulator"})
+        .with_default();
+    words.add("--seed", options.seed, "Study seed instead of the protocol's");
+    add_screen_words(words, options.screen);
+}
 
-int demo_command(const DemoOptions& options) {
+int run(const DemoOptions& options) {
     catch_signals();
     RigSpec spec;
     spec.device = parse_device(options.device);
@@ -76,6 +92,13 @@ int demo_command(const DemoOptions& options) {
     }
     say("\n{}\n{}", data::summary_text(database), data::example_queries(options.database));
     return 0;
+}
+
+}  // namespace
+
+Command demo_command() {
+    return make_command<DemoOptions>(
+        "demo", "Ten trials of the study with a simulated hand and observer", declare, run);
 }
 
 }  // namespace palpate::ui

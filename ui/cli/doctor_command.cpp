@@ -11,18 +11,28 @@
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/trial/emulated_haply_apparatus.hpp"
-#include "ui/cli/commands.hpp"
-#include "ui/cli/load_study.hpp"
-#include "ui/cli/rig.hpp"
-#include "ui/cli/version.hpp"
+#include "ui/command/command.hpp"
 #include "ui/doctor/checks.hpp"
 #include "ui/doctor/report.hpp"
 #include "ui/rig/device_choice.hpp"
 #include "ui/rig/open_device.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/load_study.hpp"
+#include "ui/session/run_rig.hpp"
+#include "ui/session/version.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct DoctorOptions {
+    std::string device = "sim";  ///< as RunOptions::device
+    std::string calibration;     ///< as RunOptions::calibration
+    std::string protocol;        ///< whose rate and force are asked for; empty: 1 kHz, no force
+    std::string database = "palpate.sqlite";  ///< whose folder is looked at; not made
+    std::string font;
+    double seconds = 5.0;  ///< of the jitter measurement
+    bool json = false;
+};
 
 /// What the checks need to know of the study; the program's defaults without a protocol.
 struct Plan {
@@ -146,9 +156,25 @@ void look_at_timing(Report& report, double rate_hz, double seconds) {
     report.look("cyclictest", [&] { return check_cyclictest(jitter); });
 }
 
-}  // namespace
+void declare(CommandWords& words, DoctorOptions& options) {
+    words.add("--device", options.device, std::string(kDeviceWords)).with_default();
+    words.add("--calibration", options.calibration, std::string(kCalibrationWords));
+    words.add("--protocol", options.protocol,
+              "The protocol to be run: its rate, and whether the device can render it");
+    words
+        .add("--db", options.database,
+             "Where the data will go: room and speed of its disk; nothing is written into it")
+        .with_default();
+    words.add("--font", options.font, "A TrueType font for the subject's screen");
+    words
+        .add("--seconds", options.seconds,
+             "How long to measure the jitter; as long again with cyclictest installed")
+        .within(0.05, 3600.0)
+        .with_default();
+    words.add("--json", options.json, "One JSON object instead of lines");
+}
 
-int doctor_command(const DoctorOptions& options) {
+int run(const DoctorOptions& options) {
     const Plan plan = plan_of(options);
     Report report(!options.json);
     const auto before = processor_time();
@@ -169,6 +195,14 @@ int doctor_command(const DoctorOptions& options) {
         say("{}", verdict(report.checks()));
     }
     return any_fails(report.checks()) ? kExitFailure : 0;
+}
+
+}  // namespace
+
+Command doctor_command() {
+    return make_command<DoctorOptions>(
+        "doctor", "Is this machine ready? Device, timing, rights, screen, sound, disk", declare,
+        run);
 }
 
 }  // namespace palpate::ui

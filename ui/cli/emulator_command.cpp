@@ -7,18 +7,33 @@
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
 #include "protocols/file/calibration_file.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"
 
 namespace palpate::ui {
 namespace {
 
+struct EmulatorOptions {
+    std::string link;                  ///< a symbolic link to the terminal; empty: none
+    std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
+    double delay_ms = 0.0;             ///< from a packet to its answer
+};
+
 constexpr int kStepUs = 250;
 constexpr int kDelayStepUs = 50;  ///< a delayed answer goes out at the end of a step
 
-}  // namespace
+void declare(CommandWords& words, EmulatorOptions& options) {
+    words.add("--link", options.link, "A symbolic link to its terminal, for --device haply:LINK");
+    words.add("--preset", options.preset, "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
+        .with_default();
+    words
+        .add("--delay-ms", options.delay_ms,
+             "How long after a packet its answer goes out, ms; a USB port needs about 1")
+        .within(0.0, 1000.0)
+        .with_default();
+}
 
-int emulator_command(const EmulatorOptions& options) {
+int run(const EmulatorOptions& options) {
     const engine::Calibration machine = protocols::load_calibration(options.preset);
     if (!machine.haply) {
         throw std::invalid_argument(fmt::format(
@@ -38,6 +53,14 @@ int emulator_command(const EmulatorOptions& options) {
         terminal.step(options.delay_ms > 0.0 ? kDelayStepUs : kStepUs);
     }
     return 0;
+}
+
+}  // namespace
+
+Command emulator_command() {
+    return make_command<EmulatorOptions>(
+        "haply-emulator", "A Haply board that is not there, on a pseudo-terminal, until Ctrl-C",
+        declare, run);
 }
 
 }  // namespace palpate::ui

@@ -4,12 +4,22 @@
 
 #include "engine/base/files.hpp"
 #include "data/report/figure_list.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
+namespace {
 
-int figures_command(const FigureOptions& options) {
+struct FigureOptions {
+    std::string directory = "figures";  ///< made if it is not there
+};
+
+void declare(CommandWords& words, FigureOptions& options) {
+    words.add("-o,--output", options.directory, "Folder for the files; made if not there")
+        .with_default();
+}
+
+int run(const FigureOptions& options) {
     const std::filesystem::path directory(options.directory);
     make_folder(directory);
     for (const data::NamedFigure& figure : data::thesis_figures()) {
@@ -20,6 +30,13 @@ int figures_command(const FigureOptions& options) {
         }
     }
     return 0;
+}
+
+}  // namespace
+
+Command figures_command() {
+    return make_command<FigureOptions>(
+        "figures", "Compute the thesis' figures: SVG pictures and CSV tables", declare, run);
 }
 
 }  // namespace palpate::ui

@@ -3,49 +3,38 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/order/constrained_order.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/store/statement.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/version.hpp"
+
+namespace palpate::ui {
+
+// Every command, each in its file, in the order of --help: declared here, listed below.
+Command demo_command(), new_command(), check_command(), run_command(), sequence_command(),
+    summary_command(), participant_command(), note_command(), mark_command(), verify_command(),
+    sql_command(), extension_command(), trace_command(), export_command(), merge_command(),
+    push_command(), calibrate_command(), doctor_command(), emulator_command(), render_command(),
+    closest_command(), figures_command(), procedure_command(), screenshots_command();
+
+}  // namespace palpate::ui
 
 namespace {
 
 using namespace palpate::ui;
 
-int dispatch(const Options& options) {
-    struct Visitor {
-        int operator()(const Exit& exit) const { return exit.code; }
-        int operator()(const RunOptions& run) const { return run_command(run); }
-        int operator()(const SequenceOptions& plan) const { return sequence_command(plan); }
-        int operator()(const CheckOptions& check) const { return check_command(check); }
-        int operator()(const NewOptions& words) const { return new_command(words); }
-        int operator()(const DemoOptions& demo) const { return demo_command(demo); }
-        int operator()(const SummaryOptions& summary) const { return summary_command(summary); }
-        int operator()(const ParticipantOptions& who) const { return participant_command(who); }
-        int operator()(const NoteOptions& note) const { return note_command(note); }
-        int operator()(const MarkOptions& mark) const { return mark_command(mark); }
-        int operator()(const TraceOptions& trace) const { return trace_command(trace); }
-        int operator()(const VerifyOptions& verify) const { return verify_command(verify); }
-        int operator()(const SqlOptions& sql) const { return sql_command(sql); }
-        int operator()(const ExtensionOptions& /*none*/) const { return extension_command(); }
-        int operator()(const ExportCommandOptions& words) const { return export_command(words); }
-        int operator()(const MergeOptions& files) const { return merge_command(files); }
-        int operator()(const PushOptions& push) const { return push_command(push); }
-        int operator()(const ScreenshotOptions& shots) const { return screenshots_command(shots); }
-        int operator()(const RenderOptions& render) const { return render_command(render); }
-        int operator()(const ClosestOptions& closest) const { return closest_command(closest); }
-        int operator()(const ProcedureOptions& procedure) const {
-            return procedure_command(procedure);
-        }
-        int operator()(const FigureOptions& figures) const { return figures_command(figures); }
-        int operator()(const CalibrateOptions& words) const { return calibrate_command(words); }
-        int operator()(const DoctorOptions& doctor) const { return doctor_command(doctor); }
-        int operator()(const EmulatorOptions& board) const { return emulator_command(board); }
-    };
-    return std::visit(Visitor{}, options);
+std::vector<Command> all_commands() {
+    return {demo_command(),      new_command(),     check_command(),       run_command(),
+            sequence_command(),  summary_command(), participant_command(), note_command(),
+            mark_command(),      verify_command(),  sql_command(),         extension_command(),
+            trace_command(),     export_command(),  merge_command(),       push_command(),
+            calibrate_command(), doctor_command(),  emulator_command(),    render_command(),
+            closest_command(),   figures_command(), procedure_command(),   screenshots_command()};
 }
 
 /// Everybody can list the words of a command (ps): the address of a server may hold a password.
@@ -61,9 +50,10 @@ void hide_addresses(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     try {
-        const Options options = parse_command_line(argc, argv);
+        const std::vector<Command> commands = all_commands();
+        const Parsed parsed = parse_command_line(commands, kVersion, argc, argv);
         hide_addresses(argc, argv);
-        return dispatch(options);
+        return parsed.command ? commands[*parsed.command].run() : parsed.code;
     } catch (const palpate::protocols::ProtocolError& e) {
         say_to(stderr, std::string(e.what()) + "\n");
         return kExitUsage;

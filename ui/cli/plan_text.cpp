@@ -139,7 +139,7 @@ std::string rule_text(const Protocol& protocol, const protocols::Plan& plan) {
     std::string text = fmt::format(
         "a rule chooses {}{} of {} from {} to {} by the answers; rule {}\n", word_of(spec.varies),
         spec.stimulus_as == protocols::StimulusAs::log10 ? " (its decadic logarithm)" : "",
-        spec.object, spec.lowest, spec.highest, sha256_hex(spec.rule));
+        spec.object, spec.lowest, spec.highest, sha256_hex(spec.rule.text));
     std::map<std::pair<std::size_t, Phase>, std::array<std::size_t, 2>> counts;
     for (const protocols::PlannedTrial& trial : plan.trials) {
         ++counts[{trial.adaptive->run, trial.phase}].at(trial.adaptive->comparison - 1);

@@ -10,11 +10,19 @@
 #include "engine/base/files.hpp"
 #include "protocols/file/procedure_file.hpp"
 #include "data/csv/number_table.hpp"
-#include "ui/cli/commands.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct ProcedureOptions {
+    std::string config;
+    std::string responses;
+    std::string output;   ///< empty: standard output
+    bool hashes = false;  ///< a column with the hash of the state after every trial
+    bool keys = false;    ///< only print what a configuration may say
+};
 
 using protocols::Estimate;
 using protocols::Procedure;
@@ -142,9 +150,16 @@ std::string replayed(Procedure procedure,
     return text;
 }
 
-}  // namespace
+void declare(CommandWords& words, ProcedureOptions& options) {
+    words.add("CONFIG", options.config, "A procedure file (TOML)").required_unless("--keys");
+    words.add("RESPONSES", options.responses, "A CSV file with a column response (and stimulus)")
+        .required_unless("--keys");
+    words.add("-o,--output", options.output, "Where to write; standard output without it");
+    words.add("--hashes", options.hashes, "Add the SHA-256 of the state after every trial");
+    words.add("--keys", options.keys, "Print what a procedure file may say");
+}
 
-int procedure_command(const ProcedureOptions& options) {
+int run(const ProcedureOptions& options) {
     if (options.keys) {
         say("{}", protocols::procedure_key_reference());
         return 0;
@@ -156,6 +171,14 @@ int procedure_command(const ProcedureOptions& options) {
     const data::NumberTable table = data::read_numbers(options.responses, wanted, optional);
     write_whole(options.output, replayed(file.procedure, table, options.responses, options.hashes));
     return 0;
+}
+
+}  // namespace
+
+Command procedure_command() {
+    return make_command<ProcedureOptions>(
+        "procedure", "Replay an adaptive procedure: stimuli, estimates and entropy trial by trial",
+        declare, run);
 }
 
 }  // namespace palpate::ui

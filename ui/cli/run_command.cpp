@@ -8,17 +8,37 @@
 #include "protocols/file/keys.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
-#include "ui/cli/commands.hpp"
-#include "ui/cli/rig.hpp"
-#include "ui/cli/session_choice.hpp"
-#include "ui/rig/fault_text.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/run_rig.hpp"
+#include "ui/session/session_choice.hpp"
 #include "ui/subject/display.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct RunOptions {
+    std::vector<std::string> words;  ///< the whole command line
+    std::string protocol;            ///< a file, or the name of a shipped protocol
+    std::string participant;
+    std::string database;
+    std::string device = "sim";  ///< see parse_device
+    std::string
+        calibration;   ///< a calibration file or a shipped machine's name; empty: the device's own
+    std::string kind;  ///< pilot, real; empty: real
+    std::optional<std::size_t> session;
+    bool elsewhere = false;  ///< the sessions before that one are in another file
+    bool another = false;    ///< somebody new, although a code in the file is much like this one
+    std::optional<std::uint64_t> seed;
+    std::optional<std::string> secret;  ///< for the file, if it has no session yet
+    std::string resume = "continue";
+    std::string operator_name;  ///< kept with the session; empty: not given
+    bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
+    double spin = 0.0;          ///< see engine::ServoSpec::spin_share
+    ScreenOptions screen{};
+};
 
 /// Of what a person holds. Without force it is a try, unless the study is about the pointer.
 data::RunKind kind_by_hand(const RunOptions& options,
@@ -143,9 +163,52 @@ void heed_number(const RunOptions& options, const std::string& study) {
     }
 }
 
-}  // namespace
+void declare(CommandWords& words, RunOptions& options) {
+    options.words = words.line;
+    words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
+        .required();
+    words.add("--participant", options.participant, "Pseudonymous id: letters, digits, - and _")
+        .required();
+    words.add("--db", options.database, "The study's database file; made if it is not there")
+        .required();
+    words.add("--device", options.device, std::string(kDeviceWords)).with_default();
+    words.add("--calibration", options.calibration, std::string(kCalibrationWords));
+    words.add("--kind", options.kind, "pilot or real; what is simulated is recorded as simulated")
+        .among({"pilot", "real"});
+    words.add("--session", options.session, "Session number; without it the last one goes on")
+        .above_zero();
+    words.add("--elsewhere", options.elsewhere,
+              "The sessions before that number are in another file; which order of pictures they "
+              "had is not known here");
+    words.add("--another", options.another,
+              "The participant is somebody new, although a code in the file is much like it");
+    words.add("--seed", options.seed, "Study seed instead of the protocol's");
+    words.add("--secret", options.secret,
+              "For a new file: what all its orders are drawn with, 32 hexadecimal digits, instead "
+              "of random ones. For rigs that share a study, or to repeat a simulated session to "
+              "the bit. Whoever knows it can tell whose an exported order is");
+    words.add("--operator", options.operator_name, "Who runs it, kept with the session")
+        .kept_text();
+    words
+        .add("--resume", options.resume,
+             "A session that was broken off goes on with the next trial, with the first of its "
+             "block, or with the practice; answers of what is begun again do not count")
+        .among({data::kResumeWords.begin(), data::kResumeWords.end()})
+        .with_default();
+    words.add("--durable", options.durable,
+              "Save ticks more often: after a power cut at most 45 ms are lost, not 120 ms");
+    words
+        .add("--spin", options.spin,
+             "Share of each tick to watch the clock instead of sleeping, for haply and comedi: 0.3 "
+             "wakes up on time to a microsecond and costs processor time")
+        .within(0.0, 0.5)
+        .with_default();
+    words.add("--no-sound", options.screen.no_sound,
+              "No masking noise, whatever the protocol asks for; recorded with the session");
+    add_screen_words(words, options.screen);
+}
 
-int run_command(const RunOptions& options) {
+int run(const RunOptions& options) {
     catch_signals();
     check_participant(options.participant);
     if (options.secret) {
@@ -208,6 +271,12 @@ int run_command(const RunOptions& options) {
             break;
     }
     throw std::runtime_error(given_up_text(end.session));
+}
+
+}  // namespace
+
+Command run_command() {
+    return make_command<RunOptions>("run", "Run or resume a session of a protocol", declare, run);
 }
 
 }  // namespace palpate::ui

@@ -6,13 +6,19 @@
 
 #include "engine/base/files.hpp"
 #include "protocols/file/protocol_file.hpp"
-#include "protocols/file/table_view.hpp"
 #include "data/csv/number_table.hpp"
-#include "ui/cli/commands.hpp"
 #include "ui/cli/scene_tools.hpp"
+#include "ui/command/command.hpp"
 
 namespace palpate::ui {
 namespace {
+
+/// A scene and a table of points.
+struct SceneOptions {
+    std::string scene;
+    std::string points;
+    std::string output;  ///< empty: standard output
+};
 
 constexpr std::array<std::string_view, 4> kColumns{"time_s", "hip_x_m", "hip_y_m", "hip_z_m"};
 
@@ -34,9 +40,13 @@ data::NumberTable read_points(const std::string& file, int dimension, bool with_
     return points;
 }
 
-}  // namespace
+void declare_scene(CommandWords& words, SceneOptions& options, const std::string& points) {
+    words.add("SCENE", options.scene, "A scene file (TOML)").required();
+    words.add(points, options.points, "A CSV file with a head").required();
+    words.add("-o,--output", options.output, "Where to write; standard output without it");
+}
 
-int render_command(const SceneOptions& options) {
+int render(const SceneOptions& options) {
     const protocols::SceneFile scene = protocols::load_scene(options.scene);
     const data::NumberTable path = read_points(options.points, scene.dimension(), true);
     std::string text;
@@ -49,11 +59,29 @@ int render_command(const SceneOptions& options) {
     return 0;
 }
 
-int closest_command(const SceneOptions& options) {
+int closest(const SceneOptions& options) {
     const protocols::SceneFile scene = protocols::load_scene(options.scene);
     const data::NumberTable points = read_points(options.points, scene.dimension(), false);
     write_whole(options.output, closest_csv(scene, points));
     return 0;
+}
+
+}  // namespace
+
+Command render_command() {
+    return make_command<SceneOptions>(
+        "render", "Feel a trajectory (time_s,hip_x_m,hip_y_m[,hip_z_m]): forces tick by tick",
+        [](CommandWords& words, SceneOptions& options) {
+            declare_scene(words, options, "TRAJECTORY");
+        },
+        render);
+}
+
+Command closest_command() {
+    return make_command<SceneOptions>(
+        "closest", "Global closest points of a scene (hip_x_m,hip_y_m[,hip_z_m])",
+        [](CommandWords& words, SceneOptions& options) { declare_scene(words, options, "POINTS"); },
+        closest);
 }
 
 }  // namespace palpate::ui

@@ -105,10 +105,8 @@ struct Spot {
 };
 
 Spot spot_of(const engine::Outline& outline, const engine::Place& place) {
-    const std::size_t span = place.on_joint ? outline.joints()[place.index].before : place.index;
-    const double t = place.on_joint ? 1.0 : place.parameter;
-    const engine::SpanName& name = outline.name(span);
-    return {name.segment, name.parameter(t)};
+    const engine::SegmentPlace named = engine::segment_place(outline, place);
+    return {named.segment, named.u};
 }
 
 /// What both kinds of scene answer.

@@ -5,14 +5,41 @@
 #include "engine/base/files.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/trial/trial_scene.hpp"
-#include "ui/cli/commands.hpp"
-#include "ui/cli/load_study.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/load_study.hpp"
 #include "ui/subject/screenshots.hpp"
 
 namespace palpate::ui {
+namespace {
 
-int screenshots_command(const ScreenshotOptions& options) {
+struct ScreenshotOptions {
+    std::string protocol =
+        "shape_friction";  ///< a file or a shipped one: its pictures, instructions
+    std::string directory = ".";
+    std::string language = "en";  ///< en, tr
+    int width = 1280;             ///< pixels
+    int height = 800;
+    std::string font;
+};
+
+void declare(CommandWords& words, ScreenshotOptions& options) {
+    words.add("-o,--output", options.directory, "Folder for the pictures").with_default();
+    words
+        .add("--protocol", options.protocol,
+             "Whose pictures and instructions to show: a protocol file or a shipped one")
+        .with_default();
+    words.add("--width", options.width, "Of the pictures, pixels").within(480, 7680).with_default();
+    words.add("--height", options.height, "Of the pictures, pixels")
+        .within(480, 7680)
+        .with_default();
+    words.add("--font", options.font, "A TrueType font");
+    words.add("--language", options.language, "Of the sentences: en or tr")
+        .among({"en", "tr"})
+        .with_default();
+}
+
+int run(const ScreenshotOptions& options) {
     const Study study = load_study(options.protocol);
     const auto pictures = make_pictures(study.protocol, objects_of(study.protocol, true));
     const auto language =
@@ -28,6 +55,13 @@ int screenshots_command(const ScreenshotOptions& options) {
         say("{}\n", file);
     }
     return 0;
+}
+
+}  // namespace
+
+Command screenshots_command() {
+    return make_command<ScreenshotOptions>(
+        "screenshots", "Write a picture of every subject screen (PNG)", declare, run);
 }
 
 }  // namespace palpate::ui

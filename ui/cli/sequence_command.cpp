@@ -12,13 +12,22 @@
 #include "protocols/design/session_plan.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
-#include "ui/cli/commands.hpp"
 #include "ui/cli/plan_text.hpp"
-#include "ui/cli/session_choice.hpp"
+#include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/session_choice.hpp"
 
 namespace palpate::ui {
 namespace {
+
+struct SequenceOptions {
+    std::string protocol;  ///< a file, or the name of a shipped protocol
+    std::string participant;
+    std::string database;  ///< empty: an example
+    std::optional<std::size_t> session;
+    std::optional<std::uint64_t> seed;
+    bool csv = false;
+};
 
 using protocols::Plan;
 using protocols::PlannedTrial;
@@ -164,9 +173,20 @@ void print_text(const Sequence& sequence) {
     print_trials(sequence);
 }
 
-}  // namespace
+void declare(CommandWords& words, SequenceOptions& options) {
+    words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
+        .required();
+    words.add("--participant", options.participant, "Pseudonymous id: letters, digits, - and _")
+        .required();
+    words.add("--db", options.database,
+              "The study's database: who already ran decides the order of the pictures");
+    words.add("--session", options.session, "Session number; without it the last one, or the first")
+        .above_zero();
+    words.add("--seed", options.seed, "Study seed instead of the protocol's");
+    words.add("--csv", options.csv, "The trials alone, as CSV");
+}
 
-int sequence_command(const SequenceOptions& options) {
+int run(const SequenceOptions& options) {
     const Sequence sequence = make_sequence(options);
     if (options.csv) {
         if (sequence.key.secret.empty()) {
@@ -177,6 +197,13 @@ int sequence_command(const SequenceOptions& options) {
         print_text(sequence);
     }
     return 0;
+}
+
+}  // namespace
+
+Command sequence_command() {
+    return make_command<SequenceOptions>(
+        "sequence", "Print the plan that run would carry out, without running it", declare, run);
 }
 
 }  // namespace palpate::ui

@@ -88,11 +88,13 @@ std::vector<std::string> advice_on(const protocols::Protocol& protocol,
             "[masking] noise = \"pink\"");
     }
     const auto chosen = static_cast<std::size_t>(protocol.language);
-    const InstructionTexts& shown = protocol.instructions.at(chosen);
     for (const auto& key : protocols::keys_of<InstructionTexts>()) {
-        const auto member = std::get<std::string InstructionTexts::*>(key.member);
+        const auto is_empty = [&](std::size_t language) {
+            InstructionTexts texts = protocol.instructions.at(language);
+            return std::get<std::string*>(key.slot(&texts))->empty();
+        };
         for (std::size_t other = 0; other < protocols::kLanguageCount; ++other) {
-            if ((shown.*member).empty() && !(protocol.instructions.at(other).*member).empty()) {
+            if (is_empty(chosen) && !is_empty(other)) {
                 all.push_back(fmt::format(
                     "the screen is in {0}, and [instructions.{0}] has no {1}, [instructions.{2}] "
                     "has: the screen's own sentence is shown",

@@ -42,4 +42,8 @@ struct DeviceChoice {
 inline constexpr std::string_view kDeviceWords =
     "sim, mouse, haply:PORT, haply-emulator, comedi:FILE, or replay:FILE[:TRIAL]";
 
+/// Help for --calibration.
+inline constexpr std::string_view kCalibrationWords =
+    "A file by palpate calibrate, or haplet, 2diy_gen2, 2diy_gen3, mk2";
+
 }  // namespace palpate::ui

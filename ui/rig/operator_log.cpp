@@ -7,10 +7,16 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
-#include "ui/rig/fault_text.hpp"
 
 namespace palpate::ui {
 namespace {
+
+std::string without_stop(std::string sentence) {
+    while (sentence.ends_with('.') || sentence.ends_with('\n')) {
+        sentence.pop_back();
+    }
+    return sentence;
+}
 
 using protocols::Progress;
 
@@ -39,7 +45,7 @@ std::vector<std::string> advice_for(const protocols::TrialResult& result) {
 std::string outcome_text(const Progress& progress, const std::string& what) {
     const protocols::TrialResult& result = progress.result;
     const std::string_view again =
-        progress.runs_again ? "runs again later in its block" : "is not run again";
+        progress.runs_again() ? "runs again later in its block" : "is not run again";
     if (result.fault) {
         return fault_text(*result.fault) + fmt::format("; {}", again);
     }
@@ -72,13 +78,13 @@ std::string number_text(const protocols::TrialNumber& number) {
 }
 
 std::string OperatorLog::left_text(const Progress& progress, double now_s) const {
-    if (progress.left == 0) {
+    if (progress.left() == 0) {
         return "none left";
     }
-    std::string text = fmt::format("{} left", progress.left);
+    std::string text = fmt::format("{} left", progress.left());
     if (ended_ > 0) {
         const double minutes = (now_s - begun_s_) / static_cast<double>(ended_) *
-                               static_cast<double>(progress.left) / 60.0;
+                               static_cast<double>(progress.left()) / 60.0;
         text += minutes < 1.0 ? std::string(", less than a minute")
                               : fmt::format(", about {:.0f} min", minutes);
     }
@@ -110,7 +116,7 @@ std::string OperatorLog::alarm() const {
 std::string OperatorLog::line(const Progress& progress, const std::string& what, double now_s) {
     const std::size_t attempt = ++attempts_[progress.planned.position];
     const bool lost = progress.result.fault || !progress.result.invalid.empty();
-    if ((progress.result.response || progress.result.fault) && !progress.runs_again) {
+    if ((progress.result.response || progress.result.fault) && !progress.runs_again()) {
         ++ended_;
     }
     std::string text = fmt::format("{:<16}", number_text(progress.number));
@@ -153,6 +159,29 @@ std::string run_summary(data::Database& database,
         "{:.3g} % of the ticks late.\n",
         row.integer(0), row.integer(1), row.integer(1) == 1 ? "does" : "do", row.integer(2),
         minutes, row.real(3));
+}
+
+std::string fault_text(const protocols::Fault& fault) {
+    const std::string what =
+        without_stop(fault.text.empty() ? std::string(explanation(fault.cause)) : fault.text);
+    return fmt::format("fault: {}", what);
+}
+
+std::string display_lost_text(const protocols::SessionEnd& end) {
+    return fmt::format(
+        "the display is gone. The force is off and what was recorded is kept; where a display "
+        "works again, the same command goes on at {}",
+        number_text(end.number));
+}
+
+std::string given_up_text(const protocols::SessionEnd& end) {
+    const std::string after = end.tries > 0
+                                ? counted(end.tries, "try", "tries") + " to reach the device again"
+                                : counted(end.in_a_row, "fault") + " in a row";
+    return fmt::format(
+        "gave up after {}: {}. The force is off and what was recorded is kept; the "
+        "same command goes on at {}",
+        after, without_stop(end.fault), number_text(end.number));
 }
 
 }  // namespace palpate::ui

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "protocols/session/ports.hpp"
+#include "protocols/session/recorder.hpp"
+#include "protocols/session/session.hpp"
 #include "data/store/database.hpp"
 
 /// What a session says on the operator's terminal. A participant may see it: of people's sessions nothing about
@@ -16,6 +18,18 @@ namespace palpate::ui {
 
 /// "trial 12 of 104", "practice 3 of 10": as the participant's screen numbers it.
 [[nodiscard]] std::string number_text(const protocols::TrialNumber& number);
+
+/// Of a faulted trial's line on the console: what happened, what to do. For the experimenter, but a participant
+/// may see it: nothing of the stimulus.
+///
+///     fault: the handle was faster than the limit: move more slowly
+[[nodiscard]] std::string fault_text(const protocols::Fault& fault);
+
+/// A session that ended because its display did, and how it goes on.
+[[nodiscard]] std::string display_lost_text(const protocols::SessionEnd& end);
+
+/// Why a session was given up with SessionEnd::Why::faulted, and how it goes on.
+[[nodiscard]] std::string given_up_text(const protocols::SessionEnd& end);
 
 /// The lines of a run, one an attempt. What came before this run counts for the number of the attempt alone: the
 /// pace, and the trials that the alarm looks at, are of this run.

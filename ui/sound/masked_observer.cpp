@@ -55,8 +55,10 @@ void MaskedObserver::note_silence() {
     const double wanted = static_cast<double>(monotonic_ns() - full_ns_) * 1e-9;
     const double missing = wanted - (player_.full_s() - full_s_);
     if (missing > kSilenceBearable + kSlowBearable * wanted) {
-        recorder_.event("masking", fmt::format("{:.2f} s of {:.2f} s of {} were without noise",
-                                               missing, wanted, trial_));
+        recorder_.event({.kind = protocols::EventKind::masking,
+                         .text = fmt::format("{:.2f} s of {:.2f} s of {} were without noise",
+                                             missing, wanted, trial_),
+                         .duration_s = missing});
     }
 }
 
@@ -66,7 +68,8 @@ Signal MaskedObserver::welcome(const protocols::SessionView& session) {
 
 Signal MaskedObserver::ready(const protocols::TrialView& trial) {
     if (required_ && !player_.works()) {
-        recorder_.event("masking", "the sound device was lost: the session ends");
+        recorder_.event({.kind = protocols::EventKind::masking,
+                         .text = "the sound device was lost: the session ends"});
         throw std::runtime_error(
             "the sound device for the masking noise was lost: connect it again, then give the same "
             "command to go on");

@@ -7,8 +7,8 @@
 
 namespace palpate::engine {
 
-/// The seam between a driver and the bytes' way to its board: a serial port, or a board in memory on
-/// a clock of its own. What is used in the tick is noexcept and allocates nothing.
+/// The seam between a driver and the bytes' way to its board: a serial port, or a board in memory
+/// on a clock of its own. What is used in the tick is noexcept and allocates nothing.
 class ByteLink {
 public:
     ByteLink() = default;

@@ -61,8 +61,8 @@ public:
         if (volts == nullptr || volts->unit != UNIT_volt) {
             return EINVAL;
         }
-        output = {.least = volts->min,
-                  .most = volts->max,
+        output = {.min = volts->min,
+                  .max = volts->max,
                   .top = comedi_get_maxdata(card_, subdevice, channel)};
         return output.top != 0 ? 0 : last_error();
     }

@@ -8,7 +8,8 @@
 
 namespace palpate::engine {
 
-/// A pantograph on the card at `file`, e.g. "/dev/comedi0". In a build without Comedi it only throws.
+/// A pantograph on the card at `file`, e.g. "/dev/comedi0". In a build without Comedi it only
+/// throws.
 /// @throws what ComediDevice throws
 /// @throws std::runtime_error  in a build without Comedi: how to get one with it
 [[nodiscard]] std::unique_ptr<Device> open_comedi(const std::string& file,

@@ -10,7 +10,7 @@ namespace palpate::engine {
 namespace {
 
 /// Bits below this wrap within a stroke.
-constexpr std::uint32_t kLeastCounter = 0xFFFF;
+constexpr std::uint32_t kMinCounter = 0xFFFF;
 
 ComediWiring wiring_of(const Calibration& calibration) {
     if (!calibration.comedi) {
@@ -95,10 +95,10 @@ std::string ComediDevice::start() {
             return problem;
         }
         const DaqCard::Output& output = channels_[axis].output;
-        const double most = std::fmin(output.most, -output.least);
+        const double reach = std::fmin(output.max, -output.min);
         Axis& motor = spec.axes[axis];
         motor.torque_limit =
-            std::fmin(motor.torque_limit, most / std::fabs(wiring_.volts_per_newton_metre[axis]));
+            std::fmin(motor.torque_limit, reach / std::fabs(wiring_.volts_per_newton_metre[axis]));
         motor.torque_forever = std::fmin(motor.torque_forever, motor.torque_limit);
     }
     pantograph_ = Pantograph(spec);
@@ -122,10 +122,10 @@ std::string ComediDevice::prepare(std::size_t axis) {
     if (error != 0) {
         return refused(error);
     }
-    if (!(output.least < 0.0 && output.most > 0.0) || output.top == 0) {
+    if (!(output.min < 0.0 && output.max > 0.0) || output.top == 0) {
         return card_->name() + ": range " + std::to_string(wiring_.range) + " of output " +
-               std::to_string(wiring_.output[axis]) + " goes from " + volts(output.least) + " to " +
-               volts(output.most) + ": choose one with both signs in the calibration";
+               std::to_string(wiring_.output[axis]) + " goes from " + volts(output.min) + " to " +
+               volts(output.max) + ": choose one with both signs in the calibration";
     }
     channel.output = output;
     channel.zero = code(axis, 0.0);
@@ -141,7 +141,7 @@ std::string ComediDevice::prepare(std::size_t axis) {
         return refused(error);
     }
     const std::uint32_t top = channel.counter_top;
-    if (top < kLeastCounter || (top & (top + 1U)) != 0 || channel.last > top) {
+    if (top < kMinCounter || (top & (top + 1U)) != 0 || channel.last > top) {
         return card_->name() + ": counter " + std::to_string(wiring_.counter[axis]) +
                " counts to " + std::to_string(top) + ": an encoder needs one of 16 to 32 bits";
     }
@@ -182,7 +182,7 @@ int ComediDevice::put(std::size_t axis, std::uint32_t code) noexcept {
 
 std::uint32_t ComediDevice::code(std::size_t axis, double volts) const noexcept {
     const DaqCard::Output& output = channels_[axis].output;
-    const double share = (volts - output.least) / (output.most - output.least);
+    const double share = (volts - output.min) / (output.max - output.min);
     const double nearest = std::floor(share * output.top + 0.5);
     return static_cast<std::uint32_t>(
         std::fmin(std::fmax(nearest, 0.0), static_cast<double>(output.top)));
@@ -207,10 +207,10 @@ bool ComediDevice::follow(std::size_t axis) noexcept {
     channel.last = value;
     channel.count += step;
     const std::int64_t now = counted(axis);
-    constexpr std::int64_t kMost = std::numeric_limits<std::int32_t>::max();
+    constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
     // Over a quarter of the counter at once, nobody knows any more which way round it went.
     if (value > top || std::abs(step) > static_cast<std::int64_t>(top / 4) ||
-        std::abs(now) > kMost) {
+        std::abs(now) > kMax) {
         fail(DeviceFault::garbage, 0);
         return false;
     }

@@ -12,28 +12,29 @@
 
 namespace palpate::engine {
 
-/// A pantograph on a data acquisition card: encoders on two counters, motor amplifiers (volts in, torque
-/// out) on two analogue outputs.
+/// A pantograph on a data acquisition card: encoders on two counters, motor amplifiers (volts in,
+/// torque out) on two analogue outputs.
 ///
 ///     counts = +- unwrapped counter + offset          angles and HIP: Pantograph
-///     volts  = torque * volts_per_newton_metre        code = (volts - least) / (most - least) * top
+///     volts  = torque * volts_per_newton_metre        code = (volts - min) / (max - min) * top
 ///
-/// The offset is such that the handle stands at the calibration's home when the card is opened, and again
-/// at each reconnect(); without a home it is 0: the counters' own values, as signed numbers, were
-/// calibrated. The torque limit of an axis is what both its motor and its output range can give, and what
-/// it gives for ever is no more than that.
+/// The offset is such that the handle stands at the calibration's home when the card is opened, and
+/// again at each reconnect(); without a home it is 0: the counters' own values, as signed numbers,
+/// were calibrated. The torque limit of an axis is what both its motor and its output range can
+/// give, and what it gives for ever is no more than that.
 ///
-/// Zero volts, which is the middle code of a range with both signs and never code 0, is the last thing
-/// written on every way out: fault, a force that is not a number, reconnect, destructor. When the
-/// program is killed nobody writes it: a card holds what it had. Wire the amplifiers' enable input to
-/// something that notices.
+/// Zero volts, which is the middle code of a range with both signs and never code 0, is the last
+/// thing written on every way out: fault, a force that is not a number, reconnect, destructor. When
+/// the program is killed nobody writes it: a card holds what it had. Wire the amplifiers' enable
+/// input to something that notices.
 ///
 /// A fault stays until reconnect(). Nothing here was tried on hardware.
 class ComediDevice : public Device {
 public:
     /// Opens the card and writes zero volts.
     /// @throws std::invalid_argument if the calibration has no [comedi] part or one that cannot be
-    /// @throws std::runtime_error    if the card cannot be opened or is not fit: what, and the remedy
+    /// @throws std::runtime_error    if the card cannot be opened or is not fit: what, and the
+    ///       remedy
     ComediDevice(std::unique_ptr<DaqCard> card, const Calibration& calibration);
     ~ComediDevice() override;
 

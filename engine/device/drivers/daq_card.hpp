@@ -5,14 +5,14 @@
 
 namespace palpate::engine {
 
-/// The few calls that a pantograph needs of a data acquisition card: two counters in, two voltages out.
-/// Calls return 0, or the driver's error number; none throws. One thread at a time.
+/// The few calls that a pantograph needs of a data acquisition card: two counters in, two voltages
+/// out. Calls return 0, or the driver's error number; none throws. One thread at a time.
 class DaqCard {
 public:
     /// What an output channel can do.
     struct Output {
-        double least = 0.0;     ///< V at code 0
-        double most = 0.0;      ///< V at code `top`
+        double min = 0.0;       ///< V at code 0
+        double max = 0.0;       ///< V at code `top`
         std::uint32_t top = 0;  ///< largest code
     };
 

@@ -13,8 +13,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "engine/device/drivers/guard_watch.hpp"
-
 namespace palpate::engine {
 namespace {
 
@@ -54,18 +52,18 @@ bool send_message(int socket, const GuardMessage& message, int port) noexcept {
 }  // namespace
 
 GuardProcess::GuardProcess(const GuardTiming& timing) : timing_(timing) {
-    void* memory =
-        mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+    void* memory = mmap(nullptr, sizeof(GuardShared), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) {
         throw std::runtime_error("no memory to share with the guard process: end some programs");
     }
-    shared_ = new (memory) Shared{};
+    shared_ = new (memory) GuardShared{};
     static_cast<void>(start());
 }
 
 GuardProcess::~GuardProcess() {
     end();
-    munmap(shared_, sizeof(Shared));
+    munmap(shared_, sizeof(GuardShared));
 }
 
 bool GuardProcess::start() noexcept {

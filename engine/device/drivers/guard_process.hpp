@@ -1,34 +1,27 @@
 #pragma once
 
-#include <atomic>
 #include <cstdint>
 
-#include <sys/types.h>
-
+#include "engine/device/drivers/guard_watch.hpp"
 #include "engine/device/drivers/motor_guard.hpp"
 
 namespace palpate::engine {
 
-/// How a guard process waits.
-struct GuardTiming {
-    int wait_ms = 5;     ///< between two looks at the driver
-    int patience = 5;    ///< looks in a row at a driver that is silent with the force on
-    int alive_ms = 100;  ///< a guard that has not looked for so long counts as gone
-};
-
 /// A process that holds the port as well and switches the motors off when palpate cannot.
 ///
-/// It wakes at once when palpate ends, however it ends (kill -9 too), and zeroes the motors five times;
-/// if the board does not answer, it sets the board up and does so again. It also looks every wait_ms:
-/// a driver that is silent with the force on (stopped, hung) for `patience` waits has its motors
-/// zeroed, and tripped() says so before the driver's next packet. Waits are counted, not clocked, so
-/// that a stall of the whole machine is not taken for a hung driver.
+/// It wakes at once when palpate ends, however it ends (kill -9 too), and zeroes the motors five
+/// times; if the board does not answer, it sets the board up and does so again. It also looks every
+/// wait_ms: a driver that is silent with the force on (stopped, hung) for `patience` waits has its
+/// motors zeroed, and tripped() says so before the driver's next packet. Waits are counted, not
+/// clocked, so that a stall of the whole machine is not taken for a hung driver.
 ///
-/// What it cannot save: both processes killed at once, or palpate within alive_ms after its guard; a
-/// cable pulled or a machine that halts with the force on. Only a switch in the motors' supply can.
+/// What it cannot save: both processes killed at once, or palpate within alive_ms after its guard;
+/// a cable pulled or a machine that halts with the force on. Only a switch in the motors' supply
+/// can.
 ///
-/// It is forked without exec and calls only what may be called after a fork; it closes every file but
-/// its own, ignores the terminal's signals, and has a session of its own. Make it before threads.
+/// It is forked without exec and calls only what may be called after a fork; it closes every file
+/// but its own, ignores the terminal's signals, and has a session of its own. Make it before
+/// threads.
 class GuardProcess : public MotorGuard {
 public:
     /// Starts the guard. If that fails, watch() tries again and says so.
@@ -48,20 +41,13 @@ public:
     /// Of the guard, -1 without one.
     [[nodiscard]] pid_t id() const noexcept { return pid_; }
 
-    /// What palpate and its guard both see.
-    struct Shared {
-        std::atomic<std::uint64_t> beat{0};    ///< changes with every packet; odd: the force is on
-        std::atomic<std::int64_t> seen_ns{0};  ///< when the guard last looked
-        std::atomic<bool> tripped{false};
-    };
-
 private:
     [[nodiscard]] bool start() noexcept;
     void end() noexcept;
     [[nodiscard]] bool acknowledged() const noexcept;
 
     GuardTiming timing_;
-    Shared* shared_ = nullptr;
+    GuardShared* shared_ = nullptr;
     int socket_ = -1;
     pid_t pid_ = -1;
     std::uint64_t beats_ = 0;

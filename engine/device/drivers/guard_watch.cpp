@@ -82,21 +82,21 @@ void zero(const Guarded& guarded) noexcept {
     }
 }
 
-/// One more zero torque has a whole answer. A board without an address says its id and no more. Palpate
-/// is gone: nobody else reads.
+/// One more zero torque has a whole answer. A board without an address says its id and no more.
+/// Palpate is gone: nobody else reads.
 bool board_obeys(const Guarded& guarded) noexcept {
-    constexpr ssize_t kLeastAnswer = 9;
+    constexpr ssize_t kMinAnswer = 9;
     tcflush(guarded.port, TCIFLUSH);
     write_packet(guarded.port, guarded.packets.zero.data(), guarded.packets.zero_size);
     std::array<std::uint8_t, 64> answer{};
     ssize_t size = 0;
-    for (int waited = 0; waited < kAnswerMs && size < kLeastAnswer; ++waited) {
+    for (int waited = 0; waited < kAnswerMs && size < kMinAnswer; ++waited) {
         wait_ms(1);
         const auto at = static_cast<std::size_t>(size);
         const ssize_t got = read(guarded.port, answer.data() + at, answer.size() - at);
         size += got > 0 ? got : 0;
     }
-    return size >= kLeastAnswer && answer[0] == guarded.packets.zero[1];
+    return size >= kMinAnswer && answer[0] == guarded.packets.zero[1];
 }
 
 /// The last thing a guard does.
@@ -165,7 +165,7 @@ private:
 
 void guard_motors(int socket,
                   pid_t owner,
-                  GuardProcess::Shared& shared,
+                  GuardShared& shared,
                   const GuardTiming& timing) noexcept {
     stay_out_of_the_way(socket);
     const int life = static_cast<int>(syscall(SYS_pidfd_open, owner, 0));  // -1: an old kernel

@@ -1,14 +1,28 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
+#include <atomic>
 #include <cstdint>
 
-#include "engine/device/drivers/guard_process.hpp"
+#include <sys/types.h>
 
 namespace palpate::engine {
 
-/// What palpate tells its guard, one datagram each; the port travels beside it as a descriptor.
+/// How a guard process waits.
+struct GuardTiming {
+    int wait_ms = 5;     ///< between two looks at the driver
+    int patience = 5;    ///< looks in a row at a driver that is silent with the force on
+    int alive_ms = 100;  ///< a guard that has not looked for so long counts as gone
+};
+
+/// What palpate and its guard both see.
+struct GuardShared {
+    std::atomic<std::uint64_t> beat{0};    ///< changes with every packet; odd: the force is on
+    std::atomic<std::int64_t> seen_ns{0};  ///< when the guard last looked
+    std::atomic<bool> tripped{false};
+};
+
+/// What palpate sends its guard, one datagram each; the port travels beside it as a descriptor.
 struct GuardMessage {
     enum class What : std::uint8_t { watch, release } what = What::release;
     std::uint8_t zero_size = 0;
@@ -21,7 +35,7 @@ struct GuardMessage {
 /// @param socket  to palpate; @param owner  palpate's process id
 [[noreturn]] void guard_motors(int socket,
                                pid_t owner,
-                               GuardProcess::Shared& shared,
+                               GuardShared& shared,
                                const GuardTiming& timing) noexcept;
 
 }  // namespace palpate::engine

@@ -138,8 +138,8 @@ Reading HaplyDevice::take(const HaplyReply& reply) noexcept {
     return reading;
 }
 
-/// What came before a rest is old, so it is asked for once more. First the answers that may still be on
-/// their way are waited for: forgotten ones would come as answers to the new question.
+/// What came before a rest is old, so it is asked for once more. First the answers that may still
+/// be on their way are waited for: forgotten ones would come as answers to the new question.
 HaplyLine::Answer HaplyDevice::prime() noexcept {
     if (line_.awaiting() && link_->now_ns() - line_.asked_ns() <= kStale) {
         const auto answer = line_.hear(kFirstWait);
@@ -257,8 +257,8 @@ Applied HaplyDevice::write(const Vec2& force) noexcept {
 }
 
 bool HaplyDevice::rests() {
-    Pantograph::Counts least{};
-    Pantograph::Counts most{};
+    Pantograph::Counts smallest{};
+    Pantograph::Counts largest{};
     bool first = true;
     const std::int64_t end = link_->now_ns() + nanoseconds(timing_.still);
     while (link_->now_ns() < end) {
@@ -269,9 +269,9 @@ bool HaplyDevice::rests() {
         }
         const Pantograph::Counts raw = raw_counts(line_.reply());
         for (std::size_t i = 0; i < 2; ++i) {
-            least[i] = first ? raw[i] : std::min(least[i], raw[i]);
-            most[i] = first ? raw[i] : std::max(most[i], raw[i]);
-            if (most[i] - least[i] > kStillCounts) {
+            smallest[i] = first ? raw[i] : std::min(smallest[i], raw[i]);
+            largest[i] = first ? raw[i] : std::max(largest[i], raw[i]);
+            if (largest[i] - smallest[i] > kStillCounts) {
                 return false;
             }
             bias_[i] = home_[i] - raw[i];

@@ -23,8 +23,8 @@ struct HaplyTiming {
 ///
 /// One exchange a tick: write() sends the torques, and the next read() collects the angles that the
 /// board measured when it took them. So a reading is one period old (traits().delay_ticks). If the
-/// answer is late, the reading is not fresh and the torques stay as they are, but zero torque is always
-/// sent. The first read() after a rest asks once more, with zero torque.
+/// answer is late, the reading is not fresh and the torques stay as they are, but zero torque is
+/// always sent. The first read() after a rest asks once more, with zero torque.
 ///
 /// A fault is latched until reconnect(): from then on only zero torque is sent. No torque goes out
 /// before the board has answered an exchange after its set-up, nor without a guard. Every way out,
@@ -53,7 +53,8 @@ public:
 
     /// Zero torque first. If the board acknowledges it, its counts are still good and that is all.
     /// Otherwise the port is opened anew and the board set up again, which loses the position: then
-    /// trouble() asks for the handle at home, and a later call takes the pose of a handle that rested.
+    /// trouble() asks for the handle at home, and a later call takes the pose of a handle that
+    /// rested.
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] std::string trouble() const override {
         return trouble_.empty() ? explained(fault_) : trouble_;

@@ -26,13 +26,13 @@ HaplyLine::HaplyLine(ByteLink& link, const HaplySetup& setup)
 
 void HaplyLine::forget() noexcept {
     link_->drain();
-    held_size_ = 0;
+    kept_size_ = 0;
     owed_ = 0;
 }
 
 void HaplyLine::start_over() noexcept {
     set_up_ = false;
-    held_size_ = 0;
+    kept_size_ = 0;
     owed_ = 0;
 }
 
@@ -55,25 +55,25 @@ bool HaplyLine::ask(const std::array<double, 2>& torque) noexcept {
 HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns) noexcept {
     const std::int64_t deadline = link_->now_ns() + wait_ns;
     while (owed_ > 0) {
-        if (held_size_ > 0 && held_[0] != setup_.id) {
+        if (kept_size_ > 0 && kept_[0] != setup_.id) {
             return Answer::garbage;
         }
-        if (held_size_ >= reply_size_) {
+        if (kept_size_ >= reply_size_) {
             const auto reply =
-                read_reply({held_.data(), reply_size_}, setup_.id, setup_.sensor_pin.has_value());
+                read_reply({kept_.data(), reply_size_}, setup_.id, setup_.sensor_pin.has_value());
             if (!reply) {
                 return Answer::garbage;
             }
             reply_ = *reply;
             --owed_;
             owed_since_ns_ = link_->now_ns();
-            held_size_ -= reply_size_;
-            std::copy_n(held_.begin() + static_cast<std::ptrdiff_t>(reply_size_), held_size_,
-                        held_.begin());
+            kept_size_ -= reply_size_;
+            std::copy_n(kept_.begin() + static_cast<std::ptrdiff_t>(reply_size_), kept_size_,
+                        kept_.begin());
             continue;
         }
         const std::ptrdiff_t got =
-            link_->receive({held_.data() + held_size_, held_.size() - held_size_},
+            link_->receive({kept_.data() + kept_size_, kept_.size() - kept_size_},
                            std::max<std::int64_t>(deadline - link_->now_ns(), 0));
         if (got < 0) {
             return Answer::lost;
@@ -81,9 +81,9 @@ HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns) noexcept {
         if (got == 0) {
             return Answer::pending;
         }
-        held_size_ += static_cast<std::size_t>(got);
+        kept_size_ += static_cast<std::size_t>(got);
     }
-    return held_size_ == 0 ? Answer::complete : Answer::garbage;
+    return kept_size_ == 0 ? Answer::complete : Answer::garbage;
 }
 
 bool HaplyLine::silence() noexcept {

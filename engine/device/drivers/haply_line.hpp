@@ -23,23 +23,23 @@ public:
     /// @param link  outlives the line
     HaplyLine(ByteLink& link, const HaplySetup& setup);
 
-    /// Reset, set-up, and three zero exchanges that must be answered: a set-up itself never is. A reset
-    /// takes the motors' addresses and leaves their torque, so silence() comes before. Takes up to half
-    /// a second. It makes the present pose count 0. @return complete if they were
+    /// Reset, set-up, and three zero exchanges that must be answered: a set-up itself never is. A
+    /// reset takes the motors' addresses and leaves their torque, so silence() comes before. Takes
+    /// up to half a second. It makes the present pose count 0. @return complete if they were
     [[nodiscard]] Answer set_up() noexcept;
 
     /// Zero torque five times, 1 ms apart, then listens. @return true if the board acknowledged
     bool silence() noexcept;
 
-    /// Sends an exchange. @return false if it was not sent whole, before a set-up or for a torque that
-    /// is not finite
+    /// Sends an exchange. @return false if it was not sent whole, before a set-up or for a torque
+    /// that is not finite
     [[nodiscard]] bool ask(const std::array<double, 2>& torque) noexcept;
 
     /// Collects what was asked for, waiting at most `wait_ns`. What has come so far is kept.
     [[nodiscard]] Answer hear(std::int64_t wait_ns) noexcept;
 
-    /// Throws away what has come, and expects nothing more: an answer that is still on its way would be
-    /// taken for that to the next question.
+    /// Throws away what has come, and expects nothing more: an answer that is still on its way
+    /// would be taken for that to the next question.
     void forget() noexcept;
 
     [[nodiscard]] const HaplyReply& reply() const noexcept { return reply_; }
@@ -66,8 +66,8 @@ private:
     HaplyPacket zero_;
     std::size_t reply_size_;
     HaplyReply reply_{};
-    std::array<std::uint8_t, 256> held_{};  ///< bytes of answers not yet complete
-    std::size_t held_size_ = 0;
+    std::array<std::uint8_t, 256> kept_{};  ///< bytes of answers not yet complete
+    std::size_t kept_size_ = 0;
     std::size_t owed_ = 0;  ///< answers still to come
     std::int64_t owed_since_ns_ = 0;
     std::int64_t asked_ns_ = 0;

@@ -30,6 +30,7 @@ struct HaplyPacket {
     std::array<std::uint8_t, 64> bytes{};
     std::size_t size = 0;
 
+    /// The bytes of the packet.
     [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
         return {bytes.data(), size};
     }
@@ -53,20 +54,20 @@ struct HaplyReply {
 
 /// The set-up of a calibrated pantograph. Offsets are 0: the present pose becomes count 0, small
 /// numbers keep their bits in a float, and where count 0 lies is the host's business.
-/// @throws std::invalid_argument for id 0, for ports other than 1 and 2, for a sensor pin that is not
-///         54 to 65, for a resolution or a torque limit that the board does not have
+/// @throws std::invalid_argument for id 0, for ports other than 1 and 2, for a sensor pin that is
+///         not 54 to 65, for a resolution or a torque limit that the board does not have
 [[nodiscard]] HaplySetup haply_setup(const HaplyWiring& wiring, const PantographSpec& pantograph);
 
 /// @throws std::invalid_argument for id 0, a pin outside 54 to 65, or numbers that are not finite
 [[nodiscard]] HaplyPacket setup_packet(const HaplySetup& setup);
 
-/// Clears the addresses of all motors and encoders. It leaves the motors as they are: send zero torque
-/// before. @throws std::invalid_argument for id 0
+/// Clears the addresses of all motors and encoders. It leaves the motors as they are: send zero
+/// torque before. @throws std::invalid_argument for id 0
 [[nodiscard]] HaplyPacket reset_packet(std::uint8_t id);
 
 /// @param torque  of ports 1 and 2, N m
-/// @return none for id 0, which would match every motor that was not set up, and for a torque that is
-///         not finite, which the board turns into an undefined duty
+/// @return none for id 0, which would match every motor that was not set up, and for a torque that
+///         is not finite, which the board turns into an undefined duty
 [[nodiscard]] std::optional<HaplyPacket> torque_packet(
     std::uint8_t id, const std::array<double, 2>& torque) noexcept;
 

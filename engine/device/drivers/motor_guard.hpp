@@ -5,8 +5,8 @@
 
 namespace palpate::engine {
 
-/// Whoever switches the motors off when this program no longer can: a process of its own, or, in tests
-/// without a port, nobody.
+/// Whoever switches the motors off when this program no longer can: a process of its own, or, in
+/// tests without a port, nobody.
 class MotorGuard {
 public:
     MotorGuard() = default;
@@ -31,7 +31,8 @@ public:
 
     /// The guard is there and well. Cheap enough for every tick.
     [[nodiscard]] virtual bool alive() const noexcept = 0;
-    /// The guard has zeroed the motors because the driver was silent with the force on; until watch().
+    /// The guard has zeroed the motors because the driver was silent with the force on; until
+    /// watch().
     [[nodiscard]] virtual bool tripped() const noexcept = 0;
 };
 

@@ -4,11 +4,11 @@
 
 namespace palpate::engine {
 
-/// A serial port of this machine: raw, 8N1, non-blocking, ours alone (TIOCEXCL, and a lock on the file
-/// so that another palpate is told as well). The baud rate means nothing to a board on USB.
+/// A serial port of this machine: raw, 8N1, non-blocking, ours alone (TIOCEXCL, and a lock on the
+/// file so that another palpate sees it as well). The baud rate means nothing to a board on USB.
 ///
-/// A packet is one write(2). Less than the whole packet written means that the board would misread what
-/// follows: the link counts as lost.
+/// A packet is one write(2). Less than the whole packet written means that the board would misread
+/// what follows: the link counts as lost.
 class SerialLink : public ByteLink {
 public:
     /// Does not open it yet: reopen() does.

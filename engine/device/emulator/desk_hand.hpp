@@ -6,10 +6,10 @@
 
 namespace palpate::engine {
 
-/// A firm hand on the handle of an emulated machine that stands on a desk: no torque moves it. Whenever
-/// a board is set up it has brought the handle home; it rests there, goes over to the start, explores
-/// the object, comes home, and so on. It moves without jumps, and rests nowhere but at home, so that a
-/// driver that waits for a resting handle finds it there.
+/// A firm hand on the handle of an emulated machine that stands on a desk: no torque moves it.
+/// Whenever a board is set up it has brought the handle home; it rests there, goes over to the
+/// start, explores the object, comes home, and so on. It moves without jumps, and rests nowhere but
+/// at home, so that a driver that waits for a resting handle finds it there.
 class DeskHand : public BoardPlant {
 public:
     static constexpr double kRest = 3.0;   ///< s at home

@@ -20,6 +20,7 @@ public:
     /// the handle rests at Exploration's own start.
     /// @throws std::invalid_argument if the start is out of reach
     virtual void begin(const Exploration& plan) = 0;
+    /// The exploration has come to its end.
     [[nodiscard]] virtual bool hand_is_done() const noexcept = 0;
 };
 
@@ -27,6 +28,7 @@ public:
 template <class Plant>
 class HandOf : public BoardHand {
 public:
+    /// @param arguments  of the plant, which stands where its exploration begins
     template <class... Arguments>
     explicit HandOf(const Arguments&... arguments) : plant_(arguments...), at_rest_(plant_) {
         at_rest_.begin({.tremor = 0.0});  // exactly at its start
@@ -59,15 +61,15 @@ private:
     bool begun_ = false;
 };
 
-/// Names this process and, where that is permitted, lets it run before others: a real board is never kept
-/// waiting by what else its host does.
+/// Names this process and, where that is permitted, lets it run before others: a real board is
+/// never kept waiting by what else its host does.
 void run_like_a_board() noexcept;
 
 using MakeHand = std::function<std::unique_ptr<BoardHand>()>;
 
-/// The board emulator as a process of its own on a pseudo-terminal: it outlives a host that is killed,
-/// and shows what its motors do. Make it before threads (it is forked without exec). It ends with this
-/// object, or with the process that made it.
+/// The board emulator as a process of its own on a pseudo-terminal: it outlives a host that is
+/// killed, and shows what its motors do. Make it before threads (it is forked without exec). It
+/// ends with this object, or with the process that made it.
 class EmulatedBoard {
 public:
     /// @param machine  the calibration that is true of the emulated machine; has [haply]
@@ -83,11 +85,15 @@ public:
     struct Motors {
         Vec2 torque{};
         std::int64_t since_ns = 0;
+        /// No motor has a torque.
         [[nodiscard]] bool off() const noexcept { return torque == Vec2{}; }
     };
 
+    /// The pseudo-terminal, for a driver to open.
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
+    /// The motors as they are now.
     [[nodiscard]] Motors motors() const noexcept;
+    /// What has happened on the board since it began.
     [[nodiscard]] BoardLog journal() const noexcept;
     /// Tells the hand to explore. Returns when it has begun.
     /// @throws std::invalid_argument if the start is out of reach

@@ -16,8 +16,8 @@ namespace palpate::engine {
                                                       const HaplyTiming& timing = {},
                                                       const GuardTiming& guard = {});
 
-/// An emulated board with a simulated hand on it, and the driver that speaks to it over a real port:
-/// two processes beside this one, board and guard. Make it before threads.
+/// An emulated board with a simulated hand on it, and the driver that speaks to it over a real
+/// port: two processes beside this one, board and guard. Make it before threads.
 class EmulatedHaply {
 public:
     /// @param hand  makes the plant in the board's process; its linkage and frame are those of

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint8_t kMissing = 0xFF;
 constexpr double kFullDuty = 4095.0;
-constexpr std::size_t kMostPins = 14;  ///< a real board would write beyond its tables
+constexpr std::size_t kMaxPins = 14;  ///< a real board would write beyond its tables
 
 }  // namespace
 
@@ -100,7 +100,7 @@ void HaplyBoard::set_up() {
         const std::uint8_t count = take();
         for (std::uint8_t i = 0; i < count; ++i) {
             const std::uint8_t pin = take();
-            if (pins->size() < kMostPins) {
+            if (pins->size() < kMaxPins) {
                 pins->push_back(pin);
             }
         }

@@ -52,8 +52,8 @@ struct BoardLog {
     int id_0 = 0;            ///< exchanges that reached ports which were not set up
 };
 
-/// The firmware of a Haply board as a machine of bytes, deterministic, on a clock that poll() drives.
-/// Written from the protocol's table; it does all that the firmware does wrong:
+/// The firmware of a Haply board as a machine of bytes, deterministic, on a clock that poll()
+/// drives. Written from the protocol's table; it does all that the firmware does wrong:
 ///
 /// - no framing: one command a poll, and bytes that are not there yet read as 0xFF;
 /// - no watchdog: a motor keeps its torque until the next exchange that reaches it;
@@ -61,7 +61,8 @@ struct BoardLog {
 /// - an exchange whose id owns no motor takes no torque bytes, so that they are read as commands;
 /// - id 0 reaches every port that was not set up;
 /// - a torque that is not a number gives full duty (on the real board: anything);
-/// - a set-up is not acknowledged, writes motor directions to slots 0, 1, ... whatever the ports are,
+/// - a set-up is not acknowledged, writes motor directions to slots 0, 1, ... whatever the ports
+/// are,
 ///   and leaks an encoder object each time;
 /// - torques are clamped at 0.123 N m and cut to 12 bits of duty.
 class HaplyBoard {

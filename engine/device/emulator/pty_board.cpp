@@ -20,7 +20,7 @@ namespace {
 constexpr double kLongestGap = 0.05;  ///< s
 /// After this long the rest of a cut command does not come.
 constexpr int kRestMs = 1;
-constexpr int kMostCommands = 64;  ///< a step
+constexpr int kMaxCommands = 64;  ///< a step
 
 std::int64_t now_ns() noexcept {
     timespec now{};
@@ -134,7 +134,7 @@ void PtyBoard::step(int wait_us) {
     const bool something =
         readable(master_, std::int64_t{wait_us} * 1000) && take(master_, *board_);
     catch_up();
-    for (int i = 0; something && board_->has_input() && i < kMostCommands; ++i) {
+    for (int i = 0; something && board_->has_input() && i < kMaxCommands; ++i) {
         while (board_->command_is_cut() && readable(master_, kRestMs * 1'000'000) &&
                take(master_, *board_)) {
         }

@@ -7,8 +7,8 @@
 
 namespace palpate::engine {
 
-/// A board behind a pseudo-terminal, in real time. Its bytes arrive as USB brings them: a packet that
-/// the host wrote in one piece is one piece here.
+/// A board behind a pseudo-terminal, in real time. Its bytes arrive as USB brings them: a packet
+/// that the host wrote in one piece is one piece here.
 class PtyBoard {
 public:
     /// @param board  outlives this

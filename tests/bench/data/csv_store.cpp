@@ -15,7 +15,7 @@ namespace {
 using engine::TickRecord;
 
 constexpr const char* kHead =
-    "tick,time_ns,count_1,count_2,code_1,code_2,lateness_us,flags,mode,feature,parameter,hip_x_m,"
+    "tick,time_ns,count_1,count_2,code_1,code_2,lateness_us,flags,mode,segment,u,hip_x_m,"
     "hip_y_m,cp_x_m,cp_y_m,go_x_m,go_y_m,fx_n,fy_n,command_x_n,command_y_n,fn_n,ft_n,mu\n";
 constexpr int kX = 19;  // places in kHead
 constexpr int kFn = 21;
@@ -33,9 +33,9 @@ public:
             fmt::format_to(
                 out, "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
                 t.tick, t.time_ns, t.counts[0], t.counts[1], t.codes[0], t.codes[1], t.lateness_us,
-                t.flags, static_cast<int>(t.mode), t.feature, t.parameter, t.hip.x, t.hip.y, t.cp.x,
-                t.cp.y, t.go.x, t.go.y, t.force.x, t.force.y, t.command.x, t.command.y,
-                t.normal_force, t.tangential_force, t.mu);
+                t.flags, static_cast<int>(t.mode), t.segment, t.u, t.hip.x, t.hip.y, t.cp.x, t.cp.y,
+                t.go.x, t.go.y, t.force.x, t.force.y, t.command.x, t.command.y, t.normal_force,
+                t.tangential_force, t.mu);
         }
         std::ofstream file(file_of(trial), std::ios::binary);
         if (!file.write(text.data(), static_cast<std::streamsize>(text.size())).flush()) {

@@ -63,8 +63,10 @@ public:
         const auto& planned =
             study_.plan.trials.at(kFirst + static_cast<std::size_t>(trial - 1) % kMade);
         const engine::Scene scene = make_scene(study_.protocol, planned.condition);
-        const protocols::TrialId id = recorder_.begin_trial(
-            planned, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
+        const protocols::TrialId id = recorder_.begin_trial(planned);
+        recorder_.begin_interval(
+            id, presentations_of(study_.protocol, planned).front(),
+            {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
         recorder_.append(id, ticks);
         recorder_.end_trial(id, {.outcome = protocols::Outcome::aborted});
         ids_.push_back(id);

@@ -7,7 +7,7 @@
 
 #include <sisl.h>
 
-#include "engine/geometry/box.hpp"
+#include "engine/geometry/vec.hpp"
 #include "tests/bench/peers/peers.hpp"
 
 namespace palpate::bench {

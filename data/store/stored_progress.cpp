@@ -1,0 +1,162 @@
+#include "data/store/stored_progress.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/store/chain.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::Attempt;
+using protocols::Event;
+using protocols::EventKind;
+using protocols::Outcome;
+using protocols::SessionProgress;
+
+std::string part_name(std::size_t part) {
+    return part == 0 ? std::string("the practice") : fmt::format("block {}", part);
+}
+
+std::optional<std::size_t> index(const Statement& row, int column) {
+    return row.null(column) ? std::nullopt
+                            : std::optional(static_cast<std::size_t>(row.integer(column)));
+}
+
+/// Takes in an attempt whose answer a rule took in, and compares the rule with what was stored.
+SessionProgress replayed(const Database& database,
+                         SessionProgress progress,
+                         const StoredAttempt& stored) {
+    const protocols::RuleAnswer& answer = *stored.attempt.answer;
+    const auto refuse = [&](const std::string& what) {
+        throw StoreError(fmt::format(
+            "{}: {} in trial {}: what was stored is not what the rule of this protocol gives, "
+            "and nothing was run; palpate verify says more",
+            database.file(), what, stored.attempt.trial));
+    };
+    if (answer.run >= progress.runs().size() || progress.runs().of(answer.run).finished()) {
+        refuse(fmt::format("run {} has no trial left", answer.run));
+    }
+    if (const double next = progress.runs().next(answer.run); next != answer.stimulus) {
+        refuse(fmt::format("the stimulus {} stands for {}", answer.stimulus, next));
+    }
+    try {
+        progress = apply(std::move(progress), stored.attempt);
+    } catch (const std::invalid_argument& error) {
+        refuse(error.what());
+    }
+    if (progress.runs().of(answer.run).state_hash() != stored.state_hash) {
+        refuse("the state of the rule differs");
+    }
+    return progress;
+}
+
+}  // namespace
+
+std::vector<StoredEvent> stored_events(Database& database, std::int64_t session) {
+    Statement row = database.prepare(
+        "SELECT trials_begun, event_kind, text, trial_id, plan_position, part, count, duration_s,"
+        " coalesce(key, ''), coalesce(value, '') FROM event WHERE session_id = ?1 ORDER BY"
+        " event_id");
+    row.bind(1, session);
+    std::vector<StoredEvent> events;
+    while (row.step()) {
+        Event event{.kind = protocols::event_kind(row.text(1)),
+                    .text = row.text(2),
+                    .position = index(row, 4),
+                    .part = index(row, 5),
+                    .key = row.text(8),
+                    .value = row.text(9)};
+        if (!row.null(3)) {
+            event.trial = row.integer(3);
+        }
+        if (!row.null(6)) {
+            event.count = row.integer(6);
+        }
+        if (!row.null(7)) {
+            event.duration_s = row.real(7);
+        }
+        events.push_back({row.integer(0), std::move(event)});
+    }
+    return events;
+}
+
+std::vector<StoredAttempt> stored_attempts(Database& database, std::int64_t session) {
+    // An answer is a row of its own: it decides.
+    Statement row = database.prepare(
+        "SELECT trial_id, plan_position, outcome, reaction_s IS NOT NULL, invalid_reason IS NULL OR"
+        " EXISTS (SELECT 1 FROM event WHERE event.trial_id = trial.trial_id AND event_kind ="
+        " 'mark'), run_number, (SELECT stimulus FROM presentation WHERE presentation.trial_id ="
+        " trial.trial_id AND stimulus IS NOT NULL), rule_outcome, state_sha256 FROM trial"
+        " LEFT JOIN response USING (trial_id) LEFT JOIN adaptive_step USING (trial_id)"
+        " LEFT JOIN adaptive_plan USING (session_id, plan_position) WHERE session_id = ?1"
+        " ORDER BY trial_id");
+    row.bind(1, session);
+    std::vector<StoredAttempt> attempts;
+    while (row.step()) {
+        const bool answered = row.integer(3) != 0;
+        StoredAttempt& stored = attempts.emplace_back();
+        stored.attempt = {.trial = row.integer(0),
+                          .position = static_cast<std::size_t>(row.integer(1)),
+                          .outcome = answered ? Outcome::complete
+                                   : row.text(2) == to_string(Outcome::faulted)
+                                       ? Outcome::faulted
+                                       : Outcome::interrupted,
+                          .counts = answered && row.integer(4) != 0};
+        if (!row.null(7)) {
+            stored.attempt.answer = {.run = static_cast<std::size_t>(row.integer(5)),
+                                     .stimulus = row.real(6),
+                                     .outcome = static_cast<std::size_t>(row.integer(7))};
+            stored.state_hash = row.text(8);
+        }
+    }
+    return attempts;
+}
+
+SessionProgress stored_progress(Database& database, std::int64_t session, SessionProgress begun) {
+    SessionProgress progress = std::move(begun);
+    const std::vector<StoredEvent> events = stored_events(database, session);
+    auto event = events.begin();
+    std::int64_t trials = 0;
+    const auto take_events = [&] {
+        for (; event != events.end() && event->trials_begun <= trials; ++event) {
+            progress = apply(std::move(progress), event->event);
+        }
+    };
+    take_events();
+    for (const StoredAttempt& stored : stored_attempts(database, session)) {
+        progress = stored.attempt.answer ? replayed(database, std::move(progress), stored)
+                                         : apply(std::move(progress), stored.attempt);
+        ++trials;
+        take_events();
+    }
+    return progress;
+}
+
+SessionProgress begin_again(Database& database,
+                            std::int64_t session,
+                            Resume how,
+                            SessionProgress progress) {
+    if (how == Resume::go_on || progress.pending().empty()) {
+        return progress;
+    }
+    const std::size_t part =
+        how == Resume::redo_practice ? 0 : progress.pending().part_of(progress.pending().next());
+    const std::vector<protocols::TrialId> trials = progress.counting(part);
+    if (trials.empty()) {
+        return progress;
+    }
+    const Event redo{
+        .kind = EventKind::redo,
+        .text = fmt::format("{} is run again from its first trial, {} not count", part_name(part),
+                            counted(trials.size(), "answer does", "answers do")),
+        .part = part,
+        .count = static_cast<std::int64_t>(trials.size())};
+    add_event(database, session, redo);
+    for (const protocols::TrialId trial : trials) {
+        add_mark(database, session, trial, fmt::format("{} was run again", part_name(part)));
+    }
+    return apply(std::move(progress), redo);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,30 @@
+#include "engine/realtime/tick_record.hpp"
+
+#include <cmath>
+
+#include "engine/rendering/scene.hpp"
+
+namespace palpate::engine {
+
+void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept {
+    const SegmentPlace place = segment_place(outline, contact.place);
+    const auto segment = static_cast<std::int16_t>(place.segment);  // Outline takes no more
+    tick.cp = contact.cp.point;
+    tick.go = contact.go;
+    tick.force = contact.force;
+    tick.normal_force = contact.normal_force;
+    tick.tangential_force = contact.tangential_force;
+    tick.mu = contact.mu;
+    tick.u = place.on_vertex ? place.angle : place.u;
+    tick.segment = place.on_vertex ? static_cast<std::int16_t>(-1 - segment) : segment;
+    tick.mode = contact.mode;
+    const unsigned scene = static_cast<unsigned>(contact.skipped) * tick_skipped |
+                           static_cast<unsigned>(contact.outside_cone) * tick_outside_cone;
+    tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) | scene);
+}
+
+std::int64_t tick_period_ns(double rate_hz) noexcept {
+    return static_cast<std::int64_t>(std::floor(1e9 / rate_hz + 0.5));
+}
+
+}  // namespace palpate::engine

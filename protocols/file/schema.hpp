@@ -1,0 +1,309 @@
+#pragma once
+
+#include <cmath>
+#include <concepts>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "engine/geometry/vec.hpp"
+#include "engine/math/elementary.hpp"
+#include "protocols/file/document.hpp"
+
+/// What a file may say: one row a key, for protocols, procedures, scenes and calibrations alike. Reading,
+/// checks of type and range, canonical texts and the reference for people are driven by these rows, so that
+/// they cannot disagree.
+namespace palpate::protocols {
+
+/// Numbers that a key takes, in the file's unit; never one that is not finite.
+struct Range {
+    double min = -std::numeric_limits<double>::infinity();
+    double max = std::numeric_limits<double>::infinity();
+    bool above = false;  ///< `min` itself is refused
+
+    [[nodiscard]] bool has(double value) const noexcept {
+        return std::isfinite(value) && value <= max && (above ? value > min : value >= min);
+    }
+};
+
+inline constexpr Range kPositive{.min = 0.0, .above = true};
+/// Degrees of a radian, for keys that end in _deg.
+inline constexpr double kDegrees = 180.0 / engine::kPi;
+
+/// When a key has to be there.
+enum class Need : std::uint8_t {
+    required,
+    optional,   ///< left out: as the struct begins
+    factorial,  ///< required without [procedure]
+    gos,        ///< friction coefficients: required by the law "gos", refused with "frictionless"
+    gos_optional,
+    two_curve,  ///< curvature: required by an object of two curves, refused with a free form
+};
+
+/// How a text or a list is restricted.
+enum class Form : std::uint8_t {
+    name,         ///< [a-z0-9_]+, at most 64; of numbers: a list
+    free,         ///< one line, at most 200 bytes
+    lines,        ///< lines of a screen, at most kMostInstruction bytes and kMostInstructionLines
+    any,          ///< its reader restricts it
+    one_or_more,  ///< a number or a list
+    axis,         ///< a number, a list, { from, to, count } or { from, to, step }
+    point,        ///< one, where others have a list of them
+};
+
+/// Longest instruction, bytes: it still fits onto a screen of 800 x 600 pixels in a legible size.
+inline constexpr std::size_t kMostInstruction = 600;
+inline constexpr std::size_t kMostInstructionLines = 8;
+/// Of a seed: TOML integers have 63 bits and a sign.
+inline constexpr double kMostSeed = 9223372036854775807.0;
+
+/// Points of two or of three coordinates.
+struct PointList {
+    int dimension = 2;
+    std::vector<engine::Vec3> values{};  ///< z = 0 in the plane
+
+    [[nodiscard]] std::vector<engine::Vec2> plane() const;
+};
+using PointGrid = std::vector<std::vector<engine::Vec3>>;
+using NumberGrid = std::vector<std::vector<double>>;
+using Words = std::span<const std::string_view>;
+
+/// An integer of any type, or none.
+struct Whole {
+    void* at = nullptr;
+    std::optional<std::int64_t> (*get)(const void*) = nullptr;
+    void (*set)(void*, std::int64_t) = nullptr;
+};
+
+/// One of several words, kept as its number.
+struct OneOf {
+    Words words{};
+    Whole number{};
+};
+
+/// Where the value of a key goes.
+using Slot = std::variant<double*,
+                          std::optional<double>*,
+                          Whole,
+                          OneOf,
+                          bool*,
+                          std::string*,
+                          engine::Vec2*,
+                          std::optional<engine::Vec2>*,
+                          std::vector<double>*,
+                          std::vector<std::string>*,
+                          PointList*,
+                          PointGrid*,
+                          NumberGrid*>;
+
+template <class T>
+[[nodiscard]] Whole whole_of(T& value) {
+    return {&value,
+            [](const void* p) {
+                return std::optional(static_cast<std::int64_t>(*static_cast<const T*>(p)));
+            },
+            [](void* p, std::int64_t v) {
+                *static_cast<T*>(p) = static_cast<T>(v);
+            }};
+}
+template <std::integral T>
+[[nodiscard]] Whole whole_of(std::optional<T>& value) {
+    return {&value,
+            [](const void* p) {
+                const auto& v = *static_cast<const std::optional<T>*>(p);
+                return v ? std::optional<std::int64_t>(*v) : std::nullopt;
+            },
+            [](void* p, std::int64_t v) {
+                *static_cast<std::optional<T>*>(p) = static_cast<T>(v);
+            }};
+}
+
+/// The slot of a variable; an enumeration E needs words_of(E) beside it.
+template <class T>
+[[nodiscard]] Slot slot_of(T& value) {
+    if constexpr (std::is_enum_v<T>) {
+        return OneOf{words_of(T{}), whole_of(value)};
+    } else if constexpr (std::integral<T> && !std::is_same_v<T, bool>) {
+        return whole_of(value);
+    } else {
+        return &value;
+    }
+}
+
+/// What stands behind the slots of a record; of nullptr as the struct begins.
+template <class Record>
+[[nodiscard]] Record& record_at(void* record) {
+    static Record begun{};
+    return record == nullptr ? begun : *static_cast<Record*>(record);
+}
+
+namespace detail {
+template <class Record, class Member>
+Record owner_of(Member Record::*);
+}
+
+/// The slot of a member of a record.
+template <auto Member>
+[[nodiscard]] Slot at(void* record) {
+    using Record = decltype(detail::owner_of(Member));
+    return slot_of(record_at<Record>(record).*Member);
+}
+
+/// One key of a table.
+struct Key {
+    std::string_view name;          ///< carries the unit
+    Slot (*slot)(void*) = nullptr;  ///< of a record; of nullptr: its default
+    Need need = Need::optional;
+    Range range{};        ///< of a number, or of every number of a list or point
+    double per_si = 1.0;  ///< file value = SI value * per_si: 1000 for mm and ms, 0.001 for 1/ms
+    Form form = Form::name;
+    bool late = false;  ///< younger than studies that are kept: not in their text while default
+    std::string_view meaning;
+};
+using Keys = std::span<const Key>;
+
+/// Rows of a table by the struct that it fills.
+template <class Record>
+[[nodiscard]] Keys keys_of();
+
+/// "0 to 50", "above 0, at most 50", "0 or more", ...
+[[nodiscard]] std::string range_of(const Range& range);
+/// The same of any kind of key: "letters a-z, digits and _", ...
+[[nodiscard]] std::string range_of(const Key& key);
+
+// ------------------------------------------------------------------------------------------- reading
+
+/// Everything that is wrong with one file.
+class Problems {
+public:
+    void add(const Position& at, std::string what) { found_.insert({at, std::move(what)}); }
+    void take(Problems&& others) { found_.merge(others.found_); }
+    [[nodiscard]] bool none() const noexcept { return found_.empty(); }
+    /// @throws ProtocolError with all problems in file order, if there are any
+    void throw_if_any(std::string_view file_name) const;
+
+private:
+    std::multimap<Position, std::string> found_;
+};
+
+/// Where every key and table stands, by a path such as "design.break_every" or "object.3.name".
+class Places {
+public:
+    void note(const std::string& path, const Position& at) { places_.insert_or_assign(path, at); }
+    [[nodiscard]] bool has(const std::string& path) const { return places_.contains(path); }
+    /// The place of `path`, else of the table around it, else the start of the file.
+    [[nodiscard]] Position of(std::string path) const;
+
+private:
+    std::map<std::string, Position> places_;
+};
+
+[[nodiscard]] const Entry* find(const Table& table, std::string_view key);
+
+/// The place of the value that a sentence such as "min is 3: ..." begins with, else `otherwise`.
+[[nodiscard]] Position spoken_of(const Table& table,
+                                 std::string_view sentence,
+                                 const Position& otherwise);
+
+/// One table of a file. Whatever is wrong becomes a problem at its place, and the value stays as it was.
+class TableReader {
+public:
+    /// @param path  of the table, as in Places
+    /// @param name  what messages call it; empty: "[design]", "[[object]] 3" by the path
+    TableReader(const Table& table,
+                std::string path,
+                const Position& at,
+                Problems& problems,
+                Places& places,
+                std::string name = {});
+
+    /// Reads these keys into the record that their slots know. @param complete  required ones must be there
+    void read(Keys keys, void* record, bool complete = true);
+    template <class Record>
+    void fill(Record& record, bool complete = true) {
+        read(keys_of<Record>(), &record, complete);
+    }
+    /// Keys that others read.
+    void know(Words keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
+    /// Every key that was neither read nor known is a problem.
+    void refuse_unknown();
+
+    /// The key format has to be there, with this number.
+    void check_format(std::int64_t wanted);
+
+    [[nodiscard]] bool has(std::string_view key) const { return find(*table_, key) != nullptr; }
+    [[nodiscard]] const Table& table() const noexcept { return *table_; }
+    [[nodiscard]] const std::string& path() const noexcept { return path_; }
+    /// A table in this one, if it is there.
+    [[nodiscard]] std::optional<TableReader> table(std::string_view key);
+    /// The tables [[key]] in this one.
+    [[nodiscard]] std::vector<TableReader> tables(std::string_view key);
+
+    /// A problem of this key, or of the table if the key is not there.
+    void refuse(std::string_view key, std::string what);
+    /// Runs `make`; a std::invalid_argument becomes a problem of the key that it begins with, else of this
+    /// table. Only if all keys were good.
+    template <class Make>
+    void attempt(Make&& make) {
+        if (broken_) {
+            return;
+        }
+        try {
+            make();
+        } catch (const std::invalid_argument& e) {
+            add(spoken_of(*table_, e.what(), at_), name_ + ": " + e.what());
+        }
+    }
+    void add(const Position& at, std::string what);
+    void take(Problems&& others);
+    [[nodiscard]] bool broken() const noexcept { return broken_; }  ///< a problem was found so far
+
+private:
+    const Table* table_;
+    std::string path_;
+    Position at_;
+    Problems* problems_;
+    Places* places_;
+    std::string name_;
+    std::vector<std::string_view> known_{};
+    bool broken_ = false;
+};
+
+/// Reads the value of one key into its slot; what is wrong is said to the table.
+void read_value(const Key& key, const Value& value, const Slot& slot, TableReader& table);
+
+// ------------------------------------------------------------------------------------------- writing
+
+/// The shortest number y, in the file's unit, that a reader turns into `si` by y / per_si. A few
+/// doubles are no such quotient; then y of the nearest one that is. Written, read and written again
+/// it is the same text.
+[[nodiscard]] std::string toml_text(double si, double per_si = 1.0);
+/// In quotes, with escapes.
+[[nodiscard]] std::string toml_text(const std::string& text);
+/// "key = value" lines in the order of the rows, without late keys that are as the struct begins.
+[[nodiscard]] std::string toml_lines(Keys keys, const void* record);
+
+// ----------------------------------------------------------------------------------------- reference
+
+/// A table as people read of it.
+struct TableText {
+    std::string heading;   ///< "[design]"
+    std::string remark{};  ///< behind it
+    Keys keys{};
+};
+
+/// One line a key, tables as headings.
+[[nodiscard]] std::string reference_text(std::span<const TableText> tables);
+/// The same as Markdown: a table of key, unit, range, default and meaning under every heading.
+[[nodiscard]] std::string reference_markdown(std::span<const TableText> tables);
+
+}  // namespace palpate::protocols

@@ -1,0 +1,317 @@
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/nurbs_oracle.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using engine::Vec2;
+using tests::Finished;
+using tests::NurbsData;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+using Row = std::map<std::string, std::string>;
+
+/// Rows of a text with a separator. @param names  of its columns; none: its first line
+std::vector<Row> rows_of(const std::string& text, char separator, std::vector<std::string> names) {
+    std::istringstream lines(text);
+    std::vector<Row> rows;
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream fields(line);
+        std::vector<std::string> values;
+        for (std::string field; std::getline(fields, field, separator);) {
+            values.push_back(field);
+        }
+        if (names.empty()) {
+            names = values;
+            continue;
+        }
+        Row& row = rows.emplace_back();
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            row[names.at(i)] = values[i];
+        }
+    }
+    return rows;
+}
+
+double number(const Row& row, const std::string& name) {
+    return std::stod(row.at(name));
+}
+Vec2 point(const Row& row, const std::string& name) {
+    return {number(row, name + "_x_m"), number(row, name + "_y_m")};
+}
+
+std::vector<Row> sql(const std::string& file, const std::string& query) {
+    const Finished done = palpate_command({"sql", file, "--csv", "-c", query});
+    CAPTURE(query, done.error);
+    REQUIRE(done.code == 0);
+    return rows_of(done.out, ',', {});
+}
+
+/// Two hillsides of several spans each, with uneven knots that do not begin at 0 and a kink within the first.
+/// They meet at vertex 0, which is that of a two-curve object as well; a base line closes them.
+const std::vector<NurbsData<2>> kHill{
+    {2,
+     {0, 0, 0, 0.3, 1, 1, 2, 2, 2},
+     {{-0.04, 0.0}, {-0.034, 0.01}, {-0.027, 0.019}, {-0.019, 0.0268}, {-0.01, 0.034}, {0.0, 0.04}},
+     {1, 1.5, 0.7, 1, 2, 1}},
+    {3,
+     {5, 5, 5, 5, 6, 6.5, 8, 8, 8, 8},
+     {{0.0, 0.04},
+      {0.0095, 0.0345},
+      {0.0185, 0.0275},
+      {0.0265, 0.02},
+      {0.0335, 0.0105},
+      {0.04, 0.0}},
+     {1, 1, 1, 1, 1, 1}},
+    {1, {0, 0, 1, 1}, {{0.04, 0.0}, {-0.04, 0.0}}, {1, 1}},
+};
+
+std::string hill_tables(const std::string& head) {
+    std::string text;
+    for (const NurbsData<2>& segment : kHill) {
+        std::string points;
+        for (const Vec2& p : segment.points) {
+            points += fmt::format("[{}, {}], ", p.x, p.y);
+        }
+        text += fmt::format(
+            "[[{}]]\nkind = \"nurbs\"\ndegree = {}\nknots = [{}]\npoints_m = [{}]\nweights = "
+            "[{}]\n",
+            head, segment.degree, fmt::join(segment.knots, ", "), points,
+            fmt::join(segment.weights, ", "));
+    }
+    return text;
+}
+
+constexpr const char* kStudy = R"(format = 1
+[study]
+id = "hills"
+title = "Hills"
+seed = 4
+participants = 1
+[apparatus]
+rate_hz = 1000
+stiffness_n_per_m = 1000
+force_limit_n = 10
+vertex_slew_mm_per_s = 200
+vertex_radius_mm = 3
+start_mm = [0, 60]
+[[object]]
+name = "curves"
+curvature_per_m = 8
+[[friction]]
+name = "off"
+law = "frictionless"
+[[friction]]
+name = "on"
+law = "gos"
+mu_s = 0.7
+mu_d = 0.5
+tau_slip_ms = 20
+tau_heal_ms = 100
+[design]
+repetitions = 1
+practice_repetitions = 0
+catch_trials = 0
+max_run_object = 0
+max_run_friction = 0
+[timing]
+explore_min_s = 0.5
+explore_prompt_s = 2
+explore_timeout_s = 3
+[invalid]
+contact_min_s = 0
+path_min_mm = 0
+[[object]]
+name = "hill"
+)";
+
+std::string scene_text(const Row& trial) {
+    constexpr const char* kArc =
+        "[[segment]]\nkind = \"arc\"\nfrom_m = {}\nto_m = {}\ncurvature_per_m = 8\n";
+    const std::string curves =
+        fmt::format(kArc, "[-0.04, 0.0]", "[0.0, 0.04]") +
+        fmt::format(kArc, "[0.0, 0.04]", "[0.04, 0.0]") +
+        "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n";
+    const bool rubs = trial.at("friction") == "on";
+    return fmt::format(
+               "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = \"{}\"\nmu_s = 0.7\nmu_d "
+               "= 0.5\ntau_slip_s = 0.02\ntau_heal_s = 0.1\nvertex_slew_m_per_s = "
+               "0.2\nvertex_radius_m = 0.003\n",
+               rubs ? "gos" : "frictionless") +
+           (trial.at("object") == "hill" ? hill_tables("segment") : curves);
+}
+
+/// The point of a segment of the hill, from the definition of a NURBS.
+Vec2 on_hill(std::size_t segment, double u) {
+    const auto [x, y] = tests::nurbs_point(kHill.at(segment), u);
+    return {static_cast<double>(x), static_cast<double>(y)};
+}
+
+/// One trial's ticks of `sample` and what `palpate render` makes of their path.
+struct Felt {
+    std::vector<Row> sample;
+    std::vector<Row> rendered;
+};
+
+Felt felt_in(const TemporaryFolder& folder, const std::string& file, const Row& trial) {
+    Felt felt{sql(file, "SELECT * FROM sample WHERE trial_id = " + trial.at("trial_id")), {}};
+    std::string path = "t_s,x_m,y_m\n";
+    for (const Row& tick : felt.sample) {
+        path +=
+            fmt::format("{},{},{}\n", tick.at("time_s"), tick.at("hip_x_m"), tick.at("hip_y_m"));
+    }
+    std::ofstream(folder.file("s.toml")) << scene_text(trial);
+    std::ofstream(folder.file("t.csv")) << path;
+    const Finished done = palpate_command(
+        {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    felt.rendered = rows_of(tests::slurp(folder.file("o.csv")), ',', {});
+    REQUIRE(felt.rendered.size() == felt.sample.size());
+    return felt;
+}
+
+/// What the recorded hand felt is what `render` makes of its path, and both name places of the same segments.
+void check_rendered(const Felt& felt, bool hill, bool rubs, std::map<int, int>& visits) {
+    for (std::size_t i = 0; i < felt.sample.size(); ++i) {
+        const Row& tick = felt.sample[i];
+        const Row& again = felt.rendered[i];
+        CAPTURE(i);
+        const int place = std::stoi(tick.at("segment"));
+        const int segment = place >= 0 ? place : -1 - place;  // vertex j is at the end of segment j
+        const double u = number(tick, "u");
+        const Vec2 go = point(tick, "go");
+        const bool skipped = (std::stoi(tick.at("flags")) & 16) != 0;
+        ++visits[place];
+        REQUIRE((segment >= 0 && segment < 3));
+        if (hill) {
+            const double end = kHill[static_cast<std::size_t>(segment)].knots.back();
+            const Vec2 named = on_hill(static_cast<std::size_t>(segment), place >= 0 ? u : end);
+            REQUIRE(glm::length(named - go) < 1e-9);
+            const Vec2 cp = on_hill(static_cast<std::size_t>(std::stoi(again.at("segment"))),
+                                    number(again, "u"));
+            REQUIRE(glm::length(cp - point(again, "cp")) < 1e-9);
+        }
+        if (skipped) {
+            continue;  // sample then has the last closest point that was looked for
+        }
+        std::string mode = tick.at("mode");
+        std::transform(mode.begin(), mode.end(), mode.begin(),
+                       [](char c) { return static_cast<char>(std::toupper(c)); });
+        // Without friction a god-object at rest is a matter of last bits.
+        REQUIRE(
+            (mode == again.at("mode") || (!rubs && mode != "FREE" && again.at("mode") != "FREE")));
+        REQUIRE(glm::length(go - point(again, "go")) < 1e-9);
+        REQUIRE(glm::length(point(tick, "cp") - point(again, "cp")) < 1e-9);
+        REQUIRE(std::fabs(number(tick, "rendered_normal_n") - number(again, "fn_n")) < 1e-6);
+        REQUIRE(std::fabs(number(tick, "rendered_tangential_n") - number(again, "ft_n")) < 1e-6);
+        if (go == point(tick, "cp")) {  // render names the closest point's place
+            REQUIRE(std::stoi(again.at("segment")) == segment);
+            REQUIRE((place < 0 || std::fabs(number(again, "u") - u) < 1e-9));
+        }
+    }
+}
+
+/// Before and after the vertex, which is at x = 0 whatever the spans: by where the god-object was.
+void check_sides(const Felt& felt, const Row& trial) {
+    std::array<std::int64_t, 2> inner{};
+    std::array<std::int64_t, 2> outer{};
+    for (const Row& tick : felt.sample) {
+        if (std::stoll(tick.at("tick")) < std::stoll(trial.at("ticks")) &&
+            tick.at("mode") != "free") {
+            const double x = number(tick, "go_x_m");
+            inner[0] += x < -1e-9 ? 1 : 0;
+            outer[0] += x < 1e-9 ? 1 : 0;
+            inner[1] += x > 1e-9 ? 1 : 0;
+            outer[1] += x > -1e-9 ? 1 : 0;
+        }
+    }
+    const std::array<std::int64_t, 2> shown{std::llround(1e3 * number(trial, "before_vertex_s")),
+                                            std::llround(1e3 * number(trial, "after_vertex_s"))};
+    for (std::size_t side : {0U, 1U}) {
+        CAPTURE(side, inner, outer, shown);
+        CHECK((shown[side] >= inner[side] && shown[side] <= outer[side]));
+        CHECK(inner[side] > 100);
+    }
+}
+
+/// The motion of each run of a BIDS export, by its own list of channels.
+std::vector<std::vector<Row>> bids_runs(const std::filesystem::path& out) {
+    std::map<std::string, std::vector<Row>> runs;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(out)) {
+        const std::string path = entry.path().string();
+        const std::string end = "_motion.tsv";
+        if (path.size() < end.size() || path.compare(path.size() - end.size(), end.size(), end)) {
+            continue;
+        }
+        const std::string stem = path.substr(0, path.size() - end.size());
+        std::vector<std::string> names;
+        for (const Row& channel : rows_of(tests::slurp(stem + "_channels.tsv"), '\t', {})) {
+            names.push_back(channel.at("name"));
+        }
+        runs[path] = rows_of(tests::slurp(path), '\t', names);
+    }
+    std::vector<std::vector<Row>> all;
+    for (auto& [name, rows] : runs) {
+        all.push_back(std::move(rows));
+    }
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("sample, render, the views and BIDS name the same segment of a form of many spans",
+          "[free_forms][sample][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    std::ofstream(folder.file("p.toml")) << kStudy << hill_tables("object.segment");
+    const Finished run = palpate_command(
+        {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
+    CAPTURE(run.error);
+    REQUIRE(run.code == 0);
+    const std::vector<Row> trials = sql(
+        file,
+        "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "
+        "ticks FROM analysis_trial AS s JOIN trial USING (trial_id) ORDER BY trial_id");
+    REQUIRE(trials.size() == 4);
+    REQUIRE(palpate_command({"export", file, "--format", "bids", "--kind", "simulated", "--traces",
+                             "-o", folder.file("out")})
+                .code == 0);
+    const auto runs = bids_runs(folder.file("out"));
+    REQUIRE(runs.size() == trials.size());
+
+    std::map<int, int> on_spans;
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+        const bool hill = trials[i].at("object") == "hill";
+        CAPTURE(trials[i].at("object"), trials[i].at("friction"));
+        const Felt felt = felt_in(folder, file, trials[i]);
+        std::map<int, int> visits;
+        check_rendered(felt, hill, trials[i].at("friction") == "on", visits);
+        check_sides(felt, trials[i]);
+        CHECK((visits[0] > 100 && visits[1] > 100));
+        REQUIRE(runs[i].size() == felt.sample.size());
+        for (std::size_t k = 0; k < runs[i].size(); ++k) {
+            CAPTURE(k);
+            REQUIRE(number(runs[i][k], "segment") == number(felt.sample[k], "segment"));
+            REQUIRE(number(runs[i][k], "u") == number(felt.sample[k], "u"));
+            REQUIRE(number(runs[i][k], "go_x_m") == number(felt.sample[k], "go_x_m"));
+            if (const double u = number(felt.sample[k], "u");
+                hill && felt.sample[k].at("segment") == "0") {
+                ++on_spans[u < 0.3 ? 0 : u < 1.0 ? 1 : 2];
+            }
+        }
+    }
+    CHECK((on_spans[1] > 50 && on_spans[2] > 50));  // all of segment 0
+    CHECK(palpate_command({"verify", file}).code == 0);
+}

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/device/drivers/byte_link.hpp"
+#include "engine/device/emulator/haply_board.hpp"
+
+namespace palpate::tests {
+
+/// The cable to a board in memory, and the clock that both ends live on: time passes only where the
+/// driver waits and where pass() says so. It remembers every packet.
+class BoardCable {
+public:
+    using Packet = std::vector<std::uint8_t>;
+
+    /// @param board  outlives the cable
+    explicit BoardCable(engine::HaplyBoard& board) : board_(&board) {}
+
+    void pass(std::int64_t ns);
+    /// Pulls the plug, which takes the board's power, or puts it in again.
+    void plug(bool in);
+    /// Of the next packet only so many bytes go out.
+    void cut_next(std::size_t bytes) { cut_ = bytes; }
+
+    [[nodiscard]] bool plugged() const noexcept { return plugged_; }
+    /// How often the plug was pulled: a link opened before is dead.
+    [[nodiscard]] int pulls() const noexcept { return pulls_; }
+    [[nodiscard]] std::int64_t now_ns() const noexcept { return now_ns_; }
+    /// Everything that was sent to a board that was there; an empty packet where it lost its power.
+    [[nodiscard]] const std::vector<Packet>& sent() const noexcept { return sent_; }
+
+    /// @return false if it went out short
+    bool send(std::span<const std::uint8_t> packet);
+    [[nodiscard]] std::size_t receive(std::span<std::uint8_t> into) {
+        return board_->transmit(into);
+    }
+
+private:
+    engine::HaplyBoard* board_;
+    std::int64_t now_ns_ = 0;
+    std::int64_t polled_ns_ = 0;
+    bool plugged_ = true;
+    int pulls_ = 0;
+    std::optional<std::size_t> cut_{};
+    std::vector<Packet> sent_;
+};
+
+/// The driver's end of such a cable.
+class BoardLink : public engine::ByteLink {
+public:
+    /// @param cable  outlives the link
+    explicit BoardLink(BoardCable& cable) : cable_(&cable) {}
+
+    [[nodiscard]] bool send(std::span<const std::uint8_t> packet) noexcept override;
+    [[nodiscard]] std::ptrdiff_t receive(std::span<std::uint8_t> into,
+                                         std::int64_t wait_ns) noexcept override;
+    void drain() noexcept override;
+    void pause(std::int64_t ns) noexcept override { cable_->pass(ns); }
+    [[nodiscard]] std::int64_t now_ns() const noexcept override { return cable_->now_ns(); }
+    [[nodiscard]] bool reopen() override;
+    void close() noexcept override { opened_ = -1; }
+    [[nodiscard]] std::string trouble() const override;
+    [[nodiscard]] std::string name() const override { return "the end of a cable"; }
+
+private:
+    [[nodiscard]] bool open() const noexcept {
+        return cable_->plugged() && opened_ == cable_->pulls();
+    }
+
+    BoardCable* cable_;
+    int opened_ = -1;  ///< pulls of the plug when it was opened
+};
+
+}  // namespace palpate::tests

@@ -1,0 +1,86 @@
+#include "tests/support/content_hash.hpp"
+
+#include <cstring>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/base/sha256.hpp"
+#include "data/store/reader.hpp"
+#include "data/trace/columns.hpp"
+
+namespace palpate::tests {
+namespace {
+
+/// The hash of hashes: each row's text is hashed, the sum hashes the list.
+class Content {
+public:
+    void line(const std::string& text) { all_ += sha256_hex(text) + '\n'; }
+    [[nodiscard]] std::string hash() const { return sha256_hex(all_); }
+
+private:
+    std::string all_;
+};
+
+std::vector<std::string> tables(data::Database& database) {
+    std::vector<std::string> names;
+    data::Statement row = database.prepare(
+        "SELECT name FROM sqlite_master WHERE type = 'table' AND name NOT LIKE 'sqlite_%'"
+        " AND name NOT IN ('session_provenance', 'trace_chunk', 'secret') ORDER BY name");
+    while (row.step()) {
+        names.push_back(row.text(0));
+    }
+    return names;
+}
+
+/// From run to run, though nothing else differs.
+bool varies(std::string_view column) {
+    return column.ends_with("_utc") || column == "at_ns" || column == "started_ns" ||
+           column == "uuid" || column == "seal" || column == "newest_seal";
+}
+
+void add_table(data::Database& database, const std::string& table, Content& content) {
+    // The first two columns are a key in every table, or begin with one.
+    data::Statement row = database.prepare(fmt::format("SELECT * FROM {} ORDER BY 1, 2", table));
+    while (row.step()) {
+        std::string text = table + ':';
+        for (int column = 0; column < row.columns(); ++column) {
+            if (!varies(row.name(column))) {
+                const std::string value =
+                    row.type(column) == 2 ? fmt::format("{}", row.real(column)) : row.text(column);
+                text += fmt::format("{}:{}:{};", row.type(column), value.size(), value);
+            }
+        }
+        content.line(text);
+    }
+}
+
+void add_traces(data::Database& database, Content& content) {
+    std::vector<std::pair<std::int64_t, std::int64_t>> intervals;
+    data::Statement row =
+        database.prepare("SELECT trial_id, interval FROM presentation ORDER BY 1, 2");
+    while (row.step()) {
+        intervals.emplace_back(row.integer(0), row.integer(1));
+    }
+    data::TraceReader traces(database);
+    for (const auto& [trial, interval] : intervals) {
+        const std::vector<std::byte> columns =
+            data::shuffled_columns(traces.stored(trial, interval));
+        content.line(fmt::format("trace {} {} ", trial, interval) +
+                     std::string(reinterpret_cast<const char*>(columns.data()), columns.size()));
+    }
+}
+
+}  // namespace
+
+std::string content_hash(data::Database& database) {
+    const data::Snapshot now(database);
+    Content content;
+    for (const std::string& table : tables(database)) {
+        add_table(database, table, content);
+    }
+    add_traces(database, content);
+    return content.hash();
+}
+
+}  // namespace palpate::tests

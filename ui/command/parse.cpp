@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <cstdio>
+#include <map>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+/// Words that are kept must be UTF-8, as everything that reads them takes for granted.
+std::string kept_text(const std::string& words) {
+    return is_utf8(words) ? ""
+                          : "these words are not UTF-8: set the terminal's encoding to UTF-8 "
+                            "and give them again";
+}
+
+/// A check of a word that is one of a few; what it says of another names the nearest.
+std::function<std::string(const std::string&)> one_of(std::vector<std::string> words) {
+    return [words = std::move(words)](const std::string& given) -> std::string {
+        if (std::find(words.begin(), words.end(), given) != words.end()) {
+            return {};
+        }
+        return fmt::format("\"{}\" is none of {}{}", given, fmt::join(words, ", "),
+                           suggestion(given, words, ""));
+    };
+}
+
+/// Of the type that the word's value has, so that help says it.
+CLI::Range range_of(const Word& word) {
+    const auto [min, max] = *word.range;
+    return std::holds_alternative<double*>(word.target)
+             ? CLI::Range(min, max)
+             : CLI::Range(static_cast<int>(min), static_cast<int>(max));
+}
+
+CLI::Option* added(CLI::App& app, const Word& word) {
+    CLI::Option* option = std::visit(
+        [&](auto* value) -> CLI::Option* {
+            if constexpr (std::is_same_v<decltype(value), bool*>) {
+                return app.add_flag(word.name, *value, word.help);
+            } else {
+                return app.add_option(word.name, *value, word.help);
+            }
+        },
+        word.target);
+    if (word.needed) {
+        option->required();
+    }
+    if (word.one_by_one) {
+        option->allow_extra_args(false);
+    }
+    if (word.positive) {
+        option->check(CLI::PositiveNumber);
+    }
+    if (word.not_negative) {
+        option->check(CLI::NonNegativeNumber);
+    }
+    if (word.range) {
+        option->check(range_of(word));
+    }
+    if (!word.choices.empty()) {
+        option->check(one_of(word.choices));
+    }
+    if (word.is_text) {
+        option->check(kept_text);
+    }
+    if (word.shows_default) {
+        option->capture_default_str();
+    }
+    return option;
+}
+
+/// Adds the words of a command, and what they ask of each other.
+void declare(CLI::App& app, const CommandWords& words) {
+    std::map<std::string, CLI::Option*> options;
+    for (const Word& word : words.all) {
+        options[word.name] = added(app, word);
+    }
+    for (const Word& word : words.all) {
+        if (!word.not_beside.empty()) {
+            options.at(word.name)->excludes(options.at(word.not_beside));
+        }
+        if (!word.only_beside.empty()) {
+            options.at(word.name)->needs(options.at(word.only_beside));
+        }
+    }
+    app.callback([options, words] {
+        for (const Word& word : words.all) {
+            if (!word.needed_unless.empty() && options.at(word.name)->count() == 0 &&
+                options.at(word.needed_unless)->count() == 0) {
+                throw CLI::RequiredError(word.name);
+            }
+        }
+    });
+}
+
+/// What CLI11 says of `e`, to where it belongs. @return its exit code
+int said(const CLI::App& app, const CLI::Error& e) {
+    std::ostringstream out;
+    std::ostringstream error;
+    const int code = app.exit(e, out, error);
+    say_to(stdout, out.str());
+    say_to(stderr, error.str());
+    return code;
+}
+
+/// The first word that is no command or no option of it, as a sentence: it is the reason of whatever else is
+/// missing. Empty if all are known.
+std::string unknown_word(const CLI::App& app, int argc, const char* const* argv) {
+    const auto chosen = app.get_subcommands();
+    std::vector<std::string> known;
+    if (chosen.empty()) {
+        if (argc < 2) {
+            return {};
+        }
+        if (argv[1][0] == '-') {
+            return fmt::format(
+                "palpate has no option {}{}; palpate --help lists them", argv[1],
+                suggestion(argv[1], std::vector<std::string>{"--help", "--version"}, ""));
+        }
+        for (const CLI::App* command : app.get_subcommands({})) {
+            known.push_back(command->get_name());
+        }
+        return fmt::format("there is no command \"{}\"{}; palpate --help lists them", argv[1],
+                           suggestion(argv[1], known, ""));
+    }
+    const CLI::App& command = *chosen.front();
+    for (const CLI::Option* option : command.get_options()) {
+        for (const std::string& name : option->get_lnames()) {
+            known.push_back("--" + name);
+        }
+    }
+    for (std::string word : command.remaining()) {
+        word = word.substr(0, word.find('='));
+        if (word.starts_with("-") && word != "--") {
+            return fmt::format("palpate {0} has no option {1}{2}; palpate {0} --help lists them",
+                               command.get_name(), word, suggestion(word, known, ""));
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+Parsed parse_command_line(const std::vector<Command>& commands,
+                          const std::string& version,
+                          int argc,
+                          const char* const* argv) {
+    CLI::App app{
+        "palpate: psychophysics of felt shape. Runs the sessions, renders the forces, keeps the "
+        "data."};
+    app.name("palpate");
+    app.require_subcommand(1);
+    app.set_version_flag("--version", "palpate " + version);
+    app.footer("Set-up and tests: ./palpate test. A first study: see README.md.");
+    std::vector<const CLI::App*> added;
+    for (const Command& command : commands) {
+        CommandWords words{.line = {argv, argv + argc}};
+        command.declare(words);
+        CLI::App* one = app.add_subcommand(command.name, command.what);
+        declare(*one, words);
+        added.push_back(one);
+    }
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& e) {  // help, version
+        return {.code = said(app, e)};
+    } catch (const CLI::ParseError& e) {
+        const std::string unknown = unknown_word(app, argc, argv);
+        if (!unknown.empty()) {
+            warn("{}", unknown);
+        } else {
+            said(app, e);
+        }
+        return {.code = kExitUsage};
+    }
+    const auto chosen = std::find(added.begin(), added.end(), app.get_subcommands().front());
+    return {.command = static_cast<std::size_t>(chosen - added.begin())};
+}
+
+}  // namespace palpate::ui

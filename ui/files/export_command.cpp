@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/export/export.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct ExportWords {
+    std::string database;
+    std::string format = "csv";  ///< csv, bids, psych-ds, parquet
+    std::string directory;       ///< made; never one that holds something
+    std::string kind = "real";   ///< real, pilot, simulated, all
+    bool details = false;
+    bool traces = false;
+    bool keep_codes = false;
+};
+
+void declare(CommandWords& words, ExportWords& options) {
+    words.add("FILE", options.database, "A database; only read").required();
+    words
+        .add("--format", options.format,
+             "csv, bids, psych-ds, parquet, or procedure: runs of a rule for palpate procedure")
+        .among({"csv", "bids", "psych-ds", "parquet", "procedure"})
+        .with_default();
+    words.add("-o,--output", options.directory, "A new folder").required();
+    words.add("--kind", options.kind, "Which sessions: real, pilot, simulated or all")
+        .among({"real", "pilot", "simulated", "all"})
+        .with_default();
+    words.add("--with-details", options.details,
+              "Operators, wall clock, notes, details of participants, provenance as well");
+    words.add("--traces", options.traces, "Every servo tick as well");
+    words.add("--keep-codes", options.keep_codes,
+              "codes.csv: which code of the lab each subject is");
+}
+
+int run(const ExportWords& options) {
+    const data::Exported done =
+        data::export_file(options.database, data::parse_export_format(options.format),
+                          {.kind = options.kind,
+                           .details = options.details,
+                           .traces = options.traces,
+                           .keep_codes = options.keep_codes},
+                          options.directory);
+    say("{}: {} as {}{}.\n", options.directory, counted(done.sessions, "session"), options.format,
+        options.details      ? ", with details"
+        : options.keep_codes ? ", with the participants' codes"
+                             : ", de-identified");
+    if (done.without_consent > 0) {
+        say("{} left out: no consent.\n", counted(done.without_consent, "participant"));
+    }
+    return 0;
+}
+
+}  // namespace
+
+Command export_command() {
+    return make_command<ExportWords>(
+        "export", "Write a database as CSV, BIDS, Psych-DS or Parquet, de-identified", declare,
+        run);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,123 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/store/people.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/session/session_choice.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct NoteOptions {
+    std::string database;
+    std::string participant;
+    std::string study;  ///< empty: the only one of the participant
+    std::optional<std::size_t> session;
+    std::string text;
+    std::string operator_name{};  ///< empty: nobody is named
+};
+
+struct MarkOptions {
+    std::string database;
+    std::int64_t trial = 0;
+    std::string reason;
+    std::string operator_name{};  ///< empty: nobody is named
+};
+
+/// Only a database that is there: nothing is to be made for a wrong name.
+data::Database open_there(const std::string& file) {
+    { const data::Database there(file, data::Access::read); }
+    return {file, data::Access::write};
+}
+
+void require_text(const std::string& text, std::string_view what) {
+    if (text.find_first_not_of(" \t\r\n") == std::string::npos) {
+        throw std::invalid_argument(fmt::format("{} is empty: say it in a few words", what));
+    }
+}
+
+/// The session meant: the last one begun, of the only study in question.
+data::SessionRow session_of(data::Database& database, const NoteOptions& options) {
+    auto all = data::sessions_of(database, options.participant, options.session);
+    std::erase_if(all, [&](const data::SessionRow& row) {
+        return !options.study.empty() && row.study != options.study;
+    });
+    if (all.empty()) {
+        const auto other = data::similar_participant(database, options.participant);
+        if (other) {
+            throw std::invalid_argument(fmt::format("{}: nobody is called {}: did you mean {}?",
+                                                    options.database, options.participant, *other));
+        }
+        throw std::invalid_argument(
+            fmt::format("{}: {} has no such session", options.database, options.participant));
+    }
+    const auto other = std::find_if(all.begin(), all.end(), [&](const data::SessionRow& row) {
+        return row.study != all.front().study;
+    });
+    if (other != all.end()) {
+        throw std::invalid_argument(fmt::format("{}: {} takes part in {} and in {}: give --study",
+                                                options.database, options.participant,
+                                                all.front().study, other->study));
+    }
+    return all.front();
+}
+
+void declare_note(CommandWords& words, NoteOptions& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+    words.add("TEXT", options.text, "The note").required().kept_text();
+    words.add("--participant", options.participant, "Whose session").required();
+    words.add("--session", options.session, "Session number; without it the last one").above_zero();
+    words.add("--study", options.study, "The study's id, if there are several");
+    words.add("--operator", options.operator_name, "Who notes it").kept_text();
+}
+
+int note(const NoteOptions& options) {
+    check_participant(options.participant);
+    require_text(options.text, "TEXT");
+    data::Database database = open_there(options.database);
+    const data::SessionRow session = session_of(database, options);
+    const std::string head =
+        data::add_note(database, session.id, options.text, options.operator_name);
+    say("Noted in session {} of {}, study {}.\nChain {}: note it in the lab book.\n",
+        session.number, options.participant, plain(session.study), head);
+    return 0;
+}
+
+void declare_mark(CommandWords& words, MarkOptions& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+    words.add("TRIAL", options.trial, "Its trial_id, as in analysis_trial").required();
+    words.add("--invalid", options.reason, "Why it does not count").required().kept_text();
+    words.add("--operator", options.operator_name, "Who says so").kept_text();
+}
+
+int mark(const MarkOptions& options) {
+    require_text(options.reason, "the reason of --invalid");
+    data::Database database = open_there(options.database);
+    const data::Marked marked =
+        data::mark_invalid(database, options.trial, options.reason, options.operator_name);
+    say("Trial {} does not count any more; its answer is kept. {}\nChain {}: note it in the lab "
+        "book.\n",
+        options.trial,
+        marked.finished ? "Its session is finished: it is not run again."
+                        : "It is run again when its session is resumed.",
+        marked.head);
+    return 0;
+}
+
+}  // namespace
+
+Command note_command() {
+    return make_command<NoteOptions>(
+        "note", "Add an operator's note to a session, also while it runs", declare_note, note);
+}
+
+Command mark_command() {
+    return make_command<MarkOptions>(
+        "mark", "Say that the answer of a trial does not count; it is kept, with the reason",
+        declare_mark, mark);
+}
+
+}  // namespace palpate::ui

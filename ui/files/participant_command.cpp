@@ -1,0 +1,109 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/store/people.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/session/session_choice.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct ParticipantOptions {
+    std::string database;
+    std::string participant;
+    std::optional<std::int64_t> handedness;  ///< -100 to 100
+    std::string consent;                     ///< yes, no; empty: nothing new
+    bool registers = false;                  ///< somebody who is not in the file yet
+    bool another = false;                    ///< although a code in the file is much like this one
+    std::vector<std::string> details;        ///< KEY=VALUE
+    std::string operator_name{};             ///< empty: nobody is named
+};
+
+std::pair<std::string, std::string> detail_of(const std::string& word) {
+    constexpr std::string_view kAllowed = "abcdefghijklmnopqrstuvwxyz0123456789_";
+    const auto equals = word.find('=');
+    const std::string key = word.substr(0, equals);
+    if (equals == std::string::npos || key.empty() || key.size() > 64 ||
+        key.find_first_not_of(kAllowed) != std::string::npos) {
+        throw std::invalid_argument(
+            fmt::format("--set \"{}\": give KEY=VALUE, KEY of letters a-z, digits and _", word));
+    }
+    return {key, word.substr(equals + 1)};
+}
+
+void print(const std::string& id, const data::Participant& person) {
+    say("participant  {}\n", id);
+    say("sessions     {}\n", person.sessions);
+    say("in exports   sub-{:010}\n", person.subject);
+    say("handedness   {}\n",
+        person.notes.handedness ? fmt::format("{}", *person.notes.handedness) : "not noted");
+    say("consent      {}\n",
+        person.notes.consent
+            ? fmt::format("{}, noted {}", *person.notes.consent ? "yes" : "no", person.consent_utc)
+            : "not noted");
+    for (const auto& [key, value] : person.notes.details) {
+        say("{:<12} {}\n", plain(key), plain(value));
+    }
+}
+
+void declare(CommandWords& words, ParticipantOptions& options) {
+    words.add("FILE", options.database, "The study's database file").required();
+    words.add("ID", options.participant, "Pseudonymous id: letters, digits, - and _").required();
+    words.add("--handedness", options.handedness, "Edinburgh score, -100 (left) to 100 (right)")
+        .within(-100, 100);
+    words.add("--consent", options.consent, "yes or no: consent to take part").among({"yes", "no"});
+    words.add("--new", options.registers, "Registers somebody who is not in the file yet");
+    words
+        .add("--another", options.another,
+             "With --new, although a code in the file is much like it")
+        .needs("--new");
+    words.add("--operator", options.operator_name, "Who notes it").kept_text();
+    words.add("--set", options.details, "KEY=VALUE, e.g. age=31; once for each")
+        .again_for_each()
+        .kept_text();
+}
+
+int run(const ParticipantOptions& options) {
+    check_participant(options.participant, "the participant");
+    data::ParticipantNotes notes{.handedness = options.handedness};
+    if (!options.consent.empty()) {
+        notes.consent = options.consent == "yes";
+    }
+    for (const std::string& word : options.details) {
+        notes.details.push_back(detail_of(word));
+    }
+    if (!options.registers) {  // nothing is to be made for a wrong name
+        const data::Database there(options.database, data::Access::read);
+    }
+    data::Database database(options.database, data::Access::write);  // of an older schema, too
+    const bool known = data::find_participant(database, options.participant).has_value();
+    if (!known) {
+        check_known(database, options.participant, options.registers && options.another);
+    }
+    if (known == options.registers) {
+        throw std::invalid_argument(fmt::format(
+            "{}: {}", options.database,
+            known ? fmt::format("{} is there already: give somebody new another pseudonym, or "
+                                "leave --new out",
+                                options.participant)
+                  : fmt::format("nobody is called {}: --new registers them", options.participant)));
+    }
+    if (options.registers || notes.handedness || notes.consent || !notes.details.empty()) {
+        data::note_participant(database, options.participant, notes, options.operator_name);
+    }
+    print(options.participant, data::find_participant(database, options.participant).value());
+    return 0;
+}
+
+}  // namespace
+
+Command participant_command() {
+    return make_command<ParticipantOptions>(
+        "participant", "Show what is noted of a participant, and note handedness, consent and more",
+        declare, run);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,49 @@
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/sync/push.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct PushOptions {
+    std::string database;
+    std::string url;     ///< postgresql://...
+    bool roles = false;  ///< only print the script of the roles
+};
+
+void declare(CommandWords& words, PushOptions& options) {
+    words.add("FILE", options.database, "A database; only read");
+    words.add("--to", options.url, "postgresql://..., with libpq's sslmode and sslrootcert");
+    words.add("--roles", options.roles, "Print SQL for an administrator: the schema and two roles");
+}
+
+int run(const PushOptions& options) {
+    if (options.roles) {
+        say("{}", data::push_setup());
+        return 0;
+    }
+    if (options.database.empty() || options.url.empty()) {
+        throw std::invalid_argument("push needs FILE and --to postgresql://..., or --roles");
+    }
+    const data::PushReport done = data::push_file(options.database, options.url);
+    say("{}: {}, {} new on the server.\n", options.database, counted(done.sessions, "session"),
+        counted(done.rows, "row"));
+    for (const std::string& conflict : done.conflicts) {
+        say_to(stderr, fmt::format("conflict: {}; not pushed\n", plain(conflict)));
+    }
+    return done.conflicts.empty() ? 0 : kExitFailure;
+}
+
+}  // namespace
+
+Command push_command() {
+    return make_command<PushOptions>("push", "Bring a file's new rows into PostgreSQL", declare,
+                                     run);
+}
+
+}  // namespace palpate::ui

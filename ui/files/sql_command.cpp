@@ -1,0 +1,110 @@
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "data/shell/sql_shell.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct SqlOptions {
+    std::string database;
+    std::optional<std::string> query;  ///< none: from standard input
+    bool csv = false;
+    bool json = false;
+};
+
+struct NoOptions {};
+
+/// Statements from standard input. At a terminal it goes on after an error.
+int read_input(data::SqlShell& shell, const std::string& file) {
+    const bool person = isatty(STDIN_FILENO) != 0;
+    if (person) {
+        say("palpate sql {}: it only reads. .help lists what there is.\n", file);
+    }
+    bool good = true;
+    std::string text;
+    std::size_t first = 1;
+    std::size_t lines = 0;
+    const auto prompt = [&] {
+        if (person) {
+            say("{}", text.empty() ? "palpate> " : "    ...> ");
+        }
+        std::fflush(stdout);
+    };
+    prompt();
+    for (std::string line; !shell.quit() && std::getline(std::cin, line); prompt()) {
+        ++lines;
+        first = text.empty() ? lines : first;
+        text += line + '\n';
+        if (data::SqlShell::complete(text)) {
+            good = shell.run(text, first) && good;
+            text.clear();
+        }
+        if (shell.quit()) {
+            break;
+        }
+    }
+    if (!text.empty() && !shell.quit()) {  // the last semicolon may be missing
+        good = shell.run(text, first) && good;
+    }
+    if (person && !shell.quit()) {
+        say("\n");
+    }
+    return good || person ? 0 : kExitFailure;
+}
+
+void declare(CommandWords& words, SqlOptions& options) {
+    words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
+    words.add("-c,--command", options.query,
+              "SQL, or a word as .tables; without it a shell on standard input");
+    words.add("--csv", options.csv, "Rows as CSV");
+    words.add("--json", options.json, "Rows as one JSON array").excludes("--csv");
+}
+
+int run(const SqlOptions& options) {
+    data::Database database(options.database, data::Access::read);
+    const data::RowFormat format = options.csv  ? data::RowFormat::csv
+                                 : options.json ? data::RowFormat::json
+                                                : data::RowFormat::table;
+    data::SqlShell shell(database, format, stdout, stderr);
+    if (options.query) {
+        return shell.run(*options.query) ? 0 : kExitFailure;
+    }
+    return read_input(shell, options.database);
+}
+
+int print_extension(const NoOptions& /*none*/) {
+    std::error_code unknown;
+    const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
+    const auto module = program.parent_path() / "palpate_sample.so";
+    if (unknown || !std::filesystem::exists(module)) {
+        warn("{} is not there: build the target palpate_sample", module.string());
+        return kExitFailure;
+    }
+    fmt::print("{}\n", module.string());
+    return 0;
+}
+
+}  // namespace
+
+Command sql_command() {
+    return make_command<SqlOptions>(
+        "sql", "Query a database: its tables, every servo tick (sample), statistics; only reads",
+        declare, run);
+}
+
+Command extension_command() {
+    return make_command<NoOptions>(
+        "extension", "Print where the SQL extension is, for sqlite3, Python and R",
+        [](CommandWords& /*none*/, NoOptions& /*none*/) {}, print_extension);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,31 @@
+#include <fmt/format.h>
+
+#include "data/analysis/summary.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct SummaryOptions {
+    std::string database;
+};
+
+void declare(CommandWords& words, SummaryOptions& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+}
+
+int run(const SummaryOptions& options) {
+    data::Database database(options.database, data::Access::read);
+    say("{}", data::summary_text(database));
+    return 0;
+}
+
+}  // namespace
+
+Command summary_command() {
+    return make_command<SummaryOptions>(
+        "summary", "Confusion matrix and shares correct of a database", declare, run);
+}
+
+}  // namespace palpate::ui

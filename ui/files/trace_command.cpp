@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/store/reader.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct TraceOptions {
+    std::string database;
+    std::int64_t trial = 0;
+    std::int64_t interval = 1;
+};
+
+void declare(CommandWords& words, TraceOptions& options) {
+    words.add("FILE", options.database, "A palpate database").required();
+    words.add("TRIAL", options.trial, "The id of the trial").required();
+    words.add("--interval", options.interval, "Of a trial with two things to feel, which one")
+        .within(1, 2)
+        .with_default();
+}
+
+/// The columns that every chunk holds, as data/trace/read_trace.py and read_trace.R print them.
+int run(const TraceOptions& options) {
+    data::Database database(options.database, data::Access::read);
+    const data::Snapshot now(database);
+    const auto intervals = data::intervals_of(database, options.trial);
+    if (!intervals.empty() &&
+        std::find(intervals.begin(), intervals.end(), options.interval) == intervals.end()) {
+        throw std::invalid_argument(fmt::format("{}: trial {} has no interval {}: give {}",
+                                                options.database, options.trial, options.interval,
+                                                fmt::join(intervals, " or ")));
+    }
+    data::TraceReader reader(database);
+    std::vector<std::vector<std::int64_t>> columns;
+    std::string line;
+    for (std::size_t i = 0; i < data::kStoredColumns; ++i) {
+        columns.push_back(
+            reader.column(options.trial, static_cast<data::Stored>(i), options.interval));
+        line += fmt::format("{}{}", i == 0 ? "" : ",", data::stored_columns()[i].name);
+    }
+    std::string text = line + '\n';
+    for (std::size_t tick = 0; tick < columns.front().size(); ++tick) {
+        line.clear();
+        for (const auto& column : columns) {
+            line += fmt::format("{}{}", line.empty() ? "" : ",", column[tick]);
+        }
+        text += line + '\n';
+    }
+    say_to(stdout, text);
+    return 0;
+}
+
+}  // namespace
+
+Command trace_command() {
+    return make_command<TraceOptions>(
+        "trace", "Print the stored ticks of a trial, whole numbers, as CSV", declare, run);
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/export/json_text.hpp"
+#include "data/verify/verify.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct VerifyOptions {
+    std::string database;
+    bool json = false;
+};
+
+using data::Finding;
+using data::FindingKind;
+using data::json_string;
+using data::SessionReport;
+
+std::string place_of(const Finding& finding) {
+    std::string place;
+    if (finding.trial) {
+        place += fmt::format("trial {}, ", *finding.trial);
+    }
+    if (finding.tick) {
+        place += fmt::format("tick {}, ", *finding.tick);
+    }
+    return place + plain(finding.what);
+}
+
+void print_findings(const std::vector<Finding>& findings) {
+    for (const Finding& finding : findings) {
+        if (finding.kind == FindingKind::missing) {
+            say("  missing  {}: {}\n", place_of(finding), plain(finding.recomputed));
+            continue;
+        }
+        say("  differs  {}: stored {}, recomputed {}", place_of(finding), plain(finding.stored),
+            plain(finding.recomputed));
+        say("{}\n",
+            finding.count > 1 ? fmt::format("; {} ticks of the trial differ", finding.count) : "");
+    }
+}
+
+std::size_t differences(const std::vector<Finding>& findings) {
+    std::size_t found = 0;
+    for (const Finding& finding : findings) {
+        found += finding.kind == FindingKind::differs ? 1 : 0;
+    }
+    return found;
+}
+
+void print_text(const std::string& file, const data::Verification& found) {
+    say("{}: {}\n", plain(file), counted(found.sessions.size(), "session"));
+    print_findings(found.file);
+    for (const SessionReport& session : found.sessions) {
+        const std::size_t different = differences(session.findings);
+        say("{}, participant {}, session {} ({}{}): {}, {} replayed, {}\n", plain(session.study),
+            plain(session.participant), session.number, plain(session.kind),
+            session.finished ? "" : ", not finished", counted(session.trials, "trial"),
+            counted(session.replayed, "tick"),
+            different == 0 ? "nothing differs" : counted(different, "difference"));
+        if (!session.head.empty()) {
+            say("  chain    {}\n", plain(session.head));
+        }
+        print_findings(session.findings);
+    }
+    const std::size_t all = found.count(FindingKind::differs);
+    say("{}\n", all == 0 ? "Nothing differs."
+                         : counted(all, "difference") +
+                               ". Take what differs from a copy made before, or leave "
+                               "it out; verify changes nothing.");
+}
+
+std::string json_of(const std::vector<Finding>& findings) {
+    std::string text;
+    for (const Finding& finding : findings) {
+        text += fmt::format(
+            "{}{{\"kind\": \"{}\", \"trial\": {}, \"tick\": {}, \"what\": {}, \"stored\": {}, "
+            "\"recomputed\": {}, \"count\": {}}}",
+            text.empty() ? "" : ", ", finding.kind == FindingKind::differs ? "differs" : "missing",
+            finding.trial ? fmt::format("{}", *finding.trial) : "null",
+            finding.tick ? fmt::format("{}", *finding.tick) : "null", json_string(finding.what),
+            json_string(finding.stored), json_string(finding.recomputed), finding.count);
+    }
+    return "[" + text + "]";
+}
+
+void print_json(const std::string& file, const data::Verification& found) {
+    std::string sessions;
+    for (const SessionReport& session : found.sessions) {
+        sessions += fmt::format(
+            "{}{{\"id\": {}, \"study\": {}, \"participant\": {}, \"number\": {}, \"kind\": {}, "
+            "\"finished\": {}, \"chain\": {}, \"trials\": {}, \"ticks_replayed\": {}, "
+            "\"findings\": {}}}",
+            sessions.empty() ? "" : ", ", session.id, json_string(session.study),
+            json_string(session.participant), session.number, json_string(session.kind),
+            session.finished, json_string(session.head), session.trials, session.replayed,
+            json_of(session.findings));
+    }
+    say("{{\"file\": {}, \"differences\": {}, \"missing\": {}, \"findings\": {}, "
+        "\"sessions\": [{}]}}\n",
+        json_string(file), found.count(FindingKind::differs), found.count(FindingKind::missing),
+        json_of(found.file), sessions);
+}
+
+void declare(CommandWords& words, VerifyOptions& options) {
+    words.add("FILE", options.database, "A palpate database; nothing in it is changed").required();
+    words.add("--json", options.json, "One JSON object instead of lines");
+}
+
+int run(const VerifyOptions& options) {
+    data::Database database(options.database, data::Access::read);
+    const data::Verification found = data::verify(database);
+    if (options.json) {
+        print_json(options.database, found);
+    } else {
+        print_text(options.database, found);
+    }
+    return found.count(FindingKind::differs) == 0 ? 0 : kExitFailure;
+}
+
+}  // namespace
+
+Command verify_command() {
+    return make_command<VerifyOptions>(
+        "verify", "Recompute what a database says, replay every trial, say what differs", declare,
+        run);
+}
+
+}  // namespace palpate::ui

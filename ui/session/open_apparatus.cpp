@@ -1,0 +1,82 @@
+#include "ui/session/open_apparatus.hpp"
+
+#include <fmt/format.h>
+
+#include "engine/device/pantograph_plant.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "protocols/trial/emulated_haply_apparatus.hpp"
+#include "ui/rig/open_device.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using Kind = DeviceChoice::Kind;
+
+std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
+                                                          const engine::Calibration& calibration) {
+    const protocols::Protocol& protocol = spec.study.protocol;
+    const auto hand = [&] {
+        return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed);
+    };
+    switch (spec.device.kind) {
+        case Kind::simulated: {
+            engine::PantographModel model;
+            model.plant.machine = calibration.pantograph;
+            return std::make_unique<protocols::SimulatedApparatus>(protocol, hand(),
+                                                                   spec.screen.speed, model);
+        }
+        case Kind::haply_emulator:
+            return std::make_unique<protocols::EmulatedHaplyApparatus>(
+                protocol, hand(), calibration, spec.spin_share);
+        case Kind::replay:
+            return std::make_unique<protocols::ReplayApparatus>(
+                protocol, spec.recordings, spec.device.file, spec.screen.speed);
+        case Kind::mouse:
+            return std::make_unique<protocols::PointerApparatus>(protocol);
+        case Kind::haply:
+        case Kind::comedi:
+            break;
+    }
+    return std::make_unique<protocols::DeviceApparatus>(
+        protocol, open_device(spec.device, calibration, 1.0 / protocol.apparatus.rate_hz),
+        spec.spin_share);
+}
+
+/// What the system refused to a servo that a hand depends on, and the remedy.
+std::vector<std::string> refusals(const engine::RealtimeRights& rights) {
+    std::vector<std::string> lines;
+    for (std::size_t i = 0; i < engine::kRights; ++i) {
+        const auto right = static_cast<engine::Right>(i);
+        if (rights.of(right).grant == engine::Grant::refused) {
+            lines.push_back(fmt::format("real-time {}: {}; {}", name_of(right),
+                                        describe(right, rights), remedy(right, rights)));
+        }
+    }
+    return lines;
+}
+
+}  // namespace
+
+OpenedApparatus open_apparatus(const RigSpec& spec) {
+    const engine::Calibration calibration = calibration_of(spec.device, spec.calibration);
+    auto apparatus = make_apparatus(spec, calibration);
+    OpenedApparatus opened;
+    opened.findings = check_feasibility(spec.study.protocol, apparatus->device());
+    opened.provenance = engine::provenance(apparatus->rights());
+    if (apparatus->device().traits().gives_force) {
+        opened.refused = refusals(apparatus->rights());
+        opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
+        opened.provenance.emplace_back("calibration sha256",
+                                       protocols::calibration_id(calibration));
+        opened.provenance.emplace_back("calibration", protocols::to_toml(calibration));
+    }
+    if (spec.spin_share > 0.0 && apparatus->real_time()) {
+        opened.provenance.emplace_back("realtime spin",
+                                       fmt::format("{:g} of the period", spec.spin_share));
+    }
+    opened.port = std::move(apparatus);
+    return opened;
+}
+
+}  // namespace palpate::ui

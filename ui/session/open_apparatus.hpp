@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocols/session/feasibility.hpp"
+#include "ui/session/rig.hpp"
+
+namespace palpate::ui {
+
+/// What a session is felt on, and what is to be known of it before the first trial.
+struct OpenedApparatus {
+    std::unique_ptr<protocols::Apparatus> port;
+    std::vector<protocols::Finding> findings;  ///< against device and protocol together
+    std::vector<std::string>
+        refused;  ///< real-time rights of a servo that gives force, with the remedy
+    std::vector<std::pair<std::string, std::string>> provenance;  ///< calibration, real-time rights
+};
+
+/// Opens the device and its servo. Call it before windows: guard and emulated board are forked.
+/// @throws std::invalid_argument, std::runtime_error with the remedy if the device cannot be opened
+[[nodiscard]] OpenedApparatus open_apparatus(const RigSpec& spec);
+
+}  // namespace palpate::ui

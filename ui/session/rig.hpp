@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "protocols/trial/servo_apparatus.hpp"
+#include "data/store/session_store.hpp"
+#include "ui/rig/device_choice.hpp"
+#include "ui/session/load_study.hpp"
+
+namespace palpate::ui {
+
+/// How a session is shown and paced; shared by run and demo.
+struct ScreenOptions {
+    bool headless = false;    ///< no window: the simulated observer answers
+    bool fullscreen = false;  ///< whatever the kind; real sessions are, unless windowed
+    bool windowed = false;
+    std::string font;       ///< a TTF file; empty: DejaVu Sans of the system
+    double speed = 0.0;     ///< multiple of real time of simulated and replayed hands, 0: default
+    bool no_sound = false;  ///< no masking noise, whatever the protocol asks for
+};
+
+/// What a session is run on: the parts behind its three ports.
+struct RigSpec {
+    Study study;
+    protocols::SessionKey key;
+    std::uint64_t seed = 0;
+    data::RunKind kind = data::RunKind::simulated;
+    DeviceChoice device;
+    std::string calibration;  ///< a file or a shipped machine's name; empty: the device's own
+    std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
+    ScreenOptions screen;
+    data::Resume resume = data::Resume::go_on;
+    std::string operator_name;  ///< kept with the session; empty: not given
+    bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
+    double spin_share = 0.0;    ///< of real devices, see engine::ServoSpec
+    std::string go_on;          ///< the command that resumes it; empty: nobody is told
+    bool watch_only =
+        false;  ///< in a window the simulated observer answers, and people watch (demo)
+};
+
+}  // namespace palpate::ui

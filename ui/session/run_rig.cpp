@@ -1,0 +1,353 @@
+#include "ui/session/run_rig.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <stdexcept>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "engine/realtime/servo.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/observer/simulated_observer.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
+#include "data/store/async_recorder.hpp"
+#include "data/store/chain.hpp"
+#include "data/store/disk_space.hpp"
+#include "data/store/reader.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/operator_log.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/session/open_apparatus.hpp"
+#include "ui/session/open_masking.hpp"
+#include "ui/session/provenance.hpp"
+#include "ui/session/session_choice.hpp"
+#include "ui/sound/masked_observer.hpp"
+#include "ui/subject/display.hpp"
+#include "ui/subject/spectator_screen.hpp"
+#include "ui/subject/subject_screen.hpp"
+
+namespace palpate::ui {
+namespace {
+
+using protocols::PlannedTrial;
+using protocols::TrialResult;
+
+std::unique_ptr<protocols::Observer> make_simulated_observer(
+    const RigSpec& spec, const protocols::Plan& plan, const protocols::Apparatus& apparatus) {
+    return std::make_unique<protocols::SimulatedObserver>(
+        spec.study.protocol, protocols::session_stream(spec.study.hash, spec.key, spec.seed),
+        plan.picture_order, [&apparatus] { return apparatus.hand_is_done(); });
+}
+
+SubjectScreenOptions screen_options(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk) {
+    SubjectScreenOptions options;
+    options.desk = &desk;
+    options.window.fullscreen =
+        spec.screen.fullscreen || (spec.kind == data::RunKind::real && !spec.screen.windowed);
+    options.window.font = spec.screen.font;
+    options.window.language = spec.study.protocol.language;
+    options.window.instructions =
+        spec.study.protocol.instructions.at(static_cast<std::size_t>(spec.study.protocol.language));
+    options.asks = spec.study.protocol.response.kind;
+    options.start = spec.study.protocol.apparatus.start;
+    options.watermark = spec.kind == data::RunKind::simulated ? "SIMULATED"
+                      : spec.kind == data::RunKind::pilot     ? "PILOT"
+                                                              : "";
+    options.interrupted = [] {
+        return interrupted();
+    };
+    options.guard_s = spec.study.protocol.timing.guard;
+    options.dead_man = spec.study.protocol.safety.dead_man;
+    options.on_hold = [&apparatus](bool held) {
+        apparatus.hold(held);
+    };
+    options.on_stop = [&apparatus] {
+        apparatus.stop();
+    };
+    if (auto* pointer = dynamic_cast<protocols::PointerApparatus*>(&apparatus)) {
+        options.on_pointer = [pointer](const engine::Vec2& position) {
+            pointer->pointer().publish(position);
+        };
+    }
+    return options;
+}
+
+/// Whoever answers, and the simulated observer behind a window that people only watch.
+struct Observers {
+    std::unique_ptr<protocols::Observer> simulated;
+    std::unique_ptr<protocols::Observer> screen;
+
+    [[nodiscard]] protocols::Observer& port() const { return screen ? *screen : *simulated; }
+};
+
+/// The screen of a person needs no plan: a window that cannot be had is said before a session is made.
+Observers observers_before_the_plan(const RigSpec& spec,
+                                    protocols::Apparatus& apparatus,
+                                    protocols::OperatorDesk& desk) {
+    if (!wants_window(spec.screen) || spec.watch_only) {
+        return {};
+    }
+    return {.simulated = nullptr,
+            .screen = std::make_unique<SubjectScreen>(screen_options(spec, apparatus, desk))};
+}
+
+void add_simulated_observer(Observers& observers,
+                            const RigSpec& spec,
+                            const protocols::Plan& plan,
+                            protocols::Apparatus& apparatus,
+                            protocols::OperatorDesk& desk) {
+    if (observers.screen) {
+        return;
+    }
+    observers.simulated = make_simulated_observer(spec, plan, apparatus);
+    if (wants_window(spec.screen)) {
+        observers.screen = std::make_unique<SpectatorScreen>(*observers.simulated,
+                                                             screen_options(spec, apparatus, desk));
+    }
+}
+
+/// What was felt and answered: of simulated sessions only.
+std::string answer_text(const protocols::Protocol& protocol,
+                        const PlannedTrial& planned,
+                        const TrialResult& result) {
+    const protocols::Response& response = *result.response;
+    std::string text = planned.adaptive
+                         ? fmt::format("{:<11}", protocol.runs.at(planned.adaptive->run).name)
+                         : fmt::format("{:<11} friction {:<4}",
+                                       protocol.objects.at(planned.condition.object).name,
+                                       protocol.frictions.at(planned.condition.friction).name);
+    if (result.step) {
+        text += fmt::format(" {} {:<7.4g}", word_of(protocol.procedure->varies),
+                            felt_value(*protocol.procedure, result.step->answer.stimulus));
+    }
+    text += response.object ? fmt::format(" -> {:<11}", protocol.objects.at(*response.object).name)
+                            : fmt::format(" -> {}", response.place + 1);
+    if (response.correct) {
+        text += *response.correct ? " correct" : " wrong";
+    }
+    if (result.step && !result.step->estimates.empty() && result.step->estimates.front().mean) {
+        text += fmt::format("  {} {:.4g}", result.step->estimates.front().name,
+                            *result.step->estimates.front().mean);
+    }
+    return text;
+}
+
+/// What may be said of an attempt's answer: a person may see this terminal.
+std::string answer_line(const RigSpec& spec, const protocols::Progress& progress) {
+    const protocols::TrialResult& result = progress.result;
+    if (!result.response) {
+        return {};
+    }
+    return spec.kind == data::RunKind::simulated
+             ? answer_text(spec.study.protocol, progress.planned, result)
+             : fmt::format("felt {:.1f} s, answered in {:.1f} s", result.done_s,
+                           result.response->reaction_s);
+}
+
+double now_s() {
+    return static_cast<double>(engine::monotonic_ns()) * 1e-9;
+}
+
+/// Says what this run came to when it is over, however it ends; after the last answer is on the disk.
+class SummaryAtEnd {
+public:
+    SummaryAtEnd(data::Database& database, const data::OpenedSession& opened, const RigSpec& spec)
+        : database_(database),
+          session_(opened.id),
+          after_(opened.last_trial),
+          told_(!spec.go_on.empty()) {}
+    SummaryAtEnd(const SummaryAtEnd&) = delete;
+    SummaryAtEnd& operator=(const SummaryAtEnd&) = delete;
+    ~SummaryAtEnd() {
+        try {
+            if (told_) {
+                say("{}", run_summary(database_, session_, after_, (now_s() - begun_s_) / 60.0));
+            }
+        } catch (const std::exception&) {  // a file that is gone: why is said by what ended the run
+        }
+    }
+
+private:
+    data::Database& database_;
+    std::int64_t session_;
+    std::int64_t after_;
+    bool told_;
+    double begun_s_ = now_s();
+};
+
+/// What whoever runs a session needs while it runs, and after it.
+/// @param screen  a person sits at one. (To ask wants_window() now would close its window.)
+void print_help(const data::Database& database, const RigSpec& spec, bool screen) {
+    if (spec.go_on.empty()) {
+        return;
+    }
+    if (screen) {
+        say("At the participant's screen: Ctrl+Shift+Q then Y ends the session; Ctrl+Shift+M then "
+            "Y: the trial does not count;\nCtrl+Shift+P pauses before the next trial, and goes on; "
+            "Escape switches the force off.\n");
+    }
+    say("Data: {}\nIf it ends early, this goes on: {}\n",
+        std::filesystem::absolute(database.file()).string(), spec.go_on);
+}
+
+void print_start(const RigSpec& spec,
+                 const protocols::Plan& plan,
+                 const data::OpenedSession& opened,
+                 const protocols::Apparatus& apparatus) {
+    const protocols::Protocol& protocol = spec.study.protocol;
+    const protocols::PendingTrials all(plan);
+    const std::size_t practice = all.left(true);
+    say("{}: participant {}, session {}, {}{}, {}, code {}\n", protocol.id, spec.key.participant,
+        spec.key.session,
+        practice > 0 ? counted(practice, "practice trial") + " and " : std::string(),
+        counted(all.left(false), "trial"), apparatus.device_name(), session_code(plan));
+    if (spec.kind == data::RunKind::simulated) {
+        say("Simulated: these data are recorded as simulated and never count as a person's.\n");
+    }
+    if (opened.resumed && !opened.finished) {
+        say("Resuming at {}{}.\n", number_text(opened.progress.pending().number()),
+            opened.interrupted > 0
+                ? "; the trial that was cut off is kept as interrupted and run again"
+                : "");
+    }
+}
+
+/// Before anything is made: what stands against this device and this protocol.
+/// @throws std::invalid_argument for what nobody should hold
+void heed(const OpenedApparatus& felt) {
+    for (const protocols::Finding& finding : felt.findings) {
+        if (finding.verdict == protocols::Verdict::refuse) {
+            throw std::invalid_argument(finding.text);
+        }
+        warn("{}", finding.text);
+    }
+    for (const std::string& line : felt.refused) {
+        warn("{}", line);
+    }
+}
+
+}  // namespace
+
+std::vector<protocols::ReplayApparatus::Recording> load_recordings(const DeviceChoice& device) {
+    if (device.kind != DeviceChoice::Kind::replay) {
+        return {};
+    }
+    data::Database source(device.file, data::Access::read);
+    const std::vector<std::int64_t> trials =
+        device.trial ? std::vector{*device.trial} : data::answered_trials(source);
+    std::vector<protocols::ReplayApparatus::Recording> all;
+    data::TraceReader traces(source);
+    for (const std::int64_t trial : trials) {
+        for (const std::int64_t interval : data::intervals_of(source, trial)) {
+            protocols::ReplayApparatus::Recording recording;
+            for (const engine::TickRecord& tick : traces.read(trial, interval)) {
+                recording.push_back({.hip = tick.hip, .counts = tick.counts});
+            }
+            all.push_back(std::move(recording));
+        }
+    }
+    return all;
+}
+
+void add_screen_words(CommandWords& words, ScreenOptions& screen) {
+    words.add("--headless", screen.headless,
+              "No window: the simulated observer answers (so does it without a display)");
+    words.add("--fullscreen", screen.fullscreen, "The subject's window fills the display");
+    words
+        .add("--windowed", screen.windowed,
+             "It does not; without either word it does in real sessions")
+        .excludes("--fullscreen");
+    words.add("--font", screen.font, "A TrueType font for the subject's screen");
+    words
+        .add(
+            "--speed", screen.speed,
+            "Simulated and replayed hands at this multiple of real time; 0: as fast as the machine")
+        .from_zero();
+}
+
+bool wants_window(const ScreenOptions& screen) {
+    if (screen.headless) {
+        return false;
+    }
+    const FoundDisplay found = find_display();
+    if (found.state == FoundDisplay::State::broken) {
+        throw std::invalid_argument(found.trouble);
+    }
+    return found.state == FoundDisplay::State::ready;
+}
+
+RigEnd run_rig(data::Database& database, const RigSpec& spec) {
+    const protocols::Protocol& protocol = spec.study.protocol;
+    const OpenedApparatus felt = open_apparatus(spec);
+    heed(felt);
+    const auto& apparatus = felt.port;
+    protocols::OperatorDesk desk;
+    Observers observers = observers_before_the_plan(spec, *apparatus, desk);
+    const OpenedMasking masking = open_masking(spec);
+    data::SessionSpec session{.protocol = protocol,
+                              .protocol_hash = spec.study.hash,
+                              .plan = {},
+                              .key = spec.key,
+                              .seed = spec.seed,
+                              .kind = spec.kind,
+                              .device = apparatus->device_name(),
+                              .resume = spec.resume,
+                              .operator_name = spec.operator_name,
+                              .provenance = provenance(protocol)};
+    session.provenance.insert(session.provenance.end(), felt.provenance.begin(),
+                              felt.provenance.end());
+    const data::OpenedSession opened = data::plan_and_open_session(database, session);
+    const protocols::Plan& plan = session.plan;
+    add_simulated_observer(observers, spec, plan, *apparatus, desk);
+    print_start(spec, plan, opened, *apparatus);
+    if (opened.finished) {
+        return {.session = {.next = plan.trials.size()}, .already_finished = true};
+    }
+    data::require_space(database.file(), protocol, opened.progress.pending().order().size());
+    print_help(database, spec, observers.screen != nullptr);
+    OperatorLog log(opened.progress.attempts(), now_s());
+    const SummaryAtEnd summary(database, opened, spec);
+    data::SqliteRecorder recorder(database, protocol, opened.id);
+    data::AsyncRecorder record(
+        recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
+    if (!masking.note.empty()) {
+        record.event({.kind = protocols::EventKind::masking, .text = masking.note});
+    }
+    const auto masked = masking.player
+                          ? std::make_unique<MaskedObserver>(observers.port(), *masking.player,
+                                                             record, masking.required)
+                          : nullptr;
+    protocols::SessionEnd end =
+        run_session(protocol, plan,
+                    {.title = protocol.title,
+                     .participant = spec.key.participant,
+                     .trials = plan.trials.size(),
+                     .next = opened.progress.pending().answered(),
+                     .practice = opened.progress.pending().left(true),
+                     .simulated = spec.kind == data::RunKind::simulated,
+                     .device = apparatus->device_name()},
+                    opened.progress,
+                    {.apparatus = *apparatus,
+                     .observer = masked ? *masked : observers.port(),
+                     .recorder = record,
+                     .interrupted = [] { return interrupted(); },
+                     .progress =
+                         [&](const protocols::Progress& progress) {
+                             say("{}", log.line(progress, answer_line(spec, progress), now_s()));
+                         },
+                     .desk = &desk});
+    if (display_lost() && end.why == protocols::SessionEnd::Why::aborted) {
+        record.event(
+            {.kind = protocols::EventKind::display_lost, .text = "the session ended with it"});
+    }
+    return {.session = std::move(end), .head = data::chain_head(database, opened.id)};
+}
+
+}  // namespace palpate::ui

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "protocols/session/session.hpp"
+#include "data/store/database.hpp"
+#include "ui/command/command.hpp"
+#include "ui/session/rig.hpp"
+
+namespace palpate::ui {
+
+/// How a session went, for the command to report.
+struct RigEnd {
+    protocols::SessionEnd session{};
+    bool already_finished = false;
+    std::string
+        head{};  ///< of the session's chain of hashes (data/store/chain.hpp); empty: none yet
+};
+
+/// The recorded hands that a replay asks for; nothing for other devices.
+/// @throws data::StoreError, data::TraceError if the file or its ticks are not there
+/// @throws std::invalid_argument if there is no such trial
+[[nodiscard]] std::vector<protocols::ReplayApparatus::Recording> load_recordings(
+    const DeviceChoice& device);
+
+/// The words of every command that shows a session.
+void add_screen_words(CommandWords& words, ScreenOptions& screen);
+
+/// A window can be opened here and was not declined.
+/// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the session
+[[nodiscard]] bool wants_window(const ScreenOptions& screen);
+
+/// Plans, opens or resumes the session in `database`, and runs it to its end. Prints a line when it
+/// starts and one for every trial, to standard output.
+/// @throws what the parts throw; the force is off and everything recorded is kept
+[[nodiscard]] RigEnd run_rig(data::Database& database, const RigSpec& spec);
+
+}  // namespace palpate::ui

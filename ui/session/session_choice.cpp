@@ -1,0 +1,48 @@
+#include "ui/session/session_choice.hpp"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/store/people.hpp"
+#include "data/store/secret.hpp"
+
+namespace palpate::ui {
+
+void check_participant(const std::string& id, std::string_view word) {
+    constexpr std::string_view kAllowed =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+    if (id.empty() || id.size() > 64 || id.find_first_not_of(kAllowed) != std::string::npos) {
+        throw std::invalid_argument(fmt::format(
+            "{} \"{}\": give a pseudonym of 1 to 64 letters, digits, - or _", word, id));
+    }
+}
+
+void check_known(data::Database& database, const std::string& id, bool insists) {
+    const auto other = insists ? std::nullopt : data::similar_participant(database, id);
+    if (other) {
+        throw std::invalid_argument(
+            fmt::format("{}: nobody is called {}, and {} is there: give that code if you mean the "
+                        "same person, or "
+                        "--another as well if {} is somebody else",
+                        database.file(), id, *other, id));
+    }
+}
+
+SessionChoice choose_session(data::Database& database,
+                             const Study& study,
+                             const std::string& participant,
+                             std::optional<std::size_t> session,
+                             std::optional<std::uint64_t> seed) {
+    const auto last = data::latest_session(database, study.protocol.id, participant);
+    SessionChoice choice;
+    choice.key = {participant, session.value_or(last ? last->number : 1)};
+    const auto there = data::find_session(database, study.protocol.id, choice.key);
+    choice.key.secret = there ? there->secret : data::own_secret(database);
+    choice.seed = seed.value_or(there ? there->seed : study.protocol.seed);
+    choice.finished = there && there->finished;
+    choice.last = last ? last->number : 0;
+    return choice;
+}
+
+}  // namespace palpate::ui

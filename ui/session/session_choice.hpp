@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "data/store/session_store.hpp"
+#include "ui/session/load_study.hpp"
+
+namespace palpate::ui {
+
+/// @param word  what the id was given as
+/// @throws std::invalid_argument unless the id is 1 to 64 letters, digits, - or _
+void check_participant(const std::string& id, std::string_view word = "--participant");
+
+/// Of a participant whom the file does not know, beside one whose code could be meant.
+/// @param insists  --another was given: it is somebody else
+/// @throws std::invalid_argument with both codes, and how to insist
+void check_known(data::Database& database, const std::string& id, bool insists);
+
+/// Which session of which seed is meant.
+struct SessionChoice {
+    protocols::SessionKey key;
+    std::uint64_t seed = 0;
+    bool finished = false;  ///< it is there, and whole
+    std::size_t last = 0;   ///< the participant's last session; 0: none
+};
+
+/// The session asked for, else the participant's last one, else the first. Its seed is the one asked for,
+/// else that with which it was begun, else the protocol's; its secret that with which it was begun,
+/// else the file's.
+[[nodiscard]] SessionChoice choose_session(data::Database& database,
+                                           const Study& study,
+                                           const std::string& participant,
+                                           std::optional<std::size_t> session,
+                                           std::optional<std::uint64_t> seed);
+
+}  // namespace palpate::ui
