@@ -120,9 +120,6 @@ void apply(const ExclusionSpec& rules, Judged& one) {
 
 Exclusions judge(Database& database, std::string_view study, std::string_view kind) {
     Exclusions found;
-    if (!database.prepare("SELECT 1 FROM sqlite_schema WHERE name = 'invalid_trial'").step()) {
-        return found;
-    }
     Statement row =
         database.prepare("SELECT study_id, protocol_toml FROM study WHERE study_name = ?1");
     row.bind(1, study);

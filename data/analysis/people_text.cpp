@@ -175,16 +175,16 @@ PeopleTable table_of(Database& database,
                       .factor = "friction",
                       .share = what != Asks::level,
                       .conditions = names(database, group, "friction min(mu_s), friction")};
-    const std::string value = what == Asks::correct ? "trial_result.correct"
+    const std::string value = what == Asks::correct ? "analysis_trial.correct"
                             : what == Asks::yes     ? "answer_code"
                                                     : "answer_code + 1";
     Statement row = database.prepare(
         "SELECT participant_code, friction, sum(" + value + "), count(" + value +
-        ") FROM trial_result JOIN response USING (trial_id) WHERE study_name = ?1 AND session_kind "
-        "= ?2 AND phase = 'main' AND (?3 = '' OR trial_result.planned_object = ?3) AND " +
+        ") FROM analysis_trial WHERE counts AND study_name = ?1 AND session_kind = ?2 AND phase = "
+        "'main' AND (?3 = '' OR analysis_trial.planned_object = ?3) AND " +
         value +
         " IS NOT NULL AND NOT EXISTS (SELECT 1 FROM adaptive_step WHERE adaptive_step.trial_id = "
-        "trial_result.trial_id) GROUP BY 1, 2");
+        "analysis_trial.trial_id) GROUP BY 1, 2");
     row.bind(1, group.study).bind(2, group.kind).bind(3, object);
     while (row.step()) {
         table.people[row.text(0)][row.text(1)] = {
@@ -260,8 +260,8 @@ std::string answers_text(Database& database,
 
 std::string no_correct_text(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT count(*) - count(correct), count(*) FROM trial_result WHERE study_name = ?1 AND "
-        "session_kind = ?2 AND phase = 'main'");
+        "SELECT count(*) - count(correct), count(*) FROM analysis_trial WHERE counts AND "
+        "study_name = ?1 AND session_kind = ?2 AND phase = 'main'");
     row.bind(1, group.study).bind(2, group.kind).step();
     return row.integer(0) == 0
              ? std::string()

@@ -31,10 +31,10 @@ struct Run {
 
 std::vector<Run> runs_of(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT participant_code, adaptive_trial.session_number, trial.session_id, run_number, "
-        "run_name, count(*), sum(NOT counts), sum(correct IS NULL) FROM adaptive_trial JOIN trial "
-        "USING (trial_id) WHERE study_name = ?1 AND session_kind = ?2 GROUP BY trial.session_id, "
-        "run_number ORDER BY participant_code, adaptive_trial.session_number, run_number");
+        "SELECT participant_code, session_number, session_id, run_number, run_name, count(*),"
+        " sum(NOT counts), sum(correct IS NULL) FROM analysis_trial WHERE study_name = ?1 AND"
+        " session_kind = ?2 AND run_trial_number IS NOT NULL GROUP BY session_id, run_number"
+        " ORDER BY participant_code, session_number, run_number");
     row.bind(1, group.study).bind(2, group.kind);
     std::vector<Run> all;
     while (row.step()) {
@@ -81,15 +81,14 @@ std::string estimate_line(const Estimate& one, std::size_t width) {
 /// How often each stimulus of a rule that estimates nothing was answered with 1.
 std::string constant_lines(Database& database, const Run& run) {
     Statement row = database.prepare(
-        "SELECT stimulus, sum(step.rule_outcome), count(*), max(step.rule_outcome) FROM "
-        "adaptive_trial AS step JOIN trial USING (trial_id) WHERE trial.session_id = ?1 AND "
-        "run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus");
+        "SELECT stimulus, sum(rule_outcome), count(*), max(rule_outcome) FROM analysis_trial WHERE"
+        " session_id = ?1 AND run_number = ?2 AND counts GROUP BY stimulus ORDER BY stimulus");
     row.bind(1, run.session).bind(2, run.run);
     std::string text;
     while (row.step()) {
         if (row.integer(3) > 1) {
-            return "      more than two answers: SELECT stimulus, rule_outcome FROM "
-                   "adaptive_trial\n";
+            return "      more than two answers: SELECT stimulus, rule_outcome FROM analysis_trial "
+                   "WHERE run_trial_number IS NOT NULL\n";
         }
         const Interval ci = wilson(row.integer(1), row.integer(2));
         text +=

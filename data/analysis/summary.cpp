@@ -17,9 +17,9 @@ namespace {
 std::vector<Group> groups(Database& database) {
     std::vector<Group> all;
     Statement row = database.prepare(
-        "SELECT study_name, session_kind FROM trial_result WHERE phase = 'main' UNION SELECT "
-        "study_name, session_kind FROM invalid_trial WHERE phase = 'main' ORDER BY session_kind, "
-        "study_name");
+        "SELECT study_name, session_kind FROM analysis_trial WHERE counts AND phase = 'main' UNION "
+        "SELECT study_name, session_kind FROM analysis_trial WHERE invalid_reason IS NOT NULL AND "
+        "phase = 'main' ORDER BY session_kind, study_name");
     while (row.step()) {
         all.push_back({row.text(0), row.text(1)});
     }
@@ -140,12 +140,15 @@ std::string faults_text(Database& database, const Group& group) {
 /// Answers that do not count; nothing as long as there are none.
 std::string invalid_text(Database& database, const Group& group) {
     Statement row = database.prepare(
-        "SELECT count(*) FROM invalid_trial WHERE study_name = ?1 AND session_kind = ?2");
+        "SELECT count(*) FROM analysis_trial WHERE invalid_reason IS NOT NULL AND study_name = ?1 "
+        "AND session_kind = ?2");
     row.bind(1, group.study).bind(2, group.kind).step();
     const std::int64_t n = row.integer(0);
     return n == 0 ? std::string()
-                  : fmt::format("\n  {} invalid and left out: SELECT * FROM invalid_trial\n",
-                                counted(n, "answered trial is", "answered trials are"));
+                  : fmt::format(
+                        "\n  {} invalid and left out: SELECT * FROM analysis_trial WHERE "
+                        "invalid_reason IS NOT NULL\n",
+                        counted(n, "answered trial is", "answered trials are"));
 }
 
 /// For a POSIX shell.
@@ -178,11 +181,11 @@ std::string example_queries(const std::string& file) {
     const std::string name = quoted(file);
     return fmt::format(
         "Two queries to try:\n  sqlite3 -box {0} \"SELECT planned_object, friction, chosen_object, "
-        "correct, done_s, reaction_s FROM trial_result\"\n  sqlite3 -box {0} \"SELECT "
-        "session_kind, friction, count(*) AS people, avg(share) AS mean_share, avg(force_n) AS "
-        "normal_force_n FROM (SELECT session_kind, friction, participant_code, avg(correct) AS "
-        "share, avg(mean_normal_force_n) AS force_n FROM trial_result WHERE phase = 'main' GROUP "
-        "BY 1, 2, 3) GROUP BY 1, 2\"\n",
+        "correct, done_s, reaction_s FROM analysis_trial WHERE counts\"\n  sqlite3 -box {0} "
+        "\"SELECT session_kind, friction, count(*) AS people, avg(share) AS mean_share, "
+        "avg(force_n) AS normal_force_n FROM (SELECT session_kind, friction, participant_code, "
+        "avg(correct) AS share, avg(mean_normal_force_n) AS force_n FROM analysis_trial WHERE "
+        "counts AND phase = 'main' GROUP BY 1, 2, 3) GROUP BY 1, 2\"\n",
         name);
 }
 

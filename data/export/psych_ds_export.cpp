@@ -58,7 +58,8 @@ std::string variables(const ExportOptions& options) {
             add(key);
         }
         for (const TraceColumn& column : trace_columns()) {
-            add({column.name, column.type, column.unit, column.meaning, ""});
+            add({std::string(column.name), std::string(column.type), std::string(column.unit),
+                 std::string(column.meaning), ""});
         }
     }
     return json_array(all);

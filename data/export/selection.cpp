@@ -123,7 +123,8 @@ void Selection::number_sessions() {
 void Selection::name_subjects() {
     const auto labels = study_labels(database_);
     Statement session = database_.prepare(
-        "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, title, "
+        "SELECT session.session_id, study_id, chosen.session_number, rate_hz, study_name, "
+        "study_title, "
         "participant.subject FROM chosen JOIN session USING (session_id) JOIN study USING "
         "(study_id) JOIN participant USING (participant_id) ORDER BY participant.subject, "
         "protocol_sha256, chosen.session_number");

@@ -8,7 +8,7 @@ namespace palpate::data {
 
 std::vector<std::pair<std::string_view, std::string_view>> levels_of(const ExportColumn& column) {
     std::vector<std::pair<std::string_view, std::string_view>> levels;
-    for (std::string_view left = column.levels; !left.empty();) {
+    for (std::string_view left(column.levels); !left.empty();) {
         const std::string_view one = left.substr(0, left.find("; "));
         left.remove_prefix(std::min(one.size() + 2, left.size()));
         const std::size_t sign = one.find(" = ");
@@ -34,8 +34,10 @@ std::string select_sql(const ExportTable& table,
     for (const ExportColumn& column : columns) {
         names += fmt::format("{}{} AS {}", names.empty() ? "" : ", ", column.sql, column.name);
     }
-    return fmt::format("SELECT {} FROM {}{}{} ORDER BY {}", names, table.from,
-                       where.empty() ? "" : " WHERE ", where, table.order);
+    const std::size_t group = std::min(table.from.find(" GROUP BY "), table.from.size());
+    return fmt::format("SELECT {} FROM {}{}{}{} ORDER BY {}", names, table.from.substr(0, group),
+                       where.empty() ? "" : " WHERE ", where, table.from.substr(group),
+                       table.order);
 }
 
 }  // namespace palpate::data

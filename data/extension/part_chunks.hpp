@@ -10,7 +10,7 @@
 
 #include "engine/realtime/tick_record.hpp"
 #include "data/extension/query.hpp"
-#include "data/extension/tick_store.hpp"
+#include "data/extension/tick_parts.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/fixed_point.hpp"
 

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <sqlite3ext.h>
 
-#include "data/extension/tick_store.hpp"
+#include "data/extension/tick_parts.hpp"
 
 SQLITE_EXTENSION_INIT3
 

@@ -48,7 +48,7 @@ private:
     std::vector<TrialPart> parts_;
     std::size_t next_part_ = 0;
     TrialPart part_{};
-    std::unique_ptr<TickStore::Blocks> blocks_;
+    std::unique_ptr<TickBlocks> blocks_;
     std::span<const engine::TickRecord> block_;
     std::size_t at_ = 0;  ///< in the block
     const engine::TickRecord* tick_ = nullptr;

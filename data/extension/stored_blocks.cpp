@@ -16,7 +16,7 @@ using C = SampleColumn;
 
 constexpr SampleColumns kTime = bit(C::time_s) | kVelocityColumns;
 
-class StoredBlocks : public TickStore::Blocks {
+class StoredBlocks : public TickBlocks {
 public:
     StoredBlocks(sqlite3* db,
                  const TrialPart& part,
@@ -166,12 +166,11 @@ private:
 
 }  // namespace
 
-std::unique_ptr<TickStore::Blocks> stored_blocks(
-    sqlite3* db,
-    const TrialPart& part,
-    SampleColumns columns,
-    const TickRange& range,
-    const std::optional<engine::PantographSpec>& machine) {
+std::unique_ptr<TickBlocks> stored_blocks(sqlite3* db,
+                                          const TrialPart& part,
+                                          SampleColumns columns,
+                                          const TickRange& range,
+                                          const std::optional<engine::PantographSpec>& machine) {
     return std::make_unique<StoredBlocks>(db, part, columns, range, machine);
 }
 

@@ -4,14 +4,17 @@
 #include <optional>
 
 #include "engine/device/pantograph.hpp"
-#include "data/extension/tick_store.hpp"
+#include "data/extension/tick_parts.hpp"
+#include "data/trace/sample_columns.hpp"
+
+struct sqlite3;
 
 namespace palpate::data {
 
 /// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay, decoding
 /// the columns wanted only, those chunks left out that are out of range.
 /// @param machine  what HIP follows from, if columns of HIP are wanted and the session has a calibration
-[[nodiscard]] std::unique_ptr<TickStore::Blocks> stored_blocks(
+[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(
     sqlite3* db,
     const TrialPart& part,
     SampleColumns columns,

@@ -19,7 +19,7 @@ using engine::TickRecord;
 namespace {
 
 /// What follows from the hand's path from tick 0 on: the whole part in one block.
-class ReplayedBlocks : public TickStore::Blocks {
+class ReplayedBlocks : public TickBlocks {
 public:
     ReplayedBlocks(std::shared_ptr<const std::vector<TickRecord>> ticks, const TickRange& range)
         : ticks_(std::move(ticks)), left_(ticks_in(*ticks_, range)) {}
@@ -167,9 +167,9 @@ std::vector<TrialPart> TickStore::parts(const TrialRange& trials) {
     return parts;
 }
 
-std::unique_ptr<TickStore::Blocks> TickStore::blocks(const TrialPart& part,
-                                                     SampleColumns columns,
-                                                     const TickRange& range) {
+std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
+                                              SampleColumns columns,
+                                              const TickRange& range) {
     State& state = *state_;
     if ((columns & kReplayedColumns) != 0) {
         return std::make_unique<ReplayedBlocks>(of_part(part, [&] { return state.replayed(part); }),

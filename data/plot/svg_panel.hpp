@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "data/plot/axis_ticks.hpp"
-#include "data/plot/svg_figure.hpp"
+#include "data/plot/figure.hpp"
 
 namespace palpate::data {
 

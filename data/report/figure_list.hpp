@@ -5,22 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "data/csv/csv.hpp"
+#include "data/report/make.hpp"
 
 /// The figures of the thesis, each computed by a run of the engine: `palpate figures`.
 namespace palpate::data {
-
-/// A table of what a figure shows. Numbers for words: mode 0 free, 1 stuck, 2 slip, 3 transition
-/// (engine::Mode); segments and regions count from 0 in the direction of travel.
-struct FigureTable {
-    std::string suffix{};  ///< of the file's name, for a figure with several tables
-    std::vector<CsvColumn> columns{};
-};
-
-struct MadeFigure {
-    std::string svg{};
-    std::vector<FigureTable> tables{};
-};
 
 /// A figure by the number it has in the thesis.
 struct NamedFigure {

@@ -1,9 +1,24 @@
 #pragma once
 
-#include "data/report/figure_list.hpp"
+#include <string>
+#include <vector>
+
+#include "data/csv/csv.hpp"
 
 /// One function a figure; what it shows stands in its caption.
 namespace palpate::data {
+
+/// A table of what a figure shows. Numbers for words: mode 0 free, 1 stuck, 2 slip, 3 transition
+/// (engine::Mode); segments and regions count from 0 in the direction of travel.
+struct FigureTable {
+    std::string suffix{};  ///< of the file's name, for a figure with several tables
+    std::vector<CsvColumn> columns{};
+};
+
+struct MadeFigure {
+    std::string svg{};
+    std::vector<FigureTable> tables{};
+};
 
 [[nodiscard]] MadeFigure make_trackers();           ///< 2.1.2
 [[nodiscard]] MadeFigure make_regions();            ///< 2.1.4

@@ -10,8 +10,8 @@
 
 #include "engine/base/text.hpp"
 #include "data/extension/sample_module.hpp"
-#include "data/store/schema.hpp"
-#include "data/store/schema_manual.hpp"
+#include "data/schema/catalogue.hpp"
+#include "data/schema/manual.hpp"
 #include "data/trace/sample_columns.hpp"
 
 namespace palpate::data {

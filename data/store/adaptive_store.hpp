@@ -5,15 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "protocols/design/plan.hpp"
+#include "protocols/protocol/protocol.hpp"
 #include "protocols/session/adaptive_runs.hpp"
-#include "data/store/session_store.hpp"
+#include "data/store/database.hpp"
 
 /// Rules that choose stimuli: what is stored of them, and how they are built again.
 namespace palpate::data {
-
-/// The tables adaptive_plan, adaptive_step; after all tables the view adaptive_trial.
-extern const char* const kAdaptive;
-extern const char* const kAdaptiveViews;
 
 /// What is planned beside the rows of plan.
 void write_adaptive_plan(Database& database,

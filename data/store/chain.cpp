@@ -9,6 +9,7 @@
 
 #include "engine/base/sha256.hpp"
 #include "engine/realtime/clock.hpp"
+#include "data/store/row.hpp"
 
 namespace palpate::data {
 namespace {
@@ -257,29 +258,28 @@ std::string add_event(Database& database,
                       const protocols::Event& event,
                       std::string_view operator_name) {
     const std::string before = head_now(database, session);
-    const auto integer = [](auto value) {
-        return value ? std::optional(static_cast<std::int64_t>(*value)) : std::nullopt;
+    const auto said = [](std::string_view text) {
+        return text.empty() ? std::nullopt : std::optional(text);
     };
-    Statement row = database.prepare(
-        "INSERT INTO event (session_id, trial_id, event_kind, text, at_utc, at_ns, operator,"
-        " plan_position, part, count, duration_s, key, value, trials_begun) SELECT ?1, ?2, ?3, ?4,"
-        " ?5, ?6, nullif(?7, ''), ?8, ?9, ?10, ?11, nullif(?12, ''), nullif(?13, ''), count(*) FROM"
-        " trial WHERE session_id = ?1");
-    row.bind(1, session)
-        .bind(2, event.trial)
-        .bind(3, to_string(event.kind))
-        .bind(4, event.text)
-        .bind(5, utc_now())
-        .bind(6, engine::monotonic_ns())
-        .bind(7, operator_name)
-        .bind(8, integer(event.position))
-        .bind(9, integer(event.part))
-        .bind(10, event.count)
-        .bind(11, event.duration_s)
-        .bind(12, event.key)
-        .bind(13, event.value)
-        .run();
-    const std::int64_t id = database.last_row();
+    Statement begun = database.prepare("SELECT count(*) FROM trial WHERE session_id = ?1");
+    begun.bind(1, session).step();
+    const std::int64_t id = Row("event")
+                                .set("session_id", session)
+                                .set("trial_id", event.trial)
+                                .set("event_kind", to_string(event.kind))
+                                .set("text", event.text)
+                                .set("at_utc", utc_now())
+                                .set("at_ns", engine::monotonic_ns())
+                                .set("operator", said(operator_name))
+                                .set("trials_begun", begun.integer(0))
+                                .set("plan_position", event.position)
+                                .set("part", event.part)
+                                .set("count", event.count)
+                                .set("duration_s", event.duration_s)
+                                .set("key", said(event.key))
+                                .set("value", said(event.value))
+                                .insert(database);
+    begun.reset();
     std::string head = event_head(database, id, before);
     keep_head(database, "event", id, session, head);
     return head;

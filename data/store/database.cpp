@@ -14,33 +14,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/store/schema.hpp"
-#include "data/store/secret.hpp"
+#include "data/schema/catalogue.hpp"
+#include "data/store/migration.hpp"
+#include "data/store/uuid.hpp"
 
 namespace palpate::data {
 namespace {
-
-const char* remedy(int code) {
-    switch (code & 0xFF) {
-        case SQLITE_FULL:
-            return "the disk is full: free some space and run again, what was recorded is kept";
-        case SQLITE_READONLY:
-            return "the file or its folder is read-only: choose another place or change the rights";
-        case SQLITE_BUSY:
-        case SQLITE_LOCKED:
-            return "another program holds a write lock: close it and run again";
-        case SQLITE_CANTOPEN:
-            return "check that the folder exists and may be written";
-        case SQLITE_NOTADB:
-            return "this is not a palpate database: choose another file name";
-        case SQLITE_CORRUPT:
-            return "the file is damaged: keep it, and restore a copy";
-        case SQLITE_IOERR:
-            return "the disk does not take the data: check its space and health";
-        default:
-            return "";
-    }
-}
 
 /// An empty file of one's own, before SQLite makes one that others can read.
 void make_private_file(const std::string& file) {
@@ -146,78 +125,66 @@ FirstPage first_page(sqlite3* handle) {
 
 }  // namespace
 
-Database::Database(std::string file, Access access) : file_(std::move(file)) {
+Database::Database(std::string file, Access access) : connection_{.file = std::move(file)} {
     try {
         open(access);
     } catch (...) {
-        sqlite3_close_v2(handle_);
+        sqlite3_close_v2(connection_.handle);
         throw;
     }
 }
 
 Database::~Database() {
-    sqlite3_close_v2(handle_);
-}
-
-void Database::fail(std::string_view doing) const {
-    const int code = handle_ != nullptr ? sqlite3_errcode(handle_) : SQLITE_NOMEM;
-    const char* message = handle_ != nullptr ? sqlite3_errmsg(handle_) : "out of memory";
-    const char* what = remedy(code);
-    const std::string text = fmt::format("{}: {} failed: {}{}{}", file_, doing, message,
-                                         *what == '\0' ? "" : "; ", what);
-    if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
-        throw LockedFile(text);
-    }
-    if ((code & 0xFF) == SQLITE_FULL || (code & 0xFF) == SQLITE_IOERR) {
-        throw DiskRefused(text);
-    }
-    throw StoreError(text);
+    sqlite3_close_v2(connection_.handle);
 }
 
 void Database::connect(const std::string& name, int flags) {
-    sqlite3_close_v2(std::exchange(handle_, nullptr));
-    if (sqlite3_open_v2(name.c_str(), &handle_, flags, nullptr) != SQLITE_OK) {
+    sqlite3_close_v2(std::exchange(connection_.handle, nullptr));
+    if (sqlite3_open_v2(name.c_str(), &connection_.handle, flags, nullptr) != SQLITE_OK) {
         fail("opening");
     }
-    sqlite3_extended_result_codes(handle_, 1);
-    sqlite3_busy_timeout(handle_, wait_ms_);
+    sqlite3_extended_result_codes(connection_.handle, 1);
+    sqlite3_busy_timeout(connection_.handle, wait_ms_);
     // A file can come from anywhere: its views call no function that reaches out of SQLite, and no
     // statement may write to SQLite's own tables.
-    sqlite3_db_config(handle_, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-    sqlite3_db_config(handle_, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
+    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
+    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     // Until it is known to be ours, closing must not move its log.
-    sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
 }
 
 void Database::open(Access access) {
-    if (file_.empty()) {
+    if (connection_.file.empty()) {
         throw WrongFile("the name of the database is empty; give a file name");
     }
-    require_plain_files(file_);
+    require_plain_files(connection_.file);
     if (access == Access::write) {
-        make_private_file(plain_name(file_));
-    } else if (::access(plain_name(file_).c_str(), R_OK) != 0) {
-        throw WrongFile(fmt::format("{}: {}", file_,
+        make_private_file(plain_name(connection_.file));
+    } else if (::access(plain_name(connection_.file).c_str(), R_OK) != 0) {
+        throw WrongFile(fmt::format("{}: {}", connection_.file,
                                     errno == ENOENT || errno == ENOTDIR
                                         ? "there is no such file: check the path"
                                         : "it may not be read: change its rights"));
     }
-    connect(plain_name(file_),
+    connect(plain_name(connection_.file),
             access == Access::write ? SQLITE_OPEN_READWRITE : SQLITE_OPEN_READONLY);
     // SQLite takes a file of one byte for an empty one, and would write over it.
     struct stat status {};
-    const bool one_byte = stat(plain_name(file_).c_str(), &status) == 0 && status.st_size == 1;
-    if (one_byte || first_page(handle_) == FirstPage::theirs) {
-        not_ours(file_);
+    const bool one_byte =
+        stat(plain_name(connection_.file).c_str(), &status) == 0 && status.st_size == 1;
+    if (one_byte || first_page(connection_.handle) == FirstPage::theirs) {
+        not_ours(connection_.file);
     }
-    if (access == Access::read && lies_still(plain_name(file_))) {
-        connect(immutable_uri(file_), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    if (access == Access::read && lies_still(plain_name(connection_.file))) {
+        connect(immutable_uri(connection_.file), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
     }
-    if (access == Access::write && sqlite3_db_readonly(handle_, "main") == 1) {
-        throw StoreError(fmt::format("{}: {}", file_, remedy(SQLITE_READONLY)));
+    if (access == Access::write && sqlite3_db_readonly(connection_.handle, "main") == 1) {
+        throw StoreError(fmt::format(
+            "{}: the file or its folder is read-only: choose another place or change the rights",
+            connection_.file));
     }
     check_identity(access);
-    sqlite3_db_config(handle_, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
+    sqlite3_db_config(connection_.handle, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 0, nullptr);
     if (access == Access::write) {
         keep_log();
         execute("PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON;");
@@ -241,21 +208,25 @@ void Database::check_identity(Access access) {
         id = identity();
     }
     if (id.application != kApplicationId || id.version < 1) {
-        not_ours(file_);
+        not_ours(connection_.file);
+    }
+    if (id.version < kSchemaVersion && access == Access::write) {
+        migrate(connection_, migration_steps());
+        id = identity();
     }
     if (id.version != kSchemaVersion) {
         throw WrongFile(
             fmt::format("{}: made by another palpate (schema {}, this program knows {}); use that "
                         "one for it, or choose another file name",
-                        file_, id.version, kSchemaVersion));
+                        connection_.file, id.version, kSchemaVersion));
     }
 }
 
 void Database::create() {
     Transaction all(*this);  // another program that makes the same file is waited for here
     if (identity().blank) {
-        if (sqlite3_exec(handle_, std::string(schema_sql()).c_str(), nullptr, nullptr, nullptr) !=
-            SQLITE_OK) {
+        if (sqlite3_exec(connection_.handle, std::string(schema_sql()).c_str(), nullptr, nullptr,
+                         nullptr) != SQLITE_OK) {
             fail("making the tables");
         }
         prepare("INSERT INTO secret VALUES (?1)").bind(1, random_secret()).run();
@@ -267,9 +238,9 @@ void Database::keep_log() {
     // SQLite does not wait by itself for others that open the file in this moment.
     constexpr int kPauseMs = 5;
     int waited = 0;
-    while (sqlite3_exec(handle_, "PRAGMA journal_mode = WAL", nullptr, nullptr, nullptr) !=
-           SQLITE_OK) {
-        if ((sqlite3_errcode(handle_) & 0xFF) != SQLITE_BUSY || waited >= wait_ms_) {
+    while (sqlite3_exec(connection_.handle, "PRAGMA journal_mode = WAL", nullptr, nullptr,
+                        nullptr) != SQLITE_OK) {
+        if ((sqlite3_errcode(connection_.handle) & 0xFF) != SQLITE_BUSY || waited >= wait_ms_) {
             fail("switching to a write-ahead log");
         }
         sqlite3_sleep(kPauseMs);
@@ -278,34 +249,29 @@ void Database::keep_log() {
     Statement mode = prepare("PRAGMA journal_mode");
     if (!mode.step() || mode.text(0) != "wal") {  // some network disks: readers would stop the rig
         throw StoreError(fmt::format(
-            "{}: this disk cannot keep a write-ahead log; choose a folder on a local disk", file_));
-    }
-}
-
-void Database::execute(const char* sql) {
-    if (sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
-        fail(fmt::format("running \"{}\"", std::string_view(sql).substr(0, 60)));
+            "{}: this disk cannot keep a write-ahead log; choose a folder on a local disk",
+            connection_.file));
     }
 }
 
 void Database::wait_for_locks(int ms) {
     wait_ms_ = ms;
-    sqlite3_busy_timeout(handle_, ms);
+    sqlite3_busy_timeout(connection_.handle, ms);
 }
 
 std::int64_t Database::last_row() const {
-    return sqlite3_last_insert_rowid(handle_);
+    return sqlite3_last_insert_rowid(connection_.handle);
 }
 
 std::int64_t Database::changes() const {
-    return sqlite3_changes64(handle_);
+    return sqlite3_changes64(connection_.handle);
 }
 
 void Database::checkpoint() {
-    sqlite3_busy_timeout(handle_, 0);
-    const int code =
-        sqlite3_wal_checkpoint_v2(handle_, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
-    sqlite3_busy_timeout(handle_, wait_ms_);
+    sqlite3_busy_timeout(connection_.handle, 0);
+    const int code = sqlite3_wal_checkpoint_v2(connection_.handle, nullptr,
+                                               SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
+    sqlite3_busy_timeout(connection_.handle, wait_ms_);
     if (code != SQLITE_OK && (code & 0xFF) != SQLITE_BUSY && (code & 0xFF) != SQLITE_LOCKED) {
         fail("moving the log into the file");
     }
@@ -314,12 +280,12 @@ void Database::checkpoint() {
 
 void Database::require_in_place() const {
     int moved = 0;
-    sqlite3_file_control(handle_, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
+    sqlite3_file_control(connection_.handle, "main", SQLITE_FCNTL_HAS_MOVED, &moved);
     if (moved != 0) {
         throw StoreError(
             fmt::format("{}: it was moved or deleted while it was in use; what was recorded is in "
                         "the file wherever it is now: put it back and run again",
-                        file_));
+                        connection_.file));
     }
 }
 

@@ -25,12 +25,12 @@ public:
     Database& operator=(const Database&) = delete;
     ~Database();
 
-    void execute(const char* sql);
-    [[nodiscard]] Statement prepare(std::string_view sql) { return {*this, sql}; }
+    void execute(const char* sql) { connection_.execute(sql); }
+    [[nodiscard]] Statement prepare(std::string_view sql) { return {connection_, sql}; }
     [[nodiscard]] std::int64_t last_row() const;
     /// Rows that the last INSERT, UPDATE or DELETE touched.
     [[nodiscard]] std::int64_t changes() const;
-    [[nodiscard]] const std::string& file() const { return file_; }
+    [[nodiscard]] const std::string& file() const { return connection_.file; }
     /// How long the locks of others are waited for, ms.
     void wait_for_locks(int ms);
     /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits for
@@ -39,8 +39,9 @@ public:
     /// @throws StoreError if the file was moved or deleted since it was opened: what is written goes with it
     void require_in_place() const;
 
-    [[noreturn]] void fail(std::string_view doing) const;
-    [[nodiscard]] sqlite3* handle() const { return handle_; }
+    [[noreturn]] void fail(std::string_view doing) const { connection_.fail(doing); }
+    [[nodiscard]] const Connection& connection() const { return connection_; }
+    [[nodiscard]] sqlite3* handle() const { return connection_.handle; }
 
 private:
     struct Identity {
@@ -56,9 +57,8 @@ private:
     void create();
     void keep_log();
 
-    std::string file_;
+    Connection connection_;
     int wait_ms_ = 5000;
-    sqlite3* handle_ = nullptr;
 };
 
 /// All or nothing: rolls back unless commit() was reached.

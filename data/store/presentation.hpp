@@ -1,16 +1,27 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
+#include <variant>
+#include <vector>
 
 #include "protocols/session/recorder.hpp"
-#include "data/store/database.hpp"
+#include "data/store/row.hpp"
 
 /// What each interval of a trial let one feel, and how it was felt: the table presentation.
 namespace palpate::data {
 
-/// The tables presentation and response.
-extern const char* const kPresentation;
-extern const char* const kResponse;
+/// A column that is added up from ticks, and what it is.
+struct SummaryValue {
+    std::string_view column;
+    std::variant<std::monostate, std::int64_t, double> value;
+};
+
+/// All of them. The table trial has each, presentation some.
+[[nodiscard]] std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum);
+
+/// Sets those that the row's table has.
+void set_summary(Row& row, const protocols::TrialSummary& sum);
 
 void write_presentation(Database& database,
                         std::int64_t trial,

@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <sodium.h>
 
 #include "engine/base/sha256.hpp"
+#include "data/store/row.hpp"
 
 namespace palpate::data {
 namespace {
@@ -24,19 +24,6 @@ std::int64_t subject_of(std::string_view code, std::string_view secret, int draw
     std::uint64_t number = 0;
     std::from_chars(hash.data(), hash.data() + 15, number, 16);
     return static_cast<std::int64_t>(number % 9'999'999'999U) + 1;
-}
-
-std::string random_secret() {
-    if (sodium_init() < 0) {
-        throw std::runtime_error("the kernel gives no random numbers: is /dev/urandom there?");
-    }
-    std::array<std::uint8_t, 16> bytes{};
-    randombytes_buf(bytes.data(), bytes.size());
-    std::string hex;
-    for (const std::uint8_t byte : bytes) {
-        hex += fmt::format("{:02x}", byte);
-    }
-    return hex;
 }
 
 std::string own_secret(Database& database) {
@@ -70,7 +57,7 @@ void set_secret(Database& database, std::string_view hex) {
                         database.file()));
     }
     database.execute("DELETE FROM secret");
-    database.prepare("INSERT INTO secret VALUES (?1)").bind(1, hex).run();
+    Row("secret").set("hex", hex).insert(database);
     all.commit();
 }
 
@@ -86,11 +73,10 @@ std::int64_t participant_row(Database& database, std::string_view code, std::str
         subject = subject_of(code, secret, draw);
         taken.reset();
     }
-    database.prepare("INSERT INTO participant (participant_code, subject) VALUES (?1, ?2)")
-        .bind(1, code)
-        .bind(2, subject)
-        .run();
-    return database.last_row();
+    return Row("participant")
+        .set("participant_code", code)
+        .set("subject", subject)
+        .insert(database);
 }
 
 }  // namespace palpate::data

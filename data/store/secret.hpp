@@ -13,9 +13,6 @@ namespace palpate::data {
 /// that a session of people in the same file takes the file's own.
 inline constexpr std::string_view kDemoSecret = "ffffffffffffffffffffffffffffffff";
 
-/// 128 bits from the kernel's generator, 32 hexadecimal digits.
-[[nodiscard]] std::string random_secret();
-
 /// What new sessions are drawn with: the first by its digits, so that merged files agree.
 /// @throws StoreError if there is none: somebody removed it
 [[nodiscard]] std::string own_secret(Database& database);

@@ -13,6 +13,7 @@
 #include "data/store/chain.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "data/store/people.hpp"
+#include "data/store/row.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
@@ -24,70 +25,66 @@ namespace {
 using protocols::PlannedTrial;
 
 std::int64_t study_row(Database& database, const SessionSpec& spec) {
-    database
-        .prepare(
-            "INSERT INTO study (study_name, title, protocol_sha256, protocol_toml) VALUES (?1, ?2, "
-            "?3, ?4) ON CONFLICT (protocol_sha256) DO NOTHING")
-        .bind(1, spec.protocol.id)
-        .bind(2, spec.protocol.title)
-        .bind(3, spec.protocol_hash)
-        .bind(4, protocols::to_toml(spec.protocol))
-        .run();
+    Row("study")
+        .set("study_name", spec.protocol.id)
+        .set("study_title", spec.protocol.title)
+        .set("protocol_sha256", spec.protocol_hash)
+        .set("protocol_toml", protocols::to_toml(spec.protocol))
+        .insert(database, "ON CONFLICT (protocol_sha256) DO NOTHING");
     Statement row = database.prepare("SELECT study_id FROM study WHERE protocol_sha256 = ?1");
     row.bind(1, spec.protocol_hash).step();
     return row.integer(0);
 }
 
 void write_plan(Database& database, std::int64_t session, const SessionSpec& spec) {
-    Statement trial = database.prepare(
-        "INSERT INTO plan (session_id, plan_position, phase, planned_object, curvature_per_m, "
-        "friction, mu_s, mu_d, break_before, block) VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
-        "?10)");
     for (const PlannedTrial& planned : spec.plan.trials) {
         const auto& object = spec.protocol.objects.at(planned.condition.object);
         const auto& friction = spec.protocol.frictions.at(planned.condition.friction);
-        trial.bind(1, session)
-            .bind(2, static_cast<std::int64_t>(planned.position))
-            .bind(3, to_string(planned.phase))
-            .bind(4, object.name)
-            .bind(5, curvature_of(object))
-            .bind(6, friction.name)
-            .bind(7, friction.mu_s)
-            .bind(8, friction.mu_d)
-            .bind(9, std::int64_t{planned.break_before ? 1 : 0})
-            .bind(10, static_cast<std::int64_t>(planned.block))
-            .run();
+        Row("plan")
+            .set("session_id", session)
+            .set("plan_position", planned.position)
+            .set("phase", to_string(planned.phase))
+            .set("planned_object", object.name)
+            .set("friction", friction.name)
+            .set("mu_s", friction.mu_s)
+            .set("mu_d", friction.mu_d)
+            .set("break_before", planned.break_before)
+            .set("block", planned.block)
+            .set("curvature_per_m", curvature_of(object))
+            .insert(database);
     }
-    Statement picture = database.prepare("INSERT INTO picture VALUES (?1, ?2, ?3)");
     for (std::size_t place = 0; place < spec.plan.picture_order.size(); ++place) {
-        picture.bind(1, session)
-            .bind(2, static_cast<std::int64_t>(place))
-            .bind(3, spec.protocol.objects.at(spec.plan.picture_order[place]).name)
-            .run();
+        Row("picture")
+            .set("session_id", session)
+            .set("picture_place", place)
+            .set("picture_object", spec.protocol.objects.at(spec.plan.picture_order[place]).name)
+            .insert(database);
     }
 }
 
 void describe_columns(Database& database) {
-    Statement column = database.prepare(
-        "INSERT OR IGNORE INTO trace_column VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)");
     std::int64_t position = 0;
     for (const StoredColumn& c : stored_columns()) {
-        column.bind(1, kTraceCodec)
-            .bind(2, position++)
-            .bind(3, c.name)
-            .bind(4, c.type)
-            .bind(5, c.unit)
-            .bind(6, c.scale)
-            .bind(7, to_string(c.rule))
-            .bind(8, part_name(c.part))
-            .run();
+        Row("trace_column")
+            .set("codec", kTraceCodec)
+            .set("column_position", position++)
+            .set("name", c.name)
+            .set("type", c.type)
+            .set("unit", c.unit)
+            .set("scale", c.scale)
+            .set("rule", to_string(c.rule))
+            .set("part", part_name(c.part))
+            .insert(database, "ON CONFLICT DO NOTHING");
     }
 }
 
 void write_provenance(Database& database, std::int64_t session, const SessionSpec& spec) {
-    Statement row = database.prepare("INSERT INTO session_provenance VALUES (?1, ?2, ?3)");
     for (const auto& [key, value] : spec.provenance) {
-        row.bind(1, session).bind(2, key).bind(3, value).run();
+        Row("session_provenance")
+            .set("session_id", session)
+            .set("key", key)
+            .set("value", value)
+            .insert(database);
     }
 }
 
@@ -98,31 +95,30 @@ std::int64_t create(Database& database,
     const std::int64_t study = study_row(database, spec);
     const std::int64_t participant =
         participant_row(database, spec.key.participant, spec.key.secret);
-    database.prepare("INSERT OR IGNORE INTO secret VALUES (?1)").bind(1, spec.key.secret).run();
-    database
-        .prepare(
-            "INSERT OR REPLACE INTO session (session_id, study_id, participant_id, session_number, "
-            "session_kind, seed, plan_sha256, shuffles, device, rate_hz, stiffness_n_per_m, "
-            "started_utc, operator, uuid, secret) VALUES (?14, ?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, "
-            "?10, ?11, nullif(?12, ''), coalesce((SELECT uuid FROM session WHERE session_id = "
-            "?14), ?13), ?15)")
-        .bind(1, study)
-        .bind(2, participant)
-        .bind(3, static_cast<std::int64_t>(spec.key.session))
-        .bind(4, to_string(spec.kind))
-        .bind(5, std::to_string(spec.seed))
-        .bind(6, spec.plan.hash)
-        .bind(7, static_cast<std::int64_t>(spec.plan.attempts))
-        .bind(8, spec.device)
-        .bind(9, spec.protocol.apparatus.rate_hz)
-        .bind(10, spec.protocol.apparatus.stiffness)
-        .bind(11, utc_now())
-        .bind(12, spec.operator_name)
-        .bind(13, random_uuid())
-        .bind(14, instead)
-        .bind(15, spec.key.secret)
-        .run();
-    const std::int64_t session = database.last_row();
+    Row("secret").set("hex", spec.key.secret).insert(database, "ON CONFLICT DO NOTHING");
+    Row row("session");
+    row.set("study_id", study)
+        .set("participant_id", participant)
+        .set("session_number", spec.key.session)
+        .set("session_kind", to_string(spec.kind))
+        .set("seed", std::to_string(spec.seed))
+        .set("plan_sha256", spec.plan.hash)
+        .set("shuffles", spec.plan.attempts)
+        .set("device", spec.device)
+        .set("rate_hz", spec.protocol.apparatus.rate_hz)
+        .set("stiffness_n_per_m", spec.protocol.apparatus.stiffness)
+        .set("started_utc", utc_now())
+        .set("operator",
+             spec.operator_name.empty() ? std::nullopt : std::optional(spec.operator_name))
+        .set("secret", spec.key.secret);
+    std::int64_t session = 0;
+    if (instead) {
+        session = *instead;
+        row.set("session_id", session).set("newest_seal", std::optional<std::string>());
+        row.update(database, {"session_id"});
+    } else {
+        session = row.set("uuid", random_uuid()).insert(database);
+    }
     write_plan(database, session, spec);
     write_adaptive_plan(database, session, spec.protocol, spec.plan);
     write_provenance(database, session, spec);

@@ -16,6 +16,7 @@
 #include "data/store/chain.hpp"
 #include "data/store/disk_space.hpp"
 #include "data/store/presentation.hpp"
+#include "data/store/row.hpp"
 #include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/columns.hpp"
@@ -25,17 +26,6 @@ namespace {
 
 /// An answer, and whatever else a person waits for, waits this long for the lock of another program.
 constexpr int kPatienceMs = 60'000;
-
-std::string insert_fault_tick() {
-    std::string names = "trial_id";
-    std::string places = "?1";
-    int place = 1;
-    for (const TraceColumn& column : trace_columns()) {
-        names += fmt::format(", {}", column.name);
-        places += fmt::format(", ?{}", ++place);
-    }
-    return fmt::format("INSERT INTO fault_tick ({}) VALUES ({})", names, places);
-}
 
 }  // namespace
 
@@ -79,17 +69,18 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned) {
 
 TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
     Transaction all(database_);
-    database_
-        .prepare(
-            "INSERT INTO trial (session_id, plan_position, attempt, outcome, started_utc,"
-            " started_ns) SELECT ?1, ?2, 1 + count(*), 'running', ?3, ?4 FROM trial WHERE"
-            " session_id = ?1 AND plan_position = ?2")
-        .bind(1, session_)
-        .bind(2, static_cast<std::int64_t>(planned.position))
-        .bind(3, utc_now())
-        .bind(4, engine::monotonic_ns())
-        .run();
-    const TrialId id = database_.last_row();
+    Statement before = database_.prepare(
+        "SELECT count(*) FROM trial WHERE session_id = ?1 AND plan_position = ?2");
+    before.bind(1, session_).bind(2, static_cast<std::int64_t>(planned.position)).step();
+    const TrialId id = Row("trial")
+                           .set("session_id", session_)
+                           .set("plan_position", planned.position)
+                           .set("attempt", before.integer(0) + 1)
+                           .set("outcome", "running")
+                           .set("started_utc", utc_now())
+                           .set("started_ns", engine::monotonic_ns())
+                           .insert(database_);
+    before.reset();
     all.commit();
     return id;
 }
@@ -192,47 +183,20 @@ void SqliteRecorder::write_end(TrialId trial, const TrialResult& result) {
 }
 
 void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
-    const protocols::TrialSummary& sum = result.summary;
-    database_
-        .prepare(
-            "UPDATE trial SET outcome = ?2, done_s = ?3, done_uncertainty_s = ?4, first_contact_s "
-            "= ?5, ticks = ?6, contact_ticks = ?7, slip_ticks = ?8, late_ticks = ?9, "
-            "saturated_ticks = ?10, path_length_m = ?11, mean_normal_force_n = ?12, "
-            "max_normal_force_n = ?13, energy_j = ?14, ended_utc = ?15, contact_episodes = ?16, "
-            "worst_episode_j = ?17, skipped_ticks = ?18, force_slew_ticks = ?19, stale_ticks = "
-            "?20, "
-            "fault_cause = ?21, invalid_reason = ?22, strokes = ?23, mean_speed_m_per_s = ?24, "
-            "before_vertex_ticks = ?25, after_vertex_ticks = ?26 WHERE trial_id = ?1 AND outcome = "
-            "'running'")
-        .bind(1, trial)
-        .bind(2, to_string(result.outcome))
-        .bind(3, result.done_s)
-        .bind(4, result.done_uncertainty_s)
-        .bind(5, sum.first_contact_s)
-        .bind(6, sum.ticks)
-        .bind(7, sum.contact_ticks)
-        .bind(8, sum.slip_ticks)
-        .bind(9, sum.late_ticks)
-        .bind(10, sum.saturated_ticks)
-        .bind(11, sum.path_length_m)
-        .bind(12, sum.mean_normal_force_n)
-        .bind(13, sum.max_normal_force_n)
-        .bind(14, sum.energy_j)
-        .bind(15, utc_now())
-        .bind(16, sum.contact_episodes)
-        .bind(17, sum.worst_episode_j)
-        .bind(18, sum.skipped_ticks)
-        .bind(19, sum.slewed_ticks)
-        .bind(20, sum.stale_ticks)
-        .bind(21, result.fault ? std::optional(to_string(result.fault->cause)) : std::nullopt)
-        .bind(22, result.invalid.empty() ? std::nullopt
-                                         : std::optional<std::string_view>(result.invalid))
-        .bind(23, sum.strokes)
-        .bind(24, sum.mean_speed_m_per_s)
-        .bind(25, sum.before_vertex_ticks)
-        .bind(26, sum.after_vertex_ticks)
-        .run();
-    if (database_.changes() != 1) {
+    Statement running =
+        database_.prepare("SELECT 1 FROM trial WHERE trial_id = ?1 AND outcome = 'running'");
+    Row row("trial");
+    row.set("trial_id", trial)
+        .set("outcome", to_string(result.outcome))
+        .set("fault_cause",
+             result.fault ? std::optional(to_string(result.fault->cause)) : std::nullopt)
+        .set("invalid_reason",
+             result.invalid.empty() ? std::nullopt : std::optional(result.invalid))
+        .set("done_s", result.done_s)
+        .set("done_uncertainty_s", result.done_uncertainty_s)
+        .set("ended_utc", utc_now());
+    set_summary(row, result.summary);
+    if (!running.bind(1, trial).step() || row.update(database_, {"trial_id"}) != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",
                                      database_.file(), trial));
     }
@@ -246,14 +210,13 @@ void SqliteRecorder::write_intervals(TrialId trial, const TrialResult& result) {
 }
 
 void SqliteRecorder::write_fault(TrialId trial, const protocols::Fault& fault) {
-    Statement row = database_.prepare(insert_fault_tick());
     for (const engine::TickRecord& tick : fault.last) {
-        row.bind(1, trial);
-        int parameter = 1;
+        Row row("fault_tick");
+        row.set("trial_id", trial);
         for (const TraceColumn& column : trace_columns()) {
-            std::visit([&](auto value) { row.bind(++parameter, value); }, column.value(tick));
+            row.set(column.name, column.value(tick));
         }
-        row.run();
+        row.insert(database_);
     }
 }
 

@@ -5,19 +5,64 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
-#include "data/store/database.hpp"
-
 namespace palpate::data {
+namespace {
 
-Statement::Statement(Database& database, std::string_view sql) : database_(&database) {
-    if (sqlite3_prepare_v2(database.handle(), sql.data(), static_cast<int>(sql.size()), &statement_,
+const char* remedy(int code) {
+    switch (code & 0xFF) {
+        case SQLITE_FULL:
+            return "the disk is full: free some space and run again, what was recorded is kept";
+        case SQLITE_READONLY:
+            return "the file or its folder is read-only: choose another place or change the rights";
+        case SQLITE_BUSY:
+        case SQLITE_LOCKED:
+            return "another program holds a write lock: close it and run again";
+        case SQLITE_CANTOPEN:
+            return "check that the folder exists and may be written";
+        case SQLITE_NOTADB:
+            return "this is not a palpate database: choose another file name";
+        case SQLITE_CORRUPT:
+            return "the file is damaged: keep it, and restore a copy";
+        case SQLITE_IOERR:
+            return "the disk does not take the data: check its space and health";
+        default:
+            return "";
+    }
+}
+
+}  // namespace
+
+void Connection::fail(std::string_view doing) const {
+    const int code = handle != nullptr ? sqlite3_errcode(handle) : SQLITE_NOMEM;
+    const char* message = handle != nullptr ? sqlite3_errmsg(handle) : "out of memory";
+    const char* what = remedy(code);
+    const std::string text =
+        fmt::format("{}: {} failed: {}{}{}", file, doing, message, *what == '\0' ? "" : "; ", what);
+    if ((code & 0xFF) == SQLITE_BUSY || (code & 0xFF) == SQLITE_LOCKED) {
+        throw LockedFile(text);
+    }
+    if ((code & 0xFF) == SQLITE_FULL || (code & 0xFF) == SQLITE_IOERR) {
+        throw DiskRefused(text);
+    }
+    throw StoreError(text);
+}
+
+void Connection::execute(const char* sql) const {
+    if (sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
+        fail(fmt::format("running \"{}\"", std::string_view(sql).substr(0, 60)));
+    }
+}
+
+Statement::Statement(const Connection& connection, std::string_view sql)
+    : connection_(&connection) {
+    if (sqlite3_prepare_v2(connection.handle, sql.data(), static_cast<int>(sql.size()), &statement_,
                            nullptr) != SQLITE_OK) {
-        database.fail(fmt::format("preparing \"{}\"", sql.substr(0, 60)));
+        connection.fail(fmt::format("preparing \"{}\"", sql.substr(0, 60)));
     }
 }
 
 Statement::Statement(Statement&& other) noexcept
-    : database_(other.database_), statement_(std::exchange(other.statement_, nullptr)) {}
+    : connection_(other.connection_), statement_(std::exchange(other.statement_, nullptr)) {}
 
 Statement::~Statement() {
     sqlite3_finalize(statement_);
@@ -25,8 +70,8 @@ Statement::~Statement() {
 
 Statement& Statement::bound(int code) {
     if (code != SQLITE_OK) {
-        database_->fail(fmt::format("giving values to \"{}\"",
-                                    std::string_view(sqlite3_sql(statement_)).substr(0, 60)));
+        connection_->fail(fmt::format("giving values to \"{}\"",
+                                      std::string_view(sqlite3_sql(statement_)).substr(0, 60)));
     }
     return *this;
 }
@@ -57,7 +102,7 @@ bool Statement::step() {
         return true;
     }
     if (code != SQLITE_DONE) {
-        database_->fail(
+        connection_->fail(
             fmt::format("running \"{}\"", std::string_view(sqlite3_sql(statement_)).substr(0, 60)));
     }
     return false;

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+struct sqlite3;
 struct sqlite3_stmt;
 
 namespace palpate::data {
@@ -36,13 +37,23 @@ public:
     using StoreError::StoreError;
 };
 
-class Database;
+/// An open file of SQLite: who closes it is its owner.
+struct Connection {
+    std::string file;
+    sqlite3* handle = nullptr;
+
+    /// @throws StoreError, LockedFile or DiskRefused by SQLite's last error
+    [[noreturn]] void fail(std::string_view doing) const;
+    /// Runs statements without results.
+    void execute(const char* sql) const;
+};
 
 /// A prepared statement. Columns are counted from 0, parameters from 1. Every call throws StoreError if
 /// SQLite refuses it. A NaN is stored as NULL: SQLite has none.
 class Statement {
 public:
-    Statement(Database& database, std::string_view sql);
+    /// @param connection  outlives the statement
+    Statement(const Connection& connection, std::string_view sql);
     Statement(Statement&&) noexcept;
     Statement& operator=(Statement&&) = delete;
     Statement(const Statement&) = delete;
@@ -79,7 +90,7 @@ public:
 private:
     Statement& bound(int code);
 
-    Database* database_;
+    const Connection* connection_;
     sqlite3_stmt* statement_ = nullptr;
 };
 

@@ -4,6 +4,7 @@
 #include <bit>
 #include <utility>
 
+#include "data/store/row.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/derived_hash.hpp"
 
@@ -47,11 +48,6 @@ void TraceWriter::write() {
         return;
     }
     // Ticks that go back, were there any, must not replace what stands.
-    Statement insert = database_.prepare(
-        "INSERT INTO trace_chunk VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)");
-    Statement replace = database_.prepare(
-        "UPDATE trace_chunk SET ticks = ?4, codec = ?5, period_ns = ?6, holds = ?7, crc32 = ?8, "
-        "derived = ?9, data = ?10 WHERE trial_id = ?1 AND interval = ?2 AND first_tick = ?3");
     for (std::size_t first = 0; first < ticks_.size(); first += kChunkTicks) {
         const std::size_t n = std::min(kChunkTicks, ticks_.size() - first);
         const auto ticks = std::span(ticks_).subspan(first, n);
@@ -61,18 +57,22 @@ void TraceWriter::write() {
         }
         const std::int64_t first_tick = ticks.front().tick;
         const EncodedChunk chunk = encode_chunk(ticks, first_tick, period_ns_, parts);
-        Statement& row = first == 0 && row_there_ ? replace : insert;
-        row.bind(1, trial_)
-            .bind(2, interval_)
-            .bind(3, first_tick)
-            .bind(4, static_cast<std::int64_t>(n))
-            .bind(5, kTraceCodec)
-            .bind(6, period_ns_)
-            .bind(7, parts_text(parts))
-            .bind(8, std::int64_t{chunk.crc32})
-            .bind(9, std::bit_cast<std::int64_t>(derived_hash(ticks)))
-            .bind(10, std::span<const std::byte>(chunk.data))
-            .run();
+        Row row("trace_chunk");
+        row.set("trial_id", trial_)
+            .set("interval", interval_)
+            .set("first_tick", first_tick)
+            .set("ticks", n)
+            .set("codec", kTraceCodec)
+            .set("period_ns", period_ns_)
+            .set("holds", parts_text(parts))
+            .set("crc32", chunk.crc32)
+            .set("derived", std::bit_cast<std::int64_t>(derived_hash(ticks)))
+            .set("data", chunk.data);
+        if (first == 0 && row_there_) {
+            row.update(database_, {"trial_id", "interval", "first_tick"});
+        } else {
+            row.insert(database_);
+        }
     }
 }
 

@@ -25,15 +25,27 @@ std::string uuid_of(Bytes bytes, unsigned version) {
     return text;
 }
 
-}  // namespace
-
-std::string random_uuid() {
+Bytes random_bytes() {
     if (sodium_init() < 0) {
         throw std::runtime_error("the kernel gives no random numbers: is /dev/urandom there?");
     }
     Bytes bytes{};
     randombytes_buf(bytes.data(), bytes.size());
-    return uuid_of(bytes, 4);
+    return bytes;
+}
+
+}  // namespace
+
+std::string random_uuid() {
+    return uuid_of(random_bytes(), 4);
+}
+
+std::string random_secret() {
+    std::string hex;
+    for (const std::uint8_t byte : random_bytes()) {
+        hex += fmt::format("{:02x}", byte);
+    }
+    return hex;
 }
 
 }  // namespace palpate::data

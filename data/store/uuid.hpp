@@ -9,4 +9,7 @@ namespace palpate::data {
 /// Random, version 4. From the kernel's generator: never the same twice.
 [[nodiscard]] std::string random_uuid();
 
+/// 128 bits from the kernel as 32 hexadecimal digits: the secret of a new file.
+[[nodiscard]] std::string random_secret();
+
 }  // namespace palpate::data

@@ -4,14 +4,9 @@
 #include <string>
 #include <vector>
 
-namespace palpate::data {
+#include "data/sync/people_merge.hpp"
 
-/// What two files say differently or one says wrongly, so that nothing of it was merged.
-struct MergeConflict {
-    std::string what;    ///< the session or participant, and what differs
-    std::string first;   ///< a file
-    std::string second;  ///< the other one; empty: the first alone is at fault
-};
+namespace palpate::data {
 
 struct MergeReport {
     std::size_t added = 0;     ///< sessions that the file did not have

@@ -7,9 +7,15 @@
 #include <vector>
 
 #include "data/store/database.hpp"
-#include "data/sync/merge.hpp"
 
 namespace palpate::data {
+
+/// What two files say differently or one says wrongly, so that nothing of it was merged.
+struct MergeConflict {
+    std::string what;    ///< the session or participant, and what differs
+    std::string first;   ///< a file
+    std::string second;  ///< the other one; empty: the first alone is at fault
+};
 
 /// What the files say of participants, by code.
 class PeopleMerge {

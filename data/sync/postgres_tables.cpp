@@ -69,7 +69,7 @@ std::vector<PostgresTable> postgres_tables(Database& database, const Layout& lay
         {"study",
          {{"protocol_sha256", "text"},
           {"study_name", "text"},
-          {"title", "text"},
+          {"study_title", "text"},
           {"protocol_toml", "text"}},
          {"protocol_sha256"}},
         {"participant_note",

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
-#include "data/store/schema.hpp"
 #include "data/sync/postgres.hpp"
 #include "data/sync/postgres_tables.hpp"
 #include "data/sync/session_version.hpp"
@@ -117,7 +117,7 @@ private:
 
     void push_shared() {
         Statement study = database_.prepare(
-            "SELECT protocol_sha256, study_name, title, protocol_toml FROM study");
+            "SELECT protocol_sha256, study_name, study_title, protocol_toml FROM study");
         while (study.step()) {
             PostgresRow row;
             add_values(study, row);

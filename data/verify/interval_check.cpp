@@ -9,6 +9,7 @@
 #include "engine/base/text.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/object_outline.hpp"
+#include "protocols/session/recorder.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
 #include "data/verify/replay_check.hpp"

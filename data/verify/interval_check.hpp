@@ -1,12 +1,29 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "protocols/design/plan.hpp"
+#include "protocols/protocol/protocol.hpp"
+#include "protocols/session/adaptive_runs.hpp"
 #include "protocols/trial/presentation.hpp"
-#include "data/verify/trial_check.hpp"
+#include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {
+
+/// What the trials of a session are checked against.
+struct SessionFrame {
+    protocols::Protocol protocol;
+    std::string protocol_hash;
+    protocols::SessionKey key;
+    std::uint64_t seed = 0;
+    protocols::Plan plan;                           ///< as drawn again
+    std::vector<std::string> pictures;              ///< as stored, from the left
+    std::optional<engine::PantographSpec> machine;  ///< with which the session began
+    bool simulated = false;
+    bool replayed = false;  ///< by recorded hands: no answer was judged by how its object was felt
+};
 
 /// One interval of a trial: its row of presentation, and its ticks.
 struct CheckedInterval {

@@ -34,7 +34,7 @@ bool check_protocol(const StoredRow& session, SessionFrame& frame, Findings& fin
         return false;
     }
     findings.expect("study", "study_name", session, frame.protocol.id);
-    findings.expect("study", "title", session, frame.protocol.title);
+    findings.expect("study", "study_title", session, frame.protocol.title);
     findings.expect("session", "rate_hz", session, frame.protocol.apparatus.rate_hz);
     findings.expect("session", "stiffness_n_per_m", session, frame.protocol.apparatus.stiffness);
     return true;

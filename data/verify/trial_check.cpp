@@ -9,6 +9,7 @@
 #include "engine/safety/trip.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/trial/presentation.hpp"
+#include "data/schema/catalogue.hpp"
 #include "data/store/chain.hpp"
 #include "data/verify/interval_check.hpp"
 #include "data/verify/simulated_answer.hpp"
@@ -32,30 +33,20 @@ bool is_trip(const std::string& name) {
     return false;
 }
 
-/// Columns of a trial that was cut off: nothing of it was added up.
-constexpr std::array kOfAnEnd{"done_s",
-                              "done_uncertainty_s",
-                              "first_contact_s",
-                              "ticks",
-                              "contact_ticks",
-                              "slip_ticks",
-                              "late_ticks",
-                              "saturated_ticks",
-                              "path_length_m",
-                              "mean_normal_force_n",
-                              "max_normal_force_n",
-                              "energy_j",
-                              "ended_utc",
-                              "contact_episodes",
-                              "worst_episode_j",
-                              "skipped_ticks",
-                              "fault_cause",
-                              "force_slew_ticks",
-                              "stale_ticks",
-                              "strokes",
-                              "mean_speed_m_per_s",
-                              "before_vertex_ticks",
-                              "after_vertex_ticks"};
+/// Columns of a trial that was cut off: nothing of it was added up. All that may be NULL, but for what was there at
+/// its begin, what is said of it later, and its seal.
+std::vector<std::string_view> columns_of_an_end() {
+    constexpr std::array<std::string_view, 4> kOther{"invalid_reason", "started_ns", "seal",
+                                                     "seal_events"};
+    std::vector<std::string_view> columns;
+    for (const ColumnManual& column :
+         std::ranges::find(catalogue(), "trial", &TableManual::name)->columns) {
+        if (column.nullable && std::ranges::find(kOther, column.name) == kOther.end()) {
+            columns.emplace_back(column.name);
+        }
+    }
+    return columns;
+}
 
 }  // namespace
 
@@ -185,7 +176,7 @@ void TrialCheck::check_outcome(const StoredRow& trial,
         wrong(answered ? "there is an answer" : "there is no answer");
     }
     if (never_ended(outcome)) {
-        for (const char* column : kOfAnEnd) {
+        for (const std::string_view column : columns_of_an_end()) {
             findings_.expect("trial", column, trial, Value());
         }
         return;

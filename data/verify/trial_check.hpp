@@ -9,24 +9,9 @@
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/store/stored_progress.hpp"
-#include "data/verify/stored_trace.hpp"
+#include "data/verify/interval_check.hpp"
 
 namespace palpate::data {
-
-struct CheckedInterval;
-
-/// What the trials of a session are checked against.
-struct SessionFrame {
-    protocols::Protocol protocol;
-    std::string protocol_hash;
-    protocols::SessionKey key;
-    std::uint64_t seed = 0;
-    protocols::Plan plan;                           ///< as drawn again
-    std::vector<std::string> pictures;              ///< as stored, from the left
-    std::optional<engine::PantographSpec> machine;  ///< with which the session began
-    bool simulated = false;
-    bool replayed = false;  ///< by recorded hands: no answer was judged by how its object was felt
-};
 
 /// Checks the attempts of one session in the order in which they were made.
 class TrialCheck {

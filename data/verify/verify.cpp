@@ -10,9 +10,9 @@
 #include <sqlite3.h>
 
 #include "engine/base/text.hpp"
+#include "data/schema/catalogue.hpp"
+#include "data/schema/manual.hpp"
 #include "data/store/people.hpp"
-#include "data/store/schema.hpp"
-#include "data/store/schema_manual.hpp"
 #include "data/store/secret.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/verify/findings.hpp"
@@ -167,7 +167,8 @@ void try_to(Findings& findings, const char* what, const Check& check) {
 }
 
 constexpr const char* kSessions =
-    "SELECT session.*, study_name, title, protocol_sha256, protocol_toml, participant_code FROM "
+    "SELECT session.*, study_name, study_title, protocol_sha256, protocol_toml, participant_code "
+    "FROM "
     "session LEFT JOIN study USING (study_id) LEFT JOIN participant USING (participant_id) ORDER "
     "BY session.session_id";
 

@@ -202,7 +202,8 @@ TEST_CASE("a mark at the desk does to a rule what the same mark from outside and
         REQUIRE(run(inside, spec, seed, never).why == SessionEnd::Why::finished);
         const std::set<TrialId> ids = marked(inside);
         marks += ids.size();
-        of_the_rule += count(inside, "adaptive_trial WHERE NOT counts");
+        of_the_rule +=
+            count(inside, "analysis_trial WHERE run_trial_number IS NOT NULL AND NOT counts");
         ruled_out += count(inside, "trial WHERE invalid_reason IS NOT NULL") -
                      static_cast<std::int64_t>(ids.size());
 

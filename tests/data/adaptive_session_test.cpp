@@ -81,8 +81,8 @@ std::string content(Database& database) {
           "SELECT plan_position, response.* FROM response JOIN trial USING (trial_id) WHERE "
           "invalid_reason IS NULL ORDER BY plan_position",
           "SELECT plan_position, run_trial_number, run_name, stimulus, rule_outcome, correct, "
-          "estimate, estimates, state_sha256 FROM adaptive_trial WHERE counts ORDER BY "
-          "plan_position"}) {
+          "estimate, estimates, state_sha256 FROM analysis_trial WHERE run_trial_number IS NOT "
+          "NULL AND counts ORDER BY plan_position"}) {
         data::Statement row = database.prepare(sql);
         while (row.step()) {
             for (int column = 0; column < row.columns(); ++column) {
@@ -129,7 +129,7 @@ TEST_CASE(
     Database whole(folder.file("whole.sqlite"), Access::write);
     REQUIRE(run_simulated(whole, spec).why == protocols::SessionEnd::Why::finished);
     const std::string unbroken = content(whole);
-    REQUIRE(count(whole, "adaptive_trial") == 14);
+    REQUIRE(count(whole, "analysis_trial WHERE run_trial_number IS NOT NULL") == 14);
     REQUIRE(count(whole, "presentation") == 32);
     CHECK(differences(whole).empty());
 
@@ -210,8 +210,8 @@ TEST_CASE("an answer marked after a break is forgotten by the rule, and verify k
     REQUIRE_THROWS_AS(run_simulated(database, spec, dying), Killer::Killed);
     CHECK_FALSE(data::mark_invalid(database, 5, "the phone rang").finished);
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
-    CHECK(count(database, "adaptive_trial WHERE counts") == 14);
-    CHECK(count(database, "adaptive_trial WHERE NOT counts") == 1);
+    CHECK(count(database, "analysis_trial WHERE run_trial_number IS NOT NULL AND counts") == 14);
+    CHECK(count(database, "analysis_trial WHERE run_trial_number IS NOT NULL AND NOT counts") == 1);
     CHECK(differences(database) == "");
 }
 
@@ -233,8 +233,8 @@ TEST_CASE("a run handed to palpate procedure gives the stored estimates and stat
                                        !ContainsSubstring(tests::kSecret) &&
                                        !ContainsSubstring(spec.protocol_hash));
         data::Statement row = database.prepare(
-            "SELECT stimulus, rule_outcome, state_sha256, estimates FROM adaptive_trial WHERE "
-            "run_number = ?1 ORDER BY run_trial_number");
+            "SELECT stimulus, rule_outcome, state_sha256, estimates FROM analysis_trial WHERE "
+            "run_trial_number IS NOT NULL AND run_number = ?1 ORDER BY run_trial_number");
         row.bind(1, run);
         std::string responses = "stimulus,response\n";
         for (int n = 0; row.step(); ++n) {
@@ -358,7 +358,8 @@ TEST_CASE("the summary counts answers without pictures, and says what each run o
     const auto estimate = [&](int n) {
         data::Statement row = database.prepare(
             "SELECT iif(estimate IS NULL, 'unknown', printf('%.4g', estimate)), trial_id FROM "
-            "adaptive_trial WHERE run_number = 1 AND run_trial_number = ?1");
+            "analysis_trial WHERE run_trial_number IS NOT NULL AND run_number = 1 AND "
+            "run_trial_number = ?1");
         REQUIRE(row.bind(1, std::int64_t{n}).step());
         return std::pair(row.text(0), row.integer(1));
     };

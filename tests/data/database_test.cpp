@@ -9,9 +9,9 @@
 #include <unistd.h>
 
 #include "data/analysis/summary.hpp"
+#include "data/schema/catalogue.hpp"
 #include "data/store/database.hpp"
 #include "data/store/reader.hpp"
-#include "data/store/schema.hpp"
 #include "data/store/uuid.hpp"
 #include "data/trace/chunk.hpp"
 #include "tests/support/catch.hpp"
@@ -145,7 +145,8 @@ TEST_CASE("the schema refuses what cannot be: kinds, units below zero, orphans, 
         "INSERT INTO event (session_id, event_kind, text, at_utc, trials_begun) VALUES (1, 'a', "
         "'b', 'c', 0)",
         "DELETE FROM study",
-        "INSERT INTO study (study_name, title, protocol_sha256, protocol_toml) VALUES ('x', 'y', "
+        "INSERT INTO study (study_name, study_title, protocol_sha256, protocol_toml) VALUES ('x', "
+        "'y', "
         "'short', '')",
         "UPDATE session SET session_number = 'one'",
     };

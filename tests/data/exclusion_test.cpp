@@ -144,7 +144,8 @@ TEST_CASE("the summary shows the shares of all and without those left out, by ha
     int left_out = 0;
     data::Statement row = database.prepare(
         "SELECT participant_code, sum(friction = 'off' AND correct), sum(friction = 'on' AND "
-        "correct), avg(correct) FROM trial_result WHERE phase = 'main' GROUP BY participant_code");
+        "correct), avg(correct) FROM analysis_trial WHERE counts AND phase = 'main' GROUP BY "
+        "participant_code");
     while (row.step()) {
         for (int k = 0; k < 2; ++k) {
             all[k] += row.real(1 + k) / 12.0;

@@ -122,8 +122,10 @@ TEST_CASE(
     CHECK(run_to_the_end(broken, spec, world, 25) > 0);
     CHECK(lines(broken, kFelt) == lines(unbroken, kFelt));
     // Each position is answered once, and its attempts count up.
-    CHECK(lines(broken, "SELECT count(*), count(DISTINCT plan_position) FROM trial_result") ==
-          lines(broken, "SELECT count(*), count(*) FROM plan"));
+    CHECK(
+        lines(broken,
+              "SELECT count(*), count(DISTINCT plan_position) FROM analysis_trial WHERE counts") ==
+        lines(broken, "SELECT count(*), count(*) FROM plan"));
     CHECK(lines(broken,
                 "SELECT plan_position FROM trial GROUP BY plan_position HAVING count(*) <> "
                 "max(attempt) OR count(DISTINCT attempt) <> count(*)")

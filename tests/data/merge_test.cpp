@@ -36,7 +36,7 @@ std::string content(const std::string& file) {
           "participant_code",
           "SELECT participant_code, key, value FROM participant_detail JOIN participant USING "
           "(participant_id) ORDER BY participant_code, key",
-          "SELECT protocol_sha256, protocol_toml, study_name, title FROM study ORDER BY 1",
+          "SELECT protocol_sha256, protocol_toml, study_name, study_title FROM study ORDER BY 1",
           "SELECT uuid, protocol_sha256, participant_code, session_number, session_kind, seed, "
           "plan_sha256, shuffles, device, rate_hz, stiffness_n_per_m, started_utc, finished_utc, "
           "finished, operator FROM session JOIN study USING (study_id) JOIN participant USING "

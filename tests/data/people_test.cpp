@@ -119,9 +119,10 @@ TEST_CASE("an answer that does not count is kept with its reason, left out and c
     CHECK_THAT(data::summary_text(database), ContainsSubstring("1 answered trial is invalid"));
     recorder.end_trial(tests::begin_trial(recorder, spec.protocol, spec.plan.trials[1]),
                        tests::answered(1, true));
-    CHECK(lines(database, "SELECT trial_id, invalid_reason FROM invalid_trial") ==
-          fmt::format("{} path 12.0 mm, below 160 mm \n", id));
-    CHECK(lines(database, "SELECT plan_position FROM trial_result") == "1 \n");
+    CHECK(lines(database,
+                "SELECT trial_id, invalid_reason FROM analysis_trial WHERE invalid_reason IS NOT "
+                "NULL") == fmt::format("{} path 12.0 mm, below 160 mm \n", id));
+    CHECK(lines(database, "SELECT plan_position FROM analysis_trial WHERE counts") == "1 \n");
     CHECK(lines(database, "SELECT sum(n) FROM confusion") == "1 \n");
     CHECK(lines(database, "SELECT count(*) FROM response") == "2 \n");
     // The recorder takes no reason for what was not answered.
@@ -154,7 +155,8 @@ TEST_CASE("an answer marked afterwards is left out, kept, and run again unless a
     CHECK_THROWS_WITH(data::mark_invalid(database, 4, "x"), ContainsSubstring("aborted"));
     CHECK_FALSE(data::mark_invalid(database, 2, "she sneezed").finished);
     CHECK_THROWS_WITH(data::mark_invalid(database, 2, "again"), ContainsSubstring("she sneezed"));
-    CHECK(lines(database, "SELECT trial_id FROM trial_result ORDER BY 1") == "1 \n3 \n");
+    CHECK(lines(database, "SELECT trial_id FROM analysis_trial WHERE counts ORDER BY 1") ==
+          "1 \n3 \n");
     CHECK(lines(database, "SELECT trial_id, text FROM event WHERE event_kind = 'mark'") ==
           "2 she sneezed \n");
     {

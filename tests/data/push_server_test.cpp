@@ -105,7 +105,8 @@ TEST_CASE(
     Postgres admin(together);
     admin.run(
         "CREATE SCHEMA palpate; CREATE TABLE palpate.trace_chunk (session_uuid uuid, trial_number "
-        "bigint, interval bigint, first_tick bigint, PRIMARY KEY (session_uuid, trial_number, interval, "
+        "bigint, interval bigint, first_tick bigint, PRIMARY KEY (session_uuid, trial_number, "
+        "interval, "
         "first_tick)) PARTITION BY HASH (session_uuid);CREATE TABLE palpate.part_0 PARTITION OF "
         "palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 0);CREATE TABLE palpate.part_1 "
         "PARTITION OF palpate.trace_chunk FOR VALUES WITH (MODULUS 2, REMAINDER 1)");

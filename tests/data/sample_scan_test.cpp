@@ -116,11 +116,12 @@ TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[s
          {"SELECT count(*) FROM sample JOIN trial ON trial_id = trial.trial_id WHERE outcome = "
           "'complete'",
           "SELECT count(*) FROM trial JOIN sample ON trial_id = trial.trial_id WHERE ticks > 8000",
-          "SELECT count(*) FROM trial_result JOIN sample USING (trial_id) WHERE friction = 'on'",
-          "SELECT planned_object, avg(rendered_normal_n) FROM trial_result JOIN sample USING "
-          "(trial_id) WHERE mode <> 'free' GROUP BY 1",
-          "SELECT planned_object, avg(rendered_normal_n) FROM trial_summary, sample WHERE trial_id "
-          "= trial_id GROUP BY 1",
+          "SELECT count(*) FROM analysis_trial JOIN sample USING (trial_id) WHERE counts AND "
+          "friction = 'on'",
+          "SELECT planned_object, avg(rendered_normal_n) FROM analysis_trial JOIN sample USING "
+          "(trial_id) WHERE counts AND mode <> 'free' GROUP BY 1",
+          "SELECT planned_object, avg(rendered_normal_n) FROM analysis_trial, sample WHERE "
+          "sample.trial_id = analysis_trial.trial_id GROUP BY 1",
           "SELECT count(*) FROM sample JOIN event ON event.trial_id = trial_id WHERE time_s > 1"}) {
         CAPTURE(sql, plan_of(database, sql));
         const std::string plan = plan_of(database, sql);

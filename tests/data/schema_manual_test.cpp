@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <set>
 
+#include "data/schema/catalogue.hpp"
+#include "data/schema/manual.hpp"
 #include "data/store/database.hpp"
-#include "data/store/schema.hpp"
-#include "data/store/schema_manual.hpp"
 #include "data/trace/sample_columns.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
@@ -16,8 +16,8 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
     data::Database database(folder.file("a.sqlite"), data::Access::write);
     const auto manual = data::schema_manual(data::schema_sql());
     // What has no unit though it is REAL.
-    const std::set<std::string> plain{"mu_s", "mu_d", "slip_decay", "heal_decay", "u", "mu",
-                                      "scale",
+    const std::set<std::string> plain{"mu_s", "mu_d", "mu_s_1", "mu_s_2", "comparison_mu_s",
+                                      "slip_decay", "heal_decay", "u", "mu", "scale",
                                       // In the unit of what the rule varies, on its scale.
                                       "stimulus", "estimate"};
     std::size_t columns = 0;
@@ -77,4 +77,29 @@ TEST_CASE("the manual reads comments, literals and expressions of any statement"
     CHECK(manual[1].columns[1].name == "m_s");
     CHECK(manual[1].columns[1].unit == "s");
     CHECK(manual[1].columns[1].meaning == "named");
+}
+
+TEST_CASE(
+    "the catalogue says of each column its type, whether it may be nothing, its words and who sees "
+    "it",
+    "[schema]") {
+    const auto& kind = *data::find_column("session.session_kind");
+    CHECK(kind.type == "TEXT");
+    CHECK_FALSE(kind.nullable);
+    CHECK(kind.meaning == "what the session is");
+    CHECK(
+        kind.levels ==
+        "real = a session of the study; pilot = to try it; simulated = computed hand and answers");
+    CHECK(kind.seen == data::Seen::everybody);
+    CHECK(data::find_column("session.operator")->seen == data::Seen::details);
+    CHECK(data::find_column("session.operator")->nullable);
+    CHECK(data::find_column("participant.participant_code")->seen == data::Seen::file);
+    // A view repeats it, with all that is said of it.
+    const auto& shown = *data::find_column("analysis_trial.session_kind");
+    CHECK(shown.source == "session.session_kind");
+    CHECK(shown.meaning == kind.meaning);
+    CHECK(shown.levels == kind.levels);
+    CHECK(data::find_column("analysis_trial.slip_share")->source.empty());
+    CHECK(data::find_column("trial.nothing") == nullptr);
+    CHECK(data::find_column("nothing") == nullptr);
 }

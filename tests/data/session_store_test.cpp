@@ -91,7 +91,7 @@ TEST_CASE("a session goes on at the first position without an answer, other atte
     recorder.end_trial(id, tests::answered(0, false));
     CHECK(count(database, "trial WHERE plan_position = 2 AND attempt = 3") == 1);
     CHECK(data::open_session(database, spec).next == 3);
-    CHECK(count(database, "trial_result") == 3);
+    CHECK(count(database, "analysis_trial WHERE counts") == 3);
 }
 
 TEST_CASE("a session goes on only with what it was begun with, and nothing changes otherwise",

@@ -17,19 +17,19 @@ TEST_CASE("the default study, whole: every condition equally often, forces lawfu
                 .code == 0);
     data::Database database(file, data::Access::read);
     auto cells = database.prepare(
-        "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM trial_result WHERE phase "
-        "= 'main' GROUP BY planned_object, friction)");
+        "SELECT count(*), min(n), max(n) FROM (SELECT count(*) AS n FROM analysis_trial WHERE "
+        "counts AND phase = 'main' GROUP BY planned_object, friction)");
     cells.step();
     CHECK(cells.integer(0) == 10);
     CHECK(cells.integer(1) == 10);
     CHECK(cells.integer(2) == 10);
-    auto phases =
-        database.prepare("SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM trial_result");
+    auto phases = database.prepare(
+        "SELECT sum(phase = 'practice'), sum(phase = 'catch') FROM analysis_trial WHERE counts");
     phases.step();
     CHECK(phases.integer(0) == 10);
     CHECK(phases.integer(1) == 4);
 
-    auto trial = database.prepare("SELECT trial_id, friction FROM trial_result");
+    auto trial = database.prepare("SELECT trial_id, friction FROM analysis_trial WHERE counts");
     int outside = 0;
     int inside = 0;
     int unlawful = 0;

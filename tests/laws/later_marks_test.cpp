@@ -223,9 +223,10 @@ TEST_CASE("an altered schema is reported, CHECKs, views, indexes and triggers", 
              Edit{"PRAGMA writable_schema = ON; DELETE FROM sqlite_schema WHERE type = 'index' AND"
                   " tbl_name = 'picture'",
                   "index sqlite_autoindex_picture_1"},
-             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, 'IS"
-                  " NULL;', 'IS NOT NULL;') || ' ' WHERE name = 'trial_result'",
-                  "view trial_result"},
+             Edit{"PRAGMA writable_schema = ON; UPDATE sqlite_schema SET sql = replace(sql, "
+                  "'seal_events;',"
+                  " 'seal_events + 0;') || ' ' WHERE name = 'analysis_trial'",
+                  "view analysis_trial"},
              Edit{"DROP VIEW fault", "view fault: stored it is not there"},
              Edit{"CREATE TRIGGER t AFTER INSERT ON response BEGIN SELECT 1; END", "trigger t"},
          }) {

@@ -41,8 +41,8 @@ TEST_CASE("free forms in friction blocks are felt, told apart, kept, and verifie
     CHECK_THAT(verified.out, ContainsSubstring("Nothing differs"));
     // The observer has a noise of 0.2 mm and no lapses, the forms differ by millimetres.
     CHECK(one(file,
-              "SELECT sum(correct) || ' of ' || count(*) FROM trial_result WHERE phase = "
-              "'main'") == "16 of 16");
+              "SELECT sum(correct) || ' of ' || count(*) FROM analysis_trial WHERE counts AND "
+              "phase = 'main'") == "16 of 16");
     CHECK(one(file,
               "SELECT group_concat(DISTINCT planned_object) FROM (SELECT planned_object FROM plan "
               "WHERE curvature_per_m IS NULL ORDER BY planned_object)") == "dome,steps");

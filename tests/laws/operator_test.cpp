@@ -182,8 +182,11 @@ TEST_CASE(
     CHECK(lines(file,
                 "SELECT min(reaction_s) >= 0.75, min(confidence_reaction_s) >= 0.75,"
                 " sum(early_presses) > 0 FROM response") == "1|1|1\n");
-    CHECK(lines(file, "SELECT sum(early_presses) > 0, sum(changes) >= 2 FROM trial_result") ==
-          "1|1\n");
+    CHECK(
+        lines(
+            file,
+            "SELECT sum(early_presses) > 0, sum(changes) >= 2 FROM analysis_trial WHERE counts") ==
+        "1|1\n");
     CHECK_THAT(palpate_command({"verify", file}).out, ContainsSubstring("Nothing differs."));
 }
 

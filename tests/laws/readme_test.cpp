@@ -2,7 +2,7 @@
 #include <iterator>
 #include <sstream>
 
-#include "data/store/schema.hpp"
+#include "data/schema/catalogue.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 

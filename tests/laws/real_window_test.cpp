@@ -108,10 +108,9 @@ TEST_CASE(
 
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     auto row = database.prepare(
-        "SELECT trial_id, curvature_per_m, friction, chosen_object, trial_result.reaction_s, "
-        "response.reaction_uncertainty_s, session_kind, input, done_s FROM trial_result JOIN "
-        "response USING "
-        "(trial_id) ORDER BY plan_position");
+        "SELECT trial_id, curvature_per_m, friction, analysis_trial.chosen_object, "
+        "analysis_trial.reaction_s, response.reaction_uncertainty_s, session_kind, input, done_s "
+        "FROM analysis_trial JOIN response USING (trial_id) WHERE counts ORDER BY plan_position");
     auto picture = database.prepare("SELECT picture_object FROM picture WHERE picture_place = 1");
     REQUIRE(picture.step());
     int trials = 0;

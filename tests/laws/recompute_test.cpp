@@ -11,7 +11,7 @@ using Catch::Matchers::ContainsSubstring;
 using tests::palpate_command;
 using tests::TemporaryFolder;
 
-TEST_CASE("Python computes every column of the views again, and notices a changed one",
+TEST_CASE("Python computes every column of the views and the ten usual questions again, and notices a changed value",
           "[sql][law]") {
     const TemporaryFolder folder;
     const std::string file = tests::mixed_study(folder);
@@ -25,7 +25,7 @@ TEST_CASE("Python computes every column of the views again, and notices a change
     }
     const auto recompute = [&](const std::string& of) {
         return tests::Process({"python3", PALPATE_SOURCE_DIR "/tests/support/recompute.py", of,
-                               folder.file("sample.csv")})
+                               folder.file("sample.csv"), PALPATE_SOURCE_DIR "/docs/data.md"})
             .wait();
     };
     const tests::Finished same = recompute(file);
@@ -41,8 +41,8 @@ TEST_CASE("Python computes every column of the views again, and notices a change
           "UPDATE trial SET late_ticks = 1 WHERE trial_id = 2",
           "UPDATE presentation SET path_length_m = path_length_m * 1.0001 WHERE trial_id = 2",
           "DROP VIEW confusion; CREATE VIEW confusion AS SELECT study_name, session_kind, "
-          "friction, planned_object, chosen_object, count(*) + 1 AS n FROM trial_result WHERE "
-          "phase = 'main' GROUP BY 1, 2, 3, 4, 5"}) {
+          "friction, planned_object, chosen_object, count(*) + 1 AS n FROM analysis_trial WHERE "
+          "counts AND phase = 'main' GROUP BY 1, 2, 3, 4, 5"}) {
         std::filesystem::copy_file(file, copy, std::filesystem::copy_options::overwrite_existing);
         data::Database(copy, data::Access::write).execute(edit);
         CAPTURE(edit);

@@ -78,8 +78,8 @@ TEST_CASE("a session on a replayed hand feels and answers as the recorded one", 
     }
     const auto choices = [](data::Database& database) {
         auto row = database.prepare(
-            "SELECT group_concat(chosen_object) FROM (SELECT chosen_object FROM trial_result ORDER "
-            "BY plan_position)");
+            "SELECT group_concat(chosen_object) FROM (SELECT chosen_object FROM analysis_trial "
+            "WHERE counts ORDER BY plan_position)");
         row.step();
         return row.text(0);
     };

@@ -70,7 +70,7 @@ std::string answers(const std::string& file) {
     data::Database database(file, data::Access::read);
     auto row = database.prepare(
         "SELECT plan_position, planned_object, friction, chosen_object, reaction_s FROM "
-        "trial_result ORDER BY plan_position");
+        "analysis_trial WHERE counts ORDER BY plan_position");
     std::string text;
     while (row.step()) {
         for (int i = 0; i < 5; ++i) {

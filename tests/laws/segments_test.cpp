@@ -282,7 +282,7 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
     const std::vector<Row> trials = sql(
         file,
         "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "
-        "ticks FROM trial_summary AS s JOIN trial USING (trial_id) ORDER BY trial_id");
+        "ticks FROM analysis_trial AS s JOIN trial USING (trial_id) ORDER BY trial_id");
     REQUIRE(trials.size() == 4);
     REQUIRE(palpate_command({"export", file, "--format", "bids", "--kind", "simulated", "--traces",
                              "-o", folder.file("out")})

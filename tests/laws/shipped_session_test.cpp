@@ -82,7 +82,9 @@ TEST_CASE(
         CHECK(number(database,
                      "SELECT count(*) FROM presentation JOIN trial USING (trial_id) JOIN response "
                      "USING (trial_id) WHERE invalid_reason IS NULL") == one.intervals);
-        CHECK(number(database, "SELECT count(*) FROM adaptive_trial") == one.steps);
+        CHECK(number(database,
+                     "SELECT count(*) FROM analysis_trial WHERE run_trial_number IS NOT NULL") ==
+              one.steps);
     }
     const Finished verify = palpate_command({"verify", db});
     CHECK(verify.code == 0);

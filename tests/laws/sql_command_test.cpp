@@ -60,11 +60,10 @@ const char* const kQueries[] = {
     "SELECT clopper_pearson_low(7, 20), wilson_high(7, 20), d_prime(7, 20, 5), probit(0.1), "
     "normal_cdf(1)",
     "SELECT friction, median(path_length_m), stddev_samp(done_s), quantile(done_s, 0.9), "
-    "share(correct)"
-    " FROM trial_summary GROUP BY friction",
+    "share(correct) FROM analysis_trial GROUP BY friction",
     "SELECT trial_id, quantile(done_s, 0.5) OVER w, geometric_mean(done_s) OVER w, "
     "stddev_samp(done_s) OVER w, share(correct) OVER w, mutual_information(planned_object, "
-    "chosen_object) OVER w, people_mean_low(done_s) OVER w FROM trial_summary WINDOW w AS (ORDER "
+    "chosen_object) OVER w, people_mean_low(done_s) OVER w FROM analysis_trial WINDOW w AS (ORDER "
     "BY trial_id ROWS BETWEEN 3 PRECEDING AND 1 FOLLOWING)",
 };
 
@@ -170,20 +169,20 @@ TEST_CASE("palpate sql changes nothing, whatever it is told", "[sql][law]") {
 
 TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[sql]") {
     const TemporaryFolder folder;
-    std::ofstream(folder.file("in.sql")) << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT "
-                                            "fnord;\nSELECT 2 AS two;\n.columns trial_summary\n"
-                                            "SELECT 3 AS last";
+    std::ofstream(folder.file("in.sql"))
+        << ".tables\nSELECT count(*) AS n\nFROM trial\n;\nSELECT fnord;\nSELECT 2 AS "
+           "two;\n.columns analysis_trial\nSELECT 3 AS last";
     const Finished done =
         Process({"sh", "-c", "exec \"$0\" sql \"$1\" <\"$2\"", palpate::tests::palpate_program(),
                  demo_file(), folder.file("in.sql")})
             .wait();
     CHECK(done.code == 1);  // one of them failed
     CHECK_THAT(done.error, ContainsSubstring("palpate: 5:8: no such column: fnord"));
-    CHECK_THAT(done.out, ContainsSubstring("trial_summary") && ContainsSubstring("virtual table") &&
-                             ContainsSubstring("n\n--\n10\n") &&
-                             ContainsSubstring("two\n---\n  2\n") &&
-                             ContainsSubstring("mean_speed_m_per_s   m/s") &&
-                             ContainsSubstring("last\n----\n   3\n"));
+    CHECK_THAT(done.out,
+               ContainsSubstring("analysis_trial") && ContainsSubstring("virtual table") &&
+                   ContainsSubstring("n\n--\n10\n") && ContainsSubstring("two\n---\n  2\n") &&
+                   ContainsSubstring("mean_speed_m_per_s   m/s") &&
+                   ContainsSubstring("last\n----\n   3\n"));
     CHECK_THAT(sql(".schema trial").out, ContainsSubstring("CREATE TABLE trial"));
     CHECK_THAT(sql(".help").out, ContainsSubstring(".columns"));
     CHECK(sql(".quit\nSELECT 1").out.empty());

@@ -216,20 +216,22 @@ TEST_CASE("palpate summary says of people what R says of the same answers", "[su
     answer(file, tests::small_protocol(9), 12);
     const std::string text = summary_of(file);
     CAPTURE(text);
-    const auto lines = by_r(file,
-                            "SELECT participant_code AS person, friction, sum(correct) AS k, "
-                            "count(*) AS n FROM trial_result WHERE phase = 'main' GROUP BY 1, 2",
-                            kPeopleInR);
+    const auto lines =
+        by_r(file,
+             "SELECT participant_code AS person, friction, sum(correct) AS k, count(*) AS n FROM "
+             "analysis_trial WHERE counts AND phase = 'main' GROUP BY 1, 2",
+             kPeopleInR);
     REQUIRE(lines.size() == 27);
     for (const std::string& line : lines) {
         CHECK_THAT(text, ContainsSubstring(line));
     }
     // The SQL functions say the same interval.
-    const Finished ours = palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT printf('%.3f   %.3f to %.3f   %d people', avg(share), people_share_low(share), "
-         "people_share_high(share), count(*)) FROM (SELECT friction, avg(correct) AS share FROM "
-         "trial_result WHERE phase = 'main' GROUP BY participant_code, 1) GROUP BY friction"});
+    const Finished ours =
+        palpate_command({"sql", file, "--csv", "-c",
+                         "SELECT printf('%.3f   %.3f to %.3f   %d people', avg(share), "
+                         "people_share_low(share), people_share_high(share), count(*)) FROM "
+                         "(SELECT friction, avg(correct) AS share FROM analysis_trial WHERE counts "
+                         "AND phase = 'main' GROUP BY participant_code, 1) GROUP BY friction"});
     CHECK_THAT(ours.out, ContainsSubstring(lines[24]) && ContainsSubstring(lines[25]));
 }
 
@@ -262,9 +264,8 @@ TEST_CASE("answers that are neither right nor wrong are summed up object by obje
         {"sql", file, "--csv", "-c",
          "SELECT printf('friction off   %.3f   ', avg(x)) FROM (SELECT avg(answer_code + " +
              std::string(rating ? "1" : "0") +
-             ") AS x FROM trial_result JOIN response USING (trial_id) WHERE "
-             "trial_result.planned_object = 'convex' AND friction = 'off' GROUP BY "
-             "participant_code)"});
+             ") AS x FROM analysis_trial WHERE counts AND analysis_trial.planned_object = 'convex' "
+             "AND friction = 'off' GROUP BY participant_code)"});
     const std::size_t at = text.find(rating ? "mean level of convex, 1 the lowest, mean"
                                             : "share of yes to convex, mean");
     REQUIRE(at != std::string::npos);
@@ -290,9 +291,10 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     CAPTURE(run.out, run.error);
     REQUIRE(run.code == 0);
     // A mark made later: its answer is left out here and there.
-    const Finished third = palpate_command(
-        {"sql", file, "--csv", "-c",
-         "SELECT trial_id FROM adaptive_trial WHERE run_number = 1 AND run_trial_number = 3"});
+    const Finished third =
+        palpate_command({"sql", file, "--csv", "-c",
+                         "SELECT trial_id FROM analysis_trial WHERE run_trial_number IS NOT NULL "
+                         "AND run_number = 1 AND run_trial_number = 3"});
     const std::string trial = third.out.substr(6, third.out.size() - 7);
     if (index != 3) {  // a staircase goes on elsewhere without it
         REQUIRE(palpate_command({"mark", file, trial, "--invalid", "bell"}).code == 0);
@@ -300,12 +302,12 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     const std::string text = summary_of(file);
     CAPTURE(text);
     for (int number = 0; number < 2; ++number) {
-        const auto lines =
-            by_r(file,
-                 fmt::format("SELECT stimulus, rule_outcome FROM adaptive_trial WHERE run_number = "
-                             "{} AND counts ORDER BY run_trial_number",
-                             number),
-                 std::string(kRulesInR) + one.script);
+        const auto lines = by_r(
+            file,
+            fmt::format("SELECT stimulus, rule_outcome FROM analysis_trial WHERE run_trial_number "
+                        "IS NOT NULL AND run_number = {} AND counts ORDER BY run_trial_number",
+                        number),
+            std::string(kRulesInR) + one.script);
         const std::size_t from = text.find(number == 0 ? "run equal: " : "run different: ");
         const std::size_t to = number == 0 ? text.find("run different: ") : text.find("mean over");
         REQUIRE(from < to);

@@ -119,7 +119,7 @@ TEST_CASE("rows that were swapped, moved, copied, added or taken away are report
           "DELETE FROM adaptive_plan WHERE plan_position = 2",
           "DELETE FROM adaptive_step WHERE trial_id = (SELECT max(trial_id) FROM adaptive_step)",
           "UPDATE trial SET seal = NULL, seal_events = NULL",
-          "DROP VIEW confusion; CREATE VIEW confusion AS SELECT * FROM trial_result",
+          "DROP VIEW confusion; CREATE VIEW confusion AS SELECT * FROM analysis_trial WHERE counts",
           "DROP VIEW session_health",
           "UPDATE session SET session_kind = 'pilot' WHERE session_id = 2",
           "UPDATE session SET seed = '7' WHERE session_id = 1",

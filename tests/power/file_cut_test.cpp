@@ -10,7 +10,7 @@
 
 #include "engine/base/files.hpp"
 #include "data/export/export.hpp"
-#include "data/store/schema.hpp"
+#include "data/schema/catalogue.hpp"
 #include "data/sync/merge.hpp"
 #include "tests/power/watched_session.hpp"
 #include "tests/support/catch.hpp"

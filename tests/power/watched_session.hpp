@@ -122,7 +122,7 @@ inline std::string content(data::Database& database) {
                  "first_tick") +
            lines(database,
                  "SELECT plan_position, stimulus, rule_outcome, estimates, state_sha256 FROM "
-                 "adaptive_trial ORDER BY plan_position") +
+                 "analysis_trial WHERE run_trial_number IS NOT NULL ORDER BY plan_position") +
            lines(database, "SELECT finished FROM session");
 }
 

@@ -1,8 +1,10 @@
 """Every column of the views of a study, computed again from its ticks and its tables, by other code.
 
-usage: recompute.py FILE SAMPLE.csv     (SAMPLE: all of sample by trial_id, interval, tick; prints what differs)
+usage: recompute.py FILE SAMPLE.csv DATA.md
+(SAMPLE: all of sample by trial_id, interval, tick; DATA.md: the queries of its ten usual questions are run, and
+their answers computed from the tables; prints what differs)
 """
-import csv, datetime, json, math, sqlite3, sys
+import csv, datetime, json, math, re, sqlite3, sys
 from collections import Counter, defaultdict
 
 FELT = "ticks contact_ticks slip_ticks late_ticks saturated_ticks".split()
@@ -69,7 +71,51 @@ def expect(what, row, wanted):
             print(f"{what}: {name} is {stored}, recomputed {value}")
 
 
-def main(file, samples):
+def mean(values):
+    known = [v for v in values if v is not None]
+    return sum(known) / len(known) if known else None
+
+
+def grouped(trials, keys, *columns):
+    """Rows as GROUP BY keys ORDER BY keys gives them, NULL first; a column is a function of a group's trials."""
+    groups = defaultdict(list)
+    for t in trials:
+        groups[tuple(k(t) if callable(k) else t[k] for k in keys)].append(t)
+    order = sorted(groups, key=lambda key: [(v is not None, v) for v in key])
+    return [key + tuple(c(groups[key]) if callable(c) else mean(t[c] for t in groups[key]) for c in columns) for key in order]
+
+
+def answer_questions(db, document, trials):
+    """The ten usual questions of docs/data.md, each against what the tables give."""
+    text = open(document, encoding="utf-8").read().split("## Ten usual questions", 1)[1].split("\n## ", 1)[0]
+    queries = re.findall(r"```sql\n(.*?)```", text, re.S)
+    count = len
+    main_ones = [t for t in trials if t["counts"] and t["phase"] == "main"]
+    for t in trials:
+        t["contact_s"] = t["contact_ticks"] / t["rate_hz"] if t["contact_ticks"] is not None else None
+        t["slip_share"] = ratio(t["slip_ticks"] or 0, t["contact_ticks"])
+    curves = [t for t in main_ones if t["comparison_chosen"] is not None]
+    answers = [
+        grouped(main_ones, ["participant_code", "friction"], count, "correct"),
+        grouped(main_ones, ["participant_code", "session_number", "block"], count, "correct"),
+        grouped(main_ones, [lambda t: (t["trial_number"] - 1) // 10 * 10 + 1], count, "correct"),
+        grouped(main_ones, ["trials_since_break"], count, "correct", "reaction_s"),
+        grouped(curves, ["run_name", "stimulus"], count, "comparison_chosen"),
+        grouped(curves, ["object_1", "object_2", "friction_1", "friction_2"], count, "correct"),
+        grouped([t for t in main_ones if t["chosen_object"]], ["friction", "planned_object", "chosen_object"], count),
+        grouped([t for t in main_ones if t["confidence"] is not None], ["confidence"], count, "correct", "reaction_s"),
+        grouped(main_ones, ["planned_object", "friction"], "contact_s", "path_length_m", "strokes", "slip_share",
+                "mean_normal_force_n"),
+        grouped([t for t in trials if not t["counts"]], ["outcome", "exclusion"], count)]
+    expect("docs/data.md", {"questions": len(queries)}, {"questions": len(answers)})
+    for number, (query, wanted) in enumerate(zip(queries, answers), 1):
+        got = [tuple(r) for r in db.execute(query)]
+        expect(f"question {number}", {"rows": len(got), "some": bool(got)}, {"rows": len(wanted), "some": True})
+        for a, b in zip(got, wanted):
+            expect(f"question {number} {b}", dict(enumerate(a)), dict(enumerate(b)))
+
+
+def main(file, samples, document):
     db = sqlite3.connect(file)
     db.row_factory = sqlite3.Row
     table = lambda name, key: {r[key]: dict(r) for r in db.execute(f"SELECT * FROM {name}")}
@@ -95,11 +141,19 @@ def main(file, samples):
                 "leaves the cone": not free and abs(t["rendered_tangential_n"]) > t["mu"] * t["rendered_normal_n"] + 1e-9},
                 {"force": force, "pulls in the air": False, "leaves the cone": False})
 
-    for view in db.execute("SELECT * FROM trial_summary").fetchall():
+    in_session, since_break, taken_in, rows_of_trials = Counter(), Counter(), Counter(), []
+    adaptive = {(r["session_id"], r["plan_position"]): dict(r) for r in db.execute("SELECT * FROM adaptive_plan")}
+    steps = table("adaptive_step", "trial_id")
+    kinds, marked = defaultdict(list), set()
+    for r in db.execute("SELECT * FROM event ORDER BY event_id"):
+        kinds[r["session_id"]].append(r["event_kind"])
+        if r["event_kind"] == "mark":
+            marked.add(r["trial_id"])
+    for view in db.execute("SELECT * FROM analysis_trial ORDER BY trial_id").fetchall():
         t = trials[view["trial_id"]]
         session, answer = sessions[t["session_id"]], responses.get(t["trial_id"], defaultdict(lambda: None))
-        plan = plans[t["session_id"], t["plan_position"]]
-        what = f"trial_summary {t['trial_id']}"
+        plan = dict(plans[t["session_id"], t["plan_position"]])
+        what = f"analysis_trial {t['trial_id']}"
         expect(what, view, {
             "study_name": studies[session["study_id"]]["study_name"], "participant_code": people[session["participant_id"]]["participant_code"],
             "session_number": session["session_number"], "session_kind": session["session_kind"], "chosen_object": answer["chosen_object"],
@@ -113,6 +167,37 @@ def main(file, samples):
         total = lambda name: sum(one[name] for one in each)
         ended, rate = bool(each), session["rate_hz"]
         first = [one["first_contact_s"] for one in each if one["first_contact_s"] is not None]
+        key = t["session_id"], t["plan_position"]
+        breaks = t["session_id"], kinds[t["session_id"]][:t["seal_events"] or 0].count("break")
+        in_session[t["session_id"]] += 1
+        rule, step = adaptive.get(key, defaultdict(lambda: None)), steps.get(t["trial_id"], defaultdict(lambda: None))
+        run = t["session_id"], rule["run_number"]
+        taken_in[run] += step["rule_outcome"] is not None
+        felt_1, felt_2 = (presentations.get((t["trial_id"], i), defaultdict(lambda: None)) for i in (1, 2))
+        compared = felt_2 if rule["comparison_interval"] == 2 else felt_1 if rule["comparison_interval"] else defaultdict(lambda: None)
+        one = {
+            "block": plan["block"], "trial_number": in_session[t["session_id"]],
+            "trials_since_break": since_break[breaks] if t["seal_events"] is not None else None,
+            "object_1": felt_1["felt_object"], "object_2": felt_2["felt_object"], "friction_1": felt_1["friction"],
+            "friction_2": felt_2["friction"], "curvature_1_per_m": felt_1["curvature_per_m"],
+            "curvature_2_per_m": felt_2["curvature_per_m"], "mu_s_1": felt_1["mu_s"], "mu_s_2": felt_2["mu_s"],
+            "run_number": rule["run_number"], "run_name": rule["run_name"], "comparison_interval": rule["comparison_interval"],
+            "run_trial_number": taken_in[run] if step["rule_outcome"] is not None else None,
+            "stimulus": compared["stimulus"], "comparison_curvature_per_m": compared["curvature_per_m"],
+            "comparison_mu_s": compared["mu_s"], "answer_code": answer["answer_code"], "confidence": answer["confidence"],
+            "comparison_chosen": int(answer["answer_code"] + 1 == rule["comparison_interval"])
+                if felt_2["felt_object"] and answer["answer_code"] is not None else None,
+            "exclusion": "marked" if t["trial_id"] in marked else t["invalid_reason"],
+            "counts": int(t["trial_id"] in responses and t["invalid_reason"] is None),
+            "rule_outcome": step["rule_outcome"], "state_sha256": step["state_sha256"],
+            "estimate": next(iter(json.loads(step["estimates"] or "{}").values()), {"mean": None})["mean"]}
+        if step["rule_outcome"] is not None:
+            expect(what, one, {"rule_outcome": int(answer["answer_code"] + 1 == rule["comparison_interval"])})
+        since_break[breaks] += t["seal_events"] is not None
+        expect(what, view, one)
+        rows_of_trials.append({**plan, **t, **answer, **one, "outcome": t["outcome"],
+                               "participant_code": people[session["participant_id"]]["participant_code"],
+                               "session_number": session["session_number"], "rate_hz": session["rate_hz"]})
         expect(what, view, {
             "first_contact_s": first[0] if first else None,
             "path_length_m": total("path_length_m") if ended else None, "strokes": total("strokes") if ended else None,
@@ -154,19 +239,9 @@ def main(file, samples):
         lasted = (time(end) - time(s["started_utc"])).total_seconds()
         expect(f"session_health {s['session_id']}", {"duration_s": abs(view["duration_s"] - lasted) < 1e-3}, {"duration_s": True})
 
-    numbers = Counter()
-    for view in db.execute("SELECT * FROM adaptive_trial ORDER BY trial_id").fetchall():
-        t, answer = trials[view["trial_id"]], responses[view["trial_id"]]
-        numbers[t["session_id"], view["run_number"]] += 1
-        felt_one = presentations[view["trial_id"], view["comparison_interval"]]
-        first = next(iter(json.loads(view["estimates"]).values()), {"mean": None})
-        expect(f"adaptive_trial {t['trial_id']}", view, {
-            "run_trial_number": numbers[t["session_id"], view["run_number"]], "stimulus": felt_one["stimulus"], "mu_s": felt_one["mu_s"],
-            "curvature_per_m": felt_one["curvature_per_m"], "answer_code": answer["answer_code"], "correct": answer["correct"],
-            "rule_outcome": int(answer["answer_code"] + 1 == view["comparison_interval"]), "estimate": first["mean"],
-            "counts": int(t["invalid_reason"] is None), "plan_position": t["plan_position"]})
+    answer_questions(db, document, rows_of_trials)
 
 
-main(*sys.argv[1:3])
+main(*sys.argv[1:4])
 print(f"{checked} values, {differences} differences")
 sys.exit(differences > 0)

@@ -88,7 +88,7 @@ int note(const NoteOptions& options) {
 
 void declare_mark(CommandWords& words, MarkOptions& options) {
     words.add("FILE", options.database, "A palpate database").required();
-    words.add("TRIAL", options.trial, "Its id: column trial_id of trial_result").required();
+    words.add("TRIAL", options.trial, "Its trial_id, as in analysis_trial").required();
     words.add("--invalid", options.reason, "Why it does not count").required().kept_text();
     words.add("--operator", options.operator_name, "Who says so").kept_text();
 }

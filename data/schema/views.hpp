@@ -4,7 +4,7 @@
 
 namespace palpate::data {
 
-/// What analysts read, and people without the SQL extension: all views as of schema 5.
+/// The views of the catalogue: part of schema_sql().
 [[nodiscard]] std::string_view views_sql() noexcept;
 
 }  // namespace palpate::data

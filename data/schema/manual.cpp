@@ -1,4 +1,4 @@
-#include "data/store/schema_manual.hpp"
+#include "data/schema/manual.hpp"
 
 #include <algorithm>
 #include <array>
@@ -69,6 +69,30 @@ void join(std::string& meaning, std::string_view comment) {
     meaning += comment;
 }
 
+/// Takes [details] or [file] from the beginning of a meaning.
+Seen taken_mark(std::string& meaning) {
+    for (const auto& [word, seen] :
+         {std::pair{"[details] ", Seen::details}, {"[file] ", Seen::file}}) {
+        if (meaning.starts_with(word)) {
+            meaning.erase(0, std::string_view(word).size());
+            return seen;
+        }
+    }
+    return Seen::everybody;
+}
+
+/// Takes {a = first; b = second} from the end of a meaning.
+std::string taken_levels(std::string& meaning) {
+    const std::size_t open = meaning.find('{');
+    if (open == std::string::npos || !meaning.ends_with('}') ||
+        meaning.find(" = ", open) == std::string::npos) {
+        return "";
+    }
+    std::string levels = meaning.substr(open + 1, meaning.size() - open - 2);
+    meaning.erase(meaning.find_last_not_of(' ', open - 1) + 1);
+    return levels;
+}
+
 /// Reads the columns of one statement.
 class Reader {
 public:
@@ -76,6 +100,7 @@ public:
 
     TableManual read(std::string_view name) {
         table_.name = name;
+        table_.view = view_;
         bool inside = false;  // what stands between the name and the columns is passed over
         for (Token token = scanner_.next(); token.kind != Kind::end; token = scanner_.next()) {
             if (token.kind == Kind::comment) {
@@ -89,6 +114,7 @@ public:
             }
         }
         finish();
+        table_.seen = taken_mark(table_.meaning);
         return std::move(table_);
     }
 
@@ -112,6 +138,13 @@ private:
         depth_ += token.text == "(" ? 1 : token.text == ")" ? -1 : 0;
         ++words_;
         last_line_ = token.line;
+        column_.source +=
+            words_ <= 3 ? std::string(token.text) : "";  // "trial", ".", "outcome" and no more
+        column_.source = words_ == 4 && token.text != "AS" ? "" : column_.source;
+        if (depth_ == 0 && !view_) {
+            column_.type = words_ == 2 ? token.text : column_.type;
+            column_.nullable = column_.nullable && token.text != "NULL" && token.text != "PRIMARY";
+        }
         // A table's column begins with its name, a view's ends with it.
         if (depth_ == 0 && token.kind == Kind::word && (view_ || words_ == 1)) {
             column_.name = token.text;
@@ -123,6 +156,8 @@ private:
             ended_ = last_line_;
             if (view_ || !is_constraint(column_.name)) {
                 column_.unit = unit_of(column_.name);
+                column_.source =
+                    view_ && column_.source.find('.') != std::string::npos ? column_.source : "";
                 table_.columns.push_back(std::move(column_));
             }
         }
@@ -140,6 +175,38 @@ private:
     std::size_t last_line_ = 0;
 };
 
+std::vector<TableManual> statements_of(std::string_view sql) {
+    std::vector<TableManual> manual;
+    Scanner scanner(sql);
+    bool create = false;
+    for (Token token = scanner.next(); token.kind != Kind::end; token = scanner.next()) {
+        if (create && (token.text == "TABLE" || token.text == "VIEW")) {
+            const bool view = token.text == "VIEW";
+            const Token name = scanner.next();
+            manual.push_back(Reader(scanner, view).read(name.text));
+        }
+        create = token.kind == Kind::word && token.text == "CREATE";
+    }
+    return manual;
+}
+
+/// A view's column that is another's has its meaning, words and readers.
+void say_what_is_repeated(const std::vector<TableManual>& manual, ColumnManual& column) {
+    const std::size_t dot = column.source.find('.');
+    const auto table = std::ranges::find(manual, column.source.substr(0, dot), &TableManual::name);
+    if (dot == std::string::npos || table == manual.end()) {
+        return;
+    }
+    const auto source =
+        std::ranges::find(table->columns, column.source.substr(dot + 1), &ColumnManual::name);
+    if (source != table->columns.end()) {
+        column.type = source->type;
+        column.seen = source->seen;
+        column.levels = source->levels;
+        column.meaning = column.meaning.empty() ? source->meaning : column.meaning;
+    }
+}
+
 }  // namespace
 
 std::string_view unit_of(std::string_view column) noexcept {
@@ -153,7 +220,7 @@ std::string_view unit_of(std::string_view column) noexcept {
         Ending{"_ns", "ns"},       Ending{"_s", "s"},         Ending{"_m", "m"},
         Ending{"_n", "N"},         Ending{"_j", "J"},
     };
-    if (column == "mu_s") {  // static, not seconds
+    if (column.ends_with("mu_s")) {  // static, not seconds
         return "-";
     }
     const auto* const found =
@@ -163,16 +230,13 @@ std::string_view unit_of(std::string_view column) noexcept {
 }
 
 std::vector<TableManual> schema_manual(std::string_view sql) {
-    std::vector<TableManual> manual;
-    Scanner scanner(sql);
-    bool create = false;
-    for (Token token = scanner.next(); token.kind != Kind::end; token = scanner.next()) {
-        if (create && (token.text == "TABLE" || token.text == "VIEW")) {
-            const bool view = token.text == "VIEW";
-            const Token name = scanner.next();
-            manual.push_back(Reader(scanner, view).read(name.text));
+    std::vector<TableManual> manual = statements_of(sql);
+    for (TableManual& table : manual) {
+        for (ColumnManual& column : table.columns) {
+            say_what_is_repeated(manual, column);
+            column.seen = std::max(column.seen, taken_mark(column.meaning));
+            column.levels = column.levels.empty() ? taken_levels(column.meaning) : column.levels;
         }
-        create = token.kind == Kind::word && token.text == "CREATE";
     }
     return manual;
 }

@@ -1,0 +1,74 @@
+#include "data/store/row.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/schema/catalogue.hpp"
+
+namespace palpate::data {
+
+bool Row::has(std::string_view column) const {
+    return find_column(fmt::format("{}.{}", table_, column)) != nullptr;
+}
+
+Row& Row::add(std::string_view column, Value value) {
+    if (!has(column)) {
+        throw std::logic_error(fmt::format("the catalogue has no column {}.{}", table_, column));
+    }
+    values_.emplace_back(column, std::move(value));
+    return *this;
+}
+
+void Row::bind(Statement& statement) const {
+    int parameter = 0;
+    for (const auto& [name, value] : values_) {
+        ++parameter;
+        if (const auto* whole = std::get_if<std::int64_t>(&value)) {
+            statement.bind(parameter, *whole);
+        } else if (const auto* real = std::get_if<double>(&value)) {
+            statement.bind(parameter, *real);
+        } else if (const auto* text = std::get_if<std::string>(&value)) {
+            statement.bind(parameter, std::string_view(*text));
+        } else if (const auto* bytes = std::get_if<std::span<const std::byte>>(&value)) {
+            statement.bind(parameter, *bytes);
+        }  // what is not bound is NULL
+    }
+}
+
+std::int64_t Row::insert(Database& database, std::string_view conflict) const {
+    std::string names;
+    std::string places;
+    for (const auto& [name, value] : values_) {
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", name);
+        places += places.empty() ? "?" : ", ?";
+    }
+    Statement statement = database.prepare(
+        fmt::format("INSERT INTO {} ({}) VALUES ({}) {}", table_, names, places, conflict));
+    bind(statement);
+    statement.run();
+    return database.last_row();
+}
+
+std::int64_t Row::update(Database& database, std::initializer_list<std::string_view> keys) const {
+    std::string changed;
+    std::string where;
+    int parameter = 0;
+    for (const auto& [name, value] : values_) {
+        const bool key = std::ranges::find(keys, name) != keys.end();
+        std::string& list = key ? where : changed;
+        list += fmt::format("{}{} = ?{}",
+                            list.empty() ? ""
+                            : key        ? " AND "
+                                         : ", ",
+                            name, ++parameter);
+    }
+    Statement statement =
+        database.prepare(fmt::format("UPDATE {} SET {} WHERE {}", table_, changed, where));
+    bind(statement);
+    statement.run();
+    return database.changes();
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "data/store/database.hpp"
+
+namespace palpate::data {
+
+/// A row of a table of the catalogue, value by value with the name of its column: what is not set is the column's
+/// default, or stays as it is. Every call throws std::logic_error for a column that the catalogue does not have,
+/// StoreError where SQLite refuses.
+class Row {
+public:
+    explicit Row(std::string_view table) : table_(table) {}
+
+    /// An integer, a real (NaN is NULL), a text, bytes that outlive the row, or nothing: NULL.
+    template <class T>
+    Row& set(std::string_view column, const T& value) {
+        if constexpr (std::integral<T>) {
+            return add(column, static_cast<std::int64_t>(value));
+        } else if constexpr (std::floating_point<T>) {
+            return add(column, static_cast<double>(value));
+        } else if constexpr (std::same_as<T, std::monostate>) {
+            return add(column, value);
+        } else if constexpr (std::convertible_to<T, std::string_view>) {
+            return add(column, std::string(std::string_view(value)));
+        } else {
+            return add(column, std::span<const std::byte>(value));
+        }
+    }
+    template <class T>
+    Row& set(std::string_view column, const std::optional<T>& value) {
+        return value ? set(column, *value) : add(column, std::monostate());
+    }
+    template <class... T>
+    Row& set(std::string_view column, const std::variant<T...>& value) {
+        std::visit([&](const auto& one) { set(column, one); }, value);
+        return *this;
+    }
+
+    /// Whether the table has such a column.
+    [[nodiscard]] bool has(std::string_view column) const;
+    /// @param conflict  e.g. "ON CONFLICT DO NOTHING"
+    /// @return the number of the row
+    std::int64_t insert(Database& database, std::string_view conflict = {}) const;
+    /// Changes the row whose columns `keys` are as set here. @return how many rows there were
+    std::int64_t update(Database& database, std::initializer_list<std::string_view> keys) const;
+
+private:
+    using Value =
+        std::variant<std::monostate, std::int64_t, double, std::string, std::span<const std::byte>>;
+    Row& add(std::string_view column, Value value);
+    void bind(Statement& statement) const;
+
+    std::string table_;
+    std::vector<std::pair<std::string, Value>> values_;
+};
+
+}  // namespace palpate::data
