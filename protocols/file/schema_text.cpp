@@ -135,7 +135,9 @@ struct RangeText {
     }
     std::string operator()(const PointGrid*) const { return "[[[x, y, z], ...], ...]"; }
     std::string operator()(const NumberGrid*) const { return "[[a, b, ...], ...]"; }
-    std::string operator()(const auto& /*a number*/) const { return range_of(key.range); }
+    std::string operator()(const double*) const { return range_of(key.range); }
+    std::string operator()(const std::optional<double>*) const { return range_of(key.range); }
+    std::string operator()(const Whole&) const { return range_of(key.range); }
 
 private:
     [[nodiscard]] std::string pair() const {

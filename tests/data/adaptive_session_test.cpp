@@ -319,11 +319,9 @@ TEST_CASE("a part that is begun again keeps its answers apart, and the rest goes
     spec.resume = data::Resume::go_on;
     REQUIRE(run_simulated(database, spec).why == protocols::SessionEnd::Why::finished);
     CHECK(count(database,
-                "(SELECT DISTINCT plan_position FROM trial JOIN response ON trial.trial_id = "
-                "trial_id WHERE invalid_reason IS NULL)") ==
-          static_cast<std::int64_t>(spec.plan.trials.size()));
-    CHECK(count(database,
-                "trial JOIN response ON trial.trial_id = trial_id WHERE invalid_reason IS NULL") ==
+                "(SELECT DISTINCT plan_position FROM trial JOIN response USING (trial_id) WHERE "
+                "invalid_reason IS NULL)") == static_cast<std::int64_t>(spec.plan.trials.size()));
+    CHECK(count(database, "trial JOIN response USING (trial_id) WHERE invalid_reason IS NULL") ==
           static_cast<std::int64_t>(spec.plan.trials.size()));
     CHECK(differences(database) == "");
     if (at == 25) {  // in a file where its trials have other numbers

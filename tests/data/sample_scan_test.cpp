@@ -100,8 +100,8 @@ TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[s
           "SELECT time_s FROM sample WHERE trial_id = 3 ORDER BY trial_id, time_s",
           "SELECT * FROM sample ORDER BY trial_id, interval, tick",
           "SELECT trial_id, avg(commanded_x_n) FROM sample GROUP BY trial_id",
-          "SELECT trial.trial_id, avg(rendered_normal_n) FROM trial JOIN sample ON trial_id = "
-          "trial.trial_id GROUP BY trial.trial_id"}) {
+          "SELECT trial.trial_id, avg(rendered_normal_n) FROM trial JOIN sample USING (trial_id) "
+          "GROUP BY trial.trial_id"}) {
         CAPTURE(sql, plan_of(database, sql));
         CHECK_THAT(plan_of(database, sql), !ContainsSubstring("TEMP B-TREE"));
     }
@@ -113,16 +113,17 @@ TEST_CASE("trial_id is an index, and the rows come in order without a sort", "[s
     }
     // A join asks for one trial after the other, whichever is named first.
     for (const char* sql :
-         {"SELECT count(*) FROM sample JOIN trial ON trial_id = trial.trial_id WHERE outcome = "
+         {"SELECT count(*) FROM sample JOIN trial USING (trial_id) WHERE outcome = "
           "'complete'",
-          "SELECT count(*) FROM trial JOIN sample ON trial_id = trial.trial_id WHERE ticks > 8000",
+          "SELECT count(*) FROM trial JOIN sample USING (trial_id) WHERE ticks > 8000",
           "SELECT count(*) FROM analysis_trial JOIN sample USING (trial_id) WHERE counts AND "
           "friction = 'on'",
           "SELECT planned_object, avg(rendered_normal_n) FROM analysis_trial JOIN sample USING "
           "(trial_id) WHERE counts AND mode <> 'free' GROUP BY 1",
           "SELECT planned_object, avg(rendered_normal_n) FROM analysis_trial, sample WHERE "
           "sample.trial_id = analysis_trial.trial_id GROUP BY 1",
-          "SELECT count(*) FROM sample JOIN event ON event.trial_id = trial_id WHERE time_s > 1"}) {
+          "SELECT count(*) FROM sample JOIN event ON event.trial_id = sample.trial_id WHERE time_s "
+          "> 1"}) {
         CAPTURE(sql, plan_of(database, sql));
         const std::string plan = plan_of(database, sql);
         CHECK(plan.find("sample VIRTUAL TABLE") > plan.find('\n'));

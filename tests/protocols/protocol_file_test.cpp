@@ -246,6 +246,10 @@ TEST_CASE("every row of the keys as Markdown has five cells, and every key a mea
         }
     }
     CHECK(rows > 200);
+    for (const char* row : {"| `title` |  | text | required |", "| `dead_man` |  | true or false |",
+                            "| `gap_s` | s | 0 to 60 | 1.5 |"}) {
+        CHECK_THAT(keys_markdown(), Catch::Matchers::ContainsSubstring(row));
+    }
 }
 
 TEST_CASE("the reference for people names every key of the canonical text", "[protocol]") {
