@@ -42,7 +42,7 @@ std::string variable(const ExportColumn& column) {
 
 std::string variables(const ExportOptions& options) {
     std::vector<std::string> all;
-    std::set<std::string_view> named;
+    std::set<std::string> named;
     const auto add = [&](const ExportColumn& column) {
         if (named.insert(column.name).second) {
             all.push_back(variable(column));

@@ -67,8 +67,8 @@ CREATE TABLE session (
     participant_id    INTEGER NOT NULL REFERENCES participant,  -- [file] participant.participant_id
     session_number    INTEGER NOT NULL CHECK (session_number >= 1),  -- of the participant's sessions of the study, from 1
     session_kind      TEXT NOT NULL                 -- what the session is
-                          CHECK (session_kind IN ('real', 'pilot', 'simulated')),
                           -- {real = a session of the study; pilot = to try it; simulated = computed hand and answers}
+                          CHECK (session_kind IN ('real', 'pilot', 'simulated')),
     seed              TEXT NOT NULL                 -- [details] study seed, unsigned 64 bit, decimal
                           CHECK (length(seed) BETWEEN 1 AND 20 AND seed NOT GLOB '*[^0-9]*'),
     plan_sha256       TEXT NOT NULL CHECK (length(plan_sha256) = 64),  -- [details] of the whole order

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/clock.hpp"
 #include "engine/base/sha256.hpp"
-#include "engine/realtime/clock.hpp"
 #include "data/store/row.hpp"
 
 namespace palpate::data {
@@ -269,7 +269,7 @@ std::string add_event(Database& database,
                                 .set("event_kind", to_string(event.kind))
                                 .set("text", event.text)
                                 .set("at_utc", utc_now())
-                                .set("at_ns", engine::monotonic_ns())
+                                .set("at_ns", monotonic_ns())
                                 .set("operator", said(operator_name))
                                 .set("trials_begun", begun.integer(0))
                                 .set("plan_position", event.position)

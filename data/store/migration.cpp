@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <sqlite3.h>
 
+#include "data/schema/catalogue.hpp"
 #include "data/schema/views.hpp"
 
 namespace palpate::data {
@@ -78,6 +79,9 @@ std::string migrate(const Connection& file, std::span<const MigrationStep> steps
     file.execute("BEGIN IMMEDIATE");
     try {
         take(file, std::span(first, steps.end()));
+        for (const TableManual& table : catalogue()) {  // a view may need what a step took away
+            file.execute(fmt::format("SELECT * FROM {} LIMIT 0", table.name).c_str());
+        }
         file.execute("COMMIT");
     } catch (...) {
         sqlite3_exec(file.handle, "ROLLBACK", nullptr, nullptr, nullptr);

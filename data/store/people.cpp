@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/realtime/clock.hpp"
+#include "engine/base/clock.hpp"
 #include "data/store/chain.hpp"
 #include "data/store/secret.hpp"
 #include "data/store/session_lock.hpp"

@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/realtime/clock.hpp"
+#include "engine/base/clock.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"

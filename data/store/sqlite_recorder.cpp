@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/realtime/clock.hpp"
+#include "engine/base/clock.hpp"
 #include "protocols/session/pending_trials.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
@@ -78,7 +78,7 @@ TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
                            .set("attempt", before.integer(0) + 1)
                            .set("outcome", "running")
                            .set("started_utc", utc_now())
-                           .set("started_ns", engine::monotonic_ns())
+                           .set("started_ns", monotonic_ns())
                            .insert(database_);
     before.reset();
     all.commit();

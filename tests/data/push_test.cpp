@@ -70,7 +70,7 @@ TEST_CASE("pushing twice is pushing once, and chunks arrive as they are", "[push
     while (chunk.step()) {
         const auto row = there.rows(fmt::format(
             "SELECT encode(data, 'hex'), done_s FROM palpate.trace_chunk JOIN palpate.trial USING "
-            "(session_id, trial_id) WHERE trial_id = {} AND first_tick = {}",
+            "(session_uuid, trial_number) WHERE trial_number = {} AND first_tick = {}",
             chunk.integer(0), chunk.integer(1)));
         REQUIRE(row.size() == 1);
         CHECK(*row[0][0] == chunk.text(2));
@@ -122,12 +122,13 @@ TEST_CASE("a push cut off at random moments and repeated equals one whole push",
                 continue;
             }
             // An attempt is there with all that belongs to it, or not at all.
-            CHECK(now.rows("SELECT session_id, trial_id FROM palpate.trial EXCEPT SELECT "
-                           "session_id, trial_id FROM palpate.trace_chunk")
+            CHECK(now.rows("SELECT session_uuid, trial_number FROM palpate.trial EXCEPT SELECT "
+                           "session_uuid, trial_number FROM palpate.trace_chunk")
                       .empty());
-            CHECK(now.rows("SELECT session_id, trial_id FROM palpate.trace_chunk EXCEPT SELECT "
-                           "session_id, trial_id FROM palpate.trial")
-                      .empty());
+            CHECK(
+                now.rows("SELECT session_uuid, trial_number FROM palpate.trace_chunk EXCEPT SELECT "
+                         "session_uuid, trial_number FROM palpate.trial")
+                    .empty());
         }
         CHECK(data::push_file(file, url).conflicts.empty());
         CHECK(content(url) == expected);
@@ -159,12 +160,13 @@ TEST_CASE(
                         chunks));
         CHECK_THROWS_AS(data::push_file(file, server->url()), data::PostgresError);
         CHECK(admin
-                  .rows("SELECT session_id, trial_id FROM palpate.trial EXCEPT SELECT session_id, "
-                        "trial_id FROM palpate.trace_chunk")
+                  .rows("SELECT session_uuid, trial_number FROM palpate.trial EXCEPT SELECT "
+                        "session_uuid, "
+                        "trial_number FROM palpate.trace_chunk")
                   .empty());
         CHECK(admin
-                  .rows("SELECT session_id, trial_id FROM palpate.trace_chunk EXCEPT SELECT "
-                        "session_id, trial_id FROM palpate.trial")
+                  .rows("SELECT session_uuid, trial_number FROM palpate.trace_chunk EXCEPT SELECT "
+                        "session_uuid, trial_number FROM palpate.trial")
                   .empty());
     }
     admin.run("DROP TRIGGER fail ON palpate.trace_chunk");
@@ -233,7 +235,7 @@ TEST_CASE("a writer adds and never changes, a reader only reads, and no message 
         CHECK_THROWS_AS(Postgres(writer).run(sql), data::PostgresError);
     }
     CHECK_THROWS_AS(Postgres(reader).run(
-                        "INSERT INTO palpate.session_end SELECT session_id FROM palpate.session"),
+                        "INSERT INTO palpate.session_end SELECT session_uuid FROM palpate.session"),
                     data::PostgresError);
 
     const std::string empty = new_database(*server, "empty");

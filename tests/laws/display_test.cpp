@@ -55,7 +55,8 @@ struct Forces {
 Forces forces_of(const std::string& file, std::int64_t trial) {
     const Finished sql = tests::palpate_command(
         {"sql", file, "--csv", "-c",
-         "SELECT max(abs(rendered_y_n)), (SELECT abs(rendered_x_n) + abs(rendered_y_n) FROM sample "
+         "SELECT max(abs(commanded_y_n)), (SELECT abs(commanded_x_n) + abs(commanded_y_n) FROM "
+         "sample "
          "WHERE trial_id = " +
              std::to_string(trial) +
              " ORDER BY tick DESC LIMIT 1) FROM sample WHERE trial_id = " + std::to_string(trial)});

@@ -4,6 +4,7 @@
 
 #include "data/schema/catalogue.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/mixed_study.hpp"
 #include "tests/support/process.hpp"
 
 using namespace palpate;
@@ -32,8 +33,7 @@ std::vector<std::string> blocks(const std::string& text, const std::string& lang
 
 TEST_CASE("the example queries of docs/data.md run as printed, and answer", "[readme][law]") {
     const TemporaryFolder folder;
-    const std::string file = folder.file("demo.sqlite");
-    REQUIRE(palpate_command({"demo", "--headless", "--db", file}).code == 0);
+    const std::string file = tests::mixed_study(folder);  // with every kind of question
     const auto queries = blocks(page("docs/data.md"), "sql");
     CHECK(queries.size() >= 3);
     for (const std::string& query : queries) {
