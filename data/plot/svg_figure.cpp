@@ -13,9 +13,9 @@
 namespace palpate::data {
 namespace {
 
-constexpr double kEdge = 10.0;         // px round the whole figure
-constexpr double kBetween = 14.0;      // px between panels
-constexpr double kCaptionLine = 16.0;  // px
+constexpr double kFigureEdge = 10.0;         // px round the whole figure
+constexpr double kBetween = 14.0;            // px between panels
+constexpr double kFigureCaptionLine = 16.0;  // px
 
 void check(const Figure& figure) {
     const auto refuse = [](const std::string& text) {
@@ -50,7 +50,7 @@ std::string svg(const Figure& figure) {
     check(figure);
     const auto columns = static_cast<std::size_t>(figure.columns);
     const double cell =
-        (figure.width - 2.0 * kEdge - kBetween * (figure.columns - 1)) / figure.columns;
+        (figure.width - 2.0 * kFigureEdge - kBetween * (figure.columns - 1)) / figure.columns;
 
     std::vector<PanelPlan> plans;
     std::vector<double> left(columns, 0.0);
@@ -73,9 +73,9 @@ std::string svg(const Figure& figure) {
 
     const std::string id = safe_id(figure.id);
     std::string body;
-    double y = kEdge;
-    for (const std::string& line : wrapped(figure.title, figure.width - 2.0 * kEdge, 15.0)) {
-        body += svg_text(kEdge, y + 14.0, line, 15.0, Anchor::start, "font-weight=\"bold\"");
+    double y = kFigureEdge;
+    for (const std::string& line : wrapped(figure.title, figure.width - 2.0 * kFigureEdge, 15.0)) {
+        body += svg_text(kFigureEdge, y + 14.0, line, 15.0, Anchor::start, "font-weight=\"bold\"");
         y += 21.0;
     }
     for (std::size_t row = 0; row < plans.size(); row += columns) {
@@ -87,16 +87,17 @@ std::string svg(const Figure& figure) {
             below = std::max(below, plans[i].panel().height + plans[i].footer());
         }
         for (std::size_t i = row; i < end; ++i) {
-            const double x = kEdge + static_cast<double>(i - row) * (cell + kBetween);
+            const double x = kFigureEdge + static_cast<double>(i - row) * (cell + kBetween);
             body += plans[i].draw(x, y + header, fmt::format("{}-clip{}", id, i));
         }
         y += header + below + kBetween;
     }
-    for (const std::string& line : wrapped(figure.caption, figure.width - 2.0 * kEdge, 12.0)) {
-        body += svg_text(kEdge, y + 10.0, line, 12.0, Anchor::start, "class=\"caption\"");
-        y += kCaptionLine;
+    for (const std::string& line :
+         wrapped(figure.caption, figure.width - 2.0 * kFigureEdge, 12.0)) {
+        body += svg_text(kFigureEdge, y + 10.0, line, 12.0, Anchor::start, "class=\"caption\"");
+        y += kFigureCaptionLine;
     }
-    y += kEdge;
+    y += kFigureEdge;
 
     return fmt::format(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"{0}\" "

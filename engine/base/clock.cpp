@@ -1,8 +1,8 @@
-#include "engine/realtime/clock.hpp"
+#include "engine/base/clock.hpp"
 
 #include <ctime>
 
-namespace palpate::engine {
+namespace palpate {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
@@ -24,4 +24,4 @@ void sleep_until(std::int64_t time_ns) noexcept {
     }
 }
 
-}  // namespace palpate::engine
+}  // namespace palpate

@@ -2,11 +2,19 @@
 
 #include <algorithm>
 #include <numeric>
+#include <stdexcept>
 #include <vector>
 
 #include <fmt/format.h>
 
 namespace palpate {
+void require(bool ok, const char* what, double value, const char* remedy) {
+    if (!ok) {
+        throw std::invalid_argument(std::string(what) + " is " + number_text(value) + ": " +
+                                    remedy);
+    }
+}
+
 std::size_t utf8_length(std::string_view text) noexcept {
     const auto byte = [text](std::size_t i) {
         return i < text.size() ? static_cast<unsigned>(static_cast<unsigned char>(text[i])) : 0U;

@@ -21,6 +21,9 @@ namespace palpate {
     return {text.data(), static_cast<std::size_t>(length)};
 }
 
+/// Refuses a value. @throws std::invalid_argument "`what` is `value`: `remedy`" unless `ok`
+void require(bool ok, const char* what, double value, const char* remedy);
+
 /// "1 trial", "2 trials", "0 trials": how many of something, for sentences.
 /// @param many  where "s" alone does not make more of it: "1 of them is", "2 of them are"
 [[nodiscard]] std::string counted(std::integral auto n,

@@ -10,8 +10,6 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
 /// A stretch is straight enough when its capsule is this thin against its chord: then half-planes
 /// and bounds are nearly as good as they can be, and an 80 mm arc of 20 1/m has 8 pieces.
 constexpr double kFlat = 0.03;

@@ -7,8 +7,6 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
 /// Pieces in a leaf of the tree.
 constexpr std::uint32_t kLeaf = 4;
 
@@ -53,7 +51,7 @@ Signs signs_of(const double* f, std::size_t count) noexcept {
 /// A stretch of a piece on the stack of splits: coefficients and their rounding levels. Both are
 /// halved alike, because beside a control point of little weight f may be 1e-15 of what it is
 /// elsewhere.
-struct Part {
+struct RootPart {
     std::array<double, kMaxCoefficients> f;
     std::array<double, kMaxCoefficients> noise;
     double lo;
@@ -61,7 +59,7 @@ struct Part {
     int splits;
 };
 
-bool is_noise(const Part& part, std::size_t count) noexcept {
+bool is_noise(const RootPart& part, std::size_t count) noexcept {
     for (std::size_t k = 0; k < count; ++k) {
         if (std::fabs(part.f[k]) > part.noise[k]) {
             return false;
@@ -316,7 +314,7 @@ void PieceTree<D>::offer_splits(const Vec<D>& h,
                                 const Piece<D>& piece,
                                 const double* f,
                                 Foot<D>& best) const noexcept {
-    std::array<Part, kMaxSplits + 2> stack;  // each split leaves one sibling behind
+    std::array<RootPart, kMaxSplits + 2> stack;  // each split leaves one sibling behind
     const std::size_t n = piece.count;
     std::copy_n(f, n, stack[0].f.begin());
     pieces_.noise_levels(piece, h, stack[0].noise.data());
@@ -325,7 +323,7 @@ void PieceTree<D>::offer_splits(const Vec<D>& h,
     stack[0].splits = 0;
     std::size_t top = 1;
     while (top > 0) {
-        Part& part = stack[top - 1];
+        RootPart& part = stack[top - 1];
         const Signs signs = signs_of(part.f.data(), n);
         if (is_noise(part, n) || part.splits >= kMaxSplits) {
             offer_flat(h, piece.span, part.lo, part.lo + part.width, best);
@@ -340,7 +338,7 @@ void PieceTree<D>::offer_splits(const Vec<D>& h,
             --top;
             continue;
         }
-        Part& left = stack[top];
+        RootPart& left = stack[top];
         left.lo = part.lo;
         left.width = part.width = 0.5 * part.width;
         left.splits = part.splits = part.splits + 1;

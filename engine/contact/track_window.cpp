@@ -33,7 +33,7 @@ double taylor_step(const RationalBezier<2>& curve) {
 }
 
 /// Steps of a follow: two are usual; more means that a search is due.
-constexpr int kMaxSteps = 12;
+constexpr int kWindowSteps = 12;
 
 /// Pieces of a window on either side of the foot. More would make a search dearer than it saves.
 constexpr std::size_t kReach = 12;
@@ -77,7 +77,7 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
         return {};
     }
     const Outline& outline = feet_->outline();
-    for (int i = 0; i < kMaxSteps; ++i) {
+    for (int i = 0; i < kWindowSteps; ++i) {
         const Vec2 gap = s.jet.point - h;
         const double g = glm::dot(gap, s.jet.first);
         const double slope = glm::dot(s.jet.first, s.jet.first) + glm::dot(gap, s.jet.second);

@@ -7,8 +7,6 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
 /// Steps before a slide gives up for this tick; 2 or 3 are usual. Enough for 30 doublings and 60
 /// halvings.
 constexpr int kMaxSteps = 128;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <span>
 
 #include <glm/common.hpp>
@@ -18,6 +19,9 @@ template <int D>
 using Vec = glm::vec<D, double, glm::defaultp>;
 using Vec2 = Vec<2>;
 using Vec3 = Vec<3>;
+
+/// From 1 to the next double: twice the largest relative error of one operation.
+inline constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// `v` turned by +90 degrees: the outward normal of a unit tangent (object on the right of travel).
 [[nodiscard]] constexpr Vec2 perp(const Vec2& v) noexcept {

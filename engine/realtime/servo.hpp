@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/realtime/clock.hpp"
+#include "engine/base/clock.hpp"
 #include "engine/realtime/lateness_histogram.hpp"
 #include "engine/realtime/latest_value.hpp"
 #include "engine/realtime/realtime_rights.hpp"

@@ -17,13 +17,6 @@ constexpr double kChordToArc = 1.6;
 /// A frictionless GO that moves less than this in u rests: rounding.
 constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
 
-void require(bool ok, const char* what, double value, const char* remedy) {
-    if (!ok) {
-        throw std::invalid_argument(std::string(what) + " is " + number_text(value) + ": " +
-                                    remedy);
-    }
-}
-
 }  // namespace
 
 const SceneSpec& checked(const SceneSpec& spec) {

@@ -10,7 +10,6 @@ namespace {
 /// Pieces are halved to 2^-22 in each direction: 1e-9 m of a 5 mm leaf, whose middle is then within
 /// 1e-16 m of its lowest distance.
 constexpr int kMaxDepth = 44;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 /// Rounding of a coefficient, as a share of the sizes of its terms: sums of 5, and convex
 /// combinations.

@@ -8,9 +8,8 @@ namespace palpate::engine {
 namespace {
 
 /// Narrow bent valleys (weights of 1e3) are followed in many short steps; 3 are usual.
-constexpr int kMaxSteps = 400;
+constexpr int kFootSteps = 400;
 constexpr int kMaxHalvings = 40;
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 class Descent {
 public:
@@ -25,7 +24,7 @@ public:
     }
 
     SurfaceFoot run() noexcept {
-        for (int i = 0; i < kMaxSteps; ++i) {
+        for (int i = 0; i < kFootSteps; ++i) {
             if (!step()) {
                 break;
             }

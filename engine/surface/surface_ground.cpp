@@ -6,8 +6,6 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-
 /// The last bits before an edge belong to it: there the next patch, or the border, takes over.
 double snapped(double t) noexcept {
     return t < 8.0 * kEpsilon ? 0.0 : t > 1.0 - 8.0 * kEpsilon ? 1.0 : t;

@@ -9,7 +9,7 @@ namespace palpate::engine {
 namespace {
 
 /// Steps before the GO gives up for this tick; 2 or 3 are usual. A pole takes some more.
-constexpr int kMaxSteps = 64;
+constexpr int kSlideSteps = 64;
 constexpr int kMaxCloseIn = 60;
 
 /// Where to go from a spot: direction, length, and whether along a border.
@@ -31,7 +31,7 @@ public:
     SurfaceSlide run(const SurfacePlace& from) noexcept {
         SurfaceSpot s = ground_.look(from);
         double slid = 0.0;
-        for (int i = 0; i < kMaxSteps && !SurfaceGround::settled(s); ++i) {
+        for (int i = 0; i < kSlideSteps && !SurfaceGround::settled(s); ++i) {
             const Move move = plan(s);
             if (!(move.length > 0.0)) {
                 break;

@@ -10,13 +10,6 @@
 namespace palpate::engine {
 namespace {
 
-void require(bool ok, const char* what, double value, const char* remedy) {
-    if (!ok) {
-        throw std::invalid_argument(std::string(what) + " is " + number_text(value) + ": " +
-                                    remedy);
-    }
-}
-
 const Algorithm1Spec& checked(const Algorithm1Spec& spec) {
     const auto from_zero = [](double v) {
         return std::isfinite(v) && v >= 0.0;

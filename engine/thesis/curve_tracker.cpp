@@ -12,18 +12,11 @@
 namespace palpate::engine {
 namespace {
 
-constexpr std::array<std::string_view, 5> kNames{"feedback", "feed_forward", "feedback_linearised",
-                                                 "tangent_plane", "newton"};
+constexpr std::array<std::string_view, 5> kTrackerNames{
+    "feedback", "feed_forward", "feedback_linearised", "tangent_plane", "newton"};
 
 /// Share of |f'|^2 below which c is not let: 1 - kappa d, at most five times a Gauss-Newton step.
 constexpr double kMinCurving = 0.2;
-
-void require(bool ok, const char* what, double value, const char* remedy) {
-    if (!ok) {
-        throw std::invalid_argument(std::string(what) + " is " + number_text(value) + ": " +
-                                    remedy);
-    }
-}
 
 bool positive(double value) noexcept {
     return std::isfinite(value) && value > 0.0;
@@ -34,7 +27,7 @@ bool finite(const Vec2& v) noexcept {
 }
 
 const TrackerSpec& checked(const TrackerSpec& spec) {
-    require(static_cast<std::size_t>(spec.kind) < kNames.size(), "tracker kind",
+    require(static_cast<std::size_t>(spec.kind) < kTrackerNames.size(), "tracker kind",
             static_cast<double>(spec.kind), "give one of the five");
     const bool newton = spec.kind == TrackerKind::newton;
     const bool plane = spec.kind == TrackerKind::tangent_plane;
@@ -72,17 +65,17 @@ struct Error {
 
 std::string_view to_string(TrackerKind kind) noexcept {
     const auto i = static_cast<std::size_t>(kind);
-    return i < kNames.size() ? kNames[i] : "unknown";
+    return i < kTrackerNames.size() ? kTrackerNames[i] : "unknown";
 }
 
 TrackerKind tracker_kind_from_string(std::string_view name) {
-    const auto found = std::find(kNames.begin(), kNames.end(), name);
-    if (found == kNames.end()) {
+    const auto found = std::find(kTrackerNames.begin(), kTrackerNames.end(), name);
+    if (found == kTrackerNames.end()) {
         throw std::invalid_argument("there is no tracker \"" + std::string(name) +
                                     "\": give feedback, feed_forward, feedback_linearised, "
                                     "tangent_plane or newton");
     }
-    return static_cast<TrackerKind>(found - kNames.begin());
+    return static_cast<TrackerKind>(found - kTrackerNames.begin());
 }
 
 CurveTracker::CurveTracker(NurbsCurve<2> curve, const TrackerSpec& spec)

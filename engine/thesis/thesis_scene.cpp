@@ -10,14 +10,14 @@
 namespace palpate::engine {
 namespace {
 
-constexpr std::array<std::string_view, 3> kNames{"frictionless", "literal", "latched"};
+constexpr std::array<std::string_view, 3> kLawNames{"frictionless", "literal", "latched"};
 
 const ThesisSpec& checked(const ThesisSpec& spec) {
     if (!(std::isfinite(spec.period) && spec.period > 0.0)) {
         throw std::invalid_argument("tick period is " + number_text(spec.period) +
                                     ": give seconds above 0");
     }
-    if (static_cast<std::size_t>(spec.law) >= kNames.size()) {
+    if (static_cast<std::size_t>(spec.law) >= kLawNames.size()) {
         throw std::invalid_argument("the law has number " +
                                     std::to_string(static_cast<int>(spec.law)) +
                                     ": give frictionless, literal or latched");
@@ -53,12 +53,12 @@ bool usable(const Vec2& hip) noexcept {
 
 std::string_view to_string(ThesisLaw law) noexcept {
     const auto i = static_cast<std::size_t>(law);
-    return i < kNames.size() ? kNames[i] : "unknown";
+    return i < kLawNames.size() ? kLawNames[i] : "unknown";
 }
 
 ThesisLaw thesis_law_from_string(std::string_view name) {
-    for (std::size_t i = 0; i < kNames.size(); ++i) {
-        if (kNames[i] == name) {
+    for (std::size_t i = 0; i < kLawNames.size(); ++i) {
+        if (kLawNames[i] == name) {
             return static_cast<ThesisLaw>(i);
         }
     }

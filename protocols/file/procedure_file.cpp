@@ -46,7 +46,7 @@ constexpr Key kNormalPrior[]{
     {.name = "mean", .slot = at<&NormalPrior::mean>, .need = Need::required, .meaning = "of the normal prior"},
     {.name = "sd", .slot = at<&NormalPrior::sd>, .need = Need::required, .range = {.min = 0.0, .above = true}, .meaning = "its standard deviation"},
 };
-constexpr Key kWeights{.name = "", .slot = [](void* r) -> Slot { return static_cast<std::vector<double>*>(r); }, .range = {.min = 0.0}};
+constexpr Key kWeights{.name = "", .slot = [](void* r) -> Slot { return static_cast<std::vector<double>*>(r); }, .range = {.min = 0.0}, .meaning = ""};
 // clang-format on
 
 class FileReader {

@@ -117,9 +117,9 @@ private:
             return Signal::go_on;
         }
         note_before_next(EventKind::pause);
-        const std::int64_t begun = engine::monotonic_ns();
+        const std::int64_t begun = monotonic_ns();
         const Signal signal = ports_.observer.pause(next);
-        const double paused = static_cast<double>(engine::monotonic_ns() - begun) * 1e-9;
+        const double paused = static_cast<double>(monotonic_ns() - begun) * 1e-9;
         happened({.kind = EventKind::go_on,
                   .text = fmt::format("after a pause of {:.1f} s", paused),
                   .duration_s = paused});

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/clock.hpp"
 #include "engine/device/drivers/haply_device.hpp"
-#include "engine/realtime/clock.hpp"
 #include "protocols/session/feasibility.hpp"
 #include "ui/doctor/checks.hpp"
 
@@ -27,17 +27,17 @@ struct Readings {
 
 Readings read_for_a_while(engine::Device& device) {
     Readings readings;
-    std::int64_t due = engine::monotonic_ns();
+    std::int64_t due = monotonic_ns();
     for (int i = 0; i < kReadings; ++i) {
-        const std::int64_t before = engine::monotonic_ns();
+        const std::int64_t before = monotonic_ns();
         readings.last = device.read();
         device.write(Vec2{});
-        const auto took = static_cast<double>(engine::monotonic_ns() - before) * 1e-3;
+        const auto took = static_cast<double>(monotonic_ns() - before) * 1e-3;
         readings.slowest_us = std::max(readings.slowest_us, took);
         readings.good += readings.last.ok() ? 1 : 0;
         readings.fresh += readings.last.ok() && readings.last.fresh ? 1 : 0;
         due += kReadingNs;
-        engine::sleep_until(due);
+        sleep_until(due);
     }
     return readings;
 }
@@ -51,14 +51,14 @@ struct Answers {
 /// Milliseconds until something new can be read; none if nothing comes.
 std::optional<double> wait_for_answer(engine::Device& device) {
     constexpr std::int64_t kPatienceNs = 100'000'000;
-    const std::int64_t asked = engine::monotonic_ns();
-    while (engine::monotonic_ns() - asked < kPatienceNs) {
+    const std::int64_t asked = monotonic_ns();
+    while (monotonic_ns() - asked < kPatienceNs) {
         const engine::Reading reading = device.read();
         if (!reading.ok()) {
             return std::nullopt;
         }
         if (reading.fresh) {
-            return static_cast<double>(engine::monotonic_ns() - asked) * 1e-6;
+            return static_cast<double>(monotonic_ns() - asked) * 1e-6;
         }
     }
     return std::nullopt;

@@ -14,8 +14,8 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
 #include "engine/base/text.hpp"
-#include "engine/realtime/clock.hpp"
 #include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {
@@ -45,12 +45,12 @@ public:
     /// Appends a block as a trial's commit does and waits until it is on the disk; ms.
     double append_and_sync() {
         const std::array<char, 16384> block{};
-        const std::int64_t before = engine::monotonic_ns();
+        const std::int64_t before = monotonic_ns();
         if (write(file_, block.data(), block.size()) != static_cast<ssize_t>(block.size()) ||
             fsync(file_) != 0) {
             throw std::runtime_error(std::strerror(errno));
         }
-        return static_cast<double>(engine::monotonic_ns() - before) * 1e-6;
+        return static_cast<double>(monotonic_ns() - before) * 1e-6;
     }
 
 private:

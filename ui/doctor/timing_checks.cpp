@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/realtime/clock.hpp"
+#include "engine/base/clock.hpp"
 #include "engine/realtime/tick_loop.hpp"
 #include "ui/doctor/checks.hpp"
 
@@ -39,10 +39,10 @@ Check check_clock() {
     timespec resolution{};
     clock_getres(CLOCK_MONOTONIC, &resolution);
     int back = 0;
-    const std::int64_t start = engine::monotonic_ns();
+    const std::int64_t start = monotonic_ns();
     std::int64_t last = start;
     for (int i = 0; i < kReads; ++i) {
-        const std::int64_t now = engine::monotonic_ns();
+        const std::int64_t now = monotonic_ns();
         back += now < last ? 1 : 0;
         last = now;
     }

@@ -152,7 +152,7 @@ std::string answer_line(const RigSpec& spec, const protocols::Progress& progress
 }
 
 double now_s() {
-    return static_cast<double>(engine::monotonic_ns()) * 1e-9;
+    return static_cast<double>(monotonic_ns()) * 1e-9;
 }
 
 /// Says what this run came to when it is over, however it ends; after the last answer is on the disk.

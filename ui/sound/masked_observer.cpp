@@ -12,7 +12,6 @@
 namespace palpate::ui {
 namespace {
 
-using engine::monotonic_ns;
 using protocols::Signal;
 
 /// The noise is waited for at most this long, s: the fade, and what a sound server may buffer.

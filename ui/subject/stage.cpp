@@ -12,8 +12,6 @@
 namespace palpate::ui {
 namespace {
 
-using engine::monotonic_ns;
-
 constexpr std::int64_t kStopQuestionNs = 3'000'000'000;
 
 /// Nobody holds Space any more, or nobody can tell: keys go to another window now.

@@ -12,7 +12,6 @@
 namespace palpate::ui {
 namespace {
 
-using engine::monotonic_ns;
 using protocols::Choice;
 using protocols::Exploring;
 using protocols::Signal;

@@ -12,7 +12,7 @@ namespace {
 /// Bits below this wrap within a stroke.
 constexpr std::uint32_t kMinCounter = 0xFFFF;
 
-ComediWiring wiring_of(const Calibration& calibration) {
+ComediWiring comedi_wiring(const Calibration& calibration) {
     if (!calibration.comedi) {
         throw std::invalid_argument("the calibration " + calibration.pantograph.name +
                                     " says nothing of a DAQ card: add its table [comedi]");
@@ -60,7 +60,7 @@ std::string volts(double value) {
 ComediDevice::ComediDevice(std::unique_ptr<DaqCard> card, const Calibration& calibration)
     : card_(std::move(card)),
       calibration_(calibration),
-      wiring_(wiring_of(calibration)),
+      wiring_(comedi_wiring(calibration)),
       pantograph_(calibration.pantograph) {
     const std::string problem = start();
     if (!problem.empty()) {

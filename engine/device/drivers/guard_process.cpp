@@ -13,22 +13,17 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
+
 namespace palpate::engine {
 namespace {
 
 constexpr int kAcknowledgeMs = 1000;
-constexpr std::int64_t kMillisecond = 1'000'000;
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
                   std::atomic<std::int64_t>::is_always_lock_free &&
                   std::atomic<bool>::is_always_lock_free,
               "two processes share them");
-
-std::int64_t now_ns() noexcept {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
 
 bool send_message(int socket, const GuardMessage& message, int port) noexcept {
     GuardMessage copy = message;
@@ -71,7 +66,7 @@ bool GuardProcess::start() noexcept {
     if (socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
         return false;
     }
-    shared_->seen_ns.store(now_ns());
+    shared_->seen_ns.store(monotonic_ns());
     const pid_t owner = getpid();
     pid_ = fork();
     if (pid_ == 0) {
@@ -154,7 +149,7 @@ void GuardProcess::force_off() noexcept {
 }
 
 bool GuardProcess::alive() const noexcept {
-    return pid_ > 0 && now_ns() - shared_->seen_ns.load() < timing_.alive_ms * kMillisecond;
+    return pid_ > 0 && monotonic_ns() - shared_->seen_ns.load() < timing_.alive_ms * kMillisecond;
 }
 
 bool GuardProcess::tripped() const noexcept {

@@ -14,6 +14,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -139,12 +141,6 @@ bool take_message(int socket, Guarded& guarded) noexcept {
     return send(socket, &received, 1, MSG_NOSIGNAL) == 1;
 }
 
-std::int64_t now_ns() noexcept {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
-
 /// Counts the looks at a driver that is silent with the force on.
 class Patience {
 public:
@@ -175,7 +171,7 @@ void guard_motors(int socket,
         std::array<pollfd, 2> ends{pollfd{.fd = socket, .events = POLLIN, .revents = 0},
                                    pollfd{.fd = life, .events = POLLIN, .revents = 0}};
         const int woken = poll(ends.data(), ends.size(), timing.wait_ms);
-        shared.seen_ns.store(now_ns());
+        shared.seen_ns.store(monotonic_ns());
         const bool message = ends[0].revents != 0;
         if (ends[1].revents != 0 || getppid() != owner ||
             (message && !take_message(socket, guarded))) {

@@ -4,22 +4,22 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "engine/base/clock.hpp"
 #include "engine/base/text.hpp"
 
 namespace palpate::engine {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr std::int64_t kStale = 100 * kMillisecond;  ///< an answer from before a rest
 constexpr std::int64_t kFirstWait = 10 * kMillisecond;
-constexpr int kZeros = 5;
+constexpr int kLastZeros = 5;
 constexpr int kStillCounts = 1;  ///< an encoder at rest may flicker by one
 
 std::int64_t nanoseconds(double seconds) noexcept {
     return static_cast<std::int64_t>(std::floor(seconds * 1e9 + 0.5));
 }
 
-const HaplyWiring& wiring_of(const Calibration& calibration) {
+const HaplyWiring& haply_wiring(const Calibration& calibration) {
     if (!calibration.haply) {
         throw std::invalid_argument("the calibration of " + calibration.pantograph.name +
                                     " does not say how a Haply board is wired: add [haply]");
@@ -49,7 +49,7 @@ HaplyDevice::HaplyDevice(const Calibration& calibration,
                          std::unique_ptr<MotorGuard> guard,
                          const HaplyTiming& timing)
     : calibration_(calibration),
-      wiring_(wiring_of(calibration)),
+      wiring_(haply_wiring(calibration)),
       pantograph_(calibration.pantograph),
       home_(home_counts(calibration)),
       timing_(timing),
@@ -201,7 +201,7 @@ bool HaplyDevice::send_zero() noexcept {
 
 void HaplyDevice::fail(DeviceFault fault) noexcept {
     fault_ = fault;
-    zeros_left_ = kZeros;
+    zeros_left_ = kLastZeros;
     if (fault !=
         DeviceFault::lost) {  // behind half a packet a zero torque would be misread: a tick later
         static_cast<void>(hold_off({}));

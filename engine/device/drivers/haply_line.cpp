@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "engine/base/clock.hpp"
+
 namespace palpate::engine {
 namespace {
-
-constexpr std::int64_t kMillisecond = 1'000'000;
 
 /// The board takes one command each 50 us and fills what is missing with 0xFF: after this pause it
 /// has finished whatever it was at, and the next byte begins a command.

@@ -12,6 +12,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -136,9 +138,7 @@ void SerialLink::pause(std::int64_t ns) noexcept {
 }
 
 std::int64_t SerialLink::now_ns() const noexcept {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * kSecond + now.tv_nsec;
+    return monotonic_ns();
 }
 
 }  // namespace palpate::engine

@@ -15,6 +15,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
 #include "engine/device/emulator/pty_board.hpp"
 
 namespace palpate::engine {
@@ -52,12 +53,6 @@ constexpr int kStepUs = 250;
 constexpr int kPriority = 40;        ///< a real board is never busy with something else
 constexpr int kPatienceMs = 20'000;  ///< for a process on a loaded machine
 
-std::int64_t now_ns() noexcept {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
-
 void obey(Shared& shared, BoardHand& hand, HaplyBoard& board, PtyBoard& terminal) {
     const unsigned ordered = shared.ordered.load();
     if (ordered != shared.begun.load()) {
@@ -86,7 +81,7 @@ void tell(Shared& shared, const BoardHand& hand, const HaplyBoard& board) noexce
         ++shared.version;
         shared.torque_1.store(torque.x);
         shared.torque_2.store(torque.y);
-        shared.since_ns.store(now_ns());
+        shared.since_ns.store(monotonic_ns());
         ++shared.version;
     }
     const BoardLog& log = board.journal();

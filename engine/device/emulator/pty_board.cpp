@@ -13,6 +13,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
+
 namespace palpate::engine {
 namespace {
 
@@ -21,12 +23,6 @@ constexpr double kLongestGap = 0.05;  ///< s
 /// After this long the rest of a cut command does not come.
 constexpr int kRestMs = 1;
 constexpr int kMaxCommands = 64;  ///< a step
-
-std::int64_t now_ns() noexcept {
-    timespec now{};
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return static_cast<std::int64_t>(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
-}
 
 bool readable(int fd, std::int64_t wait_ns) noexcept {
     pollfd one{.fd = fd, .events = POLLIN, .revents = 0};
@@ -54,7 +50,7 @@ bool take(int fd, HaplyBoard& board) {
 
 PtyBoard::PtyBoard(HaplyBoard& board, std::string link) : board_(&board), link_(std::move(link)) {
     open();
-    start_ns_ = now_ns() - static_cast<std::int64_t>(board.time() * 1e9);
+    start_ns_ = monotonic_ns() - static_cast<std::int64_t>(board.time() * 1e9);
 }
 
 PtyBoard::~PtyBoard() {
@@ -115,7 +111,7 @@ void PtyBoard::plug(bool in) {
 }
 
 void PtyBoard::catch_up() {
-    const double now = static_cast<double>(now_ns() - start_ns_) * 1e-9;
+    const double now = static_cast<double>(monotonic_ns() - start_ns_) * 1e-9;
     const double gap = now - board_->time() - kLongestGap;
     if (gap > 0.0) {
         start_ns_ += static_cast<std::int64_t>(gap * 1e9);
