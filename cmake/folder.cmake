@@ -10,7 +10,8 @@
 # PLAIN   reads, writes and waits: less optimised, it compiles in two thirds of the time, and nobody sees a
 #         difference
 # PACED   what the tests wait for under sanitizers: optimised there as well
-# APART   files that give the same names to things of their own: each is compiled by itself
+# APART   files that give the same names to things of their own, or are replaced one by one by tests: each is
+#         compiled by itself
 function(palpate_folder folder)
     cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;APART" "" "SEES;SOURCES;LINK")
     get_filename_component(room ${CMAKE_CURRENT_SOURCE_DIR} NAME)

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -50,6 +51,13 @@ int write_all(int fd, std::string_view text) {
 }
 
 }  // namespace
+
+std::string first_line(const std::filesystem::path& file) {
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    return line;
+}
 
 void write_whole(const std::filesystem::path& file, std::string_view text) {
     if (file.empty()) {

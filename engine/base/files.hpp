@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace palpate {
@@ -12,6 +13,9 @@ namespace palpate {
 
 /// The folder that holds a file's name.
 [[nodiscard]] std::filesystem::path folder_of(const std::filesystem::path& file);
+
+/// The first line of a file; empty if it cannot be read.
+[[nodiscard]] std::string first_line(const std::filesystem::path& file);
 
 /// Writes the text so that the file is either whole or as it was: to a file beside it, synced, then
 /// renamed. An empty path means standard output. @throws std::runtime_error with file, why and

@@ -75,7 +75,7 @@ TEST_CASE("TOML of any depth is refused at its place by every command that reads
     CAPTURE(way);
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
-    write(folder.file("p.csv"), "time_s,hip_x_m,hip_y_m\n0,0,0\n");
+    write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0,0\n");
     write(file, deep(way, 15'000));
     const std::string place = way == 5 ? "6" : "1";
     for (const Words& words : readers(file, folder.file("p.csv"))) {
@@ -214,25 +214,24 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
     const std::string z = plane ? "" : ",0";
     for (const char* far : {"1e155", "-1e155", "1e308", "1.7976931348623157e308", "1000001"}) {
         CAPTURE(far);
-        write(folder.file("q.csv"), fmt::format("hip_x_m,hip_y_m{0}\n0.05,{1}{2}\n{3},0.001{2}\n",
-                                                plane ? "" : ",hip_z_m", "0.01", z, far));
+        write(folder.file("q.csv"), fmt::format("x_m,y_m{0}\n0.05,{1}{2}\n{3},0.001{2}\n",
+                                                plane ? "" : ",z_m", "0.01", z, far));
         const Finished closest = palpate_command({"closest", scene, folder.file("q.csv")});
         CHECK(closest.code == 2);
-        CHECK_THAT(closest.error, ContainsSubstring("q.csv:3: hip_x_m is ") &&
-                                      ContainsSubstring("give metres from"));
-        write(folder.file("t.csv"),
-              fmt::format("time_s,hip_x_m,hip_y_m{0}\n0,0.05,0.01{1}\n0.001,0.05,{2}{1}"
-                          "\n",
-                          plane ? "" : ",hip_z_m", z, far));
+        CHECK_THAT(closest.error,
+                   ContainsSubstring("q.csv:3: x_m is ") && ContainsSubstring("give metres from"));
+        write(folder.file("t.csv"), fmt::format("t_s,x_m,y_m{0}\n0,0.05,0.01{1}\n0.001,0.05,{2}{1}"
+                                                "\n",
+                                                plane ? "" : ",z_m", z, far));
         const Finished render = palpate_command({"render", scene, folder.file("t.csv")});
         CHECK(render.code == 2);
-        CHECK_THAT(render.error, ContainsSubstring("t.csv:3: hip_y_m is "));
+        CHECK_THAT(render.error, ContainsSubstring("t.csv:3: y_m is "));
     }
     // The farthest that is let in, and numbers too small to be squared, get the right answer.
     for (const char* far : {"1e6", "1e-300", "5e-324", "-5e-324", "-1e6"}) {
         CAPTURE(far);
         write(folder.file("q.csv"),
-              fmt::format("hip_x_m,hip_y_m{}\n{},0.05{}\n", plane ? "" : ",hip_z_m", far, z));
+              fmt::format("x_m,y_m{}\n{},0.05{}\n", plane ? "" : ",z_m", far, z));
         const Finished closest = palpate_command({"closest", scene, folder.file("q.csv")});
         REQUIRE(closest.code == 0);
         const double x = std::strtod(far, nullptr) > 1.0 ? 0.1 : 0.0;
@@ -249,7 +248,7 @@ TEST_CASE("seeded nonsense of up to a megabyte ends in a sentence, never in a si
           "[cli][fuzz][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("p.toml");
-    write(folder.file("p.csv"), "time_s,hip_x_m,hip_y_m\n0,0,0\n");
+    write(folder.file("p.csv"), "t_s,x_m,y_m\n0,0,0\n");
     const Words parts{"[",
                       "]",
                       "{",

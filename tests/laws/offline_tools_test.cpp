@@ -79,7 +79,7 @@ curvature_per_m = {}
                                                                      kappa));
     const tests::ArcOracle arc{{-0.05, 0.0}, {0.05, 0.0}, kappa};
     tests::GosOracle oracle(arc, {1000.0, 0.7, 0.5, 0.02, 0.1, 1e-3});
-    std::string path = "time_s,hip_x_m,hip_y_m\n";
+    std::string path = "t_s,x_m,y_m\n";
     std::vector<Vec2> hips;
     for (int k = 0; k < 2000; ++k) {
         const double t = 1e-3 * k;
@@ -97,21 +97,19 @@ curvature_per_m = {}
     std::ifstream in(folder.file("o.csv"));
     std::ostringstream text;
     text << in.rdbuf();
-    REQUIRE_THAT(text.str(),
-                 Catch::Matchers::StartsWith(
-                     "time_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,"
-                     "go_y_m,rendered_normal_n,rendered_tangential_n,rendered_x_n,rendered_y_n\n"));
+    REQUIRE_THAT(text.str(), Catch::Matchers::StartsWith("t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,"
+                                                         "go_y_m,fn_n,ft_n,fx_n,fy_n\n"));
     const auto csv = columns_of(text.str());
-    REQUIRE(csv.at("time_s").size() == hips.size());
+    REQUIRE(csv.at("t_s").size() == hips.size());
     double worst = 0.0;
     double worst_cp = 0.0;
     std::map<std::string, int> modes;
     for (std::size_t i = 0; i < hips.size(); ++i) {
         const Vec2 force = oracle.tick(hips[i]);
-        const Vec2 got{number(csv, "rendered_x_n", i), number(csv, "rendered_y_n", i)};
+        const Vec2 got{number(csv, "fx_n", i), number(csv, "fy_n", i)};
         worst = std::max(worst, glm::length(got - force));
-        const double fn = number(csv, "rendered_normal_n", i);
-        const double ft = number(csv, "rendered_tangential_n", i);
+        const double fn = number(csv, "fn_n", i);
+        const double ft = number(csv, "ft_n", i);
         worst = std::max(worst, std::fabs(std::hypot(fn, ft) - glm::length(force)));
         const Vec2 cp{number(csv, "cp_x_m", i), number(csv, "cp_y_m", i)};
         worst_cp = std::max(worst_cp, glm::length(cp - arc.closest(hips[i]).point));
@@ -144,7 +142,7 @@ TEST_CASE("palpate closest answers for separate curves like an oracle that prove
             fmt::join(data.weights, ", "));
     }
     write(folder.file("s.toml"), scene);
-    std::string table = "hip_x_m,hip_y_m\n";
+    std::string table = "x_m,y_m\n";
     std::vector<Vec2> points;
     for (int i = 0; i < 60; ++i) {
         points.push_back(random.point(-0.1, 0.1));
@@ -176,7 +174,7 @@ kind = "line"
 from_m = [0.0, 0.0]
 to_m = [0.1, 0.0]
 )";
-    const std::string path = "time_s,hip_x_m,hip_y_m\n0,0.05,0.01\n0.001,0.05,0.0\n";
+    const std::string path = "t_s,x_m,y_m\n0,0.05,0.01\n0.001,0.05,0.0\n";
     struct Wrong {
         std::string from, to, place, value;
     };
@@ -195,7 +193,7 @@ to_m = [0.1, 0.0]
           Wrong{"0.001,0.05,0.0\n", "0.001,0.05,nan\n", "t.csv:3:", "nan"},
           Wrong{"0.001,0.05,0.0\n", "0,0.05,0.0\n", "t.csv:3:", "time has to grow"},
           Wrong{"0.001,0.05,0.0\n", "0.001,0.05\n", "t.csv:3:", "2 fields"},
-          Wrong{"time_s,hip_x_m", "t,hip_x_m", "t.csv:1:", "no column time_s"}}) {
+          Wrong{"t_s,x_m", "t,x_m", "t.csv:1:", "no column t_s"}}) {
         CAPTURE(wrong.to);
         write(folder.file("s.toml"), replaced(good, wrong));
         write(folder.file("t.csv"), replaced(path, wrong));
@@ -222,7 +220,7 @@ from_m = [0.0, 0.04]
 to_m = [0.07, 0.0]
 curvature_per_m = 8.0
 )");
-    std::string path = "time_s,hip_x_m,hip_y_m\n";
+    std::string path = "t_s,x_m,y_m\n";
     for (int k = 0; k < 1000; ++k) {
         path += fmt::format("{},{},{}\n", 0.001 * k, -0.05 + 1e-4 * k, 0.03);
     }

@@ -20,7 +20,7 @@ struct SceneOptions {
     std::string output;  ///< empty: standard output
 };
 
-constexpr std::array<std::string_view, 4> kColumns{"time_s", "hip_x_m", "hip_y_m", "hip_z_m"};
+constexpr std::array<std::string_view, 4> kColumns{"t_s", "x_m", "y_m", "z_m"};
 
 /// The columns that points of so many dimensions need, with or without time before them.
 data::NumberTable read_points(const std::string& file, int dimension, bool with_time) {
@@ -70,7 +70,7 @@ int closest(const SceneOptions& options) {
 
 Command render_command() {
     return make_command<SceneOptions>(
-        "render", "Feel a trajectory (time_s,hip_x_m,hip_y_m[,hip_z_m]): forces tick by tick",
+        "render", "Feel a trajectory (t_s,x_m,y_m[,z_m]): forces tick by tick",
         [](CommandWords& words, SceneOptions& options) {
             declare_scene(words, options, "TRAJECTORY");
         },
@@ -79,7 +79,7 @@ Command render_command() {
 
 Command closest_command() {
     return make_command<SceneOptions>(
-        "closest", "Global closest points of a scene (hip_x_m,hip_y_m[,hip_z_m])",
+        "closest", "Global closest points of a scene (x_m,y_m[,z_m])",
         [](CommandWords& words, SceneOptions& options) { declare_scene(words, options, "POINTS"); },
         closest);
 }

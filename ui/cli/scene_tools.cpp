@@ -1,5 +1,6 @@
 #include "ui/cli/scene_tools.hpp"
 
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <memory>
@@ -19,7 +20,7 @@ using engine::Vec3;
 using protocols::Law;
 using protocols::SceneFile;
 
-/// Tick periods that differ by less than this share are the same: time_s in decimals is rounded.
+/// Tick periods that differ by less than this share are the same: t_s in decimals is rounded.
 constexpr double kSamePeriod = 1e-6;
 
 constexpr double kLongestPeriod = 3600.0;  ///< s
@@ -39,18 +40,24 @@ std::vector<double> periods_of(const data::NumberTable& path, const std::string&
         const double period = path.at(i, 0) - path.at(i - 1, 0);
         if (period > kLongestPeriod) {
             throw data::CsvError(
-                fmt::format("{}:{}: time_s is {} after {}: give ticks of at most {} s", file,
+                fmt::format("{}:{}: t_s is {} after {}: give ticks of at most {} s", file,
                             path.lines[i], path.at(i, 0), path.at(i - 1, 0), kLongestPeriod));
         }
         if (!(period > 0.0)) {
             throw data::CsvError(
-                fmt::format("{}:{}: time_s is {} after {}: time has to grow from row to row", file,
+                fmt::format("{}:{}: t_s is {} after {}: time has to grow from row to row", file,
                             path.lines[i], path.at(i, 0), path.at(i - 1, 0)));
         }
         periods[i] = std::fabs(period - mean) <= kSamePeriod * mean ? mean : period;
     }
     periods[0] = periods[1];
     return periods;
+}
+
+/// A mode as render writes it: whoever reads its tables knows them so.
+std::string_view mode_text(engine::Mode mode) {
+    constexpr std::array<std::string_view, 4> kWords{"FREE", "STUCK", "SLIP", "TRANSITION"};
+    return kWords[static_cast<std::size_t>(mode)];
 }
 
 /// One line of CSV after another.
@@ -93,11 +100,9 @@ private:
 };
 
 constexpr std::string_view kPlaneHead =
-    "time_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,rendered_normal_n,rendered_tangential_n,"
-    "rendered_x_n,rendered_y_n";
+    "t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n";
 constexpr std::string_view kSpaceHead =
-    "time_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,rendered_normal_n,rendered_"
-    "tangential_n,rendered_x_n,rendered_y_n,rendered_z_n";
+    "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n";
 
 struct Spot {
     std::size_t segment = 0;
@@ -123,7 +128,7 @@ struct PlaneTick {
 void add_row(Lines& lines, double t, const PlaneTick& tick) {
     lines.begin();
     lines.add(t);
-    lines.add(to_string(tick.mode));
+    lines.add(mode_text(tick.mode));
     lines.add(tick.spot.segment);
     lines.add(tick.spot.u);
     lines.add_point<2>(tick.cp);
@@ -171,7 +176,7 @@ std::string render_surface(const SceneFile& file,
             scene.tick(state, {path.at(i, 1), path.at(i, 2), path.at(i, 3)});
         lines.begin();
         lines.add(path.at(i, 0));
-        lines.add(to_string(c.mode));
+        lines.add(mode_text(c.mode));
         lines.add(std::size_t{0});
         lines.add(c.cp.u);
         lines.add(c.cp.v);

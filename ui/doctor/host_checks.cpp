@@ -15,18 +15,12 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
 #include "ui/doctor/checks.hpp"
 
 namespace palpate::ui {
 namespace {
-
-std::string first_line(const std::string& file) {
-    std::ifstream in(file);
-    std::string line;
-    std::getline(in, line);
-    return line;
-}
 
 /// A file of its own in a folder, gone at the end.
 class Scratch {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/base/files.hpp"
 #include "engine/realtime/tick_loop.hpp"
 #include "ui/doctor/checks.hpp"
 
@@ -23,13 +24,6 @@ double median(std::vector<double> values) {
 
 double us(std::int64_t ns) {
     return static_cast<double>(ns) * 1e-3;
-}
-
-std::string first_line(const std::string& file) {
-    std::ifstream in(file);
-    std::string line;
-    std::getline(in, line);
-    return line;
 }
 
 }  // namespace
