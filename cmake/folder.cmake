@@ -10,10 +10,8 @@
 # PLAIN   reads, writes and waits: less optimised, it compiles in two thirds of the time, and nobody sees a
 #         difference
 # PACED   what the tests wait for under sanitizers: optimised there as well
-# APART   files that give the same names to things of their own, or are replaced one by one by tests: each is
-#         compiled by itself
 function(palpate_folder folder)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;APART" "" "SEES;SOURCES;LINK")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED" "" "SEES;SOURCES;LINK")
     get_filename_component(room ${CMAKE_CURRENT_SOURCE_DIR} NAME)
     string(REPLACE "/" "_" name ${room}_${folder})
     string(REPLACE "/" "_" seen "${arg_SEES}")
@@ -34,9 +32,6 @@ function(palpate_folder folder)
     endif()
     if(arg_PACED AND PALPATE_SANITIZE)
         target_compile_options(palpate_${name} PRIVATE -O2)
-    endif()
-    if(arg_APART)
-        set_target_properties(palpate_${name} PROPERTIES UNITY_BUILD OFF)
     endif()
     # What most files include, parsed once.
     if(name STREQUAL engine_base)

@@ -155,24 +155,25 @@ bool sit(Database& database,
     Fickle observer(random, desk);
     int left = random.below(12);  // then the program is killed
     try {
-        const SessionEnd end =
-            run_session(spec.protocol, spec.plan, {.simulated = true}, opened.progress,
-                        {.apparatus = apparatus,
-                         .observer = observer,
-                         .recorder = recorder,
-                         .progress =
-                             [&](const Progress& progress) {
-                                 note(progress.known);
-                                 if (--left == 0) {
-                                     static_cast<void>(recorder.begin_trial(
-                                         spec.plan.trials[progress.known.pending().empty()
-                                                              ? 0
-                                                              : progress.known.pending().next()]));
-                                     throw tests::Killed{};
-                                 }
-                             },
-                         .pause = [](double) {},
-                         .desk = &desk});
+        const SessionEnd end = run_session(
+            spec.protocol, spec.plan,
+            {.title = {}, .participant = {}, .simulated = true, .device = {}}, opened.progress,
+            {.apparatus = apparatus,
+             .observer = observer,
+             .recorder = recorder,
+             .progress =
+                 [&](const Progress& progress) {
+                     note(progress.known);
+                     if (--left == 0) {
+                         static_cast<void>(recorder.begin_trial(
+                             spec.plan.trials[progress.known.pending().empty()
+                                                  ? 0
+                                                  : progress.known.pending().next()]));
+                         throw tests::Killed{};
+                     }
+                 },
+             .pause = [](double) {},
+             .desk = &desk});
         return end.why == SessionEnd::Why::finished;
     } catch (const tests::Killed&) {
         return false;

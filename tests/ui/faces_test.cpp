@@ -161,7 +161,7 @@ TEST_CASE("nothing on any face is cut off, overlaps or is missing, on screens of
     std::vector<std::string> texts{""};
     if (size.x * size.y < 1e6 && language == Language::tr) {  // where there is least room
         texts.push_back(longest("nesneleri hissedin "));
-        texts.emplace_back("1\n2\n3\n4\n5\n6\n7\n8");
+        texts.push_back(std::string("1\n2\n3\n4\n5\n6\n7\n8"));
     }
     const std::vector<Picture> pictures = five_pictures();
     for (const std::string& said : texts) {
