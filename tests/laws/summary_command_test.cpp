@@ -303,12 +303,13 @@ TEST_CASE("palpate summary says of an adaptive run what R computes from its answ
     const std::string text = summary_of(file);
     CAPTURE(text);
     for (int number = 0; number < 2; ++number) {
-        const auto lines = by_r(
-            file,
-            fmt::format("SELECT stimulus, rule_outcome FROM analysis_trial WHERE run_trial_number "
-                        "IS NOT NULL AND run_number = {} AND counts ORDER BY run_trial_number",
-                        number),
-            std::string(kRulesInR) + one.script);
+        const auto lines =
+            by_r(file,
+                 fmt::format("SELECT stimulus, rule_outcome AS outcome FROM analysis_trial WHERE "
+                             "run_trial_number "
+                             "IS NOT NULL AND run_number = {} AND counts ORDER BY run_trial_number",
+                             number),
+                 std::string(kRulesInR) + one.script);
         const std::size_t from = text.find(number == 0 ? "run equal: " : "run different: ");
         const std::size_t to = number == 0 ? text.find("run different: ") : text.find("mean over");
         REQUIRE(from < to);
