@@ -41,7 +41,7 @@ std::string described(const char* words) {
 }
 
 const ExportColumn& trials_column(std::string_view name) {
-    const auto columns = export_table("trials").columns;
+    const auto& columns = export_table("trials").columns;
     return *std::find_if(columns.begin(), columns.end(),
                          [name](const ExportColumn& column) { return column.name == name; });
 }
