@@ -11,8 +11,10 @@ using Catch::Matchers::ContainsSubstring;
 using tests::palpate_command;
 using tests::TemporaryFolder;
 
-TEST_CASE("Python computes every column of the views and the ten usual questions again, and notices a changed value",
-          "[sql][law]") {
+TEST_CASE(
+    "Python computes every column of the views and the ten usual questions again, and notices a "
+    "changed value",
+    "[sql][law]") {
     const TemporaryFolder folder;
     const std::string file = tests::mixed_study(folder);
     const auto ticks = palpate_command(
