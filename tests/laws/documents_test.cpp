@@ -286,14 +286,16 @@ TEST_CASE("every query that a document shows in a shell answers", "[documents][l
     int queries = 0;
     for (const fs::path& page : pages()) {
         for (const std::string& line : shell_lines(page)) {
-            if (line.rfind("./palpate sql ", 0) == 0 || line.rfind("sqlite3 ", 0) == 0) {
+            const bool extension = line.rfind("sqlite3 ", 0) == 0;
+            const bool query = extension || line.rfind("./palpate sql ", 0) == 0;
+            queries += query ? 1 : 0;
+            if (query && (!extension || tests::others_load_extension())) {
                 CAPTURE(page, line);
                 const std::string there = "cd '" + folder.path().string() + "' && " + line;
                 const tests::Finished answer = tests::Process({"sh", "-c", there}).wait();
                 CAPTURE(answer.error);
                 CHECK(answer.code == 0);
                 CHECK(answer.error.empty());
-                ++queries;
             }
         }
     }

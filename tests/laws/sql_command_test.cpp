@@ -38,16 +38,6 @@ std::string extension() {
     return found.out.substr(0, found.out.find('\n'));
 }
 
-/// A module built with a sanitizer needs its runtime in the program that loads it.
-bool loadable() {
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    WARN("built with a sanitizer: no other program can load the extension");
-    return false;
-#else
-    return true;
-#endif
-}
-
 /// Columns of every kind, of one trial and of all.
 const char* const kQueries[] = {
     "SELECT tick, time_s, hip_x_m, hip_vy_m_per_s, rendered_normal_n, rendered_tangential_n, "
@@ -189,7 +179,7 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[s
 }
 
 TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
-    if (!loadable()) {
+    if (!tests::others_load_extension()) {
         return;
     }
     if (Process({"sqlite3", "--version"}).wait().code != 0) {
@@ -208,7 +198,7 @@ TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extens
 }
 
 TEST_CASE("Python with the extension says what palpate sql says", "[sql][extension][law]") {
-    if (!loadable()) {
+    if (!tests::others_load_extension()) {
         return;
     }
     // Some Pythons are built without extensions.
@@ -243,7 +233,7 @@ TEST_CASE("Python with the extension says what palpate sql says", "[sql][extensi
 
 TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree",
           "[sql][extension][law]") {
-    if (!loadable()) {
+    if (!tests::others_load_extension()) {
         return;
     }
     if (Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {

@@ -12,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/slurp.hpp"
 
@@ -117,6 +118,15 @@ std::string Process::error() const {
 
 std::string palpate_program() {
     return PALPATE_PROGRAM;
+}
+
+bool others_load_extension() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    WARN("built with a sanitizer: no other program can load the extension");
+    return false;
+#else
+    return true;
+#endif
 }
 
 Finished palpate_command(const std::vector<std::string>& arguments) {

@@ -71,4 +71,8 @@ inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 /// Path of the program under test.
 [[nodiscard]] std::string palpate_program();
 
+/// False, with a warning, where the SQL extension is built with a sanitizer: its runtime would have to be in the
+/// program that loads it.
+[[nodiscard]] bool others_load_extension();
+
 }  // namespace palpate::tests
