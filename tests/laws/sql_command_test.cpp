@@ -179,7 +179,7 @@ TEST_CASE("the shell reads statements of many lines from a pipe, and words", "[s
 }
 
 TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extension][law]") {
-    if (!tests::others_load_extension()) {
+    if (!palpate::tests::others_load_extension()) {
         return;
     }
     if (Process({"sqlite3", "--version"}).wait().code != 0) {
@@ -198,7 +198,7 @@ TEST_CASE("sqlite3 with the extension says what palpate sql says", "[sql][extens
 }
 
 TEST_CASE("Python with the extension says what palpate sql says", "[sql][extension][law]") {
-    if (!tests::others_load_extension()) {
+    if (!palpate::tests::others_load_extension()) {
         return;
     }
     // Some Pythons are built without extensions.
@@ -233,7 +233,7 @@ TEST_CASE("Python with the extension says what palpate sql says", "[sql][extensi
 
 TEST_CASE("R with the extension says what palpate sql says, and R's own statistics agree",
           "[sql][extension][law]") {
-    if (!tests::others_load_extension()) {
+    if (!palpate::tests::others_load_extension()) {
         return;
     }
     if (Process({"Rscript", "-e", "library(RSQLite)"}).wait().code != 0) {
