@@ -1,13 +1,14 @@
 #include "data/store/async_recorder.hpp"
 
 #include <utility>
-#include <vector>
 
 namespace palpate::data {
 namespace {
 
 /// Ticks that may wait for the thread: minutes at any rate. Only a simulation faster than the disk gets there.
 constexpr std::size_t kMostWaiting = std::size_t{1} << 18U;
+/// Ticks that are worth waking the thread before they have to be saved.
+constexpr std::size_t kBatch = 512;
 
 }  // namespace
 
@@ -30,12 +31,13 @@ bool AsyncRecorder::wait_for_work(std::unique_lock<std::mutex>& lock) {
     if (due_ && !error_) {
         changed_.wait_until(lock, *due_, there);
     } else {
-        changed_.wait(lock, there);
+        changed_.wait(lock, [this, &there] { return there() || (due_ && !error_); });
     }
     const bool save =
         due_ && !error_ && (std::chrono::steady_clock::now() >= *due_ || (quit_ && work_.empty()));
     if (save) {
         due_.reset();
+        queue_ticks();
         work_.emplace([this] { save_now(); });
     }
     return !work_.empty();
@@ -74,25 +76,32 @@ void AsyncRecorder::run() {
         if (error) {  // a hole in a trace is worse than its end: nothing is stored from here on
             error_ = error;
             work_ = {};
+            ticks_.clear();
             waiting_ticks_ = 0;
         }
         changed_.notify_all();
     }
 }
 
-void AsyncRecorder::hand_over(std::function<void()> work) {
-    const std::scoped_lock lock(mutex_);
-    if (error_) {
-        std::rethrow_exception(error_);
+void AsyncRecorder::queue_ticks() {
+    if (ticks_.empty()) {
+        return;
     }
-    work_.push(std::move(work));
-    changed_.notify_all();
+    work_.emplace([this, trial = trial_, ticks = std::exchange(ticks_, {})] {
+        recorder_.append(trial, ticks);
+        const std::scoped_lock lock(mutex_);
+        waiting_ticks_ -= ticks.size();
+    });
 }
 
 void AsyncRecorder::wait_for(std::function<void()> work) {
-    hand_over(std::move(work));
     std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return error_ || (work_.empty() && !busy_); });
+    if (!error_) {
+        queue_ticks();
+        work_.push(std::move(work));
+        changed_.notify_all();
+        changed_.wait(lock, [this] { return error_ || (work_.empty() && !busy_); });
+    }
     if (error_) {
         std::rethrow_exception(error_);
     }
@@ -112,17 +121,25 @@ void AsyncRecorder::begin_interval(protocols::TrialId trial,
 
 void AsyncRecorder::append(protocols::TrialId trial, std::span<const engine::TickRecord> ticks) {
     const auto now = std::chrono::steady_clock::now();
-    {
-        std::unique_lock lock(mutex_);
-        changed_.wait(lock, [this] { return error_ || waiting_ticks_ < kMostWaiting; });
-        waiting_ticks_ += ticks.size();
-        due_ = due_.value_or(now + save_every_);
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [this] { return error_ || waiting_ticks_ < kMostWaiting; });
+    if (error_) {
+        std::rethrow_exception(error_);
     }
-    hand_over([this, trial, copy = std::vector<engine::TickRecord>(ticks.begin(), ticks.end())] {
-        recorder_.append(trial, copy);
-        const std::scoped_lock lock(mutex_);
-        waiting_ticks_ -= copy.size();
-    });
+    if (trial != trial_) {
+        queue_ticks();
+        trial_ = trial;
+    }
+    ticks_.insert(ticks_.end(), ticks.begin(), ticks.end());
+    waiting_ticks_ += ticks.size();
+    const bool first = !due_;
+    due_ = due_.value_or(now + save_every_);
+    if (ticks_.size() >= kBatch) {
+        queue_ticks();
+    }
+    if (first || !work_.empty()) {
+        changed_.notify_all();
+    }
 }
 
 bool AsyncRecorder::save() {

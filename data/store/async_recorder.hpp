@@ -8,6 +8,7 @@
 #include <optional>
 #include <queue>
 #include <thread>
+#include <vector>
 
 #include "protocols/session/recorder.hpp"
 
@@ -44,7 +45,8 @@ public:
     void finish_session() override;
 
 private:
-    void hand_over(std::function<void()> work);
+    /// With the lock: the ticks that append() gathered become work.
+    void queue_ticks();
     void wait_for(std::function<void()> work);
     void run();
 
@@ -57,7 +59,9 @@ private:
     std::mutex mutex_;
     std::condition_variable changed_;
     std::queue<std::function<void()>> work_;
-    std::size_t waiting_ticks_ = 0;
+    std::vector<engine::TickRecord> ticks_;  ///< of trial_, not yet among work_
+    protocols::TrialId trial_ = 0;
+    std::size_t waiting_ticks_ = 0;  ///< those among work_ too
     /// When what was appended has to be saved; nothing: all of it is.
     std::optional<std::chrono::steady_clock::time_point> due_;
     std::exception_ptr error_;

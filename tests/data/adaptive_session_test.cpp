@@ -134,7 +134,7 @@ TEST_CASE(
     CHECK(differences(whole).empty());
 
     int kills = 0;
-    for (int at = 1;; at += 3, ++kills) {
+    for (int at = 1;; at += 5, ++kills) {
         Database broken(folder.file(fmt::format("{}.sqlite", at)), Access::write);
         const auto dying = [at](protocols::Recorder& recorder) {
             return Killer(recorder, at);
@@ -153,7 +153,7 @@ TEST_CASE(
         REQUIRE(content(broken) == unbroken);
         REQUIRE(differences(broken).empty());
     }
-    CHECK(kills > 20);
+    CHECK(kills > 12);
 }
 
 TEST_CASE("a changed stimulus, outcome or state of a rule lets nothing run", "[adaptive][law]") {

@@ -120,14 +120,14 @@ TEST_CASE(
 
 TEST_CASE("a power cut in a session with a rule loses nothing that was said to be saved",
           "[power][law]") {
-    cut_everywhere(TemporaryFolder(), tests::short_session(true), {}, 3, 0);
+    cut_everywhere(TemporaryFolder(), tests::short_session(true), {}, 5, 0);
 }
 
 TEST_CASE("a power cut under the writing thread loses nothing that was said to be saved",
           "[power][law]") {
     const bool adaptive = GENERATE(false, true);
     cut_everywhere(TemporaryFolder(), tests::short_session(adaptive),
-                   data::AsyncRecorder::kSaveOften, 6, 1);
+                   data::AsyncRecorder::kSaveOften, 8, 1);
 }
 
 TEST_CASE("a second power cut, after a session went on from the first, loses nothing either",
