@@ -43,11 +43,13 @@ private:
     std::int64_t last_ = -1;
 };
 
-/// Hands over tick by tick. @returns whether one was refused
-bool append_all(protocols::Recorder& recorder, std::int64_t ticks) {
+constexpr std::int64_t kPart = 1000;  ///< ticks that are not kept to be handed over with more
+
+/// @returns whether one part was refused
+bool append_all(protocols::Recorder& recorder, std::int64_t parts) {
     try {
-        for (std::int64_t i = 0; i < ticks; ++i) {
-            recorder.append(1, tests::random_ticks(1, 1, i));
+        for (std::int64_t i = 0; i < parts; ++i) {
+            recorder.append(1, tests::random_ticks(1, kPart, i * kPart));
         }
     } catch (const data::StoreError&) {
         return true;
@@ -61,16 +63,16 @@ TEST_CASE("after one lost append nothing is stored any more, and every call says
           "[store][law]") {
     const int failing = GENERATE(1, 2, 7, 20);
     CAPTURE(failing);
-    constexpr std::int64_t kTicks = 20;
+    constexpr std::int64_t kParts = 20;
     DiskWithHiccup disk(failing);
     {
         data::AsyncRecorder recorder(disk);
         const auto id = recorder.begin_trial({});
-        const bool refused = append_all(recorder, kTicks);
+        const bool refused = append_all(recorder, kParts);
         CAPTURE(refused);
         const std::function<void()> calls[] = {
             [&] { recorder.end_trial(id, tests::answered(0, true)); },
-            [&] { recorder.append(id, tests::random_ticks(1, 10, kTicks)); },
+            [&] { recorder.append(id, tests::random_ticks(1, 10, kParts * kPart)); },
             [&] { recorder.event({.text = "somebody noted it"}); },
             [&] { static_cast<void>(recorder.begin_trial({})); },
             [&] {
@@ -83,5 +85,5 @@ TEST_CASE("after one lost append nothing is stored any more, and every call says
         }
     }
     CHECK(disk.calls() == 1 + failing);  // begin_trial and the appends up to the lost one
-    CHECK(disk.last_tick() == failing - 2);
+    CHECK(disk.last_tick() == (failing - 1) * kPart - 1);
 }
