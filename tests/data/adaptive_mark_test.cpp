@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include "protocols/observer/simulated_observer.hpp"
+#include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/people.hpp"
+#include "data/store/sqlite_recorder.hpp"
 #include "data/verify/verify.hpp"
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"

@@ -1,6 +1,7 @@
 #include <set>
 
 #include "protocols/design/friction_blocks.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "data/store/counterbalance_query.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"

@@ -4,7 +4,7 @@
 #include "data/store/people.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
-#include "tests/support/adaptive_text.hpp"
+#include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 #include "tests/support/process.hpp"

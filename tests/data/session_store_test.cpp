@@ -1,3 +1,4 @@
+#include "protocols/design/session_plan.hpp"
 #include "data/store/session_store.hpp"
 #include "data/store/sqlite_recorder.hpp"
 #include "tests/support/catch.hpp"

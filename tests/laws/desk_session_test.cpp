@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "tests/support/adaptive_text.hpp"
+#include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/slurp.hpp"

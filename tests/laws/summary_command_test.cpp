@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 
 #include "data/store/sqlite_recorder.hpp"
-#include "tests/support/adaptive_text.hpp"
+#include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/studies.hpp"

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "engine/base/files.hpp"
+#include "protocols/design/session_plan.hpp"
 #include "data/export/export.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/sync/merge.hpp"

@@ -5,8 +5,10 @@
 #include <string>
 
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
-#include "tests/support/adaptive_text.hpp"
+#include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 
 using namespace palpate::protocols;

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/protocol_file.hpp"
 #include "protocols/session/session.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/studies.hpp"

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <cstring>
+#include <span>
+#include <string>
 #include <vector>
 
-#include "engine/realtime/tick_record.hpp"
-#include "protocols/design/session_plan.hpp"
-#include "protocols/file/protocol_file.hpp"
 #include "protocols/session/recorder.hpp"
-#include "protocols/trial/object_hash.hpp"
-#include "protocols/trial/presentation.hpp"
 #include "data/store/session_store.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
@@ -17,110 +13,32 @@
 namespace palpate::tests {
 
 /// Three objects, friction off and on, `repetitions` each: 6 trials a repetition, no practice.
-inline protocols::Protocol small_protocol(std::size_t repetitions = 1) {
-    protocols::Protocol protocol;
-    protocol.id = "small";
-    protocol.title = "A small study";
-    protocol.seed = 7;
-    protocol.objects = {{"concave", -8.0, true}, {"straight", 0.0, true}, {"convex", 8.0, true}};
-    protocol.frictions = {
-        {.name = "off"},
-        {.name = "on", .law = "gos", .mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1}};
-    protocol.design = {.repetitions = repetitions,
-                       .max_run_object = 2,
-                       .max_run_friction = 3,
-                       .practice_repetitions = 0,
-                       .catch_trials = 0,
-                       .break_every = 0};
-    protocol.timing.gap = 0.0;
-    return protocol;
-}
+[[nodiscard]] protocols::Protocol small_protocol(std::size_t repetitions = 1);
 
 /// Of sessions in tests.
 inline const std::string kSecret = kRunSecret;
 
-inline data::SessionSpec session_spec(const protocols::Protocol& protocol,
-                                      std::string participant = "P01",
-                                      std::size_t number = 1) {
-    data::SessionSpec spec;
-    spec.protocol = protocol;
-    spec.protocol_hash = protocols::protocol_hash(protocol);
-    spec.key = {std::move(participant), number, kSecret};
-    spec.seed = protocol.seed;
-    spec.plan = protocols::make_plan(protocol, spec.protocol_hash, spec.key, spec.seed);
-    spec.device = "test";
-    spec.provenance = protocols::object_hashes(protocol);
-    return spec;
-}
+[[nodiscard]] data::SessionSpec session_spec(const protocols::Protocol& protocol,
+                                             std::string participant = "P01",
+                                             std::size_t number = 1);
 
 /// Ticks full of arbitrary bits (NaN payloads too), in order from `first`.
-inline std::vector<engine::TickRecord> random_ticks(std::uint64_t seed,
-                                                    std::size_t count,
-                                                    std::int64_t first = 0) {
-    Random random(seed);
-    const auto bits = [&random] {
-        std::uint64_t word = 0;
-        for (int i = 0; i < 4; ++i) {
-            word = (word << 16U) | static_cast<std::uint64_t>(random.below(65536));
-        }
-        double value = 0.0;
-        std::memcpy(&value, &word, sizeof value);
-        return random.coin() ? value : random.in(-1.0, 1.0);
-    };
-    std::vector<engine::TickRecord> ticks(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        engine::TickRecord& t = ticks[i];
-        t.tick = first + static_cast<std::int64_t>(i);
-        t.time_ns = t.tick * 1'000'000;
-        for (engine::Vec2* v : {&t.hip, &t.cp, &t.go, &t.force, &t.command}) {
-            *v = engine::Vec2{bits(), bits()};
-        }
-        t.normal_force = bits();
-        t.tangential_force = bits();
-        t.mu = bits();
-        t.u = bits();
-        t.counts = {random.below(1 << 20) - (1 << 19), random.below(100)};
-        t.codes = {random.below(65536) - 32768, random.below(100)};
-        t.lateness_us = static_cast<float>(random.in(0.0, 50.0));
-        t.segment = static_cast<std::int16_t>(random.below(6) - 3);
-        t.mode = static_cast<engine::Mode>(random.below(4));
-        t.flags = static_cast<std::uint8_t>(random.below(16));
-    }
-    return ticks;
-}
+[[nodiscard]] std::vector<engine::TickRecord> random_ticks(std::uint64_t seed,
+                                                           std::size_t count,
+                                                           std::int64_t first = 0);
 
 /// Every field the same, bit for bit.
-inline bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b) {
-    const auto equal = [](const auto& x, const auto& y) {
-        return std::memcmp(&x, &y, sizeof x) == 0;
-    };
-    return a.tick == b.tick && a.time_ns == b.time_ns && equal(a.hip, b.hip) && equal(a.cp, b.cp) &&
-           equal(a.go, b.go) && equal(a.force, b.force) && equal(a.command, b.command) &&
-           equal(a.normal_force, b.normal_force) && equal(a.tangential_force, b.tangential_force) &&
-           equal(a.mu, b.mu) && equal(a.u, b.u) && a.counts == b.counts && a.codes == b.codes &&
-           equal(a.lateness_us, b.lateness_us) && a.segment == b.segment && a.mode == b.mode &&
-           a.flags == b.flags;
-}
+[[nodiscard]] bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b);
 
 /// Begins a trial and its first interval, as a session does.
-inline protocols::TrialId begin_trial(protocols::Recorder& recorder,
-                                      const protocols::Protocol& protocol,
-                                      const protocols::PlannedTrial& planned,
-                                      const protocols::SceneConstants& scene = {}) {
-    const protocols::TrialId id = recorder.begin_trial(planned);
-    recorder.begin_interval(id, protocols::presentations_of(protocol, planned).front(), scene);
-    return id;
-}
+[[nodiscard]] protocols::TrialId begin_trial(protocols::Recorder& recorder,
+                                             const protocols::Protocol& protocol,
+                                             const protocols::PlannedTrial& planned,
+                                             const protocols::SceneConstants& scene = {});
 
 /// A complete, plausible result.
-inline protocols::TrialResult answered(std::size_t object, bool correct, std::int64_t ticks = 0) {
-    protocols::TrialResult result;
-    result.done_s = 3.0;
-    result.summary.ticks = ticks;
-    result.intervals = {{.done_s = result.done_s, .summary = result.summary}};
-    result.response = protocols::Response{
-        .place = object, .object = object, .correct = correct, .reaction_s = 1.0};
-    return result;
-}
+[[nodiscard]] protocols::TrialResult answered(std::size_t object,
+                                              bool correct,
+                                              std::int64_t ticks = 0);
 
 }  // namespace palpate::tests
