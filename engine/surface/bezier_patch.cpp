@@ -245,6 +245,10 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
       net_(net.begin(), net.end()) {
     check_degree(degree_u, "degree_u");
     check_degree(degree_v, "degree_v");
+    const auto levels = [](int n) {
+        return n * (n + 1) / 2 + 6;
+    };
+    work_ = 2 * ((degree_v + 1) * levels(degree_u) + 3 * levels(degree_v));
     const auto needed = static_cast<std::size_t>((degree_u + 1) * (degree_v + 1));
     if (net.size() != needed) {
         throw std::invalid_argument("a patch of degree " + std::to_string(degree_u) + " x " +

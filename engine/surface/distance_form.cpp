@@ -133,7 +133,10 @@ public:
         clearly_closer2_ = closer * closer;
     }
 
-    Verdict decide(const PatchPart& part, int& budget) noexcept {
+    Verdict decide(const PatchPart& part, Work& work) noexcept {
+        work_ = &work;
+        const Work piece = form_.cut_work() * (even_ ? 1 : 2);
+        work -= 4 * piece;
         verdict_.lower2 = std::numeric_limits<double>::infinity();
         Piece& whole = push(part, 0);
         whole.g = form_.net(h_, beta_);
@@ -144,7 +147,8 @@ public:
         }
         whole.noise = kNoise * whole.terms.highest();
         while (top_ > 0 && !verdict_.closer) {
-            if (--budget < 0) {
+            work -= piece;
+            if (work < 0) {
                 verdict_.proven = false;
                 lower(beta_);
                 break;
@@ -198,7 +202,7 @@ private:
             return;
         }
         if (piece.g.convex(piece.noise)) {
-            const SurfaceFoot foot = descend_within(surface_, h_, place, part);
+            const SurfaceFoot foot = descend_within(surface_, h_, place, part, *work_);
             if (offer(foot.place, foot.distance2)) {
                 return;
             }
@@ -263,6 +267,7 @@ private:
     bool even_;                     ///< W = 1
     double clearly_closer2_ = 0.0;  ///< beta, less the rounding of a point of the surface
     std::size_t top_ = 0;
+    Work* work_ = nullptr;
     Verdict verdict_{};
     std::array<Piece, kMaxDepth + 2> stack_{};
 };
@@ -276,9 +281,9 @@ Verdict any_closer(const NurbsSurface& surface,
                    const PatchPart& part,
                    const Vec3& h,
                    double beta,
-                   int& budget) noexcept {
+                   Work& work) noexcept {
     const SurfacePlace patch{.i = i, .j = j};
-    return Pieces(surface, form, patch, h, beta).decide(part, budget);
+    return Pieces(surface, form, patch, h, beta).decide(part, work);
 }
 
 }  // namespace palpate::engine

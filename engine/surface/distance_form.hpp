@@ -31,6 +31,10 @@ public:
         return pw_[static_cast<std::size_t>(k)];
     }
     [[nodiscard]] const std::vector<double>& ww() const noexcept { return ww_; }  ///< W^2
+    /// What cutting a net of these degrees in two costs.
+    [[nodiscard]] Work cut_work() const noexcept {
+        return static_cast<Work>((n_ + 1) * (m_ + 1) * ((n_ + m_) / 4 + 8));
+    }
     [[nodiscard]] double largest_ww() const noexcept { return largest_ww_; }
 
     /// g of the whole patch.
@@ -59,7 +63,7 @@ struct Verdict {
 /// Is any point of `part` of patch (i, j) closer to h than sqrt(beta)? Halves the part until each
 /// piece is decided by its coefficients, or is a bowl and its bottom known, or is below rounding.
 /// @param h  relative to surface.origin(), m
-/// @param budget  pieces to look at, counted down
+/// @param work  counted down; below 0 the answer is not proven
 [[nodiscard]] Verdict any_closer(const NurbsSurface& surface,
                                  const DistanceForm& form,
                                  std::size_t i,
@@ -67,6 +71,6 @@ struct Verdict {
                                  const PatchPart& part,
                                  const Vec3& h,
                                  double beta,
-                                 int& budget) noexcept;
+                                 Work& work) noexcept;
 
 }  // namespace palpate::engine

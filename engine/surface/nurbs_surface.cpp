@@ -116,13 +116,19 @@ NurbsSurface::NurbsSurface(int degree_u,
     for (std::size_t i = 0; i <= last; ++i) {
         closed_v_ = closed_v_ && same(net.values[i * n], net.values[i * n + n - 1], size_);
     }
+    const auto border = [&](std::size_t j) {
+        std::vector<Quad> edge;
+        for (std::size_t i = 0; i <= last; ++i) {
+            edge.push_back(net.values[i * n + j]);
+        }
+        return edge;
+    };
+    poles_ = {one_point(std::span(net.values).first(n), size_),
+              one_point(std::span(net.values).last(n), size_), one_point(border(0), size_),
+              one_point(border(n - 1), size_)};
     // Two poles are no seam: an edge that is one point has no other side.
-    closed_u_ = closed_u_ && !one_point(std::span(net.values).first(n), size_);
-    std::vector<Quad> edge;
-    for (std::size_t i = 0; i <= last; ++i) {
-        edge.push_back(net.values[i * n]);
-    }
-    closed_v_ = closed_v_ && !one_point(edge, size_);
+    closed_u_ = closed_u_ && !poles_[0];
+    closed_v_ = closed_v_ && !poles_[2];
 
     const auto p = static_cast<std::size_t>(degree_u);
     for (std::size_t i = 0; i < rows_; ++i) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -78,6 +79,9 @@ public:
     /// Whether the borders at both ends of u, or v, are one.
     [[nodiscard]] bool closed_u() const noexcept { return closed_u_; }
     [[nodiscard]] bool closed_v() const noexcept { return closed_v_; }
+    /// Whether the border u = first (or last) is one point: a pole. So for v.
+    [[nodiscard]] bool pole_u(bool last) const noexcept { return poles_[last ? 1U : 0U]; }
+    [[nodiscard]] bool pole_v(bool last) const noexcept { return poles_[last ? 3U : 2U]; }
     /// Moves a place on an edge of its patch, u (or v) = 0 or 1, to the same point on the next
     /// patch.
     /// @return false at an open border: nothing changed
@@ -99,6 +103,7 @@ private:
     bool polynomial_ = false;
     bool closed_u_ = false;
     bool closed_v_ = false;
+    std::array<bool, 4> poles_{};
     std::vector<BezierPatch> patches_;
 };
 

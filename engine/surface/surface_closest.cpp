@@ -95,33 +95,33 @@ SurfaceClosest SurfaceFeet::closest(const Vec3& hip) const noexcept {
     return track(fresh, hip);
 }
 
-SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip) const noexcept {
+SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work work) const noexcept {
     const Vec3 h = hip - surface_->origin();
     if (!(glm::dot(h, h) < 1e300)) {  // also NaN: nothing to look for, and nothing to remember
         return {.distance = std::numeric_limits<double>::infinity(), .proven = false};
     }
     if (!track.certified || !track.started) {
-        return search(track, h);
+        return search(track, h, work);
     }
     const double moved = glm::length(h - track.reference);
     if (moved > track.slack) {
-        return search(track, h);
+        return search(track, h, work);
     }
     Moved foot_now;
     if (!follow(track, h, foot_now)) {
-        const SurfaceFoot foot = descend(*surface_, h, track.place);
+        const SurfaceFoot foot = descend(*surface_, h, track.place, work);
         track.place = foot.place;
         track.jet = foot.jet;
         foot_now = {foot.place, foot.jet.point};
         if (!at_rest(track, h)) {
-            return search(track, h);
+            return search(track, h, work);
         }
     }
     const double distance = glm::length(foot_now.point - h);
     const double rounding = 1e-15 * (surface_->size() + distance);
     if (distance > track.distance + moved + rounding || distance + moved > track.other ||
         !in_window(track.window, foot_now.place)) {
-        return search(track, h);
+        return search(track, h, work);
     }
     ++track.certified_calls;
     return answer(track, h, foot_now);

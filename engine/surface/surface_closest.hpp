@@ -64,11 +64,18 @@ public:
     /// @throws std::invalid_argument for a null surface
     explicit SurfaceFeet(std::shared_ptr<const NurbsSurface> surface);
 
+    /// What a search may cost that nobody waits for: a second. Only patches that are a line or a
+    /// point, with different weights, are known to need it.
+    static constexpr Work kPatience = 3'000'000'000;
+
     /// Global, from nothing. @param hip  m, world frame, finite
     [[nodiscard]] SurfaceClosest closest(const Vec3& hip) const noexcept;
 
     /// Global, starting from the last tick's answer: no search while the certificate holds.
-    [[nodiscard]] SurfaceClosest track(SurfaceTrack& track, const Vec3& hip) const noexcept;
+    /// @param work  what a search may cost; beyond it the best foot found, not proven
+    [[nodiscard]] SurfaceClosest track(SurfaceTrack& track,
+                                       const Vec3& hip,
+                                       Work work = kPatience) const noexcept;
 
     /// The last answer is also the local foot of `place`: both lie in the same proven bowl.
     [[nodiscard]] bool same_bowl(const SurfaceTrack& track,
@@ -98,7 +105,9 @@ private:
     };
 
     [[nodiscard]] bool follow(SurfaceTrack& track, const Vec3& h, Moved& moved) const noexcept;
-    [[nodiscard]] SurfaceClosest search(SurfaceTrack& track, const Vec3& h) const noexcept;
+    [[nodiscard]] SurfaceClosest search(SurfaceTrack& track,
+                                        const Vec3& h,
+                                        Work work) const noexcept;
     [[nodiscard]] SurfacePlace near_place(const Vec3& h) const noexcept;
     [[nodiscard]] bool at_rest(const SurfaceTrack& track, const Vec3& h) const noexcept;
     void grow(SurfaceTrack& track, const Vec3& h, double d2) const noexcept;
@@ -108,11 +117,11 @@ private:
     [[nodiscard]] Verdict look_around(SurfaceTrack& track,
                                       const Vec3& h,
                                       double d2,
-                                      int& budget) const noexcept;
+                                      Work& work) const noexcept;
     [[nodiscard]] Verdict look_at(std::uint32_t leaf,
                                   const Vec3& h,
                                   double d2,
-                                  int& budget) const noexcept;
+                                  Work& work) const noexcept;
     [[nodiscard]] SurfaceClosest answer(const SurfaceTrack& track,
                                         const Vec3& h,
                                         const Moved& moved) const noexcept;

@@ -10,6 +10,7 @@ namespace {
 /// Narrow bent valleys (weights of 1e3) are followed in many short steps; 3 are usual.
 constexpr int kFootSteps = 400;
 constexpr int kMaxHalvings = 40;
+constexpr Work kStepWork = 100;  ///< besides the evaluation
 
 class Descent {
 public:
@@ -17,14 +18,15 @@ public:
             const Vec3& h,
             const SurfacePlace& start,
             const PatchPart& part,
-            bool cross) noexcept
-        : surface_(surface), h_(h), part_(part), cross_(cross) {
+            bool cross,
+            Work& work) noexcept
+        : surface_(surface), h_(h), part_(part), cross_(cross), work_(work) {
         foot_.place = start;
         look(foot_);
     }
 
     SurfaceFoot run() noexcept {
-        for (int i = 0; i < kFootSteps; ++i) {
+        for (int i = 0; i < kFootSteps && work_ > 0; ++i) {
             if (!step()) {
                 break;
             }
@@ -40,6 +42,7 @@ private:
     };
 
     void look(SurfaceFoot& foot) const noexcept {
+        work_ -= surface_.patch(foot.place.i, foot.place.j).work() + kStepWork;
         foot.jet = surface_.local_jet(foot.place);
         const Vec3 r = foot.jet.point - h_;
         foot.distance2 = glm::dot(r, r);
@@ -228,6 +231,7 @@ private:
     Vec3 h_;
     PatchPart part_;
     bool cross_;
+    Work& work_;
     SurfaceFoot foot_{};
     int hops_ = 0;
     int stalls_ = 0;
@@ -238,15 +242,17 @@ private:
 
 SurfaceFoot descend(const NurbsSurface& surface,
                     const Vec3& h,
-                    const SurfacePlace& start) noexcept {
-    return Descent(surface, h, start, {}, true).run();
+                    const SurfacePlace& start,
+                    Work& work) noexcept {
+    return Descent(surface, h, start, {}, true, work).run();
 }
 
 SurfaceFoot descend_within(const NurbsSurface& surface,
                            const Vec3& h,
                            const SurfacePlace& start,
-                           const PatchPart& part) noexcept {
-    return Descent(surface, h, start, part, false).run();
+                           const PatchPart& part,
+                           Work& work) noexcept {
+    return Descent(surface, h, start, part, false, work).run();
 }
 
 }  // namespace palpate::engine

@@ -49,15 +49,18 @@ struct PatchPart {
 /// Where the second derivatives are no bowl, with both eigenvalues made positive. Every step that
 /// is not tiny lowers the distance, so that it ends. The distance is the local minimum to rounding:
 /// 4e-16 of the size.
-/// @param h  relative to surface.origin(), m
+/// @param h     relative to surface.origin(), m
+/// @param work  counted down; below 0 the descent ends where it is
 [[nodiscard]] SurfaceFoot descend(const NurbsSurface& surface,
                                   const Vec3& h,
-                                  const SurfacePlace& start) noexcept;
+                                  const SurfacePlace& start,
+                                  Work& work) noexcept;
 
 /// The same inside one part of a patch.
 [[nodiscard]] SurfaceFoot descend_within(const NurbsSurface& surface,
                                          const Vec3& h,
                                          const SurfacePlace& start,
-                                         const PatchPart& part) noexcept;
+                                         const PatchPart& part,
+                                         Work& work) noexcept;
 
 }  // namespace palpate::engine

@@ -1,47 +1,59 @@
 #include "engine/surface/surface_ground.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 
 namespace palpate::engine {
 namespace {
+
+constexpr Work kSpotWork = 200;  ///< besides the evaluation
 
 /// The last bits before an edge belong to it: there the next patch, or the border, takes over.
 double snapped(double t) noexcept {
     return t < 8.0 * kEpsilon ? 0.0 : t > 1.0 - 8.0 * kEpsilon ? 1.0 : t;
 }
 
-bool collapsed(const NurbsSurface& surface, const Vec3& edge) noexcept {
-    return glm::length(edge) <= 1e-9 * surface.size();
+bool at_end(double t) noexcept {
+    return t == 0.0 || t == 1.0;
+}
+
+/// A way with this part leaves the patch at once.
+bool leaves(double t, double by) noexcept {
+    return (t == 0.0 && by < 0.0) || (t == 1.0 && by > 0.0);
 }
 
 }  // namespace
 
-SurfaceSpot SurfaceGround::look(SurfacePlace place) const noexcept {
+SurfaceSpot SurfaceGround::look(SurfacePlace place) noexcept {
+    work_ += surface_.patch(place.i, place.j).work() + kSpotWork;
     place.u = snapped(place.u);
     place.v = snapped(place.v);
     SurfaceSpot s;
     s.place = place;
     s.jet = surface_.local_jet(place);
     s.normal = surface_.normal_at(place, s.jet);
-    const Vec3 r = h_ - s.jet.point;
-    const Stretch<3> parts = stretch<3>(r, s.normal);
-    s.r2 = glm::dot(r, r);
+    s.r = h_ - s.jet.point;
+    const Stretch<3> parts = stretch<3>(s.r, s.normal);
+    s.r2 = glm::dot(s.r, s.r);
     s.along = parts.tangential;
     s.length = parts.length;
     s.load = parts.load;
     s.cone = cone_radius<true>(mu_, s.load);
     s.excess = s.length - s.cone;
+    const double reach = std::sqrt(s.r2);
+    s.noise = 4.0 * kEpsilon * (glm::length(s.jet.point) + reach);
+    s.rounding = 1e-14 * s.cone + s.noise;
+    s.turn = reach * turn(s.jet);
     return s;
 }
 
-double SurfaceGround::tolerance(const SurfaceSpot& s) noexcept {
-    return 1e-14 * s.cone + 4.0 * kEpsilon * (glm::length(s.jet.point) + std::sqrt(s.r2));
-}
-
-bool SurfaceGround::settled(const SurfaceSpot& s) noexcept {
-    const double rounding = tolerance(s);
-    return s.excess <= 0.0 || (s.cone <= rounding && s.length <= 2.0 * rounding);
+/// Rounding of a unit normal: derivatives are differences of coordinates.
+double SurfaceGround::turn(const SurfaceJet& j) const noexcept {
+    const double a = glm::length(j.du);
+    const double b = glm::length(j.dv);
+    const double area = glm::length(glm::cross(j.du, j.dv));
+    return std::min(kEpsilon * surface_.size() * (a + b) / (area + 1e-300), 1e-9);
 }
 
 Vec2 SurfaceGround::parameters(const SurfaceJet& j, const Vec3& t) noexcept {
@@ -57,42 +69,76 @@ Vec2 SurfaceGround::parameters(const SurfaceJet& j, const Vec3& t) noexcept {
     return Vec2{e > 0.0 ? a / e : 0.0, g > 0.0 ? b / g : 0.0};
 }
 
-bool SurfaceGround::blocked_u(const SurfaceSpot& s, double du) const noexcept {
-    const SurfacePlace& p = s.place;
-    SurfacePlace beyond = p;
-    return ((p.u == 0.0 && du < 0.0) || (p.u == 1.0 && du > 0.0)) &&
-           (!surface_.cross_u(beyond, du > 0.0) || pushes_back(s, beyond, true));
-}
-bool SurfaceGround::blocked_v(const SurfaceSpot& s, double dv) const noexcept {
-    const SurfacePlace& p = s.place;
-    SurfacePlace beyond = p;
-    return ((p.v == 0.0 && dv < 0.0) || (p.v == 1.0 && dv > 0.0)) &&
-           (!surface_.cross_v(beyond, dv > 0.0) || pushes_back(s, beyond, false));
-}
-
-bool SurfaceGround::pushes_back(const SurfaceSpot& here,
-                                const SurfacePlace& beyond,
-                                bool in_u) const noexcept {
-    const SurfaceSpot s = look(beyond);
-    if (glm::length(s.normal - here.normal) <= 1e-9) {
-        return false;  // smooth: the slope is the same on both sides, to rounding
+/// What the patch of `s` alone has to offer: the projection of the stretch on it.
+Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
+    if (settled(s)) {
+        return {s, Footing::Way::rests, s.excess};
     }
     const Vec2 way = parameters(s.jet, s.along);
-    return in_u ? (beyond.u == 0.0 ? way.x < 0.0 : way.x > 0.0)
-                : (beyond.v == 0.0 ? way.y < 0.0 : way.y > 0.0);
-}
-
-bool SurfaceGround::between(SurfacePlace p) const noexcept {
-    return ((p.u == 0.0 || p.u == 1.0) && surface_.cross_u(p, p.u == 1.0)) ||
-           ((p.v == 0.0 || p.v == 1.0) && surface_.cross_v(p, p.v == 1.0));
-}
-
-bool SurfaceGround::turn_at_pole(SurfaceSpot& s) const noexcept {
-    const bool in_u = (s.place.u == 0.0 || s.place.u == 1.0) && collapsed(surface_, s.jet.dv);
-    const bool in_v = (s.place.v == 0.0 || s.place.v == 1.0) && collapsed(surface_, s.jet.du);
-    if (!(in_u || in_v) || !(s.length > 0.0)) {
-        return false;
+    const bool out_u = leaves(s.place.u, way.x);
+    const bool out_v = leaves(s.place.v, way.y);
+    if (!out_u && !out_v) {
+        return {s, Footing::Way::open, s.excess};
     }
+    const auto drive = [&s](const Vec3& edge, double at) {
+        const double length = glm::length(edge);
+        const double by = length > 0.0 ? glm::dot(s.r, edge) / length : 0.0;
+        return leaves(at, by) ? 0.0 : std::fabs(by);
+    };
+    const double by_v = out_u ? drive(s.jet.dv, s.place.v) : 0.0;
+    const double by_u = out_v ? drive(s.jet.du, s.place.u) : 0.0;
+    const double excess = std::max(by_u, by_v) - s.cone;
+    if (!(excess > s.rounding)) {
+        return {s, Footing::Way::held, excess};
+    }
+    return {s, by_u > by_v ? Footing::Way::along_u : Footing::Way::along_v, excess};
+}
+
+Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
+    Footing best = on_patch(s);
+    const SurfacePlace& p = s.place;
+    if (best.way == Footing::Way::rests) {
+        return best;
+    }
+    if (pole_u(p) || pole_v(p)) {
+        return at_pole(s, pole_u(p));
+    }
+    if (best.way == Footing::Way::open) {
+        return best;
+    }
+    std::array<SurfacePlace, 3> others;
+    std::size_t count = 0;
+    SurfacePlace beyond_u = p;
+    SurfacePlace beyond_v = p;
+    const bool in_u = at_end(p.u) && surface_.cross_u(beyond_u, p.u == 1.0);
+    const bool in_v = at_end(p.v) && surface_.cross_v(beyond_v, p.v == 1.0);
+    if (in_u) {
+        others[count++] = beyond_u;
+    }
+    if (in_v) {
+        others[count++] = beyond_v;
+    }
+    if (in_u && in_v && surface_.cross_v(beyond_u, p.v == 1.0)) {
+        others[count++] = beyond_u;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const Footing next = on_patch(look(others[k]));
+        if (next.way == Footing::Way::rests) {
+            return next;
+        }
+        const bool both_held = next.way == Footing::Way::held && best.way == Footing::Way::held;
+        if (both_held ? next.spot.load > best.spot.load
+                      : next.way != Footing::Way::held &&
+                            (best.way == Footing::Way::held || next.excess > best.excess)) {
+            best = next;
+        }
+    }
+    return best;
+}
+
+/// On an edge that is one point: the place on it from which the surface goes on along the stretch,
+/// within 6 degrees.
+Footing SurfaceGround::at_pole(const SurfaceSpot& s, bool in_u) noexcept {
     double best = -1e301;
     SurfacePlace found = s.place;
     const std::size_t patches = in_u ? surface_.columns() : surface_.rows();
@@ -102,24 +148,64 @@ bool SurfaceGround::turn_at_pole(SurfaceSpot& s) const noexcept {
             SurfacePlace p = s.place;
             (in_u ? p.j : p.i) = k;
             (in_u ? p.v : p.u) = static_cast<double>(step) / kPerPatch;
-            const double match = way_off(p, in_u, s.along);
+            const double match = way_off(p, in_u);
             if (match > best) {
                 best = match;
                 found = p;
             }
         }
     }
-    s = look(found);
-    return true;
+    Footing f{look(found), Footing::Way::held, 0.0};
+    f.excess = best - f.spot.cone;
+    if (settled(f.spot)) {
+        f.way = Footing::Way::rests;
+    } else if (f.excess > f.spot.rounding) {
+        f.way = in_u ? Footing::Way::along_u : Footing::Way::along_v;
+    }
+    return f;
 }
 
-/// Part of the unit vector that leads from an edge into the surface along `t`.
-double SurfaceGround::way_off(const SurfacePlace& p, bool in_u, const Vec3& t) const noexcept {
+/// Part of the stretch along the way from an edge into the surface.
+double SurfaceGround::way_off(const SurfacePlace& p, bool in_u) noexcept {
+    work_ += surface_.patch(p.i, p.j).work();
     const SurfaceJet jet = surface_.local_jet(p);
     const double side = (in_u ? p.u : p.v) == 0.0 ? 1.0 : -1.0;
     const Vec3 inwards = side * (in_u ? jet.du : jet.dv);
     const double length = glm::length(inwards);
-    return length > 0.0 ? glm::dot(inwards, t) / length : -1e300;
+    return length > 0.0 ? glm::dot(inwards, h_ - jet.point) / length : -1e300;
+}
+
+bool SurfaceGround::pole_u(const SurfacePlace& p) const noexcept {
+    return (p.u == 0.0 && p.i == 0 && surface_.pole_u(false)) ||
+           (p.u == 1.0 && p.i + 1 == surface_.rows() && surface_.pole_u(true));
+}
+bool SurfaceGround::pole_v(const SurfacePlace& p) const noexcept {
+    return (p.v == 0.0 && p.j == 0 && surface_.pole_v(false)) ||
+           (p.v == 1.0 && p.j + 1 == surface_.columns() && surface_.pole_v(true));
+}
+
+bool SurfaceGround::enclosed(const SurfacePlace& p) const noexcept {
+    SurfacePlace beyond = p;
+    const bool over_u = at_end(p.u) && surface_.cross_u(beyond, p.u == 1.0);
+    const bool over_v = at_end(p.v) && surface_.cross_v(beyond, p.v == 1.0);
+    return (!at_end(p.u) || over_u || (pole_u(p) && surface_.closed_v())) &&
+           (!at_end(p.v) || over_v || (pole_v(p) && surface_.closed_u()));
+}
+
+bool SurfaceGround::to_pole(SurfacePlace& p) const noexcept {
+    SurfacePlace at = p;
+    at.u = p.u < 0.5 ? 0.0 : 1.0;
+    if (pole_u(at)) {
+        p = at;
+        return true;
+    }
+    at = p;
+    at.v = p.v < 0.5 ? 0.0 : 1.0;
+    if (pole_v(at)) {
+        p = at;
+        return true;
+    }
+    return false;
 }
 
 }  // namespace palpate::engine

@@ -8,17 +8,35 @@ namespace palpate::engine {
 /// A place of the god-object on a surface with everything that is measured there.
 struct SurfaceSpot {
     SurfacePlace place{};
-    SurfaceJet jet{};     ///< relative to surface.origin()
-    Vec3 normal{};        ///< unit, outward
-    double r2 = 0.0;      ///< |r|^2, r = HIP - GO, m^2
-    Vec3 along{};         ///< tangential part of r, m
-    double length = 0.0;  ///< of it
-    double load = 0.0;    ///< -r . normal, m
-    double cone = 0.0;    ///< mu max(load, 0), m
-    double excess = 0.0;  ///< length - cone, m; > 0: outside of the cone
+    SurfaceJet jet{};       ///< relative to surface.origin()
+    Vec3 normal{};          ///< unit, outward
+    Vec3 r{};               ///< HIP - GO, m
+    double r2 = 0.0;        ///< |r|^2, m^2
+    Vec3 along{};           ///< tangential part of r, m
+    double length = 0.0;    ///< of it
+    double load = 0.0;      ///< -r . normal, m
+    double cone = 0.0;      ///< mu max(load, 0), m
+    double excess = 0.0;    ///< length - cone, m; > 0: outside of the cone
+    double noise = 0.0;     ///< rounding of a place, m
+    double rounding = 0.0;  ///< the width of the cone's shell that counts as its edge, m
+    double turn = 0.0;      ///< what the last bits of the normal do to excess, m
 };
 
-/// What the god-object finds under its feet: its stretch and cone, borders, creases and poles.
+/// What the god-object may do where it is.
+struct Footing {
+    enum class Way : std::uint8_t {
+        rests,    ///< within its cone
+        open,     ///< into the patch, in the direction of its drive
+        along_u,  ///< along an edge v = 0 or 1, as u changes
+        along_v,  ///< along an edge u = 0 or 1
+        held,     ///< out of the cone, but every way on is barred
+    };
+    SurfaceSpot spot{};  ///< on the patch on which it goes on
+    Way way = Way::rests;
+    double excess = 0.0;  ///< of the drive in that way, m
+};
+
+/// What the god-object finds under its feet.
 class SurfaceGround {
 public:
     /// @param h  HIP relative to surface.origin(), m
@@ -28,37 +46,42 @@ public:
     [[nodiscard]] const NurbsSurface& surface() const noexcept { return surface_; }
     [[nodiscard]] const Vec3& h() const noexcept { return h_; }
     [[nodiscard]] double mu() const noexcept { return mu_; }
+    /// What looking has cost so far.
+    [[nodiscard]] Work work() const noexcept { return work_; }
 
-    [[nodiscard]] SurfaceSpot look(SurfacePlace place) const noexcept;
+    [[nodiscard]] SurfaceSpot look(SurfacePlace place) noexcept;
 
-    /// Width of the shell inside the cone in which a slide ends, m: the rounding of a place.
-    [[nodiscard]] static double tolerance(const SurfaceSpot& s) noexcept;
-    /// Within its cone; where that is narrower than rounding (no load, no friction) at the local
-    /// foot.
-    [[nodiscard]] static bool settled(const SurfaceSpot& s) noexcept;
+    /// Within its cone; where that is narrower than rounding (no load, no friction) at a foot.
+    [[nodiscard]] static bool settled(const SurfaceSpot& s) noexcept {
+        return s.excess <= 0.0 || (s.cone <= s.rounding && s.length <= 2.0 * s.rounding);
+    }
     /// Parameters of the way `t` in the tangent plane: the 2 x 2 metric.
     [[nodiscard]] static Vec2 parameters(const SurfaceJet& jet, const Vec3& t) noexcept;
 
-    /// A way with this part in u (v) ends at once: at an open border, or in a concave crease, on
-    /// whose other side HIP draws the GO back.
-    [[nodiscard]] bool blocked_u(const SurfaceSpot& s, double du) const noexcept;
-    [[nodiscard]] bool blocked_v(const SurfaceSpot& s, double dv) const noexcept;
-    /// On an edge between two patches, not on an open border.
-    [[nodiscard]] bool between(SurfacePlace p) const noexcept;
+    /// Where the GO goes on from `s`. Inside a patch it follows its drive. On an edge all patches
+    /// that meet there are asked, and the drive is the projection of the stretch on what each of
+    /// them has to offer: the patch, or its edge. The steepest one wins.
+    [[nodiscard]] Footing footing(const SurfaceSpot& s) noexcept;
 
-    /// On an edge that is one point: to the place on it from which the surface goes on along the
-    /// stretch, within 6 degrees. The point stays the same. False elsewhere.
-    [[nodiscard]] bool turn_at_pole(SurfaceSpot& s) const noexcept;
+    /// The place is on an edge between two patches or on a point that patches surround, not on an
+    /// open border.
+    [[nodiscard]] bool enclosed(const SurfacePlace& p) const noexcept;
+
+    /// The collapsed edge (a pole) that ends the patch of `s`, moved there; false if there is none.
+    [[nodiscard]] bool to_pole(SurfacePlace& p) const noexcept;
 
 private:
-    [[nodiscard]] bool pushes_back(const SurfaceSpot& here,
-                                   const SurfacePlace& beyond,
-                                   bool in_u) const noexcept;
-    [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u, const Vec3& t) const noexcept;
+    [[nodiscard]] double turn(const SurfaceJet& jet) const noexcept;
+    [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
+    [[nodiscard]] Footing at_pole(const SurfaceSpot& s, bool in_u) noexcept;
+    [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u) noexcept;
+    [[nodiscard]] bool pole_u(const SurfacePlace& p) const noexcept;
+    [[nodiscard]] bool pole_v(const SurfacePlace& p) const noexcept;
 
     const NurbsSurface& surface_;
     Vec3 h_;
     double mu_;
+    Work work_ = 0;
 };
 
 }  // namespace palpate::engine

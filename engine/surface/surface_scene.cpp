@@ -22,6 +22,9 @@ const SurfaceSceneSpec& checked(const SurfaceSceneSpec& whole) {
     return whole;
 }
 
+/// What a search for the closest point may cost within a tick: a tenth of a millisecond.
+constexpr Work kTickWork = 300'000;
+
 /// A place that can be rendered: finite, and small enough for squares of squares.
 bool usable(const Vec3& hip) noexcept {
     for (int k = 0; k < 3; ++k) {
@@ -77,7 +80,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
         state.theta = 1.0;
         return {.refused = true};
     }
-    state.seen = feet_.track(state.track, hip);
+    state.seen = feet_.track(state.track, hip, kTickWork);
     if (!state.touching) {
         if (!state.seen.inside) {
             return free(state, hip);
@@ -117,10 +120,12 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
                            .normal = slide.normal,
                            .normal_force = k * slide.load,
                            .mu = mu,
-                           .outside_cone = slide.outside_cone};
+                           .outside_cone = slide.outside_cone,
+                           .settled = slide.settled};
     const double cone = mu * slide.load;
-    if (slide.outside_cone && !slide.in_crease && slide.length > cone) {
-        const double share = cone / slide.length;
+    // Without friction what is left along the surface is rounding, or held.
+    if (!slide.in_crease && (cone == 0.0 || (slide.outside_cone && slide.length > cone))) {
+        const double share = cone > 0.0 ? cone / slide.length : 0.0;
         contact.force = k * (slide.load * slide.normal - share * slide.tangential);
         contact.tangential_force = k * cone;
         return contact;

@@ -47,6 +47,7 @@ struct SurfaceContact {
     double tangential_force = 0.0;  ///< length of the rest, N, >= 0
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool outside_cone = false;      ///< the GO rests at an open border or in a concave crease
+    bool settled = true;            ///< false: the work limit of a tick ended the GO's walk
     bool skipped = false;           ///< out of reach: cp.distance is a lower bound
     bool refused = false;  ///< HIP was not finite or above 1e9 m: force zero, contact ended
 };

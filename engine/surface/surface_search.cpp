@@ -16,11 +16,11 @@ constexpr std::uint32_t kMaxReach = 2;
 /// Strips that would leave HIP less slack than this are not added, m: four ticks of a fast hand.
 constexpr double kWantedSlack = 8e-4;
 
-/// Pieces that one search, and one leaf of it, may look at: some milliseconds at worst, reported as
-/// not proven. Only patches that are a line or a point, with different weights, are known to need
-/// it.
-constexpr int kBudget = 20000;
-constexpr int kLeafBudget = 1000;
+/// One leaf may cost so much, or half of what is left.
+constexpr Work kLeafWork = 10'000'000;
+constexpr Work kNodeWork = 60;   ///< a node of the tree and its boxes
+constexpr Work kBoundWork = 60;  ///< a leaf's oriented box
+constexpr Work kBowlWork = 200;  ///< bounds of its second derivatives
 constexpr int kMaxRestarts = 64;
 
 }  // namespace
@@ -138,7 +138,7 @@ bool SurfaceFeet::in_window(const Window& window, const SurfacePlace& p) const n
 Verdict SurfaceFeet::look_at(std::uint32_t leaf,
                              const Vec3& h,
                              double d2,
-                             int& budget) const noexcept {
+                             Work& work) const noexcept {
     const std::uint32_t a = leaf / across_v_;
     const std::uint32_t b = leaf % across_v_;
     const std::size_t i = a / per_side_;
@@ -146,11 +146,11 @@ Verdict SurfaceFeet::look_at(std::uint32_t leaf,
     const double side = 1.0 / per_side_;
     const PatchPart part{side * (a % per_side_), side * (a % per_side_ + 1), side * (b % per_side_),
                          side * (b % per_side_ + 1)};
-    int share = std::min(budget, kLeafBudget);
-    budget -= share;
+    Work share = std::min(std::max(work / 2, Work{1}), kLeafWork);
+    work -= share;
     const Verdict verdict =
         any_closer(*surface_, forms_[i * surface_->columns() + j], i, j, part, h, d2, share);
-    budget += std::max(share, 0);
+    work += share;
     return verdict;
 }
 
@@ -159,7 +159,7 @@ Verdict SurfaceFeet::look_at(std::uint32_t leaf,
 Verdict SurfaceFeet::look_around(SurfaceTrack& track,
                                  const Vec3& h,
                                  double d2,
-                                 int& budget) const noexcept {
+                                 Work& work) const noexcept {
     struct Waiting {
         std::uint32_t node;
         double bound2;
@@ -170,6 +170,11 @@ Verdict SurfaceFeet::look_around(SurfaceTrack& track,
     stack[top++] = {0, nodes_[0].box.distance2(h)};
     while (top > 0) {
         const Waiting next = stack[--top];
+        work -= kNodeWork;
+        if (work < 0) {
+            all.proven = false;
+            break;
+        }
         if (next.bound2 >= all.lower2) {
             continue;
         }
@@ -187,12 +192,13 @@ Verdict SurfaceFeet::look_around(SurfaceTrack& track,
         if (inside(track.window, node.low)) {
             continue;
         }
+        work -= kBoundWork;
         const double bound2 = leaves_[node.low].bound2(h);
         if (bound2 >= d2) {
             all.lower2 = std::min(all.lower2, bound2);
             continue;
         }
-        const Verdict leaf = look_at(node.low, h, d2, budget);
+        const Verdict leaf = look_at(node.low, h, d2, work);
         all.proven = all.proven && leaf.proven;
         if (leaf.closer) {
             return leaf;
@@ -202,18 +208,18 @@ Verdict SurfaceFeet::look_around(SurfaceTrack& track,
     return all;
 }
 
-SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h) const noexcept {
+SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h, Work work) const noexcept {
     ++track.searches;
     SurfacePlace start = track.started ? track.place : near_place(h);
-    int budget = kBudget;
     Verdict rest;
     SurfaceFoot foot;
     for (int i = 0; i < kMaxRestarts; ++i) {
-        foot = descend(*surface_, h, start);
+        foot = descend(*surface_, h, start, work);
         track.place = foot.place;
         track.jet = foot.jet;
         grow(track, h, foot.distance2);
-        rest = look_around(track, h, foot.distance2, budget);
+        work -= 25 * kBowlWork;  // (2 kMaxReach + 1)^2 leaves at most
+        rest = look_around(track, h, foot.distance2, work);
         if (!rest.closer) {
             break;
         }

@@ -3,230 +3,269 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/surface/surface_ground.hpp"
+#include "engine/surface/surface_step.hpp"
 
 namespace palpate::engine {
 namespace {
 
-/// Steps before the GO gives up for this tick; 2 or 3 are usual. A pole takes some more.
-constexpr int kSlideSteps = 64;
-constexpr int kMaxCloseIn = 60;
-
-/// Where to go from a spot: direction, length, and whether along a border.
-struct Move {
-    Vec3 direction{};
-    double length = 0.0;
-    bool border_u = false;  ///< on a border u = 0 or 1, along v
-    bool border_v = false;
-
-    [[nodiscard]] bool on_border() const noexcept { return border_u || border_v; }
-};
+using Way = Footing::Way;
 
 /// The walk of one tick.
 class Slider {
 public:
     Slider(const NurbsSurface& surface, const Vec3& h, double mu) noexcept
-        : ground_(surface, h, mu) {}
+        : ground_(surface, h, mu), size_(surface.size()) {}
 
     SurfaceSlide run(const SurfacePlace& from) noexcept {
         SurfaceSpot s = ground_.look(from);
+        const Vec3 start = s.jet.point;
         double slid = 0.0;
-        for (int i = 0; i < kSlideSteps && !SurfaceGround::settled(s); ++i) {
-            const Move move = plan(s);
-            if (!(move.length > 0.0)) {
+        Footing at = ground_.footing(s);
+        while (at.way != Way::rests && at.way != Way::held && !tired()) {
+            const SurfaceSpot next = advance(at);
+            slid += glm::length(next.jet.point - at.spot.jet.point);
+            if (done_) {
+                at.spot = next;
                 break;
             }
-            const SurfaceSpot next = step(s, move);
-            const double way = glm::length(next.jet.point - s.jet.point);
-            if (!(way > 0.0)) {
-                break;
-            }
-            slid += way;
-            s = next;
+            at = ground_.footing(next);
         }
-        return result(s, slid, !SurfaceGround::settled(s));
-    }
-
-    SurfaceSlide rest_at_foot(const SurfacePlace& from) noexcept {
-        const Vec3 start = ground_.surface().local_jet(from).point;
-        SurfaceSpot s = ground_.look(descend(ground_.surface(), ground_.h(), from).place);
-        bool blocked = false;
-        const double last_bits = 1e-10 * ground_.surface().size();
-        while (s.length > last_bits) {  // at a pole or a border
-            if (pole(s)) {
-                s = ground_.look(descend(ground_.surface(), ground_.h(), s.place).place);
-                continue;
-            }
-            const Vec2 way = SurfaceGround::parameters(s.jet, s.along);
-            blocked = ground_.blocked_u(s, way.x) || ground_.blocked_v(s, way.y);
-            break;
-        }
-        const double way = glm::length(s.jet.point - start);
         // Newton's last bits are no slip: a hand at rest finds the contact stuck.
-        return result(s, way > 4.0 * SurfaceGround::tolerance(s) ? way : 0.0, blocked);
+        const bool moved = glm::length(at.spot.jet.point - start) > 4.0 * at.spot.rounding;
+        return result(at, moved ? slid : 0.0);
     }
 
 private:
-    /// Turns round at a pole; a few times at most, lest it go round for ever.
-    bool pole(SurfaceSpot& s) noexcept {
-        if (poles_ >= 4 || !ground_.turn_at_pole(s)) {
-            return false;
+    /// The next spot; `done_` when there is nothing left to gain.
+    SurfaceSpot advance(const Footing& at) noexcept {
+        const SurfaceSpot& s = at.spot;
+        const SurfaceSteps steps(s, size_);
+        const double noise = 2.0 * std::sqrt(s.r2) * s.noise;
+        const double whole = wanted(at, steps);
+        double length = std::min(whole, trust_);
+        last_excess_ = at.excess;
+        bool tried = false;
+        while (!tired()) {
+            const SurfaceStep step = cut(s, step_of(at, steps, length));
+            if (still(step)) {
+                break;
+            }
+            const SurfaceSpot next = go(s, step, 1.0);
+            const double fall = s.r2 - next.r2;
+            // Lower by more than rounding, or as low and much nearer to the cone.
+            if (fall > noise || (fall >= -noise && left(at, step, next) <= 0.5 * at.excess)) {
+                last_ = step.length;
+                trust_ = tried || trust_ < 1e299 ? 3.0 * length : trust_;
+                return over(at, next, step) ? close_in(at, step, next) : next;
+            }
+            if (fall >= -noise && length >= trust_ && length < whole) {
+                length = whole;  // too careful to see anything
+                trust_ = 1e300;
+                continue;
+            }
+            if (fall >= -noise &&
+                (last_bits(s) || (step.newton && 2.0 * steps.fall(step) <= noise))) {
+                foot_ = step.newton;
+                break;
+            }
+            // Near a pole the parameters turn too fast to go past: over it, then.
+            SurfacePlace pole = s.place;
+            if (!tried && ground_.to_pole(pole)) {
+                const SurfaceSpot there = ground_.look(pole);
+                if (there.r2 < s.r2 && glm::length(there.jet.point - s.jet.point) <= length) {
+                    return there;
+                }
+            }
+            tried = true;
+            length = 0.25 * std::min(length, step.length);
         }
-        ++poles_;
-        return true;
+        done_ = true;
+        return s;
     }
 
-    [[nodiscard]] Move plan(SurfaceSpot& s) noexcept {
-        static_cast<void>(pole(s));
-        Move move{.direction = s.along / s.length};
-        const Vec2 way = SurfaceGround::parameters(s.jet, move.direction);
-        const bool out_u = ground_.blocked_u(s, way.x);
-        const bool out_v = ground_.blocked_v(s, way.y);
-        if (out_u || out_v) {
-            return along_border(s, out_u, out_v);
+    /// The first step to try: to the foot or close to it where the cone is narrow, else Newton's on
+    /// the excess along the stretch, and further where the last one fell short.
+    [[nodiscard]] double wanted(const Footing& at, const SurfaceSteps& steps) const noexcept {
+        const SurfaceSpot& s = at.spot;
+        const bool into = at.way == Way::open;
+        if (into && steps.bowl() && s.cone <= 0.1 * s.length) {
+            return steps.to(s.cone).length;
         }
+        const double whole = at.excess + 0.5 * s.rounding;
+        const bool slow = at.excess > 0.5 * last_excess_;
+        const Vec2 way = into                   ? SurfaceGround::parameters(s.jet, s.along)
+                       : at.way == Way::along_u ? Vec2{1.0, 0.0}
+                                                : Vec2{0.0, 1.0};
         const double bend = normal_curvature(s.jet, s.normal, way.x, way.y);
         const double reach = s.load + (s.load > 0.0 ? ground_.mu() * s.length : 0.0);
-        move.length =
-            (s.excess + 0.5 * SurfaceGround::tolerance(s)) / std::max(1.0 - bend * reach, 0.25);
-        return move;
+        const double rate = std::max(1.0 - bend * reach, into && steps.bowl() ? 1e-3 : 0.25);
+        return std::max(whole / rate, slow ? 2.0 * last_ : 0.0);
     }
 
-    [[nodiscard]] Move along_border(const SurfaceSpot& s, bool out_u, bool out_v) const noexcept {
-        Move move{.border_u = out_u, .border_v = out_v};
-        const Vec3& edge = out_u ? s.jet.dv : s.jet.du;
-        const double speed2 = glm::dot(edge, edge);
-        if ((out_u && out_v) || !(speed2 > 0.0)) {
-            return move;  // a corner
+    /// The step of this length: into the patch, or along its edge.
+    [[nodiscard]] static SurfaceStep step_of(const Footing& at,
+                                             const SurfaceSteps& steps,
+                                             double length) noexcept {
+        if (at.way != Way::open) {
+            return steps.along(at.way == Way::along_u, length);
         }
-        const Vec3 e = edge / std::sqrt(speed2);
-        const double along = glm::dot(s.along, e);
-        move.direction = along < 0.0 ? -e : e;
-        // d(r . e)/ds = -1 + r . k with the curvature vector k of the border.
-        const Vec3 second = out_u ? s.jet.dvv : s.jet.duu;
-        const Vec3 k = (second - glm::dot(second, e) * e) / speed2;
-        const double rate = std::max(1.0 - glm::dot(ground_.h() - s.jet.point, k), 0.25);
-        const double excess = std::fabs(along) - s.cone;
-        move.length = excess > SurfaceGround::tolerance(s) ? excess / rate : 0.0;
-        return move;
+        const SurfacePlace& p = at.spot.place;
+        SurfaceStep step = steps.of(length);
+        if (steps.ridge() && (leaves(p.u, step.du) || leaves(p.v, step.dv))) {
+            step = {-step.du, -step.dv, step.length, false};
+        }
+        const bool out_u = leaves(p.u, step.du);
+        const bool out_v = leaves(p.v, step.dv);
+        if (!out_u && !out_v) {
+            return step;
+        }
+        // The lowest place lies beyond an edge: on it, or straight away from it.
+        const SurfaceStep edge = steps.along(out_v, length);
+        const SurfaceStep straight = steps.straight(length);
+        const bool on = !leaves(p.u, edge.du) && !leaves(p.v, edge.dv) && !(out_u && out_v);
+        return on && steps.fall(edge) > steps.fall(straight) ? edge : straight;
     }
 
-    /// The spot after a step along `move`, shortened until |r| does not grow, and closed in where
-    /// it went through the cone.
-    [[nodiscard]] SurfaceSpot step(const SurfaceSpot& s, const Move& move) const noexcept {
-        double length = move.length;
-        SurfaceSpot next = go(s, move, length);
-        const double limit =
-            s.r2 + 2.0 * std::sqrt(s.r2) * SurfaceGround::tolerance(s);  // |r| plus rounding
-        for (int i = 0; i < 40 && !(next.r2 <= limit); ++i) {
-            length *= 0.5;
-            next = go(s, move, length);
-        }
-        if (!(next.r2 <= limit)) {
-            return s;
-        }
-        const bool too_far =
-            next.excess < -SurfaceGround::tolerance(next) || measure(next, move) < -next.cone;
-        return too_far ? close_in(s, move, length, next) : next;
+    static bool leaves(double at, double by) noexcept {
+        return (at == 0.0 && by < 0.0) || (at == 1.0 && by > 0.0);
     }
 
-    /// Excess over the cone along the way of `move`, signed: below -cone HIP was overtaken.
-    [[nodiscard]] static double measure(const SurfaceSpot& s, const Move& move) noexcept {
-        if (!move.on_border()) {
-            return glm::dot(s.along, move.direction) - s.cone;
-        }
-        const Vec3& edge = move.border_u ? s.jet.dv : s.jet.du;
-        const double speed = glm::length(edge);
-        const double along = speed > 0.0 ? glm::dot(s.along, edge) / speed : 0.0;
-        return (glm::dot(edge, move.direction) < 0.0 ? -along : along) - s.cone;
+    /// A step ends on the edge of its patch.
+    static SurfaceStep cut(const SurfaceSpot& s, SurfaceStep step) noexcept {
+        step.du = leaves(s.place.u, step.du) ? 0.0 : step.du;  // by rounding
+        step.dv = leaves(s.place.v, step.dv) ? 0.0 : step.dv;
+        const auto share = [](double at, double by) {
+            const double room = by > 0.0 ? 1.0 - at : at;
+            return std::fabs(by) > room ? room / std::fabs(by) : 1.0;
+        };
+        const double part = std::min(share(s.place.u, step.du), share(s.place.v, step.dv));
+        return {part * step.du, part * step.dv, part * step.length, step.newton && part == 1.0};
+    }
+
+    /// Below the last bits of the parameters.
+    static bool still(const SurfaceStep& step) noexcept {
+        return std::fabs(step.du) < 0.25 * kEpsilon && std::fabs(step.dv) < 0.25 * kEpsilon;
     }
 
     [[nodiscard]] SurfaceSpot go(const SurfaceSpot& s,
-                                 const Move& move,
-                                 double length) const noexcept {
-        const SurfaceJet& j = s.jet;
+                                 const SurfaceStep& step,
+                                 double share) noexcept {
         SurfacePlace p = s.place;
-        if (move.on_border()) {
-            return on_border(s, move, length);
-        }
-        const Vec3 t = length * move.direction;
-        const Vec2 way = SurfaceGround::parameters(j, t);
-        const Vec3 bend =
-            (0.5 * way.x * way.x) * j.duu + (way.x * way.y) * j.duv + (0.5 * way.y * way.y) * j.dvv;
-        const Vec2 back = SurfaceGround::parameters(j, bend);
-        const Vec3 corrected = back.x * j.du + back.y * j.dv;
-        p.u += way.x - back.x;
-        p.v += way.y - back.y;
-        const bool mild = glm::length(corrected) <= 0.1 * length;
-        if (mild && p.u >= 0.0 && p.u <= 1.0 && p.v >= 0.0 && p.v <= 1.0) {
-            return ground_.look(p);
-        }
-        return ground_.look(descend(ground_.surface(), j.point + t, s.place).place);
-    }
-
-    [[nodiscard]] SurfaceSpot on_border(const SurfaceSpot& s,
-                                        const Move& move,
-                                        double length) const noexcept {
-        SurfacePlace p = s.place;
-        const Vec3& edge = move.border_u ? s.jet.dv : s.jet.du;
-        const double by = length * glm::dot(move.direction, edge) / glm::dot(edge, edge);
-        double& t = move.border_u ? p.v : p.u;
-        t = std::clamp(t + by, 0.0, 1.0);
-        if (t == 0.0 || t == 1.0) {  // at the end of the patch: the same point on the next one
-            static_cast<void>(move.border_u ? ground_.surface().cross_v(p, t == 1.0)
-                                            : ground_.surface().cross_u(p, t == 1.0));
-        }
+        p.u = std::clamp(p.u + share * step.du, 0.0, 1.0);
+        p.v = std::clamp(p.v + share * step.dv, 0.0, 1.0);
         return ground_.look(p);
     }
 
-    /// Between the ends of a step, `s` outside and `inside` within, the spot on the inner side of
-    /// the cone: regula falsi with the Illinois rule.
-    [[nodiscard]] SurfaceSpot close_in(const SurfaceSpot& s,
-                                       const Move& move,
-                                       double length,
-                                       const SurfaceSpot& inside) const noexcept {
-        SurfaceSpot best = inside;
-        double outer = 0.0;
-        double inner = length;
-        double f_outer = measure(s, move) + 0.5 * SurfaceGround::tolerance(s);
-        double f_inner = measure(inside, move) + 0.5 * SurfaceGround::tolerance(inside);
-        int last = 0;
-        for (int i = 0; i < kMaxCloseIn && f_inner < 0.0; ++i) {
-            double x = (outer * f_inner - inner * f_outer) / (f_inner - f_outer);
-            if (!(x > std::min(outer, inner) && x < std::max(outer, inner))) {
-                x = 0.5 * (outer + inner);
-            }
-            const SurfaceSpot spot = go(s, move, x);
-            const double excess = measure(spot, move);
-            const double shell = SurfaceGround::tolerance(spot);
-            const double f = excess + 0.5 * shell;
-            if (excess <= 0.0) {
+    /// Part of the stretch along the way of `step`, m.
+    [[nodiscard]] static double ahead(const SurfaceStep& step, const SurfaceSpot& s) noexcept {
+        const Vec3 way = step.du * s.jet.du + step.dv * s.jet.dv;
+        const double length = glm::length(way);
+        return length > 0.0 ? glm::dot(s.r, way) / length : 0.0;
+    }
+
+    /// Excess over the cone; along an edge only that of the part along it.
+    [[nodiscard]] static double measure(const Footing& at,
+                                        const SurfaceStep& step,
+                                        const SurfaceSpot& s) noexcept {
+        return at.way == Way::open ? s.excess : ahead(step, s) - s.cone;
+    }
+
+    /// How far from the cone a step ends, m.
+    [[nodiscard]] static double left(const Footing& at,
+                                     const SurfaceStep& step,
+                                     const SurfaceSpot& s) noexcept {
+        return at.way == Way::open ? s.excess : std::fabs(ahead(step, s)) - s.cone;
+    }
+
+    /// The step went into the cone by more than rounding, or past it.
+    [[nodiscard]] bool over(const Footing& at,
+                            const SurfaceSpot& next,
+                            const SurfaceStep& step) const noexcept {
+        return ground_.mu() > 0.0 &&
+               (measure(at, step, next) < -next.rounding || ahead(step, next) < -next.cone);
+    }
+
+    [[nodiscard]] SurfaceSpot close_in(const Footing& at,
+                                       const SurfaceStep& step,
+                                       const SurfaceSpot& end) noexcept {
+        double share = 1.0;
+        const SurfaceSpot inside = measure(at, step, end) < 0.0 ? end : turn(at, step, end, share);
+        return measure(at, step, inside) < 0.0 ? edge_of_cone(at, step, inside, share) : inside;
+    }
+
+    /// Where HIP is overtaken on the way of a step, which was too long: there |r| is smallest, and
+    /// the cone is there, or this way misses it. `share` of the step. Regula falsi, roughly.
+    [[nodiscard]] SurfaceSpot turn(const Footing& at,
+                                   const SurfaceStep& step,
+                                   const SurfaceSpot& end,
+                                   double& share) noexcept {
+        SurfaceSpot best = end;
+        double before = 0.0;
+        double after = 1.0;
+        double f_before = ahead(step, at.spot);
+        double f_after = ahead(step, end);
+        while (!tired()) {
+            const double x =
+                std::clamp((before * f_after - after * f_before) / (f_after - f_before),
+                           before + 0.1 * (after - before), after - 0.1 * (after - before));
+            const SurfaceSpot spot = go(at.spot, step, x);
+            const double f = ahead(step, spot);
+            if (spot.r2 < best.r2 || spot.excess < 0.0) {
                 best = spot;
+                share = x;
             }
-            if (excess <= 0.0 && excess >= -shell) {
+            if (spot.excess < 0.0 || std::fabs(f) <= 0.1 * spot.length || after - before < 1e-6) {
                 break;
             }
-            if (x == outer || x == inner) {
-                break;
-            }
-            if (f > 0.0) {
-                outer = x;
-                f_outer = f;
-                f_inner *= last == 1 ? 0.5 : 1.0;
-                last = 1;
-            } else {
-                inner = x;
-                f_inner = f;
-                f_outer *= last == -1 ? 0.5 : 1.0;
-                last = -1;
-            }
+            (f > 0.0 ? before : after) = x;
+            (f > 0.0 ? f_before : f_after) = f;
         }
         return best;
     }
 
-    [[nodiscard]] SurfaceSlide result(const SurfaceSpot& s,
-                                      double slid,
-                                      bool blocked) const noexcept {
+    /// Between a spot outside and one within, `share` of a step away, the one on the inner side of
+    /// the cone: regula falsi with the Illinois rule.
+    [[nodiscard]] SurfaceSpot edge_of_cone(const Footing& at,
+                                           const SurfaceStep& step,
+                                           const SurfaceSpot& inside,
+                                           double share) noexcept {
+        SurfaceSpot best = inside;
+        double outer = 0.0;
+        double inner = share;
+        double f_outer = measure(at, step, at.spot) + 0.5 * at.spot.rounding;
+        double f_inner = measure(at, step, inside) + 0.5 * inside.rounding;
+        int last = 0;
+        while (!tired()) {
+            double x = (outer * f_inner - inner * f_outer) / (f_inner - f_outer);
+            if (!(x > outer && x < inner)) {
+                x = 0.5 * (outer + inner);
+            }
+            if (x == outer || x == inner) {
+                break;
+            }
+            const SurfaceSpot spot = go(at.spot, step, x);
+            const double excess = measure(at, step, spot);
+            if (excess <= 0.0) {
+                best = spot;
+                if (excess >= -spot.rounding) {
+                    break;
+                }
+            }
+            const double f = excess + 0.5 * spot.rounding;
+            const bool out = f > 0.0;
+            (out ? outer : inner) = x;
+            (out ? f_outer : f_inner) = f;
+            (out ? f_inner : f_outer) *= last == (out ? 1 : -1) ? 0.5 : 1.0;
+            last = out ? 1 : -1;
+        }
+        return best;
+    }
+
+    [[nodiscard]] bool tired() const noexcept { return ground_.work() >= kSlideWork; }
+
+    [[nodiscard]] SurfaceSlide result(const Footing& at, double slid) const noexcept {
+        const SurfaceSpot& s = at.spot;
+        const bool outside = !SurfaceGround::settled(s) && !last_bits(s);
         return {.place = s.place,
                 .point = s.jet.point,
                 .normal = s.normal,
@@ -234,12 +273,23 @@ private:
                 .length = s.length,
                 .load = s.load,
                 .slid = slid,
-                .outside_cone = blocked,
-                .in_crease = blocked && ground_.between(s.place)};
+                .outside_cone = outside,
+                .in_crease = outside && at.way == Way::held && ground_.enclosed(s.place),
+                .settled = !outside || at.way == Way::held || foot_};
+    }
+
+    /// Newton's steps have come to where rounding decides, or soon will.
+    [[nodiscard]] bool last_bits(const SurfaceSpot& s) const noexcept {
+        return s.excess <= std::max(1e-11 * (size_ + std::sqrt(s.r2)), 4.0 * s.turn);
     }
 
     SurfaceGround ground_;
-    int poles_ = 0;  ///< passed in this tick
+    double size_;
+    double last_ = 0.0;         ///< length of the last step, m
+    double trust_ = 1e300;      ///< so long may the next one be, m
+    double last_excess_ = 0.0;  ///< before it, m
+    bool done_ = false;         ///< no step is left that gains anything
+    bool foot_ = false;         ///< since the surface has no way down from here: it folds back
 };
 
 }  // namespace
@@ -249,11 +299,7 @@ SurfaceSlide slide_on_surface(const NurbsSurface& surface,
                               const SurfacePlace& from,
                               const Vec3& h,
                               double mu) noexcept {
-    if constexpr (HasFriction) {
-        return Slider(surface, h, mu).run(from);
-    } else {
-        return Slider(surface, h, 0.0).rest_at_foot(from);
-    }
+    return Slider(surface, h, HasFriction ? mu : 0.0).run(from);
 }
 
 template SurfaceSlide slide_on_surface<true>(const NurbsSurface&,

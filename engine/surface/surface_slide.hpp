@@ -15,27 +15,33 @@ struct SurfaceSlide {
     double load = 0.0;           ///< nu = -r . n, m: > 0 inside
     double slid = 0.0;           ///< way of the GO, m: sum of chords
     bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
-    bool in_crease = false;      ///< in a concave crease, whose two sides carry together
+    bool in_crease = false;      ///< in a concave crease, whose sides carry together
+    bool settled = true;         ///< false: the work limit ended the walk outside of the cone
 };
 
-/// Lets the god-object move until its stretch r fits the friction cone of its own normal:
+/// Lets the god-object go down |r|, r = HIP - GO, until r fits the friction cone of its own normal:
 ///
-///     while |t| > mu max(nu, 0):  move g in the direction of t, the tangential part of r, by
-///         ds = (|t| - mu nu) / max(1 - kappa (nu + mu |t|), 1/4)
+///     dg/ds = t / |t|   to the first g where |t| <= mu max(nu, 0);   r = t - nu n
 ///
-/// which is Newton's step: with kappa the normal curvature along t (> 0 convex), the derivative of
-/// |t| - mu nu along the way is -(1 - kappa (nu + mu |t|)) in 3-D as in 2-D, since geodesic torsion
-/// turns t without changing its length. Steps are taken in the tangent plane (2 x 2 metric) with
-/// the second order of the surface; long ones, and those over an edge of a patch, by the foot of
-/// the stepped point. No step raises |r|, which is what passivity rests on. A step over the cone is
-/// closed in from both sides, so that the end lies on the cone, on its inner side, within
-/// 1e-14 mu nu + 1e-15 (|g| + |r|).
+/// Along this flow |r| falls at the rate |t| / |r|, which is what passivity rests on. Without
+/// friction it ends at a foot of HIP. It is followed in steps (SurfaceSteps) that begin along t and
+/// bend as the flow does, each inside one patch; a step is as long as Newton's on |t| - mu nu,
 ///
-/// At an open border, and in a concave crease, the GO stays; it slides along the edge while the
-/// part of t along it exceeds mu nu. A pole (an edge that is one point) is crossed. Without
-/// friction the GO goes to the local foot of HIP.
+///     ds = (|t| - mu nu) / (1 - kappa (nu + mu |t|))    with kappa the normal curvature along t,
+///
+/// twice the one before where the cone lies further than that promises, and a quarter if |r| did
+/// not fall. A step over the cone is closed in from both sides, so that the end lies on the cone,
+/// on its inner side, within 1e-14 mu nu + 1e-15 (|g| + |r|).
+///
+/// On an edge all patches that meet there are asked (SurfaceGround::footing): the GO goes on into
+/// one of them, along the edge, or stays where every way is barred, at an open border and in a
+/// concave crease. A pole (an edge that is one point) is crossed. When kSlideWork is used up the GO
+/// stays where it is and says so; the next tick goes on from there.
 /// @param h   HIP relative to surface.origin(), m
 /// @param mu  >= 0, not read without friction
+/// What one slide may cost, some 0.08 ms; 2 or 3 evaluations of the surface are usual.
+inline constexpr Work kSlideWork = 250'000;
+
 template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const NurbsSurface& surface,
                                             const SurfacePlace& from,

@@ -131,34 +131,8 @@ std::optional<Breach> feel(const Case& c, Tally& tally, bool watch) {
     return feel_again(scene, middle, half, c.path, felt);
 }
 
-Case shrunk(Case c, const Breach& breach) {
-    const auto still = [&breach](const Case& tried) {
-        Tally none;
-        const auto found = feel(tried, none, false);
-        return found && found->law == breach.law;
-    };
-    c.path.resize(std::min(c.path.size(), breach.tick + 1));
-    for (std::size_t keep = 1; keep < c.path.size(); keep *= 2) {
-        Case tail = c;
-        tail.path.erase(tail.path.begin(), tail.path.end() - static_cast<std::ptrdiff_t>(keep));
-        if (still(tail)) {
-            c = tail;
-            break;
-        }
-    }
-    for (std::size_t chunk = c.path.size() / 2; chunk > 0; chunk /= 2) {
-        for (std::size_t from = 0; from + chunk <= c.path.size();) {
-            Case less = c;
-            const auto first = less.path.begin() + static_cast<std::ptrdiff_t>(from);
-            less.path.erase(first, first + static_cast<std::ptrdiff_t>(chunk));
-            if (!less.path.empty() && still(less)) {
-                c = less;
-            } else {
-                from += chunk;
-            }
-        }
-    }
-    return c;
+std::string scene_text(const Case& c) {
+    return scene_text(c.scene);
 }
 
 std::string path_text(const Case& c) {

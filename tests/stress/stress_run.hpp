@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -18,7 +19,9 @@ struct Tally {
     std::uint64_t in_contact = 0;
     std::uint64_t on_vertex = 0;
     std::uint64_t certified = 0;
-    double slowest_s = 0.0;  ///< a tick, the best of several tries
+    std::uint64_t unproven = 0;   ///< ticks whose closest point is not proven
+    std::uint64_t unsettled = 0;  ///< ticks whose walk was ended by its work limit
+    double slowest_s = 0.0;       ///< a tick, the best of several tries
     std::uint64_t slowest_seed = 0;
 };
 
@@ -38,9 +41,41 @@ struct Case {
 /// @param watch  ticks that seem slow are timed again
 [[nodiscard]] std::optional<Breach> feel(const Case& c, Tally& tally, bool watch);
 
-/// The same breach in a path as short as it can be made by leaving ticks out.
-[[nodiscard]] Case shrunk(Case c, const Breach& breach);
+/// The same breach in a path as short as it can be made by leaving ticks out: the last few ticks that
+/// suffice, then these without what is not needed.
+template <class AnyCase>
+[[nodiscard]] AnyCase shrunk(AnyCase c, const Breach& breach) {
+    const auto still = [&breach](const AnyCase& tried) {
+        Tally none;
+        const auto found = feel(tried, none, false);
+        return found && found->law == breach.law;
+    };
+    c.path.resize(std::min(c.path.size(), breach.tick + 1));
+    for (std::size_t keep = 1; keep < c.path.size(); keep *= 2) {
+        AnyCase tail = c;
+        tail.path.erase(tail.path.begin(), tail.path.end() - static_cast<std::ptrdiff_t>(keep));
+        if (still(tail)) {
+            c = tail;
+            break;
+        }
+    }
+    for (std::size_t chunk = c.path.size() / 2; chunk > 0; chunk /= 2) {
+        for (std::size_t from = 0; from + chunk <= c.path.size();) {
+            AnyCase less = c;
+            const auto first = less.path.begin() + static_cast<std::ptrdiff_t>(from);
+            less.path.erase(first, first + static_cast<std::ptrdiff_t>(chunk));
+            if (!less.path.empty() && still(less)) {
+                c = less;
+            } else {
+                from += chunk;
+            }
+        }
+    }
+    return c;
+}
 
+/// As `palpate render` reads it, every number with all its digits.
+[[nodiscard]] std::string scene_text(const Case& c);
 /// The path as `palpate render` reads it; ticks that are not finite are left out.
 [[nodiscard]] std::string path_text(const Case& c);
 

@@ -1,0 +1,384 @@
+#include "tests/stress/surface_cases.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "tests/support/surfaces.hpp"
+
+namespace palpate::stress {
+namespace {
+
+using engine::Vec2;
+using engine::Vec3;
+using tests::Random;
+using tests::SurfaceData;
+
+constexpr double kFastest = 10.0;  // m/s
+
+Vec3 point(Random& random, double lo, double hi) {
+    const double x = random.in(lo, hi);
+    const double y = random.in(lo, hi);
+    return Vec3{x, y, random.in(lo, hi)};
+}
+
+/// A profile turned about z: balls, rings, tubes, vases with a point or a hole at either end.
+SurfaceData turned(Random& random) {
+    switch (random.below(4)) {
+        case 0:
+            return tests::sphere(0.5);
+        case 1:
+            return tests::torus(0.35, random.in(0.02, 0.3));
+        case 2:
+            return tests::cylinder(random.in(0.05, 0.5), 1.0);
+        default:
+            break;
+    }
+    const int degree = 1 + random.below(4);
+    const int count = degree + 1 + random.below(4);
+    std::vector<Vec2> profile;
+    std::vector<double> weights;
+    for (int i = 0; i < count; ++i) {
+        profile.push_back({random.in(0.05, 0.5), static_cast<double>(i) / (count - 1) - 0.5});
+        weights.push_back(random.decade(-0.5, 0.5));
+    }
+    profile.front().x = random.coin() ? 0.0 : profile.front().x;
+    profile.back().x = random.coin() ? 0.0 : profile.back().x;
+    const auto knots = tests::random_knots(random, degree, count - degree - 1, false);
+    return tests::revolved(profile, weights, degree, knots);
+}
+
+/// One or two edges are a point.
+void collapse(SurfaceData& d, Random& random) {
+    const bool both = random.coin();
+    if (random.coin()) {
+        std::fill(d.points.front().begin(), d.points.front().end(), d.points.front().front());
+        if (both) {
+            std::fill(d.points.back().begin(), d.points.back().end(), d.points.back().front());
+        }
+        return;
+    }
+    for (auto& row : d.points) {
+        row.front() = d.points.front().front();
+        if (both) {
+            row.back() = d.points.front().back();
+        }
+    }
+}
+
+/// Rows that fold back along themselves, flat, or that follow each other by a factor.
+void degenerate(SurfaceData& d, Random& random) {
+    const std::size_t last = d.points.front().size() - 1;
+    switch (random.below(4)) {
+        case 0:  // the sheet lies on itself
+            for (auto& row : d.points) {
+                row[last] = row.front();
+            }
+            break;
+        case 1:  // flat
+            for (auto& row : d.points) {
+                for (Vec3& p : row) {
+                    p.y *= 1e-15;
+                }
+            }
+            break;
+        case 2: {  // a column that runs away, or comes to rest, by a factor
+            const double factor = random.decade(-3.0, 0.8);
+            double by = 1.0;
+            for (auto& row : d.points) {
+                row.front() = by * d.points.front().front();
+                by *= factor;
+            }
+            break;
+        }
+        default:  // nearly a line
+            for (auto& row : d.points) {
+                for (Vec3& p : row) {
+                    p = Vec3{p.x, 1e-9 * p.y, 1e-9 * p.z};
+                }
+            }
+    }
+}
+
+SurfaceData wild_sheet(Random& random) {
+    const double decades =
+        std::array<double, 3>{0.0, 1.0, 3.0}.at(static_cast<std::size_t>(random.below(3)));
+    const int degree = std::array<int, 3>{1, 4, 9}.at(static_cast<std::size_t>(random.below(3)));
+    SurfaceData d = tests::random_surface(random, 1.0, decades, degree, random.coin());
+    switch (random.below(4)) {
+        case 0:
+            collapse(d, random);
+            break;
+        case 1:
+            degenerate(d, random);
+            break;
+        default:
+            break;
+    }
+    return d;
+}
+
+SurfaceData random_data(Random& random, Mood mood) {
+    switch (random.below(mood == Mood::gentle ? 3 : 6)) {
+        case 0:
+            return turned(random);
+        case 1: {
+            SurfaceData d =
+                tests::bicubic_8x8(random, random.coin() ? 0.0 : 0.7, random.decade(-4.0, -1.5));
+            for (auto& row : d.points) {
+                for (Vec3& p : row) {
+                    p = 10.0 * p;
+                }
+            }
+            return d;
+        }
+        case 2: {
+            SurfaceData d = tests::random_surface(random, 1.0, random.coin() ? 0.0 : 0.3, 5, false);
+            return d;
+        }
+        default:
+            return wild_sheet(random);
+    }
+}
+
+/// The hand over a surface.
+class SpaceHand {
+public:
+    SpaceHand(Random& random, const SurfaceCase& c, Mood mood)
+        : random_(&random),
+          surface_(c.surface.get()),
+          size_(c.surface->size()),
+          period_(c.spec.period),
+          gentle_(mood == Mood::gentle),
+          at_(somewhere()) {}
+
+    std::vector<Vec3> path(std::size_t ticks) {
+        while (path_.size() < ticks) {
+            const int some = 5 + random_->below(100);
+            switch (random_->below(8)) {
+                case 0:
+                    wander(some);
+                    break;
+                case 1:
+                    rest(some / 4 + 1);
+                    break;
+                case 2:
+                    jump();
+                    break;
+                case 3:
+                    press(some);
+                    break;
+                case 4:
+                    if (!gentle_ && random_->below(4) == 0) {
+                        path_.push_back(
+                            Vec3{std::numeric_limits<double>::quiet_NaN(), at_.y, at_.z});
+                    }
+                    break;
+                default:
+                    rub(some);
+            }
+        }
+        path_.resize(ticks);
+        return std::move(path_);
+    }
+
+private:
+    void go_to(const Vec3& h) {
+        at_ = h;
+        path_.push_back(h);
+    }
+    [[nodiscard]] Vec3 somewhere() {
+        return surface_->origin() + size_ * point(*random_, -0.7, 0.7);
+    }
+    [[nodiscard]] double any_step() {
+        return std::min(kFastest * period_, size_ * random_->decade(-6.0, gentle_ ? -2.0 : -0.3));
+    }
+    [[nodiscard]] Vec2 any_place() {
+        const auto& u = surface_->knots_u();
+        const auto& v = surface_->knots_v();
+        const auto share = [this] {
+            return random_->below(6) == 0 ? (random_->coin() ? 0.0 : 1.0) : random_->in(0.0, 1.0);
+        };
+        const double a = share();
+        return {u.front() + a * (u.back() - u.front()),
+                v.front() + share() * (v.back() - v.front())};
+    }
+    [[nodiscard]] Vec3 below(const Vec2& place, double depth) const {
+        return surface_->at(place.x, place.y).point - depth * surface_->normal(place.x, place.y);
+    }
+
+    void wander(int ticks) {
+        const double step = any_step();
+        Vec3 speed{};
+        for (int i = 0; i < ticks; ++i) {
+            speed = 0.95 * speed + (0.3 * step) * point(*random_, -1.0, 1.0);
+            if (glm::length(at_ + speed - surface_->origin()) > size_) {
+                speed = -0.5 * speed;
+            }
+            go_to(at_ + speed);
+        }
+    }
+    void rest(int ticks) {
+        for (int i = 0; i < ticks; ++i) {
+            go_to(at_);
+        }
+    }
+    void jump() {
+        const Vec2 place = any_place();
+        switch (random_->below(4)) {
+            case 0:
+                go_to(below(place, 0.0));
+                break;
+            case 1:
+                go_to(centre(place));
+                break;
+            case 2:
+                go_to(surface_->origin() +
+                      (size_ * random_->decade(0.0, 3.0)) * point(*random_, -1.0, 1.0));
+                break;
+            default:
+                go_to(somewhere());
+        }
+    }
+    [[nodiscard]] Vec3 centre(const Vec2& place) {
+        const auto bends = engine::principal_curvatures(surface_->at(place.x, place.y),
+                                                        surface_->normal(place.x, place.y));
+        const double radius = 1.0 / (random_->coin() ? bends.low : bends.high);
+        const bool usable = std::isfinite(radius) && std::fabs(radius) < 1e3 * size_;
+        return below(place, usable ? radius : random_->in(-0.1, 0.1) * size_);
+    }
+    /// Through the surface, towards a centre of curvature or beyond.
+    void press(int ticks) {
+        const Vec2 place = any_place();
+        const Vec3 on = below(place, 0.0);
+        const Vec3 from = below(place, -size_ * random_->decade(-4.0, -0.5));
+        const Vec3 aim =
+            random_->coin() ? centre(place) : below(place, size_ * random_->decade(-4.0, -0.3));
+        const Vec3 to = on + random_->in(0.5, 1.5) * (aim - on);
+        const double way = std::max(glm::length(to - from), 1e-300);
+        const double step =
+            std::min(1.0 / ticks, (gentle_ ? any_step() : kFastest * period_) / way);
+        for (int i = 0; i < ticks; ++i) {
+            go_to(from + (i * step) * (to - from));
+        }
+    }
+    /// Along the surface at a depth that comes and goes.
+    void rub(int ticks) {
+        Vec2 place = any_place();
+        const double angle = random_->in(0.0, 2.0 * std::numbers::pi);
+        Vec2 way{std::cos(angle), std::sin(angle)};
+        const double step = any_step();
+        const double deepest =
+            size_ * random_->decade(gentle_ ? -5.0 : -6.0, gentle_ ? -1.5 : -0.5);
+        const double phase = random_->in(0.0, 6.0);
+        const double waves = random_->in(0.0, 20.0);
+        const auto& ku = surface_->knots_u();
+        const auto& kv = surface_->knots_v();
+        for (int i = 0; i < ticks; ++i) {
+            const double share = static_cast<double>(i) / ticks;
+            go_to(below(place, deepest * (0.7 + std::sin(phase + waves * share))));
+            const auto jet = surface_->at(place.x, place.y);
+            const double speed = std::max(glm::length(way.x * jet.du + way.y * jet.dv), 1e-300);
+            place += std::min(step / speed, 0.3 * (ku.back() - ku.front())) * way;
+            const auto reflect = [this](double& at, double lo, double hi, double& rate) {
+                if (at < lo || at > hi) {
+                    rate = random_->below(3) == 0 ? 0.0 : -rate;
+                    at = std::clamp(at, lo, hi);
+                }
+            };
+            reflect(place.x, ku.front(), ku.back(), way.x);
+            reflect(place.y, kv.front(), kv.back(), way.y);
+        }
+    }
+
+    Random* random_;
+    const engine::NurbsSurface* surface_;
+    double size_;
+    double period_;
+    bool gentle_;
+    Vec3 at_;
+    std::vector<Vec3> path_;
+};
+
+std::string rows(const std::vector<std::vector<double>>& values) {
+    std::string text = "[";
+    for (const auto& row : values) {
+        text += fmt::format("[{}],\n", fmt::join(row, ", "));
+    }
+    return text + "]\n";
+}
+
+}  // namespace
+
+SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
+    Random random(seed);
+    SurfaceCase c{.seed = seed, .data = random_data(random, mood), .surface = {}, .path = {}};
+    const double size = random.coin() ? random.decade(-2.0, 0.0) : random.decade(-6.0, 3.0);
+    const Vec3 away =
+        random.below(6) == 0 ? random.decade(0.0, 2.0) * point(random, -1.0, 1.0) : Vec3{};
+    for (auto& row : c.data.points) {
+        for (Vec3& p : row) {
+            p = size * (p + away);
+        }
+    }
+    c.spec.period = random.coin() ? 0.001 : random.decade(-4.0, -2.0);
+    c.spec.stiffness = random.coin() ? 1000.0 : random.decade(0.0, 4.0);
+    const auto time = [&random] {
+        return random.below(4) == 0 ? 0.0 : random.decade(-4.0, 0.5);
+    };
+    c.law = static_cast<protocols::Law>(random.below(3));
+    const double mu_d = random.below(6) == 0 ? 0.0 : random.decade(-2.0, 0.7);
+    if (c.law == protocols::Law::coulomb) {
+        c.spec.friction = {.mu_s = mu_d, .mu_d = mu_d};
+    } else if (c.law == protocols::Law::gos) {
+        const double mu_s = mu_d + (random.below(4) == 0 ? 0.0 : random.decade(-2.0, 0.3));
+        c.spec.friction = {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = time(), .tau_heal = time()};
+    }
+    c.surface = std::make_shared<const engine::NurbsSurface>(tests::make_surface(c.data));
+    c.path = SpaceHand(random, c, mood).path(50 + static_cast<std::size_t>(random.below(350)));
+    return c;
+}
+
+std::string scene_text(const SurfaceCase& c) {
+    constexpr std::array<const char*, 3> kNames{"frictionless", "gos", "coulomb"};
+    const engine::Friction& f = c.spec.friction;
+    std::string text =
+        fmt::format("# palpate_stress --object surface --seed {}\n[renderer]\n", c.seed);
+    text += fmt::format("stiffness_n_per_m = {}\n[friction]\nlaw = \"{}\"\n", c.spec.stiffness,
+                        kNames.at(static_cast<std::size_t>(c.law)));
+    if (c.law != protocols::Law::frictionless) {
+        text += fmt::format("mu_s = {}\nmu_d = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.mu_s,
+                            f.mu_d, f.tau_slip, f.tau_heal);
+    }
+    text += fmt::format("[surface]\ndegree_u = {}\ndegree_v = {}\nknots_u = [{}]\nknots_v = [{}]\n",
+                        c.data.degree_u, c.data.degree_v, fmt::join(c.data.knots_u, ", "),
+                        fmt::join(c.data.knots_v, ", "));
+    text += "points_m = [";
+    for (const auto& row : c.data.points) {
+        text += "[";
+        for (const Vec3& p : row) {
+            text += fmt::format("[{}, {}, {}], ", p.x, p.y, p.z);
+        }
+        text += "],\n";
+    }
+    text += "]\n";
+    return c.data.weights.empty() ? text : text + "weights = " + rows(c.data.weights);
+}
+
+std::string path_text(const SurfaceCase& c) {
+    std::string text = "t_s,x_m,y_m,z_m\n";
+    for (std::size_t i = 0; i < c.path.size(); ++i) {
+        const Vec3& h = c.path[i];
+        if (std::isfinite(h.x)) {
+            text +=
+                fmt::format("{},{},{},{}\n", static_cast<double>(i) * c.spec.period, h.x, h.y, h.z);
+        }
+    }
+    return text;
+}
+
+}  // namespace palpate::stress

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/surface/surface_scene.hpp"
+#include "protocols/file/scene_file.hpp"
+#include "tests/stress/stress_scene.hpp"
+#include "tests/support/surface_definition.hpp"
+
+/// Random surfaces and random hands over them.
+namespace palpate::stress {
+
+struct SurfaceCase {
+    std::uint64_t seed = 0;
+    tests::SurfaceData data;
+    protocols::Law law = protocols::Law::frictionless;
+    engine::SceneSpec spec{};
+    std::shared_ptr<const engine::NurbsSurface> surface;
+    std::vector<engine::Vec3> path;
+};
+
+/// One seed is one case. Gentle: balls, rings, tubes, sheets of soft waves and hands as people move them.
+/// Wild: degrees 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, folded and degenerate sheets, edges
+/// that are a point, heavy control points far away, hands that jump.
+[[nodiscard]] SurfaceCase random_surface_case(std::uint64_t seed, Mood mood);
+
+/// As `palpate render` reads them, every number with all its digits.
+[[nodiscard]] std::string scene_text(const SurfaceCase& c);
+[[nodiscard]] std::string path_text(const SurfaceCase& c);
+
+}  // namespace palpate::stress

@@ -1,0 +1,251 @@
+#include "tests/stress/surface_laws.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::stress {
+namespace {
+
+using engine::Mode;
+using engine::SurfaceContact;
+using engine::SurfaceState;
+using engine::Vec3;
+using tests::inner;
+using tests::Long3;
+using tests::LongJet;
+using tests::minus;
+using tests::operator*;
+
+constexpr double kSameLength = 1e-12;
+
+/// A slide ends on its root to some 1e-11 of the size where the cone opens slowly, near a centre of
+/// curvature: so many times kSameLength.
+constexpr double kConeSlack = 100.0;
+
+/// So is a foot where the distance has hardly a minimum.
+constexpr double kFootSlack = 20.0;
+
+/// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
+constexpr double kFar = 1e9;
+
+bool finite(const Vec3& v) noexcept {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+double largest(const Vec3& v) noexcept {
+    return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+}
+
+bool free(const SurfaceContact& c) noexcept {
+    return c.mode == Mode::free;
+}
+
+Long3 cross(const Long3& a, const Long3& b) {
+    return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+double length(const Long3& a) {
+    return static_cast<double>(std::sqrt(inner(a, a)));
+}
+
+/// The pieces of a knot vector that hold u: two on a knot.
+std::vector<std::size_t> pieces_at(const std::vector<double>& t, double u) {
+    std::vector<std::size_t> found;
+    const double near = 1e-9 * (t.back() - t.front());
+    for (std::size_t i = 0; i + 1 < t.size(); ++i) {
+        if (t[i] < t[i + 1] && t[i] <= u + near && u - near <= t[i + 1]) {
+            found.push_back(i);
+        }
+    }
+    return found;
+}
+
+}  // namespace
+
+SurfaceLaws::SurfaceLaws(const engine::SurfaceScene& scene, const tests::SurfaceData& data)
+    : scene_(&scene), oracle_(data) {
+    for (const auto& row : data.points) {
+        for (const Vec3& p : row) {
+            extent_ = std::max(extent_, largest(p));
+        }
+    }
+}
+
+void SurfaceLaws::check(const char* law, double value, double limit) {
+    if (!breach_ && !(value <= limit)) {
+        breach_ = Breach{.law = law, .tick = ticks_, .value = value, .limit = limit};
+    }
+}
+
+std::optional<Breach> SurfaceLaws::look(const Vec3& h,
+                                        const SurfaceState& before,
+                                        const SurfaceState& after,
+                                        const SurfaceContact& contact) {
+    breach_.reset();
+    const Tick now{.h = h, .contact = contact};
+    check("finite in, finite out", finite(contact.force) && finite(contact.go) &&
+                                       std::isfinite(contact.normal_force) &&
+                                       std::isfinite(contact.tangential_force));
+    check("no force while free",
+          !free(contact) || (contact.force == Vec3{} && contact.normal_force == 0.0 &&
+                             contact.tangential_force == 0.0));
+    check("the surface only pushes", -contact.normal_force, 0.0);
+    if (!finite(h) || largest(h) > kFar) {
+        check("a HIP that is not finite is refused without force", free(contact));
+        started_ = ledger_ = false;
+        ++ticks_;
+        return breach_;
+    }
+    same_ = kSameLength * std::max({extent_, largest(h), started_ ? largest(last_.h) : 0.0});
+    if (!free(contact)) {
+        check_contact(now);
+        check_walk(now, before, after);
+        check_rest(now, before, after);
+    }
+    check_energy(now);
+    started_ = true;
+    last_ = now;
+    ++ticks_;
+    return breach_;
+}
+
+/// Where an edge of the surface, a fold between patches or a singular point may hold the god-object.
+bool SurfaceLaws::held_for_a_reason(const Tick& now) const {
+    const SurfaceContact& c = now.contact;
+    const auto& d = oracle_.data();
+    const auto near = [](const std::vector<double>& t, double u) {
+        return std::any_of(t.begin(), t.end(), [&](double knot) {
+            return std::fabs(u - knot) <= 1e-9 * (t.back() - t.front());
+        });
+    };
+    if (near(d.knots_u, c.go_u) || near(d.knots_v, c.go_v)) {
+        return true;
+    }
+    const LongJet jet = oracle_.jet(c.go_u, c.go_v);
+    const double a = length(jet.su);
+    const double b = length(jet.sv);
+    const double area = length(cross(jet.su, jet.sv));
+    const double size = scene_->surface().size();
+    return a < 1e-4 * size || b < 1e-4 * size || area < 1e-4 * a * b;
+}
+
+void SurfaceLaws::check_contact(const Tick& now) {
+    const SurfaceContact& c = now.contact;
+    const double k = scene_->spec().contact.stiffness;
+    check("the normal is a unit vector", std::fabs(glm::length(c.normal) - 1.0), 1e-12);
+    const double fn = glm::dot(c.force, c.normal);
+    const double ft = glm::length(c.force - fn * c.normal);
+    check("fn is the part of the force along the normal", std::fabs(c.normal_force - fn),
+          k * same_ + 1e-12 * glm::length(c.force));
+    check("ft is the rest", std::fabs(c.tangential_force - ft),
+          k * same_ + 1e-12 * glm::length(c.force));
+    const bool springy = glm::length(c.force - k * (c.go - now.h)) <= kFootSlack * k * same_;
+    check("the force is K (GO - HIP)", springy || c.outside_cone);
+    check("what is held is on an edge or a singular point",
+          !c.outside_cone || !c.settled || held_for_a_reason(now));
+    const double cone = c.mu * c.normal_force * (1.0 + 1e-9) + kConeSlack * k * same_;
+    check("friction stays in its cone", springy && c.outside_cone ? 0.0 : ft, cone);
+    if (scene_->spec().contact.friction.none()) {
+        check("without friction there is none", springy && c.outside_cone ? 0.0 : ft,
+              1e-9 * fn + kConeSlack * k * same_);
+    }
+    double off = 1e300;
+    double turned = 1e300;
+    const auto& d = oracle_.data();
+    for (const std::size_t pu : pieces_at(d.knots_u, c.go_u)) {
+        for (const std::size_t pv : pieces_at(d.knots_v, c.go_v)) {
+            const LongJet jet = oracle_.jet(pu, pv, c.go_u, c.go_v);
+            off = std::min(off, length(minus(jet.s, c.go)));
+            const Long3 area = cross(jet.su, jet.sv);
+            const double across = length(area);
+            const double a = length(jet.su);
+            const double b = length(jet.sv);
+            const double size = scene_->surface().size();
+            if (across > 1e-3 * a * b && a > 1e-3 * size && b > 1e-3 * size) {
+                turned = std::min(turned, length(minus((1.0L / across) * area, c.normal)));
+            } else {
+                turned = 0.0;
+            }
+        }
+    }
+    check("the god-object is on the surface", off, 10.0 * same_);
+    check("the normal is that of the surface", turned, 1e-8);
+}
+
+void SurfaceLaws::check_walk(const Tick& now,
+                             const SurfaceState& before,
+                             const SurfaceState& after) {
+    const SurfaceContact& c = now.contact;
+    const double stretch = glm::length(c.go - now.h);
+    check("nothing is closer than a proven closest point",
+          c.cp.proven ? c.cp.distance - stretch : 0.0, same_);
+    if (!before.touching || !started_ || free(last_.contact)) {
+        check("a contact begins no further than the closest point", stretch, c.cp.distance + same_);
+        return;
+    }
+    const SurfaceContact& l = last_.contact;
+    check("the walk never stretches the spring", stretch, glm::length(l.go - now.h) + same_);
+    const double way = glm::length(c.go - l.go);
+    if (c.mode == Mode::stuck) {
+        check("a stuck god-object does not move", way, same_);
+    }
+    const Vec3 r = now.h - l.go;
+    const double load = -glm::dot(r, l.normal);
+    const double along = glm::length(r + load * l.normal);
+    if (along < c.mu * load * (1.0 - 1e-9) - kConeSlack * same_) {
+        check("inside its cone the god-object stays", way, same_);
+    }
+    const bool same_patch = before.place.i == after.place.i && before.place.j == after.place.j;
+    if (same_patch && c.mode != Mode::stuck && !c.outside_cone && !held_for_a_reason(now)) {
+        const double k = scene_->spec().contact.stiffness;
+        check("a slip ends on the edge of the cone", c.mu * c.normal_force,
+              c.tangential_force + 1e3 * k * same_);
+    }
+}
+
+/// With the same coefficient the same HIP finds the contact stuck, and the same force.
+void SurfaceLaws::check_rest(const Tick& now,
+                             const SurfaceState& before,
+                             const SurfaceState& after) {
+    if (!now.contact.settled) {
+        return;  // it goes on
+    }
+    SurfaceState again = after;
+    again.theta = before.touching ? before.theta : 1.0;
+    const SurfaceContact c = scene_->tick(again, now.h);
+    const double k = scene_->spec().contact.stiffness;
+    if (!scene_->spec()
+             .contact.friction.none()) {  // where the distance has hardly a minimum it may
+        check("at rest the god-object rests", glm::length(c.go - now.contact.go), 10.0 * same_);
+    }
+    check("at rest the force rests", glm::length(c.force - now.contact.force), 10.0 * k * same_);
+}
+
+/// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2, summed over an episode.
+void SurfaceLaws::check_energy(const Tick& now) {
+    const double k = scene_->spec().contact.stiffness;
+    const SurfaceContact& c = now.contact;
+    const bool springy = glm::length(c.force - k * (c.go - now.h)) <= k * same_;
+    const double energy = 0.5 * k * glm::dot(c.go - now.h, c.go - now.h);
+    if (ledger_ && started_ && (springy || free(c))) {
+        const Vec3 dh = now.h - last_.h;
+        const double work = glm::dot(last_.contact.force, dh);
+        const double leak = 0.5 * k * glm::dot(dh, dh);
+        work_ += work;
+        leak_ += leak;
+        const double kept = free(c) ? 0.0 : energy;
+        scale_ += std::fabs(work) + leak + kept;
+        check(
+            "a contact gives no more work than K/2 sum |dh|^2", work_,
+            start_ - kept + leak_ + 1e-12 * scale_ + k * same_ * std::max(extent_, largest(now.h)));
+    }
+    if (free(c) || !springy) {
+        ledger_ = false;
+    } else if (!ledger_) {
+        ledger_ = true;
+        work_ = leak_ = 0.0;
+        start_ = scale_ = energy;
+    }
+}
+
+}  // namespace palpate::stress

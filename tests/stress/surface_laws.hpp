@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/surface/surface_scene.hpp"
+#include "tests/stress/tick_laws.hpp"
+#include "tests/support/surface_oracle.hpp"
+
+/// What must hold on every tick of every contact with a surface. Points, tangents and normals are those
+/// of the definition in long double, which shares no code with the engine.
+namespace palpate::stress {
+
+class SurfaceLaws {
+public:
+    SurfaceLaws(const engine::SurfaceScene& scene, const tests::SurfaceData& data);
+
+    /// The first law that the tick broke. @param before, after  the states round it
+    [[nodiscard]] std::optional<Breach> look(const engine::Vec3& h,
+                                             const engine::SurfaceState& before,
+                                             const engine::SurfaceState& after,
+                                             const engine::SurfaceContact& contact);
+
+private:
+    struct Tick {
+        engine::Vec3 h{};
+        engine::SurfaceContact contact{};
+    };
+    void check(const char* law, double value, double limit);
+    void check(const char* law, bool holds) { check(law, holds ? 0.0 : 1.0, 0.0); }
+    void check_contact(const Tick& now);
+    void check_walk(const Tick& now,
+                    const engine::SurfaceState& before,
+                    const engine::SurfaceState& after);
+    void check_rest(const Tick& now,
+                    const engine::SurfaceState& before,
+                    const engine::SurfaceState& after);
+    void check_energy(const Tick& now);
+    [[nodiscard]] bool held_for_a_reason(const Tick& now) const;
+
+    const engine::SurfaceScene* scene_;
+    tests::SurfaceOracle oracle_;
+    double extent_ = 0.0;
+    double same_ = 0.0;
+    std::size_t ticks_ = 0;
+    bool started_ = false;
+    Tick last_{};
+    bool ledger_ = false;
+    double start_ = 0.0;
+    double work_ = 0.0;
+    double leak_ = 0.0;
+    double scale_ = 0.0;
+    std::optional<Breach> breach_;
+};
+
+}  // namespace palpate::stress
