@@ -108,6 +108,7 @@ private:
     [[nodiscard]] SurfaceClosest search(SurfaceTrack& track,
                                         const Vec3& h,
                                         Work work) const noexcept;
+    void polish(SurfaceTrack& track, const Vec3& h, SurfaceFoot& foot, Work& work) const noexcept;
     [[nodiscard]] SurfacePlace near_place(const Vec3& h) const noexcept;
     [[nodiscard]] bool at_rest(const SurfaceTrack& track, const Vec3& h) const noexcept;
     void grow(SurfaceTrack& track, const Vec3& h, double d2) const noexcept;

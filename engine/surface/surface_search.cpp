@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "engine/surface/surface_closest.hpp"
+#include "engine/surface/surface_slide.hpp"
 
 namespace palpate::engine {
 namespace {
@@ -18,6 +19,7 @@ constexpr double kWantedSlack = 8e-4;
 
 /// One leaf may cost so much, or half of what is left.
 constexpr Work kLeafWork = 10'000'000;
+constexpr Work kPolishWork = 100'000;
 constexpr Work kNodeWork = 60;   ///< a node of the tree and its boxes
 constexpr Work kBoundWork = 60;  ///< a leaf's oriented box
 constexpr Work kBowlWork = 200;  ///< bounds of its second derivatives
@@ -208,6 +210,22 @@ Verdict SurfaceFeet::look_around(SurfaceTrack& track,
     return all;
 }
 
+/// In bent valleys a descent may stop early; the walk of a god-object without friction goes on.
+void SurfaceFeet::polish(SurfaceTrack& track,
+                         const Vec3& h,
+                         SurfaceFoot& foot,
+                         Work& work) const noexcept {
+    const Work share = std::min(work / 2, kPolishWork);
+    work -= share;
+    const SurfaceSlide slide = slide_on_surface<false>(*surface_, foot.place, h, 0.0, share);
+    const Vec3 r = slide.point - h;
+    if (glm::dot(r, r) < foot.distance2) {
+        foot.place = track.place = slide.place;
+        foot.jet = track.jet = surface_->local_jet(slide.place);
+        foot.distance2 = glm::dot(r, r);
+    }
+}
+
 SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h, Work work) const noexcept {
     ++track.searches;
     SurfacePlace start = track.started ? track.place : near_place(h);
@@ -217,6 +235,9 @@ SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h, Work work
         foot = descend(*surface_, h, start, work);
         track.place = foot.place;
         track.jet = foot.jet;
+        if (!at_rest(track, h)) {
+            polish(track, h, foot, work);
+        }
         grow(track, h, foot.distance2);
         work -= 25 * kBowlWork;  // (2 kMaxReach + 1)^2 leaves at most
         rest = look_around(track, h, foot.distance2, work);

@@ -13,8 +13,8 @@ using Way = Footing::Way;
 /// The walk of one tick.
 class Slider {
 public:
-    Slider(const NurbsSurface& surface, const Vec3& h, double mu) noexcept
-        : ground_(surface, h, mu), size_(surface.size()) {}
+    Slider(const NurbsSurface& surface, const Vec3& h, double mu, Work work) noexcept
+        : ground_(surface, h, mu), size_(surface.size()), work_(work) {}
 
     SurfaceSlide run(const SurfacePlace& from) noexcept {
         SurfaceSpot s = ground_.look(from);
@@ -261,7 +261,7 @@ private:
         return best;
     }
 
-    [[nodiscard]] bool tired() const noexcept { return ground_.work() >= kSlideWork; }
+    [[nodiscard]] bool tired() const noexcept { return ground_.work() >= work_; }
 
     [[nodiscard]] SurfaceSlide result(const Footing& at, double slid) const noexcept {
         const SurfaceSpot& s = at.spot;
@@ -285,6 +285,7 @@ private:
 
     SurfaceGround ground_;
     double size_;
+    Work work_;
     double last_ = 0.0;         ///< length of the last step, m
     double trust_ = 1e300;      ///< so long may the next one be, m
     double last_excess_ = 0.0;  ///< before it, m
@@ -298,17 +299,14 @@ template <bool HasFriction>
 SurfaceSlide slide_on_surface(const NurbsSurface& surface,
                               const SurfacePlace& from,
                               const Vec3& h,
-                              double mu) noexcept {
-    return Slider(surface, h, HasFriction ? mu : 0.0).run(from);
+                              double mu,
+                              Work work) noexcept {
+    return Slider(surface, h, HasFriction ? mu : 0.0, work).run(from);
 }
 
-template SurfaceSlide slide_on_surface<true>(const NurbsSurface&,
-                                             const SurfacePlace&,
-                                             const Vec3&,
-                                             double) noexcept;
-template SurfaceSlide slide_on_surface<false>(const NurbsSurface&,
-                                              const SurfacePlace&,
-                                              const Vec3&,
-                                              double) noexcept;
+template SurfaceSlide slide_on_surface<true>(
+    const NurbsSurface&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
+template SurfaceSlide slide_on_surface<false>(
+    const NurbsSurface&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
 
 }  // namespace palpate::engine

@@ -35,17 +35,19 @@ struct SurfaceSlide {
 ///
 /// On an edge all patches that meet there are asked (SurfaceGround::footing): the GO goes on into
 /// one of them, along the edge, or stays where every way is barred, at an open border and in a
-/// concave crease. A pole (an edge that is one point) is crossed. When kSlideWork is used up the GO
+/// concave crease. A pole (an edge that is one point) is crossed. When `work` is used up the GO
 /// stays where it is and says so; the next tick goes on from there.
 /// @param h   HIP relative to surface.origin(), m
 /// @param mu  >= 0, not read without friction
-/// What one slide may cost, some 0.08 ms; 2 or 3 evaluations of the surface are usual.
+/// @param work  what it may cost
+/// What one slide of a tick may cost, some 0.08 ms; 2 or 3 evaluations of the surface are usual.
 inline constexpr Work kSlideWork = 250'000;
 
 template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const NurbsSurface& surface,
                                             const SurfacePlace& from,
                                             const Vec3& h,
-                                            double mu) noexcept;
+                                            double mu,
+                                            Work work = kSlideWork) noexcept;
 
 }  // namespace palpate::engine

@@ -41,8 +41,8 @@ struct Case {
 /// @param watch  ticks that seem slow are timed again
 [[nodiscard]] std::optional<Breach> feel(const Case& c, Tally& tally, bool watch);
 
-/// The same breach in a path as short as it can be made by leaving ticks out: the last few ticks that
-/// suffice, then these without what is not needed.
+/// The same breach in a path as short as it can be made by leaving ticks out: the last few ticks
+/// that suffice, then these without what is not needed.
 template <class AnyCase>
 [[nodiscard]] AnyCase shrunk(AnyCase c, const Breach& breach) {
     const auto still = [&breach](const AnyCase& tried) {

@@ -22,9 +22,9 @@ struct SurfaceCase {
     std::vector<engine::Vec3> path;
 };
 
-/// One seed is one case. Gentle: balls, rings, tubes, sheets of soft waves and hands as people move them.
-/// Wild: degrees 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, folded and degenerate sheets, edges
-/// that are a point, heavy control points far away, hands that jump.
+/// One seed is one case. Gentle: balls, rings, tubes, sheets of soft waves and hands as people move
+/// them. Wild: degrees 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, folded and degenerate
+/// sheets, edges that are a point, heavy control points far away, hands that jump.
 [[nodiscard]] SurfaceCase random_surface_case(std::uint64_t seed, Mood mood);
 
 /// As `palpate render` reads them, every number with all its digits.

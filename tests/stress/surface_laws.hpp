@@ -6,8 +6,8 @@
 #include "tests/stress/tick_laws.hpp"
 #include "tests/support/surface_oracle.hpp"
 
-/// What must hold on every tick of every contact with a surface. Points, tangents and normals are those
-/// of the definition in long double, which shares no code with the engine.
+/// What must hold on every tick of every contact with a surface. Points, tangents and normals are
+/// those of the definition in long double, which shares no code with the engine.
 namespace palpate::stress {
 
 class SurfaceLaws {
@@ -35,6 +35,7 @@ private:
                     const engine::SurfaceState& before,
                     const engine::SurfaceState& after);
     void check_energy(const Tick& now);
+    [[nodiscard]] bool singular(const engine::SurfaceContact& c) const;
     [[nodiscard]] bool held_for_a_reason(const Tick& now) const;
 
     const engine::SurfaceScene* scene_;
