@@ -7,7 +7,7 @@
 # with every #include.
 #
 # LINK    libraries of its own
-# PLAIN   reads, writes and waits: less optimised, it compiles in two thirds of the time, and nobody sees a
+# PLAIN   reads, writes and waits: less optimised, it compiles in half of the time, and nobody sees a
 #         difference
 # PACED   what the tests wait for under sanitizers: optimised there as well
 function(palpate_folder folder)
@@ -28,7 +28,7 @@ function(palpate_folder folder)
     target_link_libraries(palpate_${name}
         PUBLIC palpate::${room}_left ${seen} PRIVATE ${arg_LINK} palpate::warnings)
     if(arg_PLAIN)
-        target_compile_options(palpate_${name} PRIVATE $<$<CONFIG:Release>:-O1>)
+        target_compile_options(palpate_${name} PRIVATE $<$<CONFIG:Release>:-Og>)
     endif()
     if(arg_PACED AND PALPATE_SANITIZE)
         target_compile_options(palpate_${name} PRIVATE -O2)

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
@@ -17,27 +18,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write_json(const fs::path& path, const JsonMembers& members) {
-    write_whole(path, json_object(members) + "\n");
+void write_json(const fs::path& path, const Json& members) {
+    write_whole(path, json_text(members) + "\n");
 }
 
-std::string described(const ExportColumn& column) {
-    JsonMembers words{{"Description", json_string(column.meaning)}};
+Json described(const ExportColumn& column) {
+    Json words{{"Description", column.meaning}};
     if (!column.unit.empty() && column.unit != "1") {
-        words.emplace_back("Units", json_string(column.unit));
+        words["Units"] = column.unit;
     }
-    JsonMembers levels;
     for (const auto& [level, what] : levels_of(column)) {
-        levels.emplace_back(std::string(level), json_string(what));
+        words["Levels"][level] = what;
     }
-    if (!levels.empty()) {
-        words.emplace_back("Levels", json_object(levels));
-    }
-    return json_object(words);
+    return words;
 }
 
-std::string described(const char* words) {
-    return json_object({{"Description", json_string(words)}});
+Json described(const char* words) {
+    return {{"Description", words}};
 }
 
 const ExportColumn& trials_column(std::string_view name) {
@@ -58,20 +55,19 @@ void write_rows(Statement row, DelimitedFile& file) {
 
 void write_participants(Database& database, bool details, const fs::path& folder) {
     DelimitedFile file(folder / "participants.tsv", Delimited::tsv);
-    JsonMembers sidecar{
+    Json sidecar{
         {"participant_id", described("the same in every export; it says nothing")},
         {"handedness",
-         json_object({{"Description", json_string("by the Edinburgh score")},
-                      {"Levels", json_object({{"left", json_string("-40 or less")},
-                                              {"right", json_string("40 or more")},
-                                              {"ambidextrous", json_string("between")}})}})}};
+         {{"Description", "by the Edinburgh score"},
+          {"Levels",
+           {{"left", "-40 or less"}, {"right", "40 or more"}, {"ambidextrous", "between"}}}}}};
     std::string score;
     if (details) {
-        sidecar.emplace_back("edinburgh_score",
-                             described("Edinburgh handedness score, -100 left to 100 right"));
+        sidecar["edinburgh_score"] =
+            described("Edinburgh handedness score, -100 left to 100 right");
         score = ", handedness";
     }
-    for (const auto& [name, words] : sidecar) {
+    for (const auto& [name, words] : sidecar.items()) {
         file.text(name);
     }
     file.end_row();
@@ -90,16 +86,14 @@ void write_sessions(Database& database,
                     bool details,
                     const fs::path& folder) {
     DelimitedFile file(folder / (subject + "_sessions.tsv"), Delimited::tsv);
-    JsonMembers sidecar{{"session_id", described("the same number in every study of the session")},
-                        {"studies", described("the tasks of the session")},
-                        {"session_kind", described(trials_column("session_kind"))}};
+    Json sidecar{{"session_id", described("the same number in every study of the session")},
+                 {"studies", described("the tasks of the session")},
+                 {"session_kind", described(trials_column("session_kind"))}};
     if (details) {
-        sidecar.emplace_back(
-            "day",
-            json_object({{"Description", json_string("since the participant's first session here")},
-                         {"Units", json_string("d")}}));
+        sidecar["day"] = {{"Description", "since the participant's first session here"},
+                          {"Units", "d"}};
     }
-    for (const auto& [name, words] : sidecar) {
+    for (const auto& [name, words] : sidecar.items()) {
         file.text(name);
     }
     file.end_row();
@@ -132,11 +126,10 @@ void write_beh(Database& database,
     const auto columns = beh_columns(details);
     const std::string stem = bids_stem(session) + "_beh";
     DelimitedFile file(folder / (stem + ".tsv"), Delimited::tsv);
-    JsonMembers sidecar{{"TaskName", json_string(session.study)},
-                        {"TaskDescription", json_string(session.title)}};
+    Json sidecar{{"TaskName", session.study}, {"TaskDescription", session.title}};
     for (const ExportColumn& column : columns) {
         file.text(column.name);
-        sidecar.emplace_back(std::string(column.name), described(column));
+        sidecar[std::string(column.name)] = described(column);
     }
     file.end_row();
     Statement row =
@@ -185,10 +178,10 @@ void export_bids(Database& database,
                  const ExportOptions& options,
                  const std::filesystem::path& folder) {
     write_json(folder / "dataset_description.json",
-               {{"Name", json_string(selection.titles())},
-                {"BIDSVersion", json_string(kBidsVersion)},
-                {"DatasetType", json_string("raw")},
-                {"GeneratedBy", json_array({json_object({{"Name", json_string("palpate")}})})}});
+               {{"Name", selection.titles()},
+                {"BIDSVersion", kBidsVersion},
+                {"DatasetType", "raw"},
+                {"GeneratedBy", Json::array({{{"Name", "palpate"}}})}});
     write_whole(folder / "README", readme(selection, options));
     write_participants(database, options.details, folder);
     for (const ChosenSession& session : selection.sessions()) {

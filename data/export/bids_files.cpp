@@ -6,6 +6,7 @@
 #include <limits>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/files.hpp"
 #include "engine/realtime/tick_record.hpp"
@@ -104,45 +105,37 @@ void write_channels(double rate_hz, const std::filesystem::path& path) {
     file.close();
 }
 
-std::string channels_json() {
-    return json_object(
-        {{"reference_frame",
-          json_object(
-              {{"Description", json_string("where x and y are measured")},
-               {"Levels",
-                json_object(
-                    {{"object",
-                      json_object({{"SpatialAxes", json_string("RA_")},
-                                   {"Description",
-                                    json_string("the plane of the handle, origin where the study's "
-                                                "objects have theirs: x to the right, y away from "
-                                                "the person")}})}})}})}});
+Json channels_json() {
+    return {{"reference_frame",
+             {{"Description", "where x and y are measured"},
+              {"Levels",
+               {{"object",
+                 {{"SpatialAxes", "RA_"},
+                  {"Description",
+                   "the plane of the handle, origin where the study's objects have theirs: x to "
+                   "the right, y "
+                   "away from the person"}}}}}}}};
 }
 
 std::int64_t channels_of(std::string_view type) {
     return std::ranges::count(channels(), type, &Channel::type);
 }
 
-std::string motion_json(const ChosenSession& session, const std::vector<TickRecord>& ticks) {
-    const auto count = [](std::int64_t n) {
-        return fmt::format("{}", n);
-    };
+Json motion_json(const ChosenSession& session, const std::vector<TickRecord>& ticks) {
     const double duration = seconds_of(ticks.back().time_ns - ticks.front().time_ns);
     const auto steps = static_cast<double>(ticks.back().tick - ticks.front().tick);
-    return json_object(
-        {{"TaskName", json_string(session.study)},
-         {"TaskDescription", json_string(session.title)},
-         {"TrackingSystemName", json_string("handle")},
-         {"SamplingFrequency", json_number(session.rate_hz)},
-         {"SamplingFrequencyEffective",
-          json_number(duration > 0.0 ? steps / duration : session.rate_hz)},
-         {"RecordingDuration", json_number(duration)},
-         {"MotionChannelCount", count(static_cast<std::int64_t>(channels().size()))},
-         {"POSChannelCount", count(channels_of("POS"))},
-         {"LATENCYChannelCount", count(channels_of("LATENCY"))},
-         {"MISCChannelCount", count(channels_of("MISC"))},
-         {"TrackedPointsCount", "1"},
-         {"MissingValues", json_string("n/a: the tick was lost, or the value was not a number")}});
+    return {{"TaskName", session.study},
+            {"TaskDescription", session.title},
+            {"TrackingSystemName", "handle"},
+            {"SamplingFrequency", session.rate_hz},
+            {"SamplingFrequencyEffective", duration > 0.0 ? steps / duration : session.rate_hz},
+            {"RecordingDuration", duration},
+            {"MotionChannelCount", channels().size()},
+            {"POSChannelCount", channels_of("POS")},
+            {"LATENCYChannelCount", channels_of("LATENCY")},
+            {"MISCChannelCount", channels_of("MISC")},
+            {"TrackedPointsCount", 1},
+            {"MissingValues", "n/a: the tick was lost, or the value was not a number"}};
 }
 
 void write_stim(const std::vector<TickRecord>& ticks, const std::filesystem::path& path) {
@@ -155,18 +148,17 @@ void write_stim(const std::vector<TickRecord>& ticks, const std::filesystem::pat
     file.close();
 }
 
-std::string stim_json(const ChosenSession& session) {
+Json stim_json(const ChosenSession& session) {
     const auto column = [](const char* words) {
-        return json_object({{"Description", json_string(words)}, {"Units", json_string("N")}});
+        return Json{{"Description", words}, {"Units", "N"}};
     };
-    return json_object(
-        {{"SamplingFrequency", json_number(session.rate_hz)},
-         {"StartTime", "0"},
-         {"Columns", json_array({json_string("commanded_x_n"), json_string("commanded_y_n")})},
-         {"commanded_x_n",
-          column("force commanded to the device after the safety chain, to the right")},
-         {"commanded_y_n",
-          column("force commanded to the device after the safety chain, away from the person")}});
+    return {{"SamplingFrequency", session.rate_hz},
+            {"StartTime", 0},
+            {"Columns", {"commanded_x_n", "commanded_y_n"}},
+            {"commanded_x_n",
+             column("force commanded to the device after the safety chain, to the right")},
+            {"commanded_y_n",
+             column("force commanded to the device after the safety chain, away from the person")}};
 }
 
 }  // namespace
@@ -196,13 +188,14 @@ void write_bids_run(Database& database,
         const std::filesystem::path folder = session_folder / "motion";
         std::filesystem::create_directories(folder);
         write_motion(ticks, folder / (motion + "_motion.tsv"));
-        write_whole(folder / (motion + "_motion.json"), motion_json(session, ticks) + "\n");
+        write_whole(folder / (motion + "_motion.json"),
+                    json_text(motion_json(session, ticks)) + "\n");
         write_channels(session.rate_hz, folder / (motion + "_channels.tsv"));
-        write_whole(folder / (motion + "_channels.json"), channels_json() + "\n");
+        write_whole(folder / (motion + "_channels.json"), json_text(channels_json()) + "\n");
         const std::filesystem::path stim =
             session_folder / "beh" / (bids_stem(session) + run + "_recording-force_stim");
         write_stim(ticks, stim.string() + ".tsv.gz");
-        write_whole(stim.string() + ".json", stim_json(session) + "\n");
+        write_whole(stim.string() + ".json", json_text(stim_json(session)) + "\n");
     }
 }
 

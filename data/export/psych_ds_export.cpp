@@ -3,6 +3,7 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/files.hpp"
 #include "engine/base/text.hpp"
@@ -22,26 +23,26 @@ std::string stem_of(const ChosenSession& session) {
 }
 
 /// A column in schema.org's words: unitText is its unit, valuePattern a regular expression of its levels.
-std::string variable(const ExportColumn& column) {
-    JsonMembers words{{"@type", json_string("PropertyValue")}, {"name", json_string(column.name)}};
+Json variable(const ExportColumn& column) {
+    Json words{{"@type", "PropertyValue"}, {"name", column.name}};
     std::string meaning(column.meaning);
     std::string pattern;
     for (const auto& [level, what] : levels_of(column)) {
         meaning += fmt::format("{}{}: {}", pattern.empty() ? ". " : "; ", level, what);
         pattern += fmt::format("{}{}", pattern.empty() ? "" : "|", level);
     }
-    words.emplace_back("description", json_string(meaning));
+    words["description"] = meaning;
     if (!column.unit.empty() && column.unit != "1") {
-        words.emplace_back("unitText", json_string(column.unit));
+        words["unitText"] = column.unit;
     }
     if (!pattern.empty()) {
-        words.emplace_back("valuePattern", json_string(pattern));
+        words["valuePattern"] = pattern;
     }
-    return json_object(words);
+    return words;
 }
 
-std::string variables(const ExportOptions& options) {
-    std::vector<std::string> all;
+Json variables(const ExportOptions& options) {
+    Json all = Json::array();
     std::set<std::string> named;
     const auto add = [&](const ExportColumn& column) {
         if (named.insert(column.name).second) {
@@ -62,7 +63,7 @@ std::string variables(const ExportOptions& options) {
                  std::string(column.meaning), ""});
         }
     }
-    return json_array(all);
+    return all;
 }
 
 }  // namespace
@@ -80,11 +81,11 @@ void export_psych_ds(Database& database,
         counted(selection.sessions().size(), "session"), options.kind,
         options.details ? "" : " De-identified.");
     write_whole(folder / "dataset_description.json",
-                json_object({{"@context", json_string("http://schema.org/")},
-                             {"@type", json_string("Dataset")},
-                             {"name", json_string(selection.titles())},
-                             {"description", json_string(description)},
-                             {"variableMeasured", variables(options)}}) +
+                json_text({{"@context", "http://schema.org/"},
+                           {"@type", "Dataset"},
+                           {"name", selection.titles()},
+                           {"description", description},
+                           {"variableMeasured", variables(options)}}) +
                     "\n");
     write_whole(
         folder / "README.md",

@@ -18,6 +18,14 @@ std::string heading(const std::string& path) {
 
 }  // namespace
 
+void Problems::add(const Position& at, std::string what) {
+    found_.insert({at, std::move(what)});
+}
+
+void Problems::take(Problems&& others) {
+    found_.merge(others.found_);
+}
+
 void Problems::throw_if_any(std::string_view file_name) const {
     if (none()) {
         return;
@@ -35,6 +43,14 @@ void Problems::throw_if_any(std::string_view file_name) const {
                             at.column, what);
     }
     throw ProtocolError(text);
+}
+
+void Places::note(const std::string& path, const Position& at) {
+    places_.insert_or_assign(path, at);
+}
+
+bool Places::has(const std::string& path) const {
+    return places_.contains(path);
 }
 
 Position Places::of(std::string path) const {
@@ -88,6 +104,10 @@ void TableReader::read(Keys keys, void* record, bool complete) {
                                  range_of(key), key.meaning));
         }
     }
+}
+
+void TableReader::know(WordList keys) {
+    known_.insert(known_.end(), keys.begin(), keys.end());
 }
 
 void TableReader::refuse_unknown() {

@@ -185,8 +185,8 @@ template <class Record>
 /// Everything that is wrong with one file.
 class Problems {
 public:
-    void add(const Position& at, std::string what) { found_.insert({at, std::move(what)}); }
-    void take(Problems&& others) { found_.merge(others.found_); }
+    void add(const Position& at, std::string what);
+    void take(Problems&& others);
     [[nodiscard]] bool none() const noexcept { return found_.empty(); }
     /// @throws ProtocolError with all problems in file order, if there are any
     void throw_if_any(std::string_view file_name) const;
@@ -198,8 +198,8 @@ private:
 /// Where every key and table stands, by a path such as "design.break_every" or "object.3.name".
 class Places {
 public:
-    void note(const std::string& path, const Position& at) { places_.insert_or_assign(path, at); }
-    [[nodiscard]] bool has(const std::string& path) const { return places_.contains(path); }
+    void note(const std::string& path, const Position& at);
+    [[nodiscard]] bool has(const std::string& path) const;
     /// The place of `path`, else of the table around it, else the start of the file.
     [[nodiscard]] Position of(std::string path) const;
 
@@ -233,7 +233,7 @@ public:
         read(keys_of<Record>(), &record, complete);
     }
     /// Keys that others read.
-    void know(WordList keys) { known_.insert(known_.end(), keys.begin(), keys.end()); }
+    void know(WordList keys);
     /// Every key that was neither read nor known is a problem.
     void refuse_unknown();
 

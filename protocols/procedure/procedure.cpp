@@ -18,6 +18,13 @@ Procedure::State Procedure::start(const ProcedureSpec& spec, Pcg32 random) {
 
 Procedure::Procedure(const ProcedureSpec& spec, Pcg32 random) : state_(start(spec, random)) {}
 
+// Here, since a variant's copies cost every file that includes it a tenth of a second.
+Procedure::Procedure(const Procedure& other) = default;
+Procedure::Procedure(Procedure&& other) noexcept = default;
+Procedure& Procedure::operator=(const Procedure& other) = default;
+Procedure& Procedure::operator=(Procedure&& other) noexcept = default;
+Procedure::~Procedure() = default;
+
 std::vector<double> Procedure::next() const {
     return std::visit([](const auto& s) { return s.next(); }, state_);
 }

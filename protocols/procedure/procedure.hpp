@@ -41,6 +41,11 @@ public:
     /// @param random  draws the orders and the interleaving; QUEST, Psi and QUEST+ draw nothing
     /// @throws std::invalid_argument with the value and the remedy
     Procedure(const ProcedureSpec& spec, Pcg32 random);
+    Procedure(const Procedure& other);
+    Procedure(Procedure&& other) noexcept;
+    Procedure& operator=(const Procedure& other);
+    Procedure& operator=(Procedure&& other) noexcept;
+    ~Procedure();
 
     /// The stimulus to show next, one number a dimension.
     [[nodiscard]] std::vector<double> next() const;

@@ -15,7 +15,7 @@ BEGIN {
     }
 
     # Where a library's headers may be included: a room, or a folder of one. In .cpp files only, but
-    # for glm, fmt and Boost's whole numbers, whose values are part of our own interfaces.
+    # for glm, fmt, Boost's whole numbers and JSON's forward declarations: values of our own interfaces.
     where["glm"] = "engine stimuli protocols data ui"
     where["fmt"] = "engine/base protocols data ui"
     where["toml++"] = "protocols"
@@ -28,6 +28,7 @@ BEGIN {
     where["libpq"] = "data"
     where["SDL2"] = "ui"
     where["CLI11"] = "ui"
+    where["nlohmann"] = "data/export ui"
     where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \
@@ -117,6 +118,7 @@ function library_of(path) {
     if (path ~ /^(libpq|pq|postgresql)\/|^libpq-fe\.h$/) return "libpq"
     if (path ~ /^SDL/) return "SDL2"
     if (path ~ /^CLI\//) return "CLI11"
+    if (path ~ /^nlohmann\//) return "nlohmann"
     if (path ~ /^comedi(lib)?\.h$/) return "comedilib"
     return ""
 }
@@ -128,7 +130,8 @@ function check_library(path,   library) {
     if (library == "") breach("<" path "> is of no library that the guard knows")
     else if (!listed(room, where[library]) && !listed(room "/" folder, where[library]))
         breach("<" path ">: " library " belongs to " where[library])
-    else if (header && library != "glm" && library != "fmt" && library != "Boost.Multiprecision")
+    else if (header && library != "glm" && library != "fmt" && library != "Boost.Multiprecision" &&
+             path != "nlohmann/json_fwd.hpp")
         breach("<" path ">: " library " stays out of headers")
 }
 

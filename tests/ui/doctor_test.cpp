@@ -180,10 +180,15 @@ TEST_CASE("JSON stays valid with quotes, line ends, broken UTF-8 and numbers tha
     check.numbers = {{"nan", std::numeric_limits<double>::quiet_NaN()},
                      {"inf", std::numeric_limits<double>::infinity()},
                      {"half", 0.5}};
-    CHECK(as_json("1.0", {check}) ==
-          "{\"palpate\": \"1.0\", \"checks\": [\n  {\"name\": \"a\\\"b\\\\c\\u000ad\\u0001\", "
-          "\"status\": \"ok\", \"detail\": \"caf\xc3\xa9 \\ufffd \\ufffd( \xe2\x82\xac "
-          "\\ufffd\\ufffd\\ufffd \\ufffd\", \"remedy\": "
-          "\"\", \"numbers\": {\"nan\": null, \"inf\": null, \"half\": 0.5}}\n]}\n");
-    CHECK(as_json("1.0", {}) == "{\"palpate\": \"1.0\", \"checks\": [\n]}\n");
+    const std::string text = as_json("1.0", {check});
+    const auto says = [&text](const std::string& words) {
+        return text.find(words) != std::string::npos;
+    };
+    CHECK(says(R"("name": "a\"b\\c\nd\u0001")"));
+    const std::string lost =
+        "\xef\xbf\xbd";  // U+FFFD, one for every byte that is none of a character
+    CHECK(says("\"caf\xc3\xa9 " + lost + ' ' + lost + "( \xe2\x82\xac " + lost + lost + lost + ' ' +
+               lost + '"'));
+    CHECK((says(R"("nan": null)") && says(R"("inf": null)") && says(R"("half": 0.5)")));
+    CHECK(as_json("1.0", {}) == "{\n  \"palpate\": \"1.0\",\n  \"checks\": []\n}\n");
 }

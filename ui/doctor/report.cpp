@@ -5,6 +5,7 @@
 #include <exception>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "data/export/json_text.hpp"
 
@@ -35,18 +36,6 @@ std::string wrapped(std::string_view text, std::size_t indent) {
         text.remove_prefix(space == std::string_view::npos ? text.size() : space + 1);
     }
     return out;
-}
-
-std::string object(const Check& check) {
-    std::string numbers;
-    for (const auto& [name, value] : check.numbers) {
-        numbers += fmt::format("{}{}: {}", numbers.empty() ? "" : ", ", data::json_string(name),
-                               data::json_number(value));
-    }
-    return fmt::format(
-        "{{\"name\": {}, \"status\": {}, \"detail\": {}, \"remedy\": {}, \"numbers\": {{{}}}}}",
-        data::json_string(check.name), data::json_string(to_string(check.status)),
-        data::json_string(check.detail), data::json_string(check.remedy), numbers);
 }
 
 }  // namespace
@@ -103,12 +92,19 @@ std::string verdict(const std::vector<Check>& checks) {
 }
 
 std::string as_json(std::string_view version, const std::vector<Check>& checks) {
-    std::string list;
+    data::Json list = data::Json::array();
     for (const Check& check : checks) {
-        list += (list.empty() ? "\n  " : ",\n  ") + object(check);
+        data::Json numbers = data::Json::object();
+        for (const auto& [name, value] : check.numbers) {
+            numbers[name] = value;
+        }
+        list.push_back({{"name", check.name},
+                        {"status", to_string(check.status)},
+                        {"detail", check.detail},
+                        {"remedy", check.remedy},
+                        {"numbers", numbers}});
     }
-    return fmt::format("{{\"palpate\": {}, \"checks\": [{}\n]}}\n", data::json_string(version),
-                       list);
+    return data::json_text({{"palpate", version}, {"checks", list}}) + "\n";
 }
 
 }  // namespace palpate::ui

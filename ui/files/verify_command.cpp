@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
 #include "data/export/json_text.hpp"
@@ -16,7 +17,7 @@ struct VerifyOptions {
 
 using data::Finding;
 using data::FindingKind;
-using data::json_string;
+using data::Json;
 using data::SessionReport;
 
 std::string place_of(const Finding& finding) {
@@ -73,36 +74,44 @@ void print_text(const std::string& file, const data::Verification& found) {
                                "it out; verify changes nothing.");
 }
 
-std::string json_of(const std::vector<Finding>& findings) {
-    std::string text;
+template <class T>
+Json json_of(const std::optional<T>& value) {
+    return value ? Json(*value) : Json();
+}
+
+Json json_of(const std::vector<Finding>& findings) {
+    Json all = Json::array();
     for (const Finding& finding : findings) {
-        text += fmt::format(
-            "{}{{\"kind\": \"{}\", \"trial\": {}, \"tick\": {}, \"what\": {}, \"stored\": {}, "
-            "\"recomputed\": {}, \"count\": {}}}",
-            text.empty() ? "" : ", ", finding.kind == FindingKind::differs ? "differs" : "missing",
-            finding.trial ? fmt::format("{}", *finding.trial) : "null",
-            finding.tick ? fmt::format("{}", *finding.tick) : "null", json_string(finding.what),
-            json_string(finding.stored), json_string(finding.recomputed), finding.count);
+        all.push_back({{"kind", finding.kind == FindingKind::differs ? "differs" : "missing"},
+                       {"trial", json_of(finding.trial)},
+                       {"tick", json_of(finding.tick)},
+                       {"what", finding.what},
+                       {"stored", finding.stored},
+                       {"recomputed", finding.recomputed},
+                       {"count", finding.count}});
     }
-    return "[" + text + "]";
+    return all;
 }
 
 void print_json(const std::string& file, const data::Verification& found) {
-    std::string sessions;
+    Json sessions = Json::array();
     for (const SessionReport& session : found.sessions) {
-        sessions += fmt::format(
-            "{}{{\"id\": {}, \"study\": {}, \"participant\": {}, \"number\": {}, \"kind\": {}, "
-            "\"finished\": {}, \"chain\": {}, \"trials\": {}, \"ticks_replayed\": {}, "
-            "\"findings\": {}}}",
-            sessions.empty() ? "" : ", ", session.id, json_string(session.study),
-            json_string(session.participant), session.number, json_string(session.kind),
-            session.finished, json_string(session.head), session.trials, session.replayed,
-            json_of(session.findings));
+        sessions.push_back({{"id", session.id},
+                            {"study", session.study},
+                            {"participant", session.participant},
+                            {"number", session.number},
+                            {"kind", session.kind},
+                            {"finished", session.finished},
+                            {"chain", session.head},
+                            {"trials", session.trials},
+                            {"ticks_replayed", session.replayed},
+                            {"findings", json_of(session.findings)}});
     }
-    say("{{\"file\": {}, \"differences\": {}, \"missing\": {}, \"findings\": {}, "
-        "\"sessions\": [{}]}}\n",
-        json_string(file), found.count(FindingKind::differs), found.count(FindingKind::missing),
-        json_of(found.file), sessions);
+    say("{}\n", data::json_text({{"file", file},
+                                 {"differences", found.count(FindingKind::differs)},
+                                 {"missing", found.count(FindingKind::missing)},
+                                 {"findings", json_of(found.file)},
+                                 {"sessions", sessions}}));
 }
 
 void declare(CommandWords& words, VerifyOptions& options) {
