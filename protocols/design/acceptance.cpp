@@ -4,6 +4,7 @@
 #include <map>
 
 #include "protocols/order/order_count.hpp"
+#include "protocols/order/order_counter.hpp"
 #include "protocols/order/order_sampler.hpp"
 
 namespace palpate::protocols {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "protocols/order/order_count.hpp"
+#include "protocols/order/order_counter.hpp"
 #include "protocols/protocol/run.hpp"
 
 namespace palpate::protocols {
@@ -35,6 +36,10 @@ std::size_t rarity_of_table(std::span<const Condition> trials) {
     return bits_of(multinomial(counts_of(trials, &Condition::object))) +
            bits_of(multinomial(counts_of(trials, &Condition::friction))) -
            bits_of(multinomial(counts));
+}
+
+std::shared_ptr<const OrderCounter> counter_or_none(std::optional<OrderCounter> built) {
+    return built ? std::make_shared<const OrderCounter>(*std::move(built)) : nullptr;
 }
 
 /// No fewer than the states of a counter of both factors.
@@ -130,14 +135,16 @@ const OrderCounter* OrderSampler::counter_of(Level factor) {
         for (const Condition& condition : trials_) {
             alone.push_back({.object = condition.*factor});
         }
-        lazy.counter = OrderCounter::build(alone, {.object = limit_of(limits_, factor)}, most);
+        lazy.counter = counter_or_none(
+            OrderCounter::build(alone, {.object = limit_of(limits_, factor)}, most));
     }
-    return lazy.counter ? &*lazy.counter : nullptr;
+    return lazy.counter.get();
 }
 
 const OrderCounter* OrderSampler::counter_of_both() {
     if (!std::exchange(both_.tried, true)) {
-        both_.counter = OrderCounter::build(trials_, limits_, most_states(trials_.size()));
+        both_.counter =
+            counter_or_none(OrderCounter::build(trials_, limits_, most_states(trials_.size())));
         if (both_.counter && both_.counter->total().is_zero()) {
             throw OrderError(fmt::format(
                 "no order keeps the run limits (object {}, friction {}) at once, though "
@@ -145,7 +152,7 @@ const OrderCounter* OrderSampler::counter_of_both() {
                 limits_.object, limits_.friction));
         }
     }
-    return both_.counter ? &*both_.counter : nullptr;
+    return both_.counter.get();
 }
 
 bool OrderSampler::can(OrderWay way) {

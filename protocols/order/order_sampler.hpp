@@ -3,14 +3,16 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "protocols/order/constrained_order.hpp"
-#include "protocols/order/order_counter.hpp"
 
 namespace palpate::protocols {
+
+class OrderCounter;
 
 /// Draws orders that keep the run limits, each uniform over ALL such orders, also where hardly any
 /// shuffle keeps them.
@@ -71,7 +73,7 @@ private:
     /// A counter is made when it is first asked for, and may prove too large.
     struct Lazy {
         bool tried = false;
-        std::optional<OrderCounter> counter;
+        std::shared_ptr<const OrderCounter> counter{};  ///< null: too large
     };
 
     /// The trials with one level of the counted factor; the first `left` are still to be dealt.

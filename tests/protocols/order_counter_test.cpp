@@ -3,6 +3,7 @@
 
 #include "protocols/design/acceptance.hpp"
 #include "protocols/order/order_count.hpp"
+#include "protocols/order/order_counter.hpp"
 #include "protocols/order/order_sampler.hpp"
 #include "tests/protocols/orders.hpp"
 #include "tests/support/catch.hpp"
