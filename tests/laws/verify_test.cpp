@@ -90,7 +90,8 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
     CHECK(bytes_of(file) == before);
     const Finished json = palpate_command({"verify", file, "--json"});
     CHECK(json.code == 0);
-    CHECK_THAT(json.out, ContainsSubstring("\"differences\": 0, \"missing\": 0, \"findings\": []"));
+    CHECK_THAT(json.out,
+               ContainsSubstring("\"differences\": 0,\n  \"missing\": 0,\n  \"findings\": []"));
 }
 
 TEST_CASE("a session keeps which binary, which libraries and which geometry made it", "[verify]") {
