@@ -234,7 +234,7 @@ bool planned_anew(Database& database, const Existing& there, const SessionSpec& 
     add_event(database, there.id,
               {.kind = protocols::EventKind::planned_again,
                .text = fmt::format(
-                   "no trial had begun of the {} session with seed {}, plan {} and chain {}",
+                   "no trial had begun of the {} session with seed {}, plan {} and seal {}",
                    there.kind, there.seed, there.plan_hash, head)});
     return true;
 }

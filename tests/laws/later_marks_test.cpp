@@ -15,18 +15,18 @@ using tests::TemporaryFolder;
 
 namespace {
 
-/// "... Chain HEAD: note it ..."
+/// "... Seal HEAD: note it ..."
 std::string head_in(const std::string& text) {
-    const std::size_t at = text.rfind("Chain ");
-    REQUIRE(at + 6 + 64 <= text.size());
-    return text.substr(at + 6, 64);
+    const std::size_t at = text.rfind("Seal ");
+    REQUIRE(at + 5 + 64 <= text.size());
+    return text.substr(at + 5, 64);
 }
 
 std::string verified_head(const std::string& file) {
     const Finished verified = palpate_command({"verify", file});
     CAPTURE(verified.out);
     REQUIRE(verified.code == 0);
-    const std::size_t at = verified.out.find("  chain    ");
+    const std::size_t at = verified.out.find("  seal     ");
     REQUIRE(at != std::string::npos);
     return verified.out.substr(at + 11, 64);
 }

@@ -253,7 +253,7 @@ int run(const RunOptions& options) {
     heed_handedness(database, options, spec);
     const RigEnd end = run_rig(database, spec);
     if (!end.head.empty()) {
-        say("Chain {}: note it in the lab book, verify prints it.\n", end.head);
+        say("Seal {}: note it in the lab book, verify prints it.\n", end.head);
     }
     switch (end.session.why) {
         case protocols::SessionEnd::Why::finished:

@@ -81,8 +81,8 @@ int note(const NoteOptions& options) {
     const data::SessionRow session = session_of(database, options);
     const std::string head =
         data::add_note(database, session.id, options.text, options.operator_name);
-    say("Noted in session {} of {}, study {}.\nChain {}: note it in the lab book.\n",
-        session.number, options.participant, plain(session.study), head);
+    say("Noted in session {} of {}, study {}.\nSeal {}: note it in the lab book.\n", session.number,
+        options.participant, plain(session.study), head);
     return 0;
 }
 
@@ -98,7 +98,7 @@ int mark(const MarkOptions& options) {
     data::Database database = open_there(options.database);
     const data::Marked marked =
         data::mark_invalid(database, options.trial, options.reason, options.operator_name);
-    say("Trial {} does not count any more; its answer is kept. {}\nChain {}: note it in the lab "
+    say("Trial {} does not count any more; its answer is kept. {}\nSeal {}: note it in the lab "
         "book.\n",
         options.trial,
         marked.finished ? "Its session is finished: it is not run again."

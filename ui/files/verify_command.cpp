@@ -63,7 +63,7 @@ void print_text(const std::string& file, const data::Verification& found) {
             counted(session.replayed, "tick"),
             different == 0 ? "nothing differs" : counted(different, "difference"));
         if (!session.head.empty()) {
-            say("  chain    {}\n", plain(session.head));
+            say("  seal     {}\n", plain(session.head));
         }
         print_findings(session.findings);
     }
@@ -102,7 +102,7 @@ void print_json(const std::string& file, const data::Verification& found) {
                             {"number", session.number},
                             {"kind", session.kind},
                             {"finished", session.finished},
-                            {"chain", session.head},
+                            {"seal", session.head},
                             {"trials", session.trials},
                             {"ticks_replayed", session.replayed},
                             {"findings", json_of(session.findings)}});
