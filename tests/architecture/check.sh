@@ -32,14 +32,13 @@ own_files \( -name CMakeLists.txt -o -name '*.cmake' -o -name CMakePresets.json 
 own_files \( -name '*.hpp' -o -name '*.cpp' -o -name '*.h' \) \
     -exec awk -v folders="$folders" -f "$guard/source.awk" {} + >>"$breaches" || broken source.awk
 
-# shellcheck disable=SC2016  # the inner shell expands it
+printf 'a\n' | grep -qPz '\n\z' || broken 'grep -Pz'
 own_files \( -name '*.[hc]pp' -o -name '*.txt' -o -name '*.cmake' -o -name '*.sh' -o -name '*.awk' \
     -o -name '*.md' -o -name '*.toml' -o -name '*.json' -o -name '*.sql' -o -path palpate -o -path .ci/run \) \
-    -exec sh -c '
-        for file; do
-            [ -z "$(tail -c 1 "$file")" ] ||
-                echo "$file:$(($(wc -l <"$file") + 1)): the last line does not end"
-        done' sh {} + >>"$breaches" || broken newlines
+    -size +0 -exec grep -LPz '\n\z' {} + |
+    while IFS= read -r file; do
+        echo "$file:$(($(wc -l <"$file") + 1)): the last line does not end"
+    done >>"$breaches"
 
 # Home folders, and the very folder that this checkout lies in.
 checkout=$(printf '%s' "$tree" | sed 's/[][\\.*^$+?(){}|]/\\&/g')
