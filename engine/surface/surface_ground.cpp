@@ -44,16 +44,15 @@ SurfaceSpot SurfaceGround::look(SurfacePlace place) noexcept {
     const double reach = std::sqrt(s.r2);
     s.noise = 4.0 * kEpsilon * (glm::length(s.jet.point) + reach);
     s.rounding = 1e-14 * s.cone + s.noise;
-    s.turn = reach * turn(s.jet);
     return s;
 }
 
-/// Rounding of a unit normal: derivatives are differences of coordinates.
-double SurfaceGround::turn(const SurfaceJet& j) const noexcept {
+double SurfaceGround::turn(const SurfaceSpot& s) const noexcept {
+    const SurfaceJet& j = s.jet;
     const double a = glm::length(j.du);
     const double b = glm::length(j.dv);
     const double area = glm::length(glm::cross(j.du, j.dv));
-    return std::min(kEpsilon * surface_.size() * (a + b) / (area + 1e-300), 1e-9);
+    return std::sqrt(s.r2) * std::min(kEpsilon * surface_.size() * (a + b) / (area + 1e-300), 1e-9);
 }
 
 Vec2 SurfaceGround::parameters(const SurfaceJet& j, const Vec3& t) noexcept {
@@ -80,9 +79,10 @@ Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
     if (!out_u && !out_v) {
         return {s, Footing::Way::open, s.excess};
     }
-    const auto drive = [&s](const Vec3& edge, double at) {
+    const double still = 1e-9 * surface_.size();  // an edge that stands still leads nowhere
+    const auto drive = [&s, still](const Vec3& edge, double at) {
         const double length = glm::length(edge);
-        const double by = length > 0.0 ? glm::dot(s.r, edge) / length : 0.0;
+        const double by = length > still ? glm::dot(s.r, edge) / length : 0.0;
         return leaves(at, by) ? 0.0 : std::fabs(by);
     };
     const double by_v = out_u ? drive(s.jet.dv, s.place.v) : 0.0;

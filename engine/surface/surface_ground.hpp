@@ -19,7 +19,6 @@ struct SurfaceSpot {
     double excess = 0.0;    ///< length - cone, m; > 0: outside of the cone
     double noise = 0.0;     ///< rounding of a place, m
     double rounding = 0.0;  ///< the width of the cone's shell that counts as its edge, m
-    double turn = 0.0;      ///< what the last bits of the normal do to excess, m
 };
 
 /// What the god-object may do where it is.
@@ -55,6 +54,9 @@ public:
     [[nodiscard]] static bool settled(const SurfaceSpot& s) noexcept {
         return s.excess <= 0.0 || (s.cone <= s.rounding && s.length <= 2.0 * s.rounding);
     }
+    /// What the last bits of the normal do to the excess, m: derivatives are differences of
+    /// coordinates.
+    [[nodiscard]] double turn(const SurfaceSpot& s) const noexcept;
     /// Parameters of the way `t` in the tangent plane: the 2 x 2 metric.
     [[nodiscard]] static Vec2 parameters(const SurfaceJet& jet, const Vec3& t) noexcept;
 
@@ -71,7 +73,6 @@ public:
     [[nodiscard]] bool to_pole(SurfacePlace& p) const noexcept;
 
 private:
-    [[nodiscard]] double turn(const SurfaceJet& jet) const noexcept;
     [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
     [[nodiscard]] Footing at_pole(const SurfaceSpot& s, bool in_u) noexcept;
     [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u) noexcept;

@@ -80,7 +80,10 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
         state.theta = 1.0;
         return {.refused = true};
     }
-    state.seen = feet_.track(state.track, hip, kTickWork);
+    const bool looks = !state.touching || spec_.contact.look != Look::needed;
+    if (looks) {
+        state.seen = feet_.track(state.track, hip, kTickWork);
+    }
     if (!state.touching) {
         if (!state.seen.inside) {
             return free(state, hip);
@@ -93,12 +96,15 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     const double mu = HasFriction ? coefficient(friction, state.theta) : 0.0;
     const Vec3 h = hip - surface().origin();
     // Without friction the GO is the local foot: mostly the closest point, already found.
-    const bool known = !HasFriction && feet_.same_bowl(state.track, state.place);
+    const bool known = !HasFriction && looks && feet_.same_bowl(state.track, state.place);
     const SurfacePlace from = known ? state.seen.place : state.place;
     const SurfaceSlide slide = slide_on_surface<HasFriction>(surface(), from, h, mu);
     const bool slipped = slide.slid > 0.0 || (known && apart(state.place, from));
     state.place = slide.place;
     if (!(slide.load > 0.0)) {
+        if (!looks) {
+            state.seen = feet_.track(state.track, hip, kTickWork);
+        }
         return free(state, hip);
     }
     SurfaceContact contact = render(slide, h, mu);

@@ -13,7 +13,9 @@ namespace palpate::engine {
 
 /// What is to be felt on a surface. SI.
 struct SurfaceSceneSpec {
-    SceneSpec contact{};  ///< as for an outline, without slew: a surface has no vertices
+    /// As for an outline, without slew: a surface has no vertices. Look::needed: no closest point is
+    /// looked for in contact, the last one stays; a third of the cost of a tick.
+    SceneSpec contact{};
 
     /// While HIP is farther from the surface than it can have moved since the last look, do not
     /// look: such a tick costs one comparison. Contact then begins only where HIP can have met the
@@ -37,7 +39,7 @@ struct SurfaceState {
 /// One tick's answer, world frame; the force is the one on the user.
 struct SurfaceContact {
     Mode mode = Mode::free;
-    SurfaceClosest cp{};  ///< global closest point of HIP; in a skipped tick the last one
+    SurfaceClosest cp{};  ///< global closest point of HIP; where it was not looked for the last one
     double go_u = 0.0;
     double go_v = 0.0;
     Vec3 go{};                      ///< m

@@ -40,7 +40,7 @@ private:
     SurfaceSpot advance(const Footing& at) noexcept {
         const SurfaceSpot& s = at.spot;
         const SurfaceSteps steps(s, size_);
-        const double noise = 2.0 * std::sqrt(s.r2) * s.noise;
+        const double noise = 6.0 * std::sqrt(s.r2) * s.noise;
         const double whole = wanted(at, steps);
         double length = std::min(whole, trust_);
         last_excess_ = at.excess;
@@ -280,7 +280,7 @@ private:
 
     /// Newton's steps have come to where rounding decides, or soon will.
     [[nodiscard]] bool last_bits(const SurfaceSpot& s) const noexcept {
-        return s.excess <= std::max(1e-11 * (size_ + std::sqrt(s.r2)), 4.0 * s.turn);
+        return s.excess <= 5e-11 * (size_ + std::sqrt(s.r2)) || s.excess <= 4.0 * ground_.turn(s);
     }
 
     SurfaceGround ground_;

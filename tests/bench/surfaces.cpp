@@ -227,9 +227,10 @@ struct SurfaceTick {
     engine::SurfaceState state{};
 
     SurfaceTick(const std::shared_ptr<const engine::NurbsSurface>& surface,
-                const engine::Friction& friction)
+                const engine::Friction& friction,
+                engine::Look look = engine::Look::touching)
         : scene(std::make_shared<const engine::SurfaceScene>(
-              surface, engine::SceneSpec{.friction = friction})) {}
+              surface, engine::SceneSpec{.friction = friction, .look = look})) {}
     void reset(const Vec3& /*first*/) { state = {}; }
     Answer<3> answer(const Vec3& hip) {
         const engine::SurfaceContact contact = scene->tick(state, hip);
@@ -342,7 +343,11 @@ Methods<3> own_surface_methods(const Surface& surface) {
     methods.push_back(make_method<3>("certified", Kind::global, CertifiedSurface{feet}));
     methods.push_back(make_method<3>("global, cold", Kind::global, GlobalSurface{feet}));
     methods.push_back(make_method<3>("tick, friction", Kind::floor, SurfaceTick(made, kFriction)));
+    methods.push_back(make_method<3>("tick, friction, force only", Kind::floor,
+                                     SurfaceTick(made, kFriction, engine::Look::needed)));
     methods.push_back(make_method<3>("tick, frictionless", Kind::floor, SurfaceTick(made, {})));
+    methods.push_back(make_method<3>("tick, frictionless, force only", Kind::floor,
+                                     SurfaceTick(made, {}, engine::Look::needed)));
     return methods;
 }
 
