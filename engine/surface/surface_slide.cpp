@@ -265,7 +265,9 @@ private:
 
     [[nodiscard]] SurfaceSlide result(const Footing& at, double slid) const noexcept {
         const SurfaceSpot& s = at.spot;
-        const bool outside = !SurfaceGround::settled(s) && !last_bits(s);
+        const bool fine =
+            at.way == Way::held ? s.excess <= 4.0 * (s.noise + ground_.turn(s)) : last_bits(s);
+        const bool outside = !SurfaceGround::settled(s) && !fine;
         return {.place = s.place,
                 .point = s.jet.point,
                 .normal = s.normal,
@@ -280,7 +282,7 @@ private:
 
     /// Newton's steps have come to where rounding decides, or soon will.
     [[nodiscard]] bool last_bits(const SurfaceSpot& s) const noexcept {
-        return s.excess <= 5e-11 * (size_ + std::sqrt(s.r2)) || s.excess <= 4.0 * ground_.turn(s);
+        return s.excess <= 3e-11 * (size_ + std::sqrt(s.r2)) || s.excess <= 4.0 * ground_.turn(s);
     }
 
     SurfaceGround ground_;

@@ -132,7 +132,7 @@ bool SurfaceLaws::singular(const SurfaceContact& c) const {
     const double b = length(jet.sv);
     const double area = length(cross(jet.su, jet.sv));
     const double size = scene_->surface().size();
-    return a < 1e-4 * size || b < 1e-4 * size || area < 1e-4 * a * b;
+    return a < 1e-4 * size || b < 1e-4 * size || area < 1e-3 * a * b;
 }
 
 void SurfaceLaws::check_contact(const Tick& now) {
@@ -180,7 +180,7 @@ void SurfaceLaws::check_contact(const Tick& now) {
         }
     }
     check("the god-object is on the surface", off, 10.0 * same_);
-    check("the normal is that of the surface", turned, 1e-8);
+    check("the normal is that of the surface", turned, 1e-6);
 }
 
 void SurfaceLaws::check_walk(const Tick& now,
