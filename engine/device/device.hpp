@@ -74,6 +74,12 @@ public:
         static_cast<void>(hip);
         return std::nullopt;
     }
+    /// The most that a reading lies off the handle at `hip`, m: its steps. None: not known, or the
+    /// handle cannot be there.
+    [[nodiscard]] virtual std::optional<double> reading_error(const Vec2& hip) const noexcept {
+        static_cast<void>(hip);
+        return std::nullopt;
+    }
     /// Between trials, never while a servo ticks: makes a device that failed work again. Returns at
     /// once or after little more than a second. @return false while it is still away
     [[nodiscard]] virtual bool reconnect() { return true; }

@@ -97,6 +97,13 @@ std::optional<double> Pantograph::weakest_force(const Vec2& hip) const noexcept 
                      spec_.axes[1].torque_limit / glm::length(fix->jacobian.column_2()));
 }
 
+/// Both encoders half a count off: 1 / sqrt(2) counts of the worst mix.
+std::optional<double> Pantograph::reading_error(const Vec2& hip) const noexcept {
+    const auto angles = reach(hip);
+    const auto fix = angles ? locate(*angles) : std::nullopt;
+    return fix ? std::optional<double>(std::sqrt(0.5) * quantum(*fix).largest) : std::nullopt;
+}
+
 SingularValues Pantograph::quantum(const Fix& fix) const noexcept {
     const Vec2 count{kTurn / spec_.axes[0].counts_per_turn, kTurn / spec_.axes[1].counts_per_turn};
     return singular_values(

@@ -49,6 +49,8 @@ public:
     /// handle cannot be there. Motor i holds F in the direction of column i of J with F |column i|,
     /// its worst: the least of torque_limit / |column|.
     [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept;
+    /// The most that the nearest counts lie off a handle at `hip`, m; none if it cannot be there.
+    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept;
     /// How far one count of the worst mix of both encoders moves HIP, and of the best, m: the
     /// singular values of J diag(2 pi / counts_per_turn).
     [[nodiscard]] SingularValues quantum(const Fix& fix) const noexcept;

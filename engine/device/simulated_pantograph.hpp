@@ -42,6 +42,9 @@ public:
     [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override {
         return machine_.weakest_force(hip);
     }
+    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept override {
+        return machine_.reading_error(hip);
+    }
 
 private:
     Pantograph machine_;

@@ -265,8 +265,7 @@ private:
 
     [[nodiscard]] SurfaceSlide result(const Footing& at, double slid) const noexcept {
         const SurfaceSpot& s = at.spot;
-        const bool fine =
-            at.way == Way::held ? s.excess <= 4.0 * (s.noise + ground_.turn(s)) : last_bits(s);
+        const bool fine = at.way == Way::held ? s.excess <= 4.0 * s.noise : last_bits(s);
         const bool outside = !SurfaceGround::settled(s) && !fine;
         return {.place = s.place,
                 .point = s.jet.point,

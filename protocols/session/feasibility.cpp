@@ -82,6 +82,7 @@ struct Spot {
     const ObjectSpec* object = nullptr;
     engine::Vec2 point{};
     std::optional<double> force;  ///< N, in its weakest direction
+    std::optional<double> error;  ///< m, of a reading
 };
 
 std::vector<Spot> spots(const Protocol& protocol, const engine::Device& device) {
@@ -91,7 +92,8 @@ std::vector<Spot> spots(const Protocol& protocol, const engine::Device& device) 
         for (const auto& side : outline->spans()) {
             for (int k = 0; k < kPieces; ++k) {
                 const engine::Vec2 point = side.at(static_cast<double>(k) / kPieces).point;
-                found.push_back({&protocol.objects[i], point, device.weakest_force(point)});
+                found.push_back({&protocol.objects[i], point, device.weakest_force(point),
+                                 device.reading_error(point)});
             }
         }
     }
@@ -153,13 +155,36 @@ Margins margins_of(const Protocol& protocol, const engine::Device& device) {
         .needed_damping = engine::min_damping(protocol.apparatus.stiffness,
                                               1.0 / protocol.apparatus.rate_hz, traits.delay_ticks),
         .damping = traits.damping,
-        .weakest_force = {}};
+        .weakest_force = {},
+        .reading_error = {}};
     for (const Spot& spot : spots(protocol, device)) {
         if (spot.force && !(margins.weakest_force && *margins.weakest_force <= *spot.force)) {
             margins.weakest_force = spot.force;
         }
+        if (spot.error && !(margins.reading_error && *margins.reading_error >= *spot.error)) {
+            margins.reading_error = spot.error;
+        }
     }
+    const ApparatusSpec& asked = protocol.apparatus;
+    const double need = margins.needed_damping + std::fabs(asked.damping);
+    margins.resting_friction = engine::resting_friction(
+        asked.stiffness, 1.0 / asked.rate_hz, margins.reading_error.value_or(0.0), asked.damping);
+    margins.creep =
+        engine::creep_limit(margins.resting_friction, 0.0, margins.damping.value_or(0.0) - need);
     return margins;
+}
+
+std::string rest_text(const Margins& margins) {
+    if (!margins.reading_error) {
+        return {};
+    }
+    return fmt::format(
+        "positions are read to within {:.2g} um: a contact comes to rest if the handle's dry "
+        "friction is {:.2g} N or more, with less it may creep on{}",
+        1e6 * *margins.reading_error, margins.resting_friction,
+        std::isfinite(margins.creep)
+            ? fmt::format(", at {:.2g} mm/s at the very most", 1e3 * margins.creep)
+            : std::string());
 }
 
 std::vector<Finding> check_feasibility(const Protocol& protocol, const engine::Device& device) {

@@ -42,7 +42,15 @@ struct Margins {
     std::optional<double> damping{};  ///< b, N s/m; none: not known
     std::optional<double>
         weakest_force{};  ///< least on any outline within reach, N; none: not known
+    std::optional<double>
+        reading_error{};            ///< largest on any outline within reach, m; none: not known
+    double resting_friction = 0.0;  ///< N, dry friction of the device that promises rest
+    double creep = 0.0;             ///< m/s rms, the most without it; infinity: no bound is known
 };
 [[nodiscard]] Margins margins_of(const Protocol& protocol, const engine::Device& device);
+
+/// When a contact comes to rest (engine/safety/passivity.hpp), as a sentence without a full stop;
+/// empty where it is not known how finely the device reads.
+[[nodiscard]] std::string rest_text(const Margins& margins);
 
 }  // namespace palpate::protocols

@@ -3,9 +3,10 @@
 #include <cstdio>
 #include <iostream>
 
+#include "engine/safety/passivity.hpp"
 #include "tests/bench/commands.hpp"
 #include "tests/bench/report.hpp"
-#include "tests/support/device_wall.hpp"
+#include "tests/support/counted_wall.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -34,6 +35,35 @@ Boundary row_of(double rate, double damping, int delay) {
 
 double percent(double measured, double expected) {
     return 100.0 * (measured / expected - 1.0);
+}
+
+/// With counts that show: the dry friction that lets it rest, and how it creeps without.
+void print_rest() {
+    std::printf(
+        "\nThe same wall, 1000 N/m, read in counts: how it creeps on without dry friction, against "
+        "(K e - f) / (b - K T (1/2 + delay)),\nand the least dry friction with which it rests, "
+        "bisected, against K e; e: the most that a reading is off.\n%7s %6s %7s %7s %7s %10s %10s "
+        "%10s %10s\n",
+        "Hz", "delay", "b/need", "counts", "e um", "mm/s", "at most", "mN", "K e mN");
+    for (const double rate : {1000.0, 4000.0}) {
+        for (const int delay : {0, 1}) {
+            for (const double share : {1.2, 2.0, 4.0}) {
+                for (const double counts : {4096.0, 16384.0, 65536.0}) {
+                    tests::CountedWall wall{
+                        .period = 1.0 / rate, .delay = delay, .counts_per_turn = counts};
+                    const double need = engine::min_damping(wall.stiffness, wall.period, delay);
+                    wall.damping = share * need;
+                    const tests::CountedRest loose = tests::let_go(wall, 6.0);
+                    const double resting =
+                        engine::resting_friction(wall.stiffness, wall.period, loose.reading_error);
+                    std::printf("%7.0f %6d %7.1f %7.0f %7.2f %10.3f %10.3f %10.3f %10.3f\n", rate,
+                                delay, share, counts, 1e6 * loose.reading_error, 1e3 * loose.speed,
+                                1e3 * engine::creep_limit(resting, 0.0, wall.damping - need),
+                                1e3 * tests::least_friction(wall, 2.0 * resting, 9), 1e3 * resting);
+                }
+            }
+        }
+    }
 }
 
 }  // namespace
@@ -80,6 +110,7 @@ int passivity_command(const std::vector<std::string>& arguments) {
     }
     std::printf("worst deviation: %.4f %% from the exact limit, %.4f %% from the formula\n",
                 worst_exact, worst_formula);
+    print_rest();
     if (csv.is_open()) {
         close_output(csv, csv_name);
     }

@@ -1,7 +1,8 @@
 #include <cmath>
 
+#include "engine/safety/passivity.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/device_wall.hpp"
+#include "tests/support/counted_wall.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::engine;
@@ -83,4 +84,40 @@ TEST_CASE("an ordinary machine comes to rest on any wall within the bound, at an
         CHECK(glm::length(before - start) < 0.02);
         CHECK(late < 0.1 * early);
     }
+}
+
+TEST_CASE(
+    "a machine whose counts show rests if its dry friction is above K times a reading's error",
+    "[passivity][law]") {
+    const double period = GENERATE(1e-3, 0.25e-3);
+    const int delay = GENERATE(0, 1);
+    const double share = GENERATE(1.5, 3.0);
+    const double counts = GENERATE(8192.0, 65536.0);
+    CAPTURE(period, delay, share, counts);
+    CountedWall wall{.period = period, .delay = delay, .counts_per_turn = counts};
+    const double need = min_damping(wall.stiffness, period, delay);
+    wall.damping = share * need;
+    const CountedRest loose = let_go(wall, 4.0);
+    const double resting = resting_friction(wall.stiffness, period, loose.reading_error);
+    // Without dry friction it creeps on, but no faster than the bound.
+    CHECK(loose.speed > 1e-5);
+    CHECK(loose.speed <= creep_limit(resting, 0.0, wall.damping - need));
+    wall.friction = 0.3 * resting;
+    CHECK(let_go(wall, 4.0).speed <= creep_limit(resting, wall.friction, wall.damping - need));
+    wall.friction = resting;
+    CHECK(let_go(wall, 4.0).speed < 1e-9);
+}
+
+TEST_CASE("the friction that lets a machine rest, bisected, is within the formula and near it",
+          "[passivity][law]") {
+    CountedWall wall{.counts_per_turn = 65536.0};
+    wall.damping = 1.5 * min_damping(wall.stiffness, wall.period, 0);
+    const double formula =
+        resting_friction(wall.stiffness, wall.period, let_go(wall, 0.01).reading_error);
+    const double measured = least_friction(wall, 2.0 * formula, 7);
+    CHECK(measured <= formula);
+    CHECK(measured > 0.8 * formula);
+    CHECK(creep_limit(1.0, 1.0, -1.0) == 0.0);
+    CHECK(std::isinf(creep_limit(1.0, 0.5, 0.0)));
+    CHECK(creep_limit(0.5, 0.1, 2.0) == Approx(0.2));
 }

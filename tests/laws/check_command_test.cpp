@@ -130,6 +130,7 @@ TEST_CASE("check says first how long it takes, where the breaks are and what to 
     const std::string file = folder.file("p.toml");
     REQUIRE(palpate_command({"new", file}).code == 0);
     const Finished before = palpate_command({"check", file});
+    CHECK_THAT(before.out, ContainsSubstring("rest: positions are read to within "));
     CHECK_THAT(before.out, !ContainsSubstring("without a break: give") &&
                                !ContainsSubstring("there is no practice") &&
                                ContainsSubstring("friction is compared without masking noise"));

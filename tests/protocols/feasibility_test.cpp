@@ -21,8 +21,9 @@ class FakeDevice : public engine::Device {
 public:
     engine::DeviceTraits what{};
     const engine::Pantograph* pantograph = nullptr;
-    double reach = 0.0;  ///< m around the origin; 0: knows nothing of its workspace
-    double force = 0.0;  ///< N within the reach
+    double reach = 0.0;             ///< m around the origin; 0: knows nothing of its workspace
+    double force = 0.0;             ///< N within the reach
+    std::optional<double> error{};  ///< m, of a reading
 
     engine::Reading read() noexcept override { return {}; }
     engine::Applied write(const Vec2& /*force*/) noexcept override { return {}; }
@@ -33,6 +34,9 @@ public:
             return pantograph->weakest_force(hip);
         }
         return glm::length(hip) < reach ? std::optional<double>(force) : std::nullopt;
+    }
+    [[nodiscard]] std::optional<double> reading_error(const Vec2& /*hip*/) const noexcept override {
+        return error;
     }
 };
 
@@ -84,6 +88,19 @@ TEST_CASE("a refusal names the stiffness and the rate that would do, and these a
     CHECK_THAT(check_feasibility(study(), device).at(0).text, !ContainsSubstring("rate_hz to"));
     device.what.damping = 0.0;
     CHECK_THAT(check_feasibility(study(), device).at(0).text, ContainsSubstring("some damping"));
+}
+
+TEST_CASE("what lets a contact rest is said with the friction it takes and the speed without it",
+          "[feasibility]") {
+    FakeDevice device;
+    device.what = {.damping = 1.0};
+    CHECK(rest_text(margins_of(study(), device)).empty());  // nobody knows its steps
+    device.error = 5e-6;
+    CHECK(rest_text(margins_of(study(), device)) ==
+          "positions are read to within 5 um: a contact comes to rest if the handle's dry friction "
+          "is 0.005 N or more, with less it may creep on, at 10 mm/s at the very most");
+    device.what.damping.reset();
+    CHECK_THAT(rest_text(margins_of(study(), device)), Catch::EndsWith("it may creep on"));
 }
 
 TEST_CASE("a damper of the contact asks as much more of the device", "[feasibility][law]") {

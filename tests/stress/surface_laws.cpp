@@ -218,8 +218,8 @@ void SurfaceLaws::check_walk(const Tick& now,
 void SurfaceLaws::check_rest(const Tick& now,
                              const SurfaceState& before,
                              const SurfaceState& after) {
-    if (!now.contact.settled) {
-        return;  // it goes on
+    if (!now.contact.settled || (now.contact.outside_cone && singular(now.contact))) {
+        return;  // it goes on; where a sheet folds back its two sides are inside out
     }
     SurfaceState again = after;
     again.theta = before.touching ? before.theta : 1.0;

@@ -122,6 +122,9 @@ bool print_feasibility(const Study& study,
         say("  {}: {}\n", finding.verdict == protocols::Verdict::refuse ? "refused" : "warning",
             finding.text);
     }
+    if (!opened.rest.empty()) {
+        say("  rest: {}\n", opened.rest);
+    }
     return !refused;
 }
 

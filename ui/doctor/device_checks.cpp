@@ -251,6 +251,11 @@ Check check_feasible(const protocols::Protocol& protocol, const engine::Device& 
             asked.force_limit, *margins.weakest_force);
         check.numbers.emplace_back("weakest_force_n", *margins.weakest_force);
     }
+    if (const std::string rest = protocols::rest_text(margins); !rest.empty()) {
+        check.detail += "; " + rest;
+        check.numbers.emplace_back("reading_error_m", *margins.reading_error);
+        check.numbers.emplace_back("resting_friction_n", margins.resting_friction);
+    }
     for (const protocols::Finding& finding : protocols::check_feasibility(protocol, device)) {
         const bool refused = finding.verdict == protocols::Verdict::refuse;
         check.status = std::max(check.status, refused ? CheckStatus::fail : CheckStatus::warn);

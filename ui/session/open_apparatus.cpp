@@ -65,6 +65,7 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     opened.findings = check_feasibility(spec.study.protocol, apparatus->device());
     opened.provenance = engine::provenance(apparatus->rights());
     if (apparatus->device().traits().gives_force) {
+        opened.rest = rest_text(margins_of(spec.study.protocol, apparatus->device()));
         opened.refused = refusals(apparatus->rights());
         opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
         opened.provenance.emplace_back("calibration sha256",

@@ -14,6 +14,7 @@ namespace palpate::ui {
 struct OpenedApparatus {
     std::unique_ptr<protocols::Apparatus> port;
     std::vector<protocols::Finding> findings;  ///< against device and protocol together
+    std::string rest;  ///< when a contact on it comes to rest; empty: not known
     std::vector<std::string>
         refused;  ///< real-time rights of a servo that gives force, with the remedy
     std::vector<std::pair<std::string, std::string>> provenance;  ///< calibration, real-time rights

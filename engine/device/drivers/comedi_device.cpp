@@ -271,6 +271,10 @@ std::optional<double> ComediDevice::weakest_force(const Vec2& hip) const noexcep
     return pantograph_.weakest_force(hip);
 }
 
+std::optional<double> ComediDevice::reading_error(const Vec2& hip) const noexcept {
+    return pantograph_.reading_error(hip);
+}
+
 bool ComediDevice::reconnect() {
     if (fault_ == DeviceFault::none) {
         return true;

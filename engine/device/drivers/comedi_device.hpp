@@ -43,6 +43,7 @@ public:
     [[nodiscard]] std::string name() const override;
     [[nodiscard]] DeviceTraits traits() const noexcept override;
     [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override;
+    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept override;
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] std::string trouble() const override;
 

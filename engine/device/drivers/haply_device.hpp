@@ -50,6 +50,9 @@ public:
     [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override {
         return pantograph_.weakest_force(hip);
     }
+    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept override {
+        return pantograph_.reading_error(hip);
+    }
 
     /// Zero torque first. If the board acknowledges it, its counts are still good and that is all.
     /// Otherwise the port is opened anew and the board set up again, which loses the position: then
