@@ -94,14 +94,26 @@ Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
     return {s, by_u > by_v ? Footing::Way::along_u : Footing::Way::along_v, excess};
 }
 
+/// Which of two patches decides: the one in whose cone the GO is, then the one that leads on, then
+/// the one that carries. Without friction there is no cone to rest in while another leads on, by
+/// more than a foot looks different from the other side.
+int SurfaceGround::rank(const Footing& f) const noexcept {
+    if (f.way == Footing::Way::held) {
+        return 0;
+    }
+    const bool leads = mu_ == 0.0 && f.excess > 1e-9 * surface_.size();
+    return f.way == Footing::Way::rests ? 2 : leads ? 3 : 1;
+}
+
 Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
     Footing best = on_patch(s);
     const SurfacePlace& p = s.place;
-    if (best.way == Footing::Way::rests) {
+    const bool rests = best.way == Footing::Way::rests;
+    if ((rests && mu_ > 0.0) || !(at_end(p.u) || at_end(p.v))) {
         return best;
     }
     if (pole_u(p) || pole_v(p)) {
-        return at_pole(s, pole_u(p));
+        return rests ? best : at_pole(s, pole_u(p));
     }
     if (best.way == Footing::Way::open) {
         return best;
@@ -123,13 +135,10 @@ Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
     }
     for (std::size_t k = 0; k < count; ++k) {
         const Footing next = on_patch(look(others[k]));
-        if (next.way == Footing::Way::rests) {
-            return next;
-        }
-        const bool both_held = next.way == Footing::Way::held && best.way == Footing::Way::held;
-        if (both_held ? next.spot.load > best.spot.load
-                      : next.way != Footing::Way::held &&
-                            (best.way == Footing::Way::held || next.excess > best.excess)) {
+        if (rank(next) > rank(best) ||
+            (rank(next) == rank(best) &&
+             (next.way == Footing::Way::held ? next.spot.load > best.spot.load
+                                             : next.excess > best.excess))) {
             best = next;
         }
     }

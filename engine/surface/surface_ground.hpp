@@ -73,6 +73,7 @@ public:
     [[nodiscard]] bool to_pole(SurfacePlace& p) const noexcept;
 
 private:
+    [[nodiscard]] int rank(const Footing& f) const noexcept;
     [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
     [[nodiscard]] Footing at_pole(const SurfaceSpot& s, bool in_u) noexcept;
     [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u) noexcept;

@@ -265,7 +265,8 @@ private:
 
     [[nodiscard]] SurfaceSlide result(const Footing& at, double slid) const noexcept {
         const SurfaceSpot& s = at.spot;
-        const bool fine = at.way == Way::held ? s.excess <= 4.0 * s.noise : last_bits(s);
+        const bool fine =
+            at.way == Way::held ? s.excess <= 1e-13 * (size_ + std::sqrt(s.r2)) : last_bits(s);
         const bool outside = !SurfaceGround::settled(s) && !fine;
         return {.place = s.place,
                 .point = s.jet.point,
