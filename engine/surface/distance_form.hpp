@@ -33,7 +33,7 @@ public:
     [[nodiscard]] const std::vector<double>& ww() const noexcept { return ww_; }  ///< W^2
     /// What cutting a net of these degrees in two costs.
     [[nodiscard]] Work cut_work() const noexcept {
-        return static_cast<Work>((n_ + 1) * (m_ + 1) * ((n_ + m_) / 4 + 8));
+        return static_cast<Work>((n_ + 1) * (m_ + 1) * ((n_ + m_) / 2 + 12));
     }
     [[nodiscard]] double largest_ww() const noexcept { return largest_ww_; }
 

@@ -23,7 +23,7 @@ const SurfaceSceneSpec& checked(const SurfaceSceneSpec& whole) {
 }
 
 /// What a search for the closest point may cost within a tick: a tenth of a millisecond.
-constexpr Work kTickWork = 300'000;
+constexpr Work kTickWork = 200'000;
 
 /// A place that can be rendered: finite, and small enough for squares of squares.
 bool usable(const Vec3& hip) noexcept {

@@ -41,7 +41,7 @@ struct SurfaceSlide {
 /// @param mu  >= 0, not read without friction
 /// @param work  what it may cost
 /// What one slide of a tick may cost, some 0.08 ms; 2 or 3 evaluations of the surface are usual.
-inline constexpr Work kSlideWork = 250'000;
+inline constexpr Work kSlideWork = 200'000;
 
 template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const NurbsSurface& surface,

@@ -23,7 +23,7 @@ constexpr double kSameLength = 1e-12;
 constexpr double kConeSlack = 100.0;
 
 /// So is a foot where the distance has hardly a minimum.
-constexpr double kFootSlack = 100.0;
+constexpr double kFootSlack = 200.0;
 
 /// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
 constexpr double kFar = 1e9;
