@@ -10,19 +10,39 @@ namespace palpate::engine {
 
 namespace {
 
-/// Where a curve comes to a stop, C' = 0, its foot polynomial vanishes at the end, and rounding
-/// puts the root this near to it.
+/// Rounding puts a foot at an end this near to it.
 constexpr double kNearEnd = 1e-6;
 
 /// Up to this turn, rad, the side of the mean tangent tells inside from outside at a vertex.
 constexpr double kShallow = 1.0;
+
+/// A point is no further from h than a foot is, but for rounding.
+bool as_near(const Vec2& point, const Vec2& h, const Foot<2>& foot) noexcept {
+    const double rounding = 8.0 * kEpsilon * (glm::length(point) + glm::length(h));
+    return glm::length(point - h) <= std::sqrt(foot.distance2) + rounding;
+}
+
+/// An end of a span that is no further from h than a foot is, but for rounding. Where control points
+/// repeat, the foot polynomial vanishes with C', and the foot may be anywhere that is as near.
+bool is_end(const RationalBezier<2>& span,
+            bool at_last,
+            const Vec2& h,
+            const Foot<2>& foot) noexcept {
+    if (std::fabs(foot.u - (at_last ? 1.0 : 0.0)) <= kNearEnd) {
+        return true;
+    }
+    const auto last = static_cast<std::size_t>(span.degree());
+    const bool repeats = at_last ? span.local_point(last) == span.local_point(last - 1)
+                                 : span.local_point(0) == span.local_point(1);
+    return repeats && as_near(span.point(at_last ? last : 0), h, foot);
+}
 
 /// A foot beside a vertex that is in truth the vertex: h lies in its region, and is no nearer to
 /// the foot than rounding can tell.
 bool on_vertex(const Seam& vertex, const Vec2& h, const Foot<2>& foot) noexcept {
     const Vec2 gap = vertex.point - h;
     return glm::dot(gap, vertex.tangent_in) <= 0.0 && glm::dot(gap, vertex.tangent_out) >= 0.0 &&
-           glm::dot(gap, gap) <= foot.distance2 * (1.0 + 1e-14);
+           as_near(vertex.point, h, foot);
 }
 
 /// h lies past the open end of a curve, where all is outside.
@@ -77,7 +97,7 @@ ClosestPoint OutlineFeet::named(const Vec2& h,
                         .point = foot.point,
                         .distance = std::sqrt(foot.distance2)};
     const bool forward = foot.u > 0.5;
-    if (std::fabs(foot.u - (forward ? 1.0 : 0.0)) <= kNearEnd) {
+    if (is_end(outline_->spans()[foot.span], forward, h, foot)) {
         const auto seam = outline_->seam_beyond(foot.span, forward);
         const bool at_end = foot.u == 0.0 || foot.u == 1.0;
         if (seam && (at_end || on_vertex(outline_->seams()[*seam], h, foot))) {

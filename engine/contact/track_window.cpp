@@ -14,6 +14,15 @@ constexpr double kTaylorError = 1e-17;
 /// And no longer than this: Newton's own error after the step is of the order of its square.
 constexpr double kLongestTaylor = 0x1p-19;
 
+/// Newton's error after a last step: step^2 g'' / (2 g'), with g'' near 3 C' . C''. More than 4e-12
+/// of the span is no last step.
+bool is_last(const Jet<2>& jet, double slope, double step) noexcept {
+    constexpr double kSharp2 = 0x1p-76;
+    const double bent = glm::dot(jet.first, jet.first) * glm::dot(jet.second, jet.second);
+    const double step2 = step * step;
+    return 9.0 * bent * (step2 * step2) <= kSharp2 * (slope * slope);
+}
+
 /// The longest such step, from C_uuu step^3 / 6 with C_uuu seen at a few places. Only the
 /// last digits hang on it, not the proof.
 double taylor_step(const RationalBezier<2>& curve) {
@@ -89,7 +98,7 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
         const double lo = s.span == s.first_span ? s.first_u : 0.0;
         const double hi = s.span == s.last_span ? s.last_u : 1.0;
         if (next >= lo && next <= hi) {
-            if (std::fabs(step) > taylor_[s.span]) {
+            if (std::fabs(step) > taylor_[s.span] || !is_last(s.jet, slope, step)) {
                 s.u = next;
                 s.jet = outline.spans()[s.span].at(next);
                 continue;

@@ -4,20 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "engine/friction/first_root.hpp"
+
 namespace palpate::engine {
 namespace {
 
-/// Steps before a slide gives up for this tick; 2 or 3 are usual. Enough for 30 doublings and 60
-/// halvings.
-constexpr int kMaxSteps = 128;
-
-/// Newton's steps before they are doubled each time, and before halvings take turns with them:
-/// where the speed of the curve changes by powers of ten, Newton's iteration in u creeps.
-constexpr int kPatience = 6;
-
-/// A stretch squared that has grown by more than this share has grown; less may be rounding where
-/// the stretch is 1e-9 of the coordinates.
-constexpr double kGrown = 1e-6;
+/// Newton's steps under a proof; 2 or 3 are usual.
+constexpr int kMaxSteps = 24;
 
 /// A step of u that turns the tangent by less than this is finished by the curve's Taylor series,
 /// whose tangent is then right to 1e-16.
@@ -25,6 +18,15 @@ constexpr double kTaylor = 0x1p-27;
 
 /// The last nudge over the root grows by 4 at a time: 2^19 last bits of u are 1e-10 of the span.
 constexpr int kMaxNudges = 10;
+
+/// A frictionless GO closer than this to its foot, in u, rests there.
+constexpr double kRest = 4.0 * kEpsilon;
+
+/// A root is sharp if rounding leaves open less than this share of the span's size.
+constexpr double kSharpRoot = 1e-12;
+
+/// Halvings of the way to where a budget ends.
+constexpr int kBudgetHalvings = 40;
 
 /// Excess in the direction of the slide, and how fast it falls with u; both times |C'|.
 struct Fall {
@@ -46,7 +48,6 @@ template <bool HasFriction>
     if constexpr (HasFriction) {
         fall.slope -= load > 0.0 ? dir * mu * cross(jet.second, r) : 0.0;
     }
-    fall.slope = std::max({fall.slope, 0.25 * fall.speed2, std::numeric_limits<double>::min()});
     return fall;
 }
 
@@ -57,166 +58,276 @@ bool is_last(const Jet<2>& jet, double speed2, double step) noexcept {
            step * step * std::max(speed2, bend2) <= kTaylor * kTaylor * speed2;
 }
 
-/// One slide: from the place known to lie outside the cone towards the first one that does not.
+/// A place in a piece, in the direction of a walk: x from its start, y to its end.
+struct InPiece {
+    double x;
+    double y;
+};
+
+InPiece in_piece(const ConeForms::Piece& piece, const Spot& spot, double dir) noexcept {
+    const double width = piece.hi - piece.lo;
+    const double from = (spot.u - piece.lo) / width;
+    const double to = piece.hi == 1.0 ? spot.rest / width : (piece.hi - spot.u) / width;
+    const InPiece at{std::clamp(from, 0.0, 1.0), std::clamp(to, 0.0, 1.0)};
+    return dir > 0.0 ? at : InPiece{at.y, at.x};
+}
+
+/// The part of a net ahead of a place, x + y = 1. The smaller of the two is exact.
+template <class Real>
+void start_at(ConeNet<Real>& net, const InPiece& at) noexcept {
+    if (at.x == 0.0) {
+        return;
+    }
+    const bool early = at.x < at.y;
+    const Real x = early ? Real(at.x) : Real(1.0) - Real(at.y);
+    const Real y = early ? Real(1.0) - Real(at.x) : Real(at.y);
+    cut_start<Real>(net, x, y);
+}
+
+/// tau and mu max(nu, 0) at a place, and their rounding.
+struct Verdict {
+    double direction;
+    bool sure;
+};
+
+template <bool HasFriction, class Real>
+Verdict verdict(const SlideTask& task, std::size_t piece, const Spot& spot) noexcept {
+    ConeNet<Real> net;
+    task.forms.net<Real>(piece, task.h, HasFriction ? task.mu : 0.0, 1.0, net);
+    start_at<Real>(net, in_piece(task.forms[piece], spot, 1.0));
+    const double noise = 3.0 * net.noise[0];
+    const double tau = head(net.a[0]);
+    const double load = head(net.a[0] - net.b[0]);  // mu nu
+    const double excess = std::fabs(tau) - std::max(load, 0.0);
+    return {.direction = excess <= noise ? 0.0
+                       : tau < 0.0       ? -1.0
+                                         : 1.0,
+            .sure = std::fabs(excess) > noise};
+}
+
 template <bool HasFriction>
 class Slider {
 public:
-    Slider(const RationalBezier<2>& curve,
-           const Vec2& h,
-           double mu,
-           double dir,
-           double budget,
-           double u,
-           const Jet<2>& jet) noexcept
-        : curve_(curve), h_(h), mu_(mu), dir_(dir), budget_(budget), outside_(u), beyond_(u) {
-        slide_.u = u;
-        slide_.jet = jet;
-        at_ = fall_at<HasFriction>(jet, h, mu, dir);
-        stretch2_ = stretch2();
-    }
+    Slider(const SlideTask& task, Spot& spot, FallProof& proof, double& used) noexcept
+        : task_(task),
+          curve_(task.forms.outline().spans()[task.span]),
+          spot_(spot),
+          proof_(proof),
+          used_(used),
+          mu_(HasFriction ? task.mu : 0.0) {}
 
-    Slide run() noexcept {
-        for (int i = 0; i < kMaxSteps; ++i) {
-            double step = at_.excess / at_.slope;
-            if (i > 0 && newton_fits_ && is_last(slide_.jet, at_.speed2, step) && finish(step)) {
-                return ended(SlideEnd::in_cone);
+    SlideEnd run() noexcept {
+        const bool limited = task_.budget < std::numeric_limits<double>::infinity();
+        std::size_t piece = task_.forms.ahead(task_.span, spot_.u, task_.dir);
+        while (true) {
+            const Spot before = spot_;
+            const bool stops = goes_through(piece);
+            if (limited && !pays(before)) {
+                return SlideEnd::out_of_budget;
             }
-            const SlideEnd end = bracketed_ ? narrow(i, step) : advance(i, step);
-            if (end != SlideEnd::in_cone) {
-                return ended(end);
+            if (stops) {
+                return SlideEnd::in_cone;
             }
-            if (bracketed_ && std::fabs(beyond_ - outside_) <= 4.0 * kEpsilon) {
-                break;
+            if (task_.dir > 0.0 ? spot_.u == 1.0 : spot_.u == 0.0) {
+                spot_.jet = curve_.at(spot_.u, spot_.rest);
+                return SlideEnd::at_end;
             }
+            piece += task_.dir > 0.0 ? 1 : static_cast<std::size_t>(-1);
         }
-        return close();
     }
 
 private:
-    [[nodiscard]] double stretch2() const noexcept {
-        const Vec2 r = h_ - slide_.jet.point;
-        return glm::dot(r, r);
+    /// Goes to the first root in the piece, or to its end. @return whether there is one
+    bool goes_through(std::size_t piece) noexcept {
+        if (task_.forms.tame(task_.span) && falls(piece)) {
+            switch (follow(piece)) {
+                case Followed::root:
+                    return true;
+                case Followed::end:
+                    return false;
+                case Followed::lost:
+                    break;
+            }
+        }
+        FirstRoot root = search<double>(piece);
+        if (root.answer == FirstRoot::Answer::unclear) {
+            root = search<Twice>(piece);
+        }
+        if (root.answer == FirstRoot::Answer::none) {
+            to_end(piece);
+            return false;
+        }
+        return true;
     }
 
-    Slide ended(SlideEnd end) noexcept {
-        slide_.end = end;
-        return slide_;
+    /// A proof that the excess falls over the piece is known, or found.
+    bool falls(std::size_t piece) noexcept {
+        const Vec2 moved = task_.h - proof_.h;
+        if (proof_.piece == piece && glm::dot(moved, moved) < proof_.slack2) {
+            return true;
+        }
+        const double slack = task_.forms.fall_slack(piece, task_.h);
+        proof_ = {.piece = piece, .h = task_.h, .slack2 = slack > 0.0 ? slack * slack : 0.0};
+        return slack > 0.0;
     }
 
-    void move_to(double u) noexcept {
-        slide_.length += dir_ * (u - slide_.u) * std::sqrt(at_.speed2);
-        slide_.u = u;
-        slide_.jet = curve_.at(u);
-        at_ = fall_at<HasFriction>(slide_.jet, h_, mu_, dir_);
-        // On the way to the first root the stretch only falls: where it has grown there is another
-        // root.
-        const double now2 = stretch2();
-        newton_fits_ = now2 <= stretch2_ * (1.0 + kGrown);
-        if (at_.excess <= 0.0 || !newton_fits_) {
-            beyond_ = u;
-            bracketed_ = true;
-        } else {
-            outside_ = u;
-            stretch2_ = now2;
+    enum class Followed : std::uint8_t { root, end, lost };
+
+    /// Newton's iteration to the one root that the piece may have.
+    Followed follow(std::size_t piece) noexcept {
+        const double end = task_.dir > 0.0 ? task_.forms[piece].hi : task_.forms[piece].lo;
+        const Spot start = spot_;
+        double outside = spot_.u;
+        double inside = end;
+        bool bracketed = false;
+        Fall at = fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir);
+        for (int i = 0; i < kMaxSteps && at.slope > 0.0; ++i) {
+            const double step = at.excess / at.slope;
+            if (i > 0 && is_last(spot_.jet, at.speed2, step) && finish(step)) {
+                return Followed::root;
+            }
+            double next = spot_.u + task_.dir * step;
+            if (bracketed) {
+                const bool between = (next - outside) * (next - inside) < 0.0;
+                next = between ? next : 0.5 * (outside + inside);
+            } else if (task_.dir > 0.0 ? next >= end : next <= end) {
+                next = end;
+            }
+            move_to(next);
+            at = fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir);
+            if (at.excess > 0.0) {
+                outside = next;
+                if (next == end) {
+                    return Followed::end;
+                }
+            } else {
+                inside = next;
+                bracketed = true;
+            }
         }
+        spot_ = start;
+        return Followed::lost;
     }
 
-    /// No place beyond the root is known yet.
-    SlideEnd advance(int i, double step) noexcept {
-        if (i > kPatience) {
-            step *= std::ldexp(1.0, i - kPatience);
-        }
-        const double left = budget_ - slide_.length;
-        const bool limited = step * step * at_.speed2 > left * left;
-        if (limited) {
-            step = std::max(left, 0.0) / std::sqrt(at_.speed2);
-        }
-        const double wanted = slide_.u + dir_ * step;
-        const double next = std::clamp(wanted, 0.0, 1.0);
-        const bool stays = next == slide_.u;
-        move_to(stays && !limited && next > 0.0 && next < 1.0 ? next + dir_ * kEpsilon : next);
-        if (bracketed_) {
-            return SlideEnd::in_cone;
-        }
-        if (dir_ > 0.0 ? wanted >= 1.0 : wanted <= 0.0) {
-            return SlideEnd::at_end;
-        }
-        return limited ? SlideEnd::out_of_budget : SlideEnd::in_cone;
-    }
+    void move_to(double u) noexcept { spot_ = spot_at(curve_, u, 1.0 - u); }
 
-    /// The root lies between `outside_` and `beyond_`.
-    SlideEnd narrow(int i, double step) noexcept {
-        const double next = slide_.u + dir_ * step;
-        const bool between = (next - outside_) * (next - beyond_) < 0.0;
-        const bool turn = i > kPatience && i % 2 == 0;
-        move_to(newton_fits_ && between && !turn ? next : 0.5 * (outside_ + beyond_));
-        return SlideEnd::in_cone;
+    void to_end(std::size_t piece) noexcept {
+        const ConeForms::Piece& p = task_.forms[piece];
+        move_to(task_.dir > 0.0 ? p.hi : p.lo);
     }
 
     /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact
-    /// stuck. False, and nothing moved, if that does not lead into the cone: close to a centre of
-    /// curvature the excess may not fall at first.
+    /// stuck. False, and nothing moved, if that does not lead into the cone.
     bool finish(double step) noexcept {
-        const double u = slide_.u;
-        const Jet<2> jet = slide_.jet;
+        const Spot from = spot_;
         double nudge = 2.0 * kEpsilon;
         for (int i = 0; i < kMaxNudges; ++i) {
-            const double next = std::clamp(u + dir_ * (step + nudge), 0.0, 1.0);
-            slide_.u = next;
-            slide_.jet = beside(jet, next - u);
-            if (fall_at<HasFriction>(slide_.jet, h_, mu_, dir_).excess <= 0.0) {
+            const double next = std::clamp(from.u + task_.dir * (step + nudge), 0.0, 1.0);
+            spot_ = {.u = next, .rest = 1.0 - next, .jet = beside(from.jet, next - from.u)};
+            if (fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir).excess <= 0.0) {
                 return true;
             }
             nudge *= 4.0;
         }
-        slide_.u = u;
-        slide_.jet = jet;
+        spot_ = from;
         return false;
     }
 
-    /// The bracket is as narrow as doubles are, or the steps are used up: the side in the cone, if
-    /// it is.
-    Slide close() noexcept {
-        if (bracketed_ && slide_.u != beyond_) {
-            move_to(beyond_);
+    template <class Real>
+    FirstRoot search(std::size_t piece) noexcept {
+        const ConeForms::Piece& p = task_.forms[piece];
+        const InPiece start = in_piece(p, spot_, task_.dir);
+        ConeNet<Real> net;
+        task_.forms.net<Real>(piece, task_.h, mu_, task_.dir, net);
+        start_at<Real>(net, start);
+        FirstRoot root = first_root<Real>(net);
+        if (root.answer != FirstRoot::Answer::found) {
+            return root;
         }
-        if (at_.excess <= 0.0) {
-            return ended(SlideEnd::in_cone);
+        if (root.z > 0.0 && !land(p, start, root, std::is_same_v<Real, double>)) {
+            root.answer = FirstRoot::Answer::unclear;
         }
-        move_to(outside_);
-        return ended(SlideEnd::out_of_budget);
+        return root;
     }
 
+    /// Goes to a root. False, and nothing moved, if it has to be sharp and is not.
+    bool land(const ConeForms::Piece& piece,
+              const InPiece& start,
+              const FirstRoot& root,
+              bool sharp) noexcept {
+        const double x = start.x + root.z * start.y;
+        const double y = root.rest * start.y;
+        const double width = piece.hi - piece.lo;
+        const bool forward = task_.dir > 0.0;
+        const double u = piece.lo + (forward ? x : y) * width;
+        const double rest = (1.0 - piece.hi) + (forward ? y : x) * width;
+        const Spot there = spot_at(curve_, u, rest);
+        const double blur = root.blur * start.y * width * glm::length(there.jet.first);
+        if (sharp && !(blur <= kSharpRoot * task_.forms.size(task_.span))) {
+            return false;
+        }
+        spot_ = there;
+        if (task_.forms.tame(task_.span)) {
+            static_cast<void>(finish(0.0));
+        }
+        return true;
+    }
+
+    /// Takes the way since `before` from the budget; false if the budget ends on it. Pieces are
+    /// nearly straight: the chord is the way.
+    bool pays(const Spot& before) noexcept {
+        const double left = std::max(task_.budget - used_, 0.0);
+        const auto way_to = [&](const Spot& spot) {
+            return glm::length(spot.jet.point - before.jet.point);
+        };
+        if (way_to(spot_) <= left) {
+            used_ += way_to(spot_);
+            return true;
+        }
+        Spot near = before;
+        Spot far = spot_;
+        for (int i = 0; i < kBudgetHalvings; ++i) {
+            const Spot middle =
+                spot_at(curve_, 0.5 * (near.u + far.u), 0.5 * (near.rest + far.rest));
+            (way_to(middle) <= left ? near : far) = middle;
+        }
+        spot_ = near;
+        used_ = task_.budget;
+        return false;
+    }
+
+    const SlideTask& task_;
     const RationalBezier<2>& curve_;
-    Vec2 h_;
+    Spot& spot_;
+    FallProof& proof_;
+    double& used_;
     double mu_;
-    double dir_;
-    double budget_;
-    double outside_;  ///< the last place known to lie outside the cone, before the first root
-    double beyond_;   ///< a place beyond the first root
-    bool bracketed_ = false;
-    bool newton_fits_ = true;  ///< the excess where the slide is belongs to the root looked for
-    double stretch2_ = 0.0;    ///< |HIP - GO|^2 at `outside_`: it only falls on the way to the root
-    Fall at_{};
-    Slide slide_{};
 };
 
 }  // namespace
 
 template <bool HasFriction>
-Slide slide_to_cone(const RationalBezier<2>& curve,
-                    const Vec2& h,
-                    double mu,
-                    double u,
-                    const Jet<2>& jet,
-                    double dir,
-                    double budget) noexcept {
-    return Slider<HasFriction>(curve, h, mu, dir, budget, u, jet).run();
+double drive_direction(const SlideTask& task, const Spot& spot) noexcept {
+    if (task.forms.tame(task.span)) {
+        const Drive drive = drive_at(spot.jet, task.h);
+        const double rest = HasFriction ? 0.0 : kRest * drive.speed2;
+        return drive.excess<HasFriction>(task.mu) <= rest ? 0.0
+             : drive.tangential < 0.0                     ? -1.0
+                                                          : 1.0;
+    }
+    const std::size_t piece = task.forms.ahead(task.span, spot.u, 1.0);
+    const Verdict quick = verdict<HasFriction, double>(task, piece, spot);
+    return quick.sure ? quick.direction : verdict<HasFriction, Twice>(task, piece, spot).direction;
 }
 
-template Slide slide_to_cone<true>(
-    const RationalBezier<2>&, const Vec2&, double, double, const Jet<2>&, double, double) noexcept;
-template Slide slide_to_cone<false>(
-    const RationalBezier<2>&, const Vec2&, double, double, const Jet<2>&, double, double) noexcept;
+template <bool HasFriction>
+SlideEnd slide_to_cone(const SlideTask& task, Spot& spot, FallProof& proof, double& used) noexcept {
+    return Slider<HasFriction>(task, spot, proof, used).run();
+}
+
+template double drive_direction<true>(const SlideTask&, const Spot&) noexcept;
+template double drive_direction<false>(const SlideTask&, const Spot&) noexcept;
+template SlideEnd slide_to_cone<true>(const SlideTask&, Spot&, FallProof&, double&) noexcept;
+template SlideEnd slide_to_cone<false>(const SlideTask&, Spot&, FallProof&, double&) noexcept;
 
 }  // namespace palpate::engine

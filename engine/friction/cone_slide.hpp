@@ -2,8 +2,8 @@
 
 #include <cstdint>
 
+#include "engine/friction/cone_forms.hpp"
 #include "engine/friction/friction_law.hpp"
-#include "engine/geometry/outline.hpp"
 
 namespace palpate::engine {
 
@@ -30,6 +30,34 @@ struct Drive {
             .speed2 = glm::dot(jet.first, jet.first)};
 }
 
+/// A place on a span. 1 - u is kept too: beside a heavy last control point u has lost its digits.
+struct Spot {
+    double u = 0.0;
+    double rest = 1.0;  ///< 1 - u
+    Jet<2> jet{};       ///< of the curve there
+};
+
+[[nodiscard]] inline Spot spot_at(const RationalBezier<2>& curve, double u, double rest) noexcept {
+    return {.u = u, .rest = rest, .jet = curve.at(u, rest)};
+}
+
+/// Over one piece of a span the excess is known to fall, for every HIP near this one.
+struct FallProof {
+    std::size_t piece = 0;
+    Vec2 h{};
+    double slack2 = 0.0;  ///< m^2, how far HIP may be from h; 0: nothing is known
+};
+
+/// What a slide needs to know.
+struct SlideTask {
+    const ConeForms& forms;
+    std::size_t span = 0;
+    Vec2 h{};
+    double mu = 0.0;
+    double dir = 0.0;     ///< +1 or -1
+    double budget = 0.0;  ///< m, may be infinite
+};
+
 /// Where a slide ended.
 enum class SlideEnd : std::uint8_t {
     in_cone,  ///< at the first place where the stretch fits the cone
@@ -37,31 +65,28 @@ enum class SlideEnd : std::uint8_t {
     out_of_budget,
 };
 
-struct Slide {
-    double u = 0.0;
-    Jet<2> jet{};         ///< of the curve at u
-    double length = 0.0;  ///< arc length travelled, m, first order in each step
-    SlideEnd end = SlideEnd::in_cone;
-};
+/// Which way the stretch drives a god-object at `spot` out of its cone: +1, -1, or 0 if it stays.
+/// By the jet where the span is tame, by the forms elsewhere.
+template <bool HasFriction>
+[[nodiscard]] double drive_direction(const SlideTask& task, const Spot& spot) noexcept;
 
-/// Moves the god-object from u in direction `dir` (+1 or -1) up to the first place where
+/// Moves the god-object along its span to the FIRST place in direction `dir` where
 /// dir tau <= mu max(nu, 0), at most `budget` m and not over the end of the span.
 ///
-///     ds = (dir tau - mu nu) / max(1 - kappa (nu + mu |tau|), 1/4)
+/// Piece by piece. While a proof holds that the excess falls over the piece, its root is the first,
+/// and Newton's iteration
 ///
-/// is Newton's step, since d(dir tau - mu nu)/ds = -(1 - kappa (nu + mu |tau|)) along a curve with
-/// curvature kappa; the floor keeps it finite near a centre of curvature. Here it is taken in u on
-/// the form times |C'|, where it needs neither the unit frame nor the curvature. A step past the
-/// root is closed in between brackets, and the end is the root to rounding, on its inner side.
-/// @param jet  of the curve at u
-/// @pre the excess is > 0 at u, in direction dir
+///     ds = (dir tau - mu nu) / (1 - kappa (nu + mu |tau|))
+///
+/// finds it, on the form times |C'|, where it needs neither the unit frame nor the curvature.
+/// Elsewhere first_root() isolates it, in doubles, and in twice the digits where these do not tell.
+/// The end is the root to rounding, on its inner side.
+/// @param used  m of the budget; what was travelled is added where there is a budget
+/// @pre drive_direction() is dir
 template <bool HasFriction>
-[[nodiscard]] Slide slide_to_cone(const RationalBezier<2>& curve,
-                                  const Vec2& h,
-                                  double mu,
-                                  double u,
-                                  const Jet<2>& jet,
-                                  double dir,
-                                  double budget) noexcept;
+[[nodiscard]] SlideEnd slide_to_cone(const SlideTask& task,
+                                     Spot& spot,
+                                     FallProof& proof,
+                                     double& used) noexcept;
 
 }  // namespace palpate::engine

@@ -2,29 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
 namespace {
-
-/// Spans and seams visited in one tick before the walk gives up until the next: a guard against a
-/// cycle of rounding errors, far above what a hand can cross in a millisecond.
-constexpr int kMaxVisits = 64;
-
-/// From a still end the walk sets out with this step of u: 1e-9 of the span's length along the
-/// curve.
-constexpr double kSetOut = 0x1p-14;
-
-/// Or with a step that takes it this share of the stretch away: beside heavy control points u is
-/// coarse.
-constexpr double kSetOutShare = 1e-3;
-constexpr int kMaxSetOuts = 16;
-
-/// A frictionless GO closer than this to its foot, in u, rests there.
-constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
 
 /// What happens after a step on one span or seam.
 enum class Next : std::uint8_t { go_on, stop };
@@ -40,23 +22,32 @@ struct ConeState {
 template <bool HasFriction>
 class Walker {
 public:
-    Walker(const Outline& outline,
+    Walker(const ConeForms& forms,
            GodObject& go,
            const Vec2& h,
            double mu,
            double budget,
            double radius) noexcept
-        : outline_(outline), go_(go), h_(h), mu_(mu), budget_(budget), radius_(radius) {}
+        : forms_(forms),
+          outline_(forms.outline()),
+          go_(go),
+          h_(h),
+          mu_(mu),
+          budget_(budget),
+          radius_(radius) {}
 
     Walk run() noexcept {
-        for (int i = 0; i < kMaxVisits; ++i) {
+        // Each span and seam is passed once, for the stretch only falls. Rounding cannot cycle
+        // either.
+        const std::size_t visits = 2 * (outline_.spans().size() + outline_.seams().size() + 1);
+        for (std::size_t i = 0; i < visits; ++i) {
             if (step() == Next::stop) {
                 return walk_;
             }
         }
-        settle_at(cone(outline_, go_));
+        settle_at(cone(go_));
         walk_.outside_cone = true;
-        walk_.out_of_budget = true;
+        walk_.unproven = true;
         return walk_;
     }
 
@@ -76,25 +67,16 @@ private:
         return s;
     }
 
-    [[nodiscard]] ConeState cone(const Outline& outline, const GodObject& go) const noexcept {
+    [[nodiscard]] ConeState cone(const GodObject& go) const noexcept {
         if (go.place.on_seam) {
-            const Seam& seam = outline.seams()[go.place.index];
+            const Seam& seam = outline_.seams()[go.place.index];
             return cone(seam.point, fan_tangent(seam, go.place.parameter));
         }
-        if (at_still_end(go)) {
-            return cone(go.jet.point,
-                        end_tangent(outline.spans()[go.place.index], go.place.parameter > 0.5));
-        }
-        const double speed2 = glm::dot(go.jet.first, go.jet.first);
-        return cone(go.jet.point, go.jet.first * (1.0 / std::sqrt(speed2)));
+        const Vec2 along = forms_.tame(go.place.index)
+                             ? go.jet.first
+                             : forms_.heading(go.place.index, go.place.parameter, go.rest);
+        return cone(go.jet.point, along * (1.0 / std::sqrt(glm::dot(along, along))));
     }
-
-    /// At an end, that is. Inside of a span a hairpin may be as slow, but its tangent is its own.
-    static bool at_still_end(const GodObject& go) noexcept {
-        return stands_still(go.jet) &&
-               (near_end(go.place.parameter) || glm::dot(go.jet.first, go.jet.first) == 0.0);
-    }
-    static bool near_end(double u) noexcept { return u < kStillEnd || u > 1.0 - kStillEnd; }
 
     /// The walk ends here, with this stretch.
     Next settle_at(const ConeState& s) noexcept {
@@ -123,93 +105,43 @@ private:
     }
 
     Next on_span() noexcept {
-        const Drive drive = drive_at(go_.jet, h_);
-        if (at_still_end(go_)) {
-            return from_still_end();
+        const SlideTask task{.forms = forms_,
+                             .span = go_.place.index,
+                             .h = h_,
+                             .mu = mu_,
+                             .dir = direction_,
+                             .budget = budget_};
+        Spot spot{.u = go_.place.parameter, .rest = go_.rest, .jet = go_.jet};
+        const double drive = drive_direction<HasFriction>(task, spot);
+        if (drive == 0.0 || !goes(drive)) {
+            return settle_at(cone(go_));
         }
-        const double rest = HasFriction ? 0.0 : kRest * drive.speed2;
-        if (drive.excess<HasFriction>(mu_) <= rest) {
-            return settle_at(cone(outline_, go_));
-        }
-        if (!goes(drive.tangential)) {
-            settle_at(cone(outline_, go_));
-            return stop_outside(false);
-        }
-        return slide();
-    }
-
-    Next slide() noexcept {
-        const std::size_t index = go_.place.index;
         if (used_ >= budget_) {
-            settle_at(cone(outline_, go_));
+            settle_at(cone(go_));
             return stop_outside(true);
         }
-        const Slide slide =
-            slide_to_cone<HasFriction>(outline_.spans()[index], h_, mu_, go_.place.parameter,
-                                       go_.jet, direction_, budget_ - used_);
-        // The length is of first order: where the speed changes by powers of ten it may come out as
-        // nothing, or less. The chord is never too long.
-        const double length = std::max(slide.length, glm::length(slide.jet.point - go_.jet.point));
-        go_.place.parameter = slide.u;
-        go_.jet = slide.jet;
-        walk_.slid += length;
-        used_ += length;
-        if (slide.end == SlideEnd::at_end) {
-            return over_end(index);
-        }
-        if (slide.end == SlideEnd::in_cone && at_still_end(go_)) {
-            return Next::go_on;  // where C' = 0 the excess is nothing: the end's tangent decides
-        }
-        settle_at(cone(outline_, go_));
-        return slide.end == SlideEnd::out_of_budget ? stop_outside(true) : Next::stop;
+        return slide(task, spot);
     }
 
-    /// Where C' = 0 the drive in u says nothing: the end's tangent decides, and the first step is
-    /// given.
-    Next from_still_end() noexcept {
-        const ConeState s = cone(outline_, go_);
-        if (s.excess <= 0.0) {
-            return settle_at(s);
-        }
-        if (!goes(s.tau)) {
-            settle_at(s);
-            return stop_outside(false);
-        }
-        double& u = go_.place.parameter;
-        if (near_end(u) && (direction_ > 0.0 ? u > 0.5 : u <= 0.5)) {
+    Next slide(SlideTask task, Spot& spot) noexcept {
+        task.dir = direction_;
+        const SlideEnd end = slide_to_cone<HasFriction>(task, spot, go_.proof, used_);
+        walk_.slid = walk_.slid || spot.u != go_.place.parameter || spot.rest != go_.rest;
+        go_.place.parameter = spot.u;
+        go_.rest = spot.rest;
+        go_.jet = spot.jet;
+        if (end == SlideEnd::at_end) {
             return over_end(go_.place.index);
         }
-        return set_out();
-    }
-
-    /// From where the curve stands still to a place near by, measured by the stretch, where it does
-    /// not.
-    Next set_out() noexcept {
-        const RationalBezier<2>& curve = outline_.spans()[go_.place.index];
-        const double near = kSetOutShare * glm::length(h_ - go_.jet.point);
-        const Vec2 here = go_.jet.point;
-        double step = kSetOut;
-        double u = go_.place.parameter;
-        for (int i = 0; i < kMaxSetOuts; ++i) {
-            u = go_.place.parameter + direction_ * step;
-            go_.jet = curve.at(u);
-            if (glm::length(go_.jet.point - here) <= near) {
-                break;
-            }
-            step *= 0.25;
-        }
-        go_.place.parameter = u;
-        const double length = glm::length(go_.jet.point - here);
-        walk_.slid += length;
-        used_ += length;
-        return Next::go_on;
+        settle_at(cone(go_));
+        return end == SlideEnd::out_of_budget ? stop_outside(true) : Next::stop;
     }
 
     Next over_end(std::size_t span) noexcept {
         const bool forward = direction_ > 0.0;
         const auto seam = outline_.seam_beyond(span, forward);
         if (!seam) {  // an open end holds the GO
-            settle_at(cone(outline_, go_));
+            settle_at(cone(go_));
             return stop_outside(false);
         }
         go_.place = {.on_seam = true,
@@ -222,31 +154,27 @@ private:
     /// excess only grows with the angle, so the fan is crossed whole unless the budget ends.
     Next on_fan(const Seam& seam) noexcept {
         double& phi = go_.place.parameter;
-        const ConeState s = cone(outline_, go_);
-        if (s.excess <= 0.0) {
+        const ConeState s = cone(go_);
+        if (s.excess <= 0.0 || !goes(s.tau)) {
             return settle_at(s);
-        }
-        if (!goes(s.tau)) {
-            settle_at(s);
-            return stop_outside(false);
         }
         if (used_ >= budget_) {
             settle_at(s);
             return stop_outside(true);
         }
-        if (s.nu < 0.0) {  // HIP has left over the tip: its normal lies within the fan
-            const ConeState far =
-                cone(seam.point, direction_ > 0.0 ? seam.tangent_out : seam.tangent_in);
-            if (direction_ * far.tau <= 0.0) {
-                return settle_at(s);
-            }
+        const ConeState far =
+            cone(seam.point, direction_ > 0.0 ? seam.tangent_out : seam.tangent_in);
+        const bool over_tip =
+            direction_ * far.tau <= 0.0 && (s.nu < 0.0 || far.nu < std::fabs(far.tau));
+        const double price = radius_ * (direction_ > 0.0 ? seam.turn - phi : phi);
+        const bool pays = price <= budget_ - used_;
+        if (over_tip && (pays || s.nu < 0.0)) {  // the normal that points at HIP lies in the fan
+            return settle_at({.tangent = s.tangent, .nu = -glm::length(h_ - seam.point)});
         }
-        const double to_go = direction_ > 0.0 ? seam.turn - phi : phi;
-        const double price = radius_ * to_go;
-        if (price > budget_ - used_) {
+        if (!pays) {
             phi += direction_ * (budget_ - used_) / radius_;
             used_ = budget_;
-            const ConeState turned = cone(outline_, go_);
+            const ConeState turned = cone(go_);
             settle_at(turned);
             return turned.excess > 0.0 && direction_ * turned.tau > 0.0 ? stop_outside(true)
                                                                         : Next::stop;
@@ -300,6 +228,7 @@ private:
         return turn.cos * seam.tangent_in - turn.sin * perp(seam.tangent_in);
     }
 
+    const ConeForms& forms_;
     const Outline& outline_;
     GodObject& go_;
     Vec2 h_;
@@ -317,22 +246,39 @@ GodObject god_object_at(const Outline& outline, const Place& place) noexcept {
     if (place.on_seam) {
         return {.place = place};
     }
-    return {.place = place, .jet = outline.spans()[place.index].at(place.parameter)};
+    const double rest = 1.0 - place.parameter;
+    return {.place = place,
+            .rest = rest,
+            .jet = outline.spans()[place.index].at(place.parameter, rest)};
+}
+
+Walk touch_down(const Outline& outline, GodObject& go, const Place& place, const Vec2& h) noexcept {
+    go = god_object_at(outline, place);
+    const Vec2 point = place.on_seam ? outline.seams()[place.index].point : go.jet.point;
+    const double depth = glm::length(point - h);
+    const Vec2 normal = depth > 0.0 ? (point - h) * (1.0 / depth) : Vec2{0.0, 1.0};
+    // tau = -0 gives a tangential force of +0.
+    return {.point = point,
+            .normal = normal,
+            .tangent = -perp(normal),
+            .tau = -0.0,
+            .nu = depth,
+            .in_corner = place.on_seam};
 }
 
 template <bool HasFriction>
-Walk walk_god_object(const Outline& outline,
+Walk walk_god_object(const ConeForms& forms,
                      GodObject& go,
                      const Vec2& h,
                      double mu,
                      double budget,
                      double vertex_radius) noexcept {
-    return Walker<HasFriction>(outline, go, h, mu, budget, vertex_radius).run();
+    return Walker<HasFriction>(forms, go, h, mu, budget, vertex_radius).run();
 }
 
 template Walk walk_god_object<true>(
-    const Outline&, GodObject&, const Vec2&, double, double, double) noexcept;
+    const ConeForms&, GodObject&, const Vec2&, double, double, double) noexcept;
 template Walk walk_god_object<false>(
-    const Outline&, GodObject&, const Vec2&, double, double, double) noexcept;
+    const ConeForms&, GodObject&, const Vec2&, double, double, double) noexcept;
 
 }  // namespace palpate::engine

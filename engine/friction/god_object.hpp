@@ -16,10 +16,12 @@ struct Slew {
 };
 
 /// Where the god-object is. On a span it keeps the curve's jet, so that a tick in which it stays
-/// costs no evaluation.
+/// costs no evaluation, and a proof that spares the next ticks the search.
 struct GodObject {
     Place place{};
-    Jet<2> jet{};  ///< of the span at the place; unused on a seam
+    double rest = 1.0;  ///< 1 - u on a span, with all its digits
+    Jet<2> jet{};       ///< of the span at the place; unused on a seam
+    FallProof proof{};
 };
 
 /// A god-object at `place`. @pre the place is one of `outline`
@@ -32,26 +34,37 @@ struct Walk {
     Vec2 tangent{1.0, 0.0};
     double tau = 0.0;           ///< r . t, m
     double nu = 0.0;            ///< -r . n, m
-    double slid = 0.0;          ///< arc length the GO slid along spans, m
+    bool slid = false;          ///< the GO moved along a span
     bool outside_cone = false;  ///< stopped outside its cone: the budget ran out, or at an open end
     bool out_of_budget = false;
+    bool unproven = false;   ///< broken off: rounding led the walk in a circle
     bool in_corner = false;  ///< rests in a concave vertex, whose two normals carry together
 };
 
-/// Lets the god-object move along the outline until its stretch fits the friction cone.
+/// Lets the god-object move along the outline to the first place where its stretch fits the
+/// friction cone.
 ///
 /// Along a span it slides (slide_to_cone). A convex vertex is a fan of normals from the end of one
-/// span to the start of the next, turned through at `vertex_radius` of budget per radian. A concave
-/// vertex is left only along a span whose drive exceeds mu times that span's own load. An open
-/// end holds the GO until HIP leaves. The direction never reverses within a walk.
+/// span to the start of the next, turned through at `vertex_radius` of budget per radian; contact
+/// ends where the normal that points at HIP lies in the fan. A concave vertex is left only along a
+/// span whose drive exceeds mu times that span's own load. An open end holds the GO until HIP
+/// leaves. The direction never reverses within a walk, and on the way the stretch only falls: each
+/// span is visited once.
 ///
 /// @param budget  travel allowed in this tick, m; infinite without slew
 template <bool HasFriction>
-[[nodiscard]] Walk walk_god_object(const Outline& outline,
+[[nodiscard]] Walk walk_god_object(const ConeForms& forms,
                                    GodObject& go,
                                    const Vec2& h,
                                    double mu,
                                    double budget,
                                    double vertex_radius) noexcept;
+
+/// A contact that begins: the god-object stays at the closest point of HIP, where the stretch is
+/// all load. @pre `place` is that point's, and HIP is inside
+[[nodiscard]] Walk touch_down(const Outline& outline,
+                              GodObject& go,
+                              const Place& place,
+                              const Vec2& h) noexcept;
 
 }  // namespace palpate::engine

@@ -1,5 +1,6 @@
 #include "engine/geometry/outline.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -35,6 +36,40 @@ double side_of_cusp(const RationalBezier<2>& in,
         }
     }
     return 0.0;
+}
+
+/// Control points nearer to an end of their span than this share of its size, or than rounding
+/// tells, are that end.
+constexpr double kSamePoint = 1e-12;
+constexpr double kSameBits = 16.0 * kEpsilon;
+
+/// The span with control points that all but repeat an end put onto it: there the curve stands
+/// still, and does not go where rounding points. Nothing if it only waits.
+std::optional<RationalBezier<2>> settled(const RationalBezier<2>& span) {
+    const Box<2>& box = span.box();
+    const Vec2 far = glm::max(glm::abs(box.low), glm::abs(box.high));
+    const double bits = kSameBits * std::max(far.x, far.y);
+    const double size = glm::length(box.size());
+    if (!(size > bits)) {
+        return std::nullopt;
+    }
+    const double same = std::max(kSamePoint * size, bits);
+    std::vector<Vec2> points;
+    std::vector<double> weights;
+    for (std::size_t i = 0; i <= static_cast<std::size_t>(span.degree()); ++i) {
+        points.push_back(span.point(i));
+        weights.push_back(span.weight(i));
+    }
+    bool moved = false;
+    const auto settle = [&](auto first, auto last) {
+        for (auto next = first + 1; next != last && glm::length(*next - *first) <= same; ++next) {
+            moved = moved || *next != *first;
+            *next = *first;
+        }
+    };
+    settle(points.begin(), points.end());
+    settle(points.rbegin(), points.rend());
+    return moved ? RationalBezier<2>(points, weights) : span;
 }
 
 std::string name_text(const SpanName& name) {
@@ -116,23 +151,24 @@ void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
                                     " segments: join some as spans of one NURBS");
     }
     const std::size_t first = spans_.size();
-    for (const auto& [span, name] : balanced_spans(curve, index)) {
-        if (!(glm::length(span.box().size()) > 0.0)) {
-            continue;  // control points that all coincide: the curve only waits here
+    const auto add = [this](const RationalBezier<2>& span, const SpanName& name) {
+        if (const auto moving = settled(span)) {
+            spans_.push_back(*moving);
+            names_.push_back(name);
         }
-        std::vector<double> cuts = cusps_of(span);
-        cuts.push_back(1.0);
+    };
+    for (const auto& [span, name] : balanced_spans(curve, index)) {
+        const std::vector<double> cusps =
+            glm::length(span.box().size()) > 0.0 ? cusps_of(span) : std::vector<double>{};
+        if (cusps.empty()) {
+            add(span, name);
+            continue;
+        }
         double from = 0.0;
-        for (const double to : cuts) {
-            if (cuts.size() == 1) {
-                spans_.push_back(span);
-                names_.push_back(name);
-            } else {
-                const BalancedSpan<2> part = balanced(stretch_of(span, from, to));
-                spans_.push_back(part.curve);
-                names_.push_back(
-                    {index, name.parameter(from), name.parameter(to), part.name.ratio});
-            }
+        for (std::size_t i = 0; i <= cusps.size(); ++i) {
+            const double to = i < cusps.size() ? cusps[i] : 1.0;
+            const BalancedSpan<2> part = balanced(stretch_of(span, from, to));
+            add(part.curve, {index, name.parameter(from), name.parameter(to), part.name.ratio});
             from = to;
         }
     }

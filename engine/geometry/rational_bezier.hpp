@@ -85,8 +85,10 @@ public:
     }
     /// The same at u = 1 - v, for v near 0: beside a heavy last control point one bit of u may be
     /// 1e-10 of the size, while v has all its digits.
-    [[nodiscard]] Jet<D> at_from_end(double v) const noexcept {
-        return horner_ ? by_horner(1.0 - v) : by_corner_cutting(1.0 - v, v);
+    [[nodiscard]] Jet<D> at_from_end(double v) const noexcept { return at(1.0 - v, v); }
+    /// The same for u + v = 1, each with all its digits.
+    [[nodiscard]] Jet<D> at(double u, double v) const noexcept {
+        return horner_ ? by_horner(u) : by_corner_cutting(u, v);
     }
 
 private:

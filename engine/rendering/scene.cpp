@@ -14,6 +14,15 @@ namespace {
 /// An arc between two feet of one monotone window is no longer than this times its chord.
 constexpr double kChordToArc = 1.6;
 
+/// Closer than this to an end of its span a closest point may lie outside because the curve ends.
+constexpr double kNearEnd = 1e-6;
+
+/// The foot of h is as sharp as doubles can tell it: h is not near the centre of curvature.
+bool is_sharp(const Jet<2>& jet, const Vec2& h) noexcept {
+    const double speed2 = glm::dot(jet.first, jet.first);
+    return speed2 + glm::dot(jet.point - h, jet.second) > 0.1 * speed2;
+}
+
 /// A frictionless GO that moves less than this in u rests: rounding.
 constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
 
@@ -46,6 +55,7 @@ Scene::Scene(std::shared_ptr<const Outline> outline, const SceneSpec& spec)
     : outline_(std::move(outline)),
       spec_(checked(spec)),
       tracker_(*outline_),
+      forms_(*outline_, tracker_.feet().tree().pieces(), spec.friction.mu_s),
       decay_(stribeck_decay(spec.friction, spec.period)),
       step_(step_for(spec)) {}
 
@@ -100,9 +110,12 @@ bool Scene::follow_foot(ContactState& state,
     const TrackWindow& track = state.track.best;
     if (state.counts.track.searched != searched || from.on_seam || cp.place.on_seam ||
         from.index != cp.place.index || !track.holds(from.index, from.parameter) ||
-        !(cp.place.parameter > 0.0 && cp.place.parameter < 1.0) ||  // an open end holds the GO
+        !forms_.tame(from.index) || !is_sharp(track.jet, hip) ||
         !(kChordToArc * glm::length(cp.point - state.go.jet.point) < budget)) {
         return false;
+    }
+    if (!cp.inside && (cp.place.parameter < kNearEnd || cp.place.parameter > 1.0 - kNearEnd)) {
+        return false;  // an open end may hold the GO
     }
     ++state.counts.shared;
     if (!cp.inside) {
@@ -110,7 +123,10 @@ bool Scene::follow_foot(ContactState& state,
         return true;
     }
     const double moved = cp.place.parameter - from.parameter;
-    state.go = {.place = cp.place, .jet = beside(track.jet, cp.place.parameter - track.u)};
+    state.go = {.place = cp.place,
+                .rest = 1.0 - cp.place.parameter,
+                .jet = beside(track.jet, cp.place.parameter - track.u),
+                .proof = state.go.proof};
     // The stretch of a foot is all load. tau = -0 gives a tangential force of +0.
     contact = render<false>({.point = cp.point, .tau = -0.0, .nu = cp.distance}, hip, 0.0);
     contact.mode = mode_of<false>(std::fabs(moved) > kRest, state.theta, spec_.friction);
@@ -135,7 +151,8 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     state.last_hip = hip;
 
     bool looked = false;
-    if (!state.touching) {
+    const bool begins = !state.touching;
+    if (begins) {
         looked = true;
         state.theta = 1.0;
         const ClosestPoint cp = look(state, hip);
@@ -143,7 +160,9 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
             return free(state, cp);
         }
         state.touching = true;
-        state.go = god_object_at(*outline_, cp.place);
+        if (!forms_.tame(cp.place.index) || !is_sharp(state.track.best.jet, hip)) {
+            state.last_cp = tracker_.feet().closest(hip);  // followed, it may be 1e-12 beside
+        }
     } else if constexpr (!HasFriction && !HasDamper) {
         looked = true;
         Contact contact;
@@ -153,8 +172,9 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     }
 
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
-    const Walk walk = walk_god_object<HasFriction>(*outline_, state.go, hip, mu, budget,
-                                                   HasSlew ? spec_.slew.radius : 0.0);
+    const Walk walk = begins ? touch_down(*outline_, state.go, state.last_cp.place, hip)
+                             : walk_god_object<HasFriction>(forms_, state.go, hip, mu, budget,
+                                                            HasSlew ? spec_.slew.radius : 0.0);
     const bool ends = walk.nu <= 0.0 && !walk.out_of_budget;
     if (!looked && (ends || spec_.look != Look::needed)) {
         static_cast<void>(look(state, hip));
@@ -165,7 +185,7 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     Contact contact = render<HasFriction>(walk, hip, mu);
     contact.cp = state.last_cp;
     contact.place = state.go.place;
-    const bool slipped = walk.slid > 0.0;
+    const bool slipped = walk.slid;
     contact.mode = mode_of<HasFriction>(slipped, state.theta, spec_.friction);
     if constexpr (HasDamper) {
         damp<HasFriction>(state, walk, contact);
@@ -180,6 +200,7 @@ template <bool HasFriction>
 Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexcept {
     const double k = spec_.stiffness;
     Contact contact{.go = walk.point, .mu = mu, .vertex_slew = walk.out_of_budget};
+    contact.unproven = walk.unproven;
     if (walk.outside_cone) {
         contact.outside_cone = true;
         // The GO could not reach its cone in this tick: keep what the surface can carry here.

@@ -66,8 +66,12 @@ struct Contact {
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
     /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone.
     bool outside_cone = false;
-    bool refused = false;  ///< HIP was not finite: force zero, contact ended
-    bool skipped = false;  ///< out of reach: nothing was computed
+    bool unproven = false;  ///< the walk was broken off: never seen
+    bool refused = false;   ///< HIP was not finite: force zero, contact ended
+    bool skipped = false;   ///< out of reach: nothing was computed
+
+    /// An open end holds the GO outside of its cone.
+    [[nodiscard]] bool held() const noexcept { return outside_cone && !vertex_slew && !unproven; }
 };
 
 /// What lives on from tick to tick. A plain value: copying it copies the contact.
@@ -145,6 +149,7 @@ private:
     std::shared_ptr<const Outline> outline_;
     SceneSpec spec_;
     CertifiedTracker tracker_;
+    ConeForms forms_;
     StribeckDecay decay_;
     Step step_;
 };
