@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <fstream>
 #include <map>
@@ -15,7 +16,7 @@ namespace {
 using namespace palpate::stress;
 
 constexpr const char* kUsage =
-    "palpate_stress [--seconds N] [--seed S] [--scenes N] [--mood gentle|wild]\n"
+    "palpate_stress [--seconds N] [--seed S] [--scenes N] [--mood gentle|wild|study|cusp|huge]\n"
     "               [--object outline|surface] [--out DIR]\n"
     "  random scenes from seed S on, until N seconds are over or so many scenes were felt.\n"
     "  A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads.\n";
@@ -42,10 +43,11 @@ Options options_of(const std::vector<std::string>& words) {
             options.seed = std::stoull(value);
         } else if (words[i] == "--scenes") {
             options.scenes = std::stoull(value);
-        } else if (words[i] == "--mood" && (value == "gentle" || value == "wild")) {
-            options.mood = value == "wild" ? Mood::wild : Mood::gentle;
         } else if (words[i] == "--object" && (value == "outline" || value == "surface")) {
             options.surface = value == "surface";
+        } else if (const auto mood = std::find(kMoods.begin(), kMoods.end(), value);
+                   words[i] == "--mood" && mood != kMoods.end()) {
+            options.mood = static_cast<Mood>(mood - kMoods.begin());
         } else if (words[i] == "--out") {
             options.out = value;
         } else {
@@ -123,10 +125,12 @@ int main(int count, char** arguments) {
     }
     fmt::print(
         "{} scenes from seed {} ({} refused), {} ticks, {} in contact, {} on vertices, {} "
-        "certified, {} unproven, {} unsettled; slowest tick {:.3f} ms (seed {}); {:.0f} s\n",
+        "certified, {} walks ({} ties), {} unproven, {} unsettled; slowest tick {:.3f} ms (seed "
+        "{}); "
+        "{:.0f} s\n",
         tally.scenes, options.seed, tally.refused_scenes, tally.ticks, tally.in_contact,
-        tally.on_vertex, tally.certified, tally.unproven, tally.unsettled, 1e3 * tally.slowest_s,
-        tally.slowest_seed, seconds());
+        tally.on_vertex, tally.certified, tally.walks, tally.ties, tally.unproven, tally.unsettled,
+        1e3 * tally.slowest_s, tally.slowest_seed, seconds());
     for (const auto& [law, times] : broken) {
         fmt::print("  broken in {} scenes: {}\n", times, law);
     }

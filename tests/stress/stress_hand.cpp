@@ -39,7 +39,7 @@ public:
             if (spec_.gentle) {
                 stumble();  // a tick that is refused ends the contact
             }
-            switch (random_->below(8)) {
+            switch (spec_.leaps ? 2 : random_->below(8)) {
                 case 0:
                     wander(ticks);
                     break;

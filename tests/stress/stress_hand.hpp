@@ -14,6 +14,7 @@ struct HandSpec {
     double period = 0.001;  ///< s
     bool broken = true;     ///< NaN and infinities may occur
     bool far = false;       ///< so may HIPs up to 1e150 m away
+    bool leaps = false;     ///< anywhere on every tick, inside more often than not
     bool gentle = false;    ///< a hundredth of the object a tick at most; lifts off before it jumps
 };
 

@@ -81,7 +81,8 @@ std::optional<Case> random_case(std::uint64_t seed, Mood mood) {
                           .period = c.scene.period,
                           .broken = random.coin(),
                           .far = random.below(8) == 0,
-                          .gentle = mood == Mood::gentle});
+                          .leaps = mood == Mood::huge,
+                          .gentle = mood == Mood::gentle || mood == Mood::study});
     return c;
 }
 
@@ -123,11 +124,13 @@ std::optional<Breach> feel(const Case& c, Tally& tally, bool watch) {
         tally.in_contact += contact.mode != engine::Mode::free ? 1U : 0U;
         tally.on_vertex += contact.mode != engine::Mode::free && contact.place.on_seam ? 1U : 0U;
         felt.push_back(contact);
-        if (auto breach = laws.look(c.path[i], before, contact)) {
+        if (auto breach = laws.look(c.path[i], before, state, contact)) {
             return breach;
         }
     }
     tally.certified += state.counts.track.certified;
+    tally.walks += laws.walks;
+    tally.ties += laws.ties;
     return feel_again(scene, middle, half, c.path, felt);
 }
 

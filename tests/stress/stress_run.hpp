@@ -19,6 +19,8 @@ struct Tally {
     std::uint64_t in_contact = 0;
     std::uint64_t on_vertex = 0;
     std::uint64_t certified = 0;
+    std::uint64_t walks = 0;      ///< held to the first root
+    std::uint64_t ties = 0;       ///< of them, where rounding left more than one stop
     std::uint64_t unproven = 0;   ///< ticks whose closest point is not proven
     std::uint64_t unsettled = 0;  ///< ticks whose walk was ended by its work limit
     double slowest_s = 0.0;       ///< a tick, the best of several tries

@@ -155,7 +155,13 @@ Chain nasty(Random& random) {
 }
 
 Chain random_chain(Random& random, Mood mood) {
-    switch (random.below(mood == Mood::gentle ? 3 : 6)) {
+    if (mood == Mood::study) {
+        return two_arcs(random);
+    }
+    if (mood == Mood::cusp) {
+        return random.coin() ? nasty(random) : random_curves(random);
+    }
+    switch (random.below(mood == Mood::wild ? 6 : 3)) {
         case 0:
             return random_edges(random);
         case 1:
@@ -178,7 +184,8 @@ std::string list(const std::vector<double>& values) {
 StressScene random_scene(std::uint64_t seed, Mood mood) {
     Random random(seed);
     StressScene scene{.seed = seed, .segments = random_chain(random, mood)};
-    const double size = random.coin() ? random.decade(-2.0, 0.0) : random.decade(-6.0, 3.0);
+    const bool any_size = mood != Mood::study && !random.coin();
+    const double size = any_size ? random.decade(-6.0, 3.0) : random.decade(-2.0, 0.0);
     const Vec2 away =
         random.below(6) == 0 ? random.decade(0.0, 2.0) * random.point(-1.0, 1.0) : Vec2{};
     for (NurbsData<2>& segment : scene.segments) {
@@ -201,7 +208,7 @@ StressScene random_scene(std::uint64_t seed, Mood mood) {
         scene.friction.set = {.mu_s = mu_s, .mu_d = mu_d, .tau_slip = time(), .tau_heal = time()};
     }
     scene.friction.slew = {.speed = 0.0, .radius = 0.003};
-    if (random.below(3) == 0) {
+    if (random.below(3) == 0 && (mood == Mood::gentle || mood == Mood::wild)) {
         scene.friction.slew = {.speed = size * random.decade(-1.0, 2.0),
                                .radius = size * random.decade(-3.0, 0.0)};
     }

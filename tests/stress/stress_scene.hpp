@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -22,8 +23,14 @@ struct StressScene {
 /// How wild scenes and hands are.
 enum class Mood : std::uint8_t {
     gentle,  ///< what experiments feel: arcs, edges, smooth blobs, and a hand that jumps only in the air
-    wild,  ///< whatever is not refused
+    wild,   ///< whatever is not refused
+    study,  ///< two arcs over a base line, as the study has them, and a gentle hand
+    cusp,   ///< cusps, kinks, repeated points, heavy weights; a hand at centres of curvature
+    huge,   ///< gentle scenes, and a hand that is elsewhere on every tick
 };
+
+/// What every mood is called.
+inline constexpr std::array<const char*, 5> kMoods{"gentle", "wild", "study", "cusp", "huge"};
 
 /// One seed is one scene. Wild: NURBS chains of degree 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, with
 /// kinks, cusps, spikes and vertices of any angle; any law, stiffness, damper and slew.

@@ -22,6 +22,25 @@ TEST_CASE("every tick of random hands in random scenes holds every law", "[stres
         CHECK((breach ? breach->law : "") == "");
     }
     CHECK(tally.in_contact > 2000);
+    CHECK(tally.walks > 1000);
+}
+
+TEST_CASE(
+    "the god-object finds the first root at cusps, under heavy weights and however far a hand "
+    "leaps",
+    "[stress][law]") {
+    const auto mood = GENERATE(Mood::wild, Mood::study, Mood::cusp, Mood::huge);
+    Tally tally;
+    for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+        const auto c = random_case(seed, mood);
+        if (!c) {
+            continue;
+        }
+        const auto breach = feel(*c, tally, false);
+        CAPTURE(seed, kMoods.at(static_cast<std::size_t>(mood)), breach ? breach->tick : 0);
+        CHECK((breach ? breach->law : "") == "");
+    }
+    CHECK(tally.walks > 1000);
 }
 
 namespace {

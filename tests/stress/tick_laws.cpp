@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "engine/geometry/cusps.hpp"
+#include "tests/stress/exact_walk.hpp"
+#include "tests/stress/stress_hand.hpp"
 
 namespace palpate::stress {
 namespace {
@@ -22,6 +24,9 @@ constexpr double kConeSlack = 100.0;
 
 /// So does the foot that is followed where the distance has hardly a minimum: 5e-12 of the size was seen.
 constexpr double kFootSlack = 10.0;
+
+/// How far from the exact first root a god-object may stop, of the object's size.
+constexpr double kFirstRoot = 1e-9;
 
 /// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
 constexpr double kFar = 1e9;
@@ -49,7 +54,10 @@ double extent_of(const engine::Outline& outline) noexcept {
 }  // namespace
 
 TickLaws::TickLaws(const engine::Scene& scene)
-    : scene_(&scene), feet_(scene.outline()), extent_(extent_of(scene.outline())) {}
+    : scene_(&scene),
+      feet_(scene.outline()),
+      size_(size_of(scene.outline())),
+      extent_(extent_of(scene.outline())) {}
 
 void TickLaws::check(const char* law, double value, double limit) {
     if (!breach_ && !(value <= limit)) {
@@ -59,6 +67,7 @@ void TickLaws::check(const char* law, double value, double limit) {
 
 std::optional<Breach> TickLaws::look(const Vec2& h,
                                      const engine::ContactState& before,
+                                     const engine::ContactState& after,
                                      const Contact& contact) {
     breach_.reset();
     Tick now{.h = h, .contact = contact};
@@ -96,6 +105,7 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
         check_force(now);
         check_walk(now, before);
     }
+    check_first_root(now, before, after);
     check_step(now);
     check_energy(now);
     if (after_refusal_) {
@@ -129,7 +139,7 @@ void TickLaws::check_closest(const Tick& now) {
     const engine::ClosestPoint global = feet_.closest(now.h);
     if (now.contact.skipped) {
         check("what is skipped is out of reach",
-              global.distance > 0.0 || last_.contact.cp.distance <= same_);
+              global.distance > 0.0 || last_.contact.cp.distance <= kFootSlack * same_);
         return;
     }
     const auto& spec = scene_->spec();
@@ -159,8 +169,9 @@ void TickLaws::check_force(const Tick& now) {
               newton + 1e-12 * glm::length(c.force));
     }
     if (!corner) {
+        const double turned = (1.0 + c.mu) * turn_of_last_bits(c.place) * glm::length(c.go - now.h);
         check("friction stays in its cone", std::fabs(c.tangential_force),
-              c.mu * c.normal_force * (1.0 + 1e-9) + kConeSlack * newton);
+              c.mu * c.normal_force * (1.0 + 1e-9) + kConeSlack * newton + per_metre * turned);
     }
 }
 
@@ -176,7 +187,7 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
     const double stretch = glm::length(c.go - now.h);
     if (!touched) {
         check("a contact begins no further than the closest point", stretch,
-              feet_.closest(now.h).distance + same_);
+              feet_.closest(now.h).distance + kFootSlack * same_ + resolution(c.place));
         return;
     }
     const Contact& l = last_.contact;
@@ -191,6 +202,42 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
         check("a slip ends on the edge of the cone", c.mu * c.normal_force,
               std::fabs(c.tangential_force) +
                   1e3 * scene_->spec().stiffness * (same_ + resolution(c.place)));
+    }
+}
+
+/// From where it was, in the direction of its drive, to the first place in the cone and no further; contact
+/// ends if HIP is outside there.
+void TickLaws::check_first_root(const Tick& now,
+                                const engine::ContactState& before,
+                                const engine::ContactState& after) {
+    const auto& spec = scene_->spec();
+    if (!before.touching || !spec.slew.none()) {
+        return;
+    }
+    const auto& outline = scene_->outline();
+    const double mu = spec.friction.none() ? 0.0 : engine::coefficient(spec.friction, before.theta);
+    const ExactAnswer exact = exact_walk(outline, before.go, now.h, mu);
+    ++walks;
+    ties += exact.open || exact.stops.size() > 1 ? 1U : 0U;
+    if (exact.open) {
+        return;
+    }
+    double nearest = 2.0 * kFirstRoot;
+    const engine::GodObject& go = after.go;
+    const Vec2 there = go.place.on_seam ? outline.seams()[go.place.index].point : go.jet.point;
+    bool may_end = false;
+    for (const ExactStop& stop : exact.stops) {
+        may_end = may_end || stop.nu <= exact.band || stop.corner;
+        if (stop.corner || stop.nu >= -exact.band) {
+            const double apart = glm::length(stop.point - there) - stop.blur;
+            nearest = std::min(nearest, apart / size_);
+        }
+    }
+    if (free(now.contact)) {
+        check("contact ends only where the first place in the cone has no load", may_end);
+    } else {
+        check("the god-object stops at the first place in its cone", nearest,
+              kFirstRoot + 4.0 * engine::kEpsilon * extent_ / size_);
     }
 }
 
@@ -274,6 +321,17 @@ double TickLaws::resolution(const Place& place) const noexcept {
              ? 0.0
              : kLastBits *
                    glm::length(scene_->outline().spans()[place.index].at(place.parameter).first);
+}
+
+/// How far the last bits of u turn the tangent, rad: in a hairpin within a span they tell.
+double TickLaws::turn_of_last_bits(const Place& place) const noexcept {
+    if (place.on_seam || place.parameter == 0.0 || place.parameter == 1.0) {
+        return 0.0;
+    }
+    const auto jet = scene_->outline().spans()[place.index].at(place.parameter);
+    const double speed = glm::length(jet.first);
+    const double bits = 4.0 * engine::kEpsilon * glm::length(jet.second);
+    return bits < 2.0 * speed ? bits / speed : 2.0;
 }
 
 bool TickLaws::at_open_end(const Place& place) const noexcept {

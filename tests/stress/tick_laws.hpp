@@ -22,10 +22,15 @@ class TickLaws {
 public:
     explicit TickLaws(const engine::Scene& scene);
 
-    /// The first law that the tick broke. @param before  the state that the tick began with
+    /// The first law that the tick broke. @param before, after  the states that the tick began and ended with
     [[nodiscard]] std::optional<Breach> look(const engine::Vec2& h,
                                              const engine::ContactState& before,
+                                             const engine::ContactState& after,
                                              const engine::Contact& contact);
+
+    /// Walks that were held to the first root, and those where rounding left more than one stop.
+    std::uint64_t walks = 0;
+    std::uint64_t ties = 0;
 
 private:
     struct Tick {
@@ -41,10 +46,14 @@ private:
     void check_closest(const Tick& now);
     void check_force(const Tick& now);
     void check_walk(const Tick& now, const engine::ContactState& before);
+    void check_first_root(const Tick& now,
+                          const engine::ContactState& before,
+                          const engine::ContactState& after);
     void check_step(const Tick& now);
     void check_energy(const Tick& now);
     void check_recovery(const Tick& now);
     [[nodiscard]] double resolution(const engine::Place& place) const noexcept;
+    [[nodiscard]] double turn_of_last_bits(const engine::Place& place) const noexcept;
     [[nodiscard]] bool at_open_end(const engine::Place& place) const noexcept;
     [[nodiscard]] bool on_end_normal(const engine::Place& place,
                                      const engine::Vec2& h) const noexcept;
@@ -52,6 +61,7 @@ private:
 
     const engine::Scene* scene_;
     engine::OutlineFeet feet_;
+    double size_ = 0.0;    ///< diagonal of the control points, m
     double extent_ = 0.0;  ///< largest coordinate or size of the outline, m
     double same_ = 0.0;    ///< lengths nearer than this are the same in this tick, m
     std::size_t ticks_ = 0;

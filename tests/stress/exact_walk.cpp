@@ -1,0 +1,244 @@
+#include "tests/stress/exact_walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/stress/exact_forms.hpp"
+
+namespace palpate::stress {
+namespace {
+
+using engine::Outline;
+using engine::RationalBezier;
+using engine::Seam;
+using engine::SeamKind;
+using engine::Vec2;
+/// Rounding of a stretch in doubles, relative to coordinates: a walk may see the edge of the cone on
+/// either side.
+constexpr double kBand = 32.0 * engine::kEpsilon;
+
+/// The law, from place to place.
+class Explorer {
+public:
+    Explorer(const Outline& outline, const Vec2& h, double mu, ExactAnswer& answer)
+        : outline_(outline), h_(h), mu_(mu), answer_(answer), band_(answer.band) {}
+
+    void from_span(std::size_t index, Real u, Real rest, int direction) {
+        const RationalBezier<2>& span = outline_.spans()[index];
+        if (direction == 0) {
+            const Stretch s = stretch_of(ahead_of(span, h_, mu_, u, rest, true), true);
+            if (!begins(s)) {
+                return;
+            }
+            direction = s.tau > 0.0L ? 1 : -1;
+        }
+        const bool forward = direction > 0;
+        if ((forward ? rest : u) == 0.0L) {
+            over_end(index, forward);
+            return;
+        }
+        Ahead ahead = ahead_of(span, h_, mu_, forward ? u : rest, forward ? rest : u, forward);
+        const Stretch s = stretch_of(ahead, forward);
+        if (s.excess <= band_ || s.tau <= band_) {
+            stop(s);  // where rounding decides, or the way into this span
+        }
+        if (s.excess <= -band_ || s.tau <= -band_) {
+            return;
+        }
+        Roots roots;
+        const bool surely = first_root_of(ahead, roots);
+        answer_.open = answer_.open || roots.blank;
+        for (const auto& [x, beyond] : roots.at) {
+            const Point along = unit({value(ahead.tx, x), value(ahead.ty, x)});
+            const Point at = point_of(ahead, x);
+            const Point last = point_of(ahead, beyond);
+            stop(stretch(at, forward ? along : Point{-along.x, -along.y}, direction));
+            answer_.stops.back().blur =
+                static_cast<double>(std::hypot(last.x - at.x, last.y - at.y));
+        }
+        const Vec2 end = span.point(forward ? static_cast<std::size_t>(span.degree()) : 0);
+        const Stretch last = stretch(place(end), tangent(index, forward), direction);
+        const bool on_edge = std::min(std::fabs(last.excess), std::fabs(last.tau)) <= band_;
+        if (!surely && on_edge) {
+            stop(last);
+        }
+        if (!surely || on_edge) {
+            over_end(index, forward);
+        }
+    }
+
+    void from_seam(std::size_t index, double phi) {
+        const Seam& seam = outline_.seams()[index];
+        if (seam.kind == SeamKind::concave) {
+            corner(index, 0);
+            return;
+        }
+        const Point in = tangent(seam.before, true);
+        const Real c = std::cos(static_cast<Real>(phi));
+        const Real s = std::sin(static_cast<Real>(phi));
+        const Point along{c * in.x + s * in.y, c * in.y - s * in.x};
+        const Stretch at = stretch(place(seam.point), along, 1);
+        if (!begins(at)) {
+            return;
+        }
+        fan(index, at.tau > 0.0L ? 1 : -1, along);
+    }
+
+private:
+    /// tau in the direction of travel.
+    struct Stretch {
+        Point at;
+        Real tau = 0.0L;
+        Real nu = 0.0L;
+        Real excess = 0.0L;
+    };
+
+    /// `along`: unit, in the direction of the outline; the way goes with it or against it.
+    [[nodiscard]] Stretch stretch(const Point& at, const Point& along, int direction) const {
+        const Point r{h_.x - at.x, h_.y - at.y};
+        Stretch s{.at = at, .tau = direction * dot(r, along), .nu = turn(r, along)};
+        s.excess = std::fabs(s.tau) - mu_ * std::max(s.nu, 0.0L);
+        return s;
+    }
+    [[nodiscard]] Stretch stretch_of(const Ahead& ahead, bool forward) const {
+        const Real sign = forward ? 1.0L : -1.0L;
+        const Point along{sign * ahead.tangent.x, sign * ahead.tangent.y};
+        return stretch(point_of(ahead, 0.0L), along, forward ? 1 : -1);
+    }
+    /// Whether a walk may begin; if it may also stay, that is a stop.
+    bool begins(const Stretch& s) {
+        if (s.excess <= band_) {
+            stop(s);
+        }
+        if (s.excess > -band_ && std::fabs(s.tau) <= 2.0L * band_) {
+            answer_.open = true;
+            return false;
+        }
+        return s.excess > -band_;
+    }
+    void stop(const Stretch& s, bool corner = false) {
+        answer_.stops.push_back(
+            {.point = Vec2{static_cast<double>(s.at.x), static_cast<double>(s.at.y)},
+             .nu = static_cast<double>(s.nu),
+             .corner = corner});
+    }
+    static Point point_of(const Ahead& ahead, Real x) {
+        const Real w = value(ahead.w, x);
+        return {ahead.origin.x + value(ahead.px, x) / w, ahead.origin.y + value(ahead.py, x) / w};
+    }
+
+    /// Unit, along the outline, at an end of a span.
+    [[nodiscard]] Point tangent(std::size_t index, bool at_end) const {
+        const RationalBezier<2>& span = outline_.spans()[index];
+        const auto n = static_cast<std::size_t>(span.degree());
+        const std::size_t k = repeats(span, at_end) + 1;
+        const Vec2& a = span.local_point(at_end ? n - k : 0);
+        const Vec2& b = span.local_point(at_end ? n : k);
+        return unit({static_cast<Real>(b.x) - a.x, static_cast<Real>(b.y) - a.y});
+    }
+
+    void over_end(std::size_t index, bool forward) {
+        const int direction = forward ? 1 : -1;
+        const auto seam = outline_.seam_beyond(index, forward);
+        const RationalBezier<2>& span = outline_.spans()[index];
+        if (!seam) {
+            const Vec2 end = span.point(forward ? static_cast<std::size_t>(span.degree()) : 0);
+            stop(stretch(place(end), tangent(index, forward), direction));
+            return;
+        }
+        if (++visits_ > 4 * outline_.spans().size() + 8) {
+            return;
+        }
+        if (outline_.seams()[*seam].kind == SeamKind::concave) {
+            corner(*seam, direction);
+        } else {
+            fan(*seam, direction, tangent(index, forward));
+        }
+    }
+
+    void fan(std::size_t index, int direction, const Point& along) {
+        const Seam& seam = outline_.seams()[index];
+        const bool forward = direction > 0;
+        const Stretch near = stretch(place(seam.point), along, direction);
+        const Point beyond = tangent(forward ? seam.after : seam.before, !forward);
+        const Stretch far = stretch(place(seam.point), beyond, direction);
+        if (near.excess <= band_ || near.tau <= band_ ||
+            (seam.kind == SeamKind::smooth && far.tau <= band_)) {  // a smooth seam may be hollow
+            stop(near);
+        }
+        if (near.excess <= -band_ || near.tau <= -band_) {
+            return;
+        }
+        if (far.tau <= band_ && (near.nu <= band_ || far.nu <= band_)) {
+            stop({.at = near.at, .nu = -1.0L});  // its normal lies in the fan: HIP is outside
+        }
+        if (far.tau > -band_) {
+            leave(seam, direction);
+        }
+    }
+
+    void corner(std::size_t index, int direction) {
+        const Seam& seam = outline_.seams()[index];
+        const Stretch on = stretch(place(seam.point), tangent(seam.after, false), 1);
+        const Stretch back = stretch(place(seam.point), tangent(seam.before, true), -1);
+        const auto drives = [](const Stretch& s, Real margin) {
+            return s.tau > margin && s.excess > margin;
+        };
+        const bool may_on = direction >= 0 && drives(on, -band_);
+        const bool must_on = direction >= 0 && drives(on, band_);
+        const bool may_back = direction <= 0 && drives(back, -band_) && !must_on;
+        const bool must_back = direction <= 0 && drives(back, band_);
+        if (may_on) {
+            leave(seam, 1);
+        }
+        if (may_back) {
+            leave(seam, -1);
+        }
+        if (!must_on && !must_back) {
+            stop(on, true);
+        }
+    }
+
+    void leave(const Seam& seam, int direction) {
+        if (direction > 0) {
+            from_span(seam.after, 0.0L, 1.0L, 1);
+        } else {
+            from_span(seam.before, 1.0L, 0.0L, -1);
+        }
+    }
+
+    const Outline& outline_;
+    Vec2 h_;
+    Real mu_;
+    ExactAnswer& answer_;
+    Real band_;
+    std::size_t visits_ = 0;
+};
+
+}  // namespace
+
+ExactAnswer exact_walk(const Outline& outline,
+                       const engine::GodObject& from,
+                       const Vec2& h,
+                       double mu) {
+    double extent = std::max(std::fabs(h.x), std::fabs(h.y));
+    for (const auto& span : outline.spans()) {
+        for (const Vec2& p : {span.box().low, span.box().high}) {
+            extent = std::max({extent, std::fabs(p.x), std::fabs(p.y)});
+        }
+    }
+    ExactAnswer answer;
+    answer.band = kBand * extent * (1.0 + mu);
+    Explorer explorer(outline, h, mu, answer);
+    if (from.place.on_seam) {
+        explorer.from_seam(from.place.index, from.place.parameter);
+        return answer;
+    }
+    const Real u = from.place.parameter;
+    const bool early = u < 0.5L;
+    const Real rest = early ? 1.0L - u : static_cast<Real>(from.rest);
+    explorer.from_span(from.place.index, early ? u : 1.0L - rest, rest, 0);
+    return answer;
+}
+
+}  // namespace palpate::stress

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/friction/god_object.hpp"
+
+/// Where a god-object has to stop, found again by other means: in long double, by halving Bernstein forms
+/// made afresh from the control points seen from HIP. Shares no code with the walk.
+namespace palpate::stress {
+
+/// A place where a walk may end.
+struct ExactStop {
+    engine::Vec2 point{};
+    double nu = 0.0;      ///< load there, m
+    double blur = 0.0;    ///< m, what is not known of the point: beside a centre of curvature
+    bool corner = false;  ///< a concave vertex: two normals carry
+};
+
+/// What the law allows. More than one stop where rounding decides.
+struct ExactAnswer {
+    std::vector<ExactStop> stops;
+    bool open = false;  ///< HIP is on the outline but for rounding: nothing is asked
+    double band = 0.0;  ///< m: stretches nearer to the edge of the cone than this are on it
+};
+
+/// From `from` in the direction of the drive to the first place where |tau| <= mu max(nu, 0), over vertices by
+/// their rules. @param outline  with every coordinate below 1e9 m, and so is h
+[[nodiscard]] ExactAnswer exact_walk(const engine::Outline& outline,
+                                     const engine::GodObject& from,
+                                     const engine::Vec2& h,
+                                     double mu);
+
+}  // namespace palpate::stress
