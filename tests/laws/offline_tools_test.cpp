@@ -97,8 +97,9 @@ curvature_per_m = {}
     std::ifstream in(folder.file("o.csv"));
     std::ostringstream text;
     text << in.rdbuf();
-    REQUIRE_THAT(text.str(), Catch::Matchers::StartsWith("t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,"
-                                                         "go_y_m,fn_n,ft_n,fx_n,fy_n\n"));
+    REQUIRE_THAT(text.str(),
+                 Catch::Matchers::StartsWith("t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,"
+                                             "go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven\n"));
     const auto csv = columns_of(text.str());
     REQUIRE(csv.at("t_s").size() == hips.size());
     double worst = 0.0;

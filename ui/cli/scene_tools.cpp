@@ -100,9 +100,23 @@ private:
 };
 
 constexpr std::string_view kPlaneHead =
-    "t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n";
+    "t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven";
 constexpr std::string_view kSpaceHead =
-    "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n";
+    "t_s,mode,segment,u,v,cp_x_m,cp_y_m,cp_z_m,go_x_m,go_y_m,go_z_m,fn_n,ft_n,fx_n,fy_n,fz_n,"
+    "held,slewed,unproven";
+
+/// Where the god-object stopped elsewhere than at the first place in its cone, and whether that is proven.
+struct Marks {
+    bool held = false;      ///< by an open end, a border or a crease
+    bool slewed = false;    ///< the budget of the vertex slew ended the walk
+    bool unproven = false;  ///< the search was broken off
+};
+
+void add_marks(Lines& lines, const Marks& marks) {
+    for (const bool mark : {marks.held, marks.slewed, marks.unproven}) {
+        lines.add(std::size_t{mark});
+    }
+}
 
 struct Spot {
     std::size_t segment = 0;
@@ -123,6 +137,7 @@ struct PlaneTick {
     double fn = 0.0;
     double ft = 0.0;
     Vec2 force{};
+    Marks marks{};
 };
 
 void add_row(Lines& lines, double t, const PlaneTick& tick) {
@@ -136,6 +151,7 @@ void add_row(Lines& lines, double t, const PlaneTick& tick) {
     lines.add(tick.fn);
     lines.add(tick.ft);
     lines.add_point<2>(tick.force);
+    add_marks(lines, tick.marks);
     lines.end();
 }
 
@@ -153,8 +169,14 @@ std::string render_plane(const SceneFile& file,
         }
         const engine::Contact c = scene.tick(state, {path.at(i, 1), path.at(i, 2)});
         add_row(lines, path.at(i, 0),
-                {c.mode, spot_of(*outline, c.cp.place), c.cp.point, c.go, c.normal_force,
-                 c.tangential_force, c.force});
+                {c.mode,
+                 spot_of(*outline, c.cp.place),
+                 c.cp.point,
+                 c.go,
+                 c.normal_force,
+                 c.tangential_force,
+                 c.force,
+                 {c.held(), c.vertex_slew, c.unproven}});
     }
     return lines.take();
 }
@@ -185,6 +207,7 @@ std::string render_surface(const SceneFile& file,
         lines.add(c.normal_force);
         lines.add(c.tangential_force);
         lines.add_point<3>(c.force);
+        add_marks(lines, {.held = c.outside_cone, .unproven = !c.settled || !c.cp.proven});
         lines.end();
     }
     return lines.take();
@@ -227,7 +250,7 @@ std::string render_thesis(const SceneFile& file,
     for (std::size_t i = 0; i < path.rows(); ++i) {
         const engine::ThesisTick t = scene.tick(state, {path.at(i, 1), path.at(i, 2)});
         add_row(lines, path.at(i, 0),
-                {t.mode, {t.cp_segment, t.cp_u}, t.cp, t.go, t.fn, t.ft, t.force});
+                {t.mode, {t.cp_segment, t.cp_u}, t.cp, t.go, t.fn, t.ft, t.force, {}});
     }
     return lines.take();
 }
