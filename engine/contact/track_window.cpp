@@ -18,6 +18,10 @@ constexpr double kLongestTaylor = 0x1p-19;
 /// of the span is no last step.
 bool is_last(const Jet<2>& jet, double slope, double step) noexcept {
     constexpr double kSharp2 = 0x1p-76;
+    constexpr double kShort = 0x1p-21;
+    if (std::fabs(step) < kShort) {
+        return true;
+    }
     const double bent = glm::dot(jet.first, jet.first) * glm::dot(jet.second, jet.second);
     const double step2 = step * step;
     return 9.0 * bent * (step2 * step2) <= kSharp2 * (slope * slope);

@@ -19,9 +19,6 @@ constexpr double kTaylor = 0x1p-27;
 /// The last nudge over the root grows by 4 at a time: 2^19 last bits of u are 1e-10 of the span.
 constexpr int kMaxNudges = 10;
 
-/// A frictionless GO closer than this to its foot, in u, rests there.
-constexpr double kRest = 4.0 * kEpsilon;
-
 /// A root is sharp if rounding leaves open less than this share of the span's size.
 constexpr double kSharpRoot = 1e-12;
 
@@ -118,9 +115,12 @@ public:
 
     SlideEnd run() noexcept {
         const bool limited = task_.budget < std::numeric_limits<double>::infinity();
-        std::size_t piece = task_.forms.ahead(task_.span, spot_.u, task_.dir);
+        std::size_t piece = first_piece();
         while (true) {
-            const Spot before = spot_;
+            Spot before;
+            if (limited) {
+                before = spot_;
+            }
             const bool stops = goes_through(piece);
             if (limited && !pays(before)) {
                 return SlideEnd::out_of_budget;
@@ -137,6 +137,14 @@ public:
     }
 
 private:
+    /// Mostly that of the last proof.
+    [[nodiscard]] std::size_t first_piece() const noexcept {
+        const ConeForms::Piece& last = task_.forms[proof_.piece];
+        return last.span == task_.span && spot_.u > last.lo && spot_.u < last.hi
+                 ? proof_.piece
+                 : task_.forms.ahead(task_.span, spot_.u, task_.dir);
+    }
+
     /// Goes to the first root in the piece, or to its end. @return whether there is one
     bool goes_through(std::size_t piece) noexcept {
         if (task_.forms.tame(task_.span) && falls(piece)) {
@@ -176,7 +184,8 @@ private:
     /// Newton's iteration to the one root that the piece may have.
     Followed follow(std::size_t piece) noexcept {
         const double end = task_.dir > 0.0 ? task_.forms[piece].hi : task_.forms[piece].lo;
-        const Spot start = spot_;
+        const double start = spot_.u;
+        const double rest = spot_.rest;
         double outside = spot_.u;
         double inside = end;
         bool bracketed = false;
@@ -205,7 +214,7 @@ private:
                 bracketed = true;
             }
         }
-        spot_ = start;
+        spot_ = spot_at(curve_, start, rest);
         return Followed::lost;
     }
 
@@ -219,17 +228,16 @@ private:
     /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact
     /// stuck. False, and nothing moved, if that does not lead into the cone.
     bool finish(double step) noexcept {
-        const Spot from = spot_;
         double nudge = 2.0 * kEpsilon;
         for (int i = 0; i < kMaxNudges; ++i) {
-            const double next = std::clamp(from.u + task_.dir * (step + nudge), 0.0, 1.0);
-            spot_ = {.u = next, .rest = 1.0 - next, .jet = beside(from.jet, next - from.u)};
-            if (fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir).excess <= 0.0) {
+            const double next = std::clamp(spot_.u + task_.dir * (step + nudge), 0.0, 1.0);
+            const Jet<2> jet = beside(spot_.jet, next - spot_.u);
+            if (fall_at<HasFriction>(jet, task_.h, mu_, task_.dir).excess <= 0.0) {
+                spot_ = {.u = next, .rest = 1.0 - next, .jet = jet};
                 return true;
             }
             nudge *= 4.0;
         }
-        spot_ = from;
         return false;
     }
 
@@ -307,14 +315,7 @@ private:
 }  // namespace
 
 template <bool HasFriction>
-double drive_direction(const SlideTask& task, const Spot& spot) noexcept {
-    if (task.forms.tame(task.span)) {
-        const Drive drive = drive_at(spot.jet, task.h);
-        const double rest = HasFriction ? 0.0 : kRest * drive.speed2;
-        return drive.excess<HasFriction>(task.mu) <= rest ? 0.0
-             : drive.tangential < 0.0                     ? -1.0
-                                                          : 1.0;
-    }
+double direction_by_forms(const SlideTask& task, const Spot& spot) noexcept {
     const std::size_t piece = task.forms.ahead(task.span, spot.u, 1.0);
     const Verdict quick = verdict<HasFriction, double>(task, piece, spot);
     return quick.sure ? quick.direction : verdict<HasFriction, Twice>(task, piece, spot).direction;
@@ -325,8 +326,8 @@ SlideEnd slide_to_cone(const SlideTask& task, Spot& spot, FallProof& proof, doub
     return Slider<HasFriction>(task, spot, proof, used).run();
 }
 
-template double drive_direction<true>(const SlideTask&, const Spot&) noexcept;
-template double drive_direction<false>(const SlideTask&, const Spot&) noexcept;
+template double direction_by_forms<true>(const SlideTask&, const Spot&) noexcept;
+template double direction_by_forms<false>(const SlideTask&, const Spot&) noexcept;
 template SlideEnd slide_to_cone<true>(const SlideTask&, Spot&, FallProof&, double&) noexcept;
 template SlideEnd slide_to_cone<false>(const SlideTask&, Spot&, FallProof&, double&) noexcept;
 

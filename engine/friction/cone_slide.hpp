@@ -21,6 +21,13 @@ struct Drive {
     [[nodiscard]] double excess(double mu) const noexcept {
         return (tangential < 0.0 ? -tangential : tangential) - cone_radius<HasFriction>(mu, load);
     }
+    /// Which way it drives out of the cone: +1, -1, or 0 if the god-object stays. Without friction
+    /// one within the last bits of its foot, in u, stays.
+    template <bool HasFriction>
+    [[nodiscard]] double direction(double mu) const noexcept {
+        const double rest = HasFriction ? 0.0 : 4.0 * kEpsilon * speed2;
+        return excess<HasFriction>(mu) <= rest ? 0.0 : tangential < 0.0 ? -1.0 : 1.0;
+    }
 };
 
 [[nodiscard]] inline Drive drive_at(const Jet<2>& jet, const Vec2& h) noexcept {
@@ -65,10 +72,9 @@ enum class SlideEnd : std::uint8_t {
     out_of_budget,
 };
 
-/// Which way the stretch drives a god-object at `spot` out of its cone: +1, -1, or 0 if it stays.
-/// By the jet where the span is tame, by the forms elsewhere.
+/// Drive::direction() by the forms, for spans that are not tame. `dir` and `budget` are not read.
 template <bool HasFriction>
-[[nodiscard]] double drive_direction(const SlideTask& task, const Spot& spot) noexcept;
+[[nodiscard]] double direction_by_forms(const SlideTask& task, const Spot& spot) noexcept;
 
 /// Moves the god-object along its span to the FIRST place in direction `dir` where
 /// dir tau <= mu max(nu, 0), at most `budget` m and not over the end of the span.
@@ -82,7 +88,7 @@ template <bool HasFriction>
 /// Elsewhere first_root() isolates it, in doubles, and in twice the digits where these do not tell.
 /// The end is the root to rounding, on its inner side.
 /// @param used  m of the budget; what was travelled is added where there is a budget
-/// @pre drive_direction() is dir
+/// @pre the drive at the spot is in direction dir
 template <bool HasFriction>
 [[nodiscard]] SlideEnd slide_to_cone(const SlideTask& task,
                                      Spot& spot,

@@ -105,14 +105,7 @@ private:
     }
 
     Next on_span() noexcept {
-        const SlideTask task{.forms = forms_,
-                             .span = go_.place.index,
-                             .h = h_,
-                             .mu = mu_,
-                             .dir = direction_,
-                             .budget = budget_};
-        Spot spot{.u = go_.place.parameter, .rest = go_.rest, .jet = go_.jet};
-        const double drive = drive_direction<HasFriction>(task, spot);
+        const double drive = direction();
         if (drive == 0.0 || !goes(drive)) {
             return settle_at(cone(go_));
         }
@@ -120,16 +113,35 @@ private:
             settle_at(cone(go_));
             return stop_outside(true);
         }
-        return slide(task, spot);
+        return slide();
     }
 
-    Next slide(SlideTask task, Spot& spot) noexcept {
-        task.dir = direction_;
-        const SlideEnd end = slide_to_cone<HasFriction>(task, spot, go_.proof, used_);
-        walk_.slid = walk_.slid || spot.u != go_.place.parameter || spot.rest != go_.rest;
-        go_.place.parameter = spot.u;
-        go_.rest = spot.rest;
-        go_.jet = spot.jet;
+    [[nodiscard]] SlideTask task() const noexcept {
+        return {.forms = forms_,
+                .span = go_.place.index,
+                .h = h_,
+                .mu = mu_,
+                .dir = direction_,
+                .budget = budget_};
+    }
+    [[nodiscard]] Spot spot() const noexcept {
+        return {.u = go_.place.parameter, .rest = go_.rest, .jet = go_.jet};
+    }
+
+    /// Of the drive: by the jet where the span is tame, by the forms elsewhere.
+    [[nodiscard]] double direction() const noexcept {
+        return forms_.tame(go_.place.index) ? drive_at(go_.jet, h_).direction<HasFriction>(mu_)
+                                            : direction_by_forms<HasFriction>(task(), spot());
+    }
+
+    Next slide() noexcept {
+        const SlideTask way = task();
+        Spot to = spot();
+        const SlideEnd end = slide_to_cone<HasFriction>(way, to, go_.proof, used_);
+        walk_.slid = walk_.slid || to.u != go_.place.parameter || to.rest != go_.rest;
+        go_.place.parameter = to.u;
+        go_.rest = to.rest;
+        go_.jet = to.jet;
         if (end == SlideEnd::at_end) {
             return over_end(go_.place.index);
         }
