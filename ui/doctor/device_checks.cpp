@@ -49,9 +49,9 @@ struct Answers {
 };
 
 /// Milliseconds until something new can be read; none if nothing comes.
-std::optional<double> wait_for_answer(engine::Device& device) {
+/// @param asked  ns, before the question left: whatever holds this program up meanwhile makes the answer late
+std::optional<double> wait_for_answer(engine::Device& device, std::int64_t asked) {
     constexpr std::int64_t kPatienceNs = 100'000'000;
-    const std::int64_t asked = monotonic_ns();
     while (monotonic_ns() - asked < kPatienceNs) {
         const engine::Reading reading = device.read();
         if (!reading.ok()) {
@@ -68,10 +68,12 @@ std::optional<double> wait_for_answer(engine::Device& device) {
 Answers time_answers(engine::Device& device) {
     constexpr int kExchanges = 101;
     std::vector<double> took;
-    bool answered = wait_for_answer(device).has_value();  // what is owed from before
+    bool answered =
+        wait_for_answer(device, monotonic_ns()).has_value();  // what is owed from before
     while (answered && took.size() < kExchanges) {
+        const std::int64_t asked = monotonic_ns();
         device.write(Vec2{});
-        const auto one = wait_for_answer(device);
+        const auto one = wait_for_answer(device, asked);
         answered = one.has_value();
         if (one) {
             took.push_back(*one);
