@@ -99,6 +99,7 @@ void WindowSession::press_at(const std::string& name, const std::string& key) {
             return true;
         }
         if (std::chrono::steady_clock::now() - pressed > std::chrono::milliseconds(400)) {
+            hand_.focus(hand_.find_window(kTitle));
             hand_.key(key);
             pressed = std::chrono::steady_clock::now();
         }

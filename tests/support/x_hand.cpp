@@ -117,6 +117,13 @@ XHand::Window XHand::wait_for_window(const std::string& title, double seconds) {
     throw std::runtime_error("no window named " + title);
 }
 
+void XHand::focus(const Window& window) {
+    if (window.id != 0) {
+        XSetInputFocus(x_->display, window.id, RevertToParent, CurrentTime);
+        static_cast<void>(x_->all_well());
+    }
+}
+
 void XHand::move(int x, int y) {
     XTestFakeMotionEvent(x_->display, -1, x, y, CurrentTime);
     XFlush(x_->display);

@@ -33,6 +33,8 @@ public:
     /// that has the keyboard and is still there a moment later is taken.
     /// @throws std::runtime_error after `seconds`
     Window wait_for_window(const std::string& title, double seconds);
+    /// Gives it the keyboard again, where it may have lost it.
+    void focus(const Window& window);
 
     void move(int x, int y);
     void click();
