@@ -12,6 +12,8 @@ namespace {
 constexpr std::int64_t kSettle = 5 * kMillisecond;
 constexpr std::int64_t kPatience = 100 * kMillisecond;  ///< for an answer between trials
 constexpr int kSilences = 5;
+/// Together half a second: on a busy machine the first answers may come late, and nothing is felt yet.
+constexpr int kIntroductions = 5;
 constexpr int kProofs = 3;
 
 }  // namespace
@@ -114,7 +116,7 @@ bool HaplyLine::introduce() noexcept {
 
 HaplyLine::Answer HaplyLine::set_up() noexcept {
     Answer answer = Answer::lost;
-    for (int attempt = 0; attempt < 2 && answer != Answer::complete; ++attempt) {
+    for (int attempt = 0; attempt < kIntroductions && answer != Answer::complete; ++attempt) {
         set_up_ = introduce();
         forget();
         answer = set_up_ ? Answer::complete : Answer::lost;
