@@ -40,8 +40,7 @@ struct TickStore::State {
         SessionTraces* session = nullptr;
     };
     Context context_of(const TrialPart& part);
-    std::shared_ptr<const std::vector<TickRecord>> replayed(const TrialPart& part);
-    Replayed replay_of(const TrialPart& part, std::span<const ChunkView> views);
+    std::shared_ptr<const std::vector<TickRecord>> replayed(const TrialPart& part, bool closest);
     void make_room();
     void require_one_study();
 
@@ -51,6 +50,7 @@ struct TickStore::State {
     struct Kept {
         TrialPart part;
         std::vector<std::vector<std::byte>> chunks;  ///< what it was made of
+        bool closest = false;  ///< with closest points
         std::shared_ptr<const std::vector<TickRecord>> ticks;
     };
     /// Last used last. A join asks for the same parts again and again: two trials of two intervals.
@@ -88,12 +88,8 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
             .session = &session->second};
 }
 
-Replayed TickStore::State::replay_of(const TrialPart& part, std::span<const ChunkView> views) {
-    const Context context = context_of(part);
-    return context.session->replay(context.trial, views);
-}
-
-std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const TrialPart& part) {
+std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const TrialPart& part,
+                                                                          bool closest) {
     PartChunks rows(db, part);
     std::vector<std::vector<std::byte>> bytes;
     std::vector<ChunkView> views;
@@ -102,20 +98,26 @@ std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const 
         views.push_back(chunk.view);
         bytes.push_back(std::move(chunk.bytes));  // the view looks at the same bytes
     }
-    const auto same = std::ranges::find_if(
-        kept, [&](const Kept& one) { return one.part == part && one.chunks == bytes; });
+    const auto same = std::ranges::find_if(kept, [&](const Kept& one) {
+        return one.part == part && one.closest >= closest && one.chunks == bytes;
+    });
     if (same != kept.end()) {
         std::rotate(same, same + 1, kept.end());
         return kept.back().ticks;
     }
     make_room();
-    Replayed all = replay_of(part, views);
+    const Context context = context_of(part);
+    Replayed all = context.session->replay(context.trial, views);
     if (all.differs_from) {
         throw SampleError(replay_sentence(part.trial, *all.differs_from));
+    }
+    if (closest) {
+        find_closest_points(context.session->scene_of(context.trial), all.ticks);
     }
     kept.push_back(
         {.part = part,
          .chunks = std::move(bytes),
+         .closest = closest,
          .ticks = std::make_shared<const std::vector<TickRecord>>(std::move(all.ticks))});
     return kept.back().ticks;
 }
@@ -172,8 +174,9 @@ std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
                                               const TickRange& range) {
     State& state = *state_;
     if ((columns & kReplayedColumns) != 0) {
-        return std::make_unique<ReplayedBlocks>(of_part(part, [&] { return state.replayed(part); }),
-                                                range);
+        const bool closest = (columns & kClosestColumns) != 0;
+        return std::make_unique<ReplayedBlocks>(
+            of_part(part, [&] { return state.replayed(part, closest); }), range);
     }
     std::optional<engine::PantographSpec> machine;
     if ((columns & kHipColumns) != 0) {

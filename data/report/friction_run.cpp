@@ -103,21 +103,22 @@ FrictionRun felt_by_gos(const std::vector<Vec2>& path) {
                                                      .mu_d = kFrictionDynamic,
                                                      .tau_slip = kFrictionSlip,
                                                      .tau_heal = kFrictionHeal},
-                                        .slew = {.speed = 0.2, .radius = 0.003},
-                                        .look = engine::Look::always});
+                                        .slew = {.speed = 0.2, .radius = 0.003}});
     engine::ContactState state;
+    engine::TrackState track;
     FrictionRun run;
     for (const Vec2& hip : path) {
         const engine::Contact c = scene.tick(state, hip);
-        const engine::SegmentPlace cp = engine::segment_place(*outline, c.cp.place);
+        const engine::ClosestPoint closest = scene.closest(track, hip);
+        const engine::SegmentPlace cp = engine::segment_place(*outline, closest.place);
         const engine::SegmentPlace go = engine::segment_place(*outline, c.place);
         run.push_back({.t = static_cast<double>(run.size()) * kFrictionTick,
                        .hip = hip,
                        .mode = c.mode,
-                       .cp = c.cp.point,
+                       .cp = closest.point,
                        .go = c.go,
                        .force = c.force,
-                       .depth = c.cp.inside ? c.cp.distance : 0.0,
+                       .depth = closest.inside ? closest.distance : 0.0,
                        .normal_force = c.normal_force,
                        .friction_force = c.tangential_force,
                        .mu = c.mu,

@@ -68,9 +68,8 @@ Track certified_track(const Outline& outline, const std::vector<Vec2>& hip) {
     const engine::CertifiedTracker tracker(outline);
     Track track{.name = "certified"};
     engine::TrackState state;
-    engine::TrackCounts counts;
     for (const Vec2& h : hip) {
-        const engine::ClosestPoint cp = tracker.track(state, h, counts);
+        const engine::ClosestPoint cp = tracker.track(state, h);
         track.points.push_back(cp.point);
         track.u.push_back(engine::segment_place(outline, cp.place).u);
     }

@@ -104,7 +104,7 @@ constexpr std::array kColumns{
     column<double, offsetof(TickRecord, cp)>(
         "cp_x_m",
         "m",
-        "closest point of the outline, to the right; the last one found where flags has 16"),
+        "closest point of the outline, to the right; out of contact the last one looked for"),
     column<double, offsetof(TickRecord, cp) + kY>(
         "cp_y_m", "m", "closest point, away from the person"),
     column<double, offsetof(TickRecord, go)>("go_x_m", "m", "god-object, to the right"),

@@ -122,7 +122,6 @@ private:
 
 void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) noexcept {
     if ((parts & part_contact) != 0) {
-        tick.cp = exact.cp;
         tick.go = exact.go;
         tick.force = exact.force;
         tick.normal_force = exact.normal_force;
@@ -214,6 +213,13 @@ Replayed replay(const engine::Scene* scene,
         }
     }
     return all;
+}
+
+void find_closest_points(const engine::Scene& scene, std::span<TickRecord> ticks) noexcept {
+    engine::TrackState track;
+    for (TickRecord& tick : ticks) {
+        tick.cp = tick.mode == engine::Mode::free ? tick.go : scene.closest(track, tick.hip).point;
+    }
 }
 
 void read_stored(const ChunkView& chunk, Stored column, std::span<std::int64_t> values) {

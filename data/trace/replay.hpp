@@ -59,7 +59,8 @@ public:
     explicit SessionTraces(protocols::Protocol protocol,
                            std::optional<engine::PantographSpec> machine = std::nullopt);
 
-    /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was.
+    /// All ticks of one interval, from its chunks in the order of first_tick, each field as it was: without
+    /// closest points, which no servo needs.
     /// @throws TraceError if a chunk is damaged, std::invalid_argument if the scene cannot be built
     [[nodiscard]] Replayed replay(const TraceTrial& trial, std::span<const ChunkView> chunks);
 
@@ -85,10 +86,15 @@ private:
 /// The machine of a canonical calibration text, if it is one.
 [[nodiscard]] std::optional<engine::PantographSpec> machine_of(std::string_view calibration);
 
-/// Replay of one interval with a scene that is there already; no scene: only what is stored.
+/// Replay of one interval with a scene that is there already; no scene: only what is stored. The closest
+/// points are left out: see find_closest_points().
 [[nodiscard]] Replayed replay(const engine::Scene* scene,
                               const std::optional<engine::PantographSpec>& machine,
                               std::span<const ChunkView> chunks);
+
+/// The closest point of every tick of an interval, from its first one on: out of contact the one that was
+/// last looked for, which is where the god-object is.
+void find_closest_points(const engine::Scene& scene, std::span<engine::TickRecord> ticks) noexcept;
 
 /// One column of every chunk without any replay. 10 to 100 times as fast.
 /// @param values  of the chunk's ticks

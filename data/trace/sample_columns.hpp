@@ -50,10 +50,13 @@ inline constexpr SampleColumns kVelocityColumns =
     bit(SampleColumn::hip_vx_m_per_s) | bit(SampleColumn::hip_vy_m_per_s);
 inline constexpr SampleColumns kHipColumns =
     bit(SampleColumn::hip_x_m) | bit(SampleColumn::hip_y_m) | kVelocityColumns;
+/// Columns that no force needs: looked for where they are asked for.
+inline constexpr SampleColumns kClosestColumns =
+    bit(SampleColumn::cp_x_m) | bit(SampleColumn::cp_y_m);
 /// Columns that follow from the hand's whole path: they need a replay.
 inline constexpr SampleColumns kReplayedColumns =
-    bit(SampleColumn::cp_x_m) | bit(SampleColumn::cp_y_m) | bit(SampleColumn::go_x_m) |
-    bit(SampleColumn::go_y_m) | bit(SampleColumn::mode) | bit(SampleColumn::segment) |
+    kClosestColumns | bit(SampleColumn::go_x_m) | bit(SampleColumn::go_y_m) |
+    bit(SampleColumn::mode) | bit(SampleColumn::segment) |
     bit(SampleColumn::u) | bit(SampleColumn::mu) | bit(SampleColumn::rendered_normal_n) |
     bit(SampleColumn::rendered_tangential_n) | bit(SampleColumn::rendered_x_n) |
     bit(SampleColumn::rendered_y_n);

@@ -60,8 +60,6 @@ constexpr std::array kColumns{
     whole("commanded_y_100un", "N", 1e-4, Rule::delta, 4),
     exact("hip_x_m", "m", part_hip, offsetof(TickRecord, hip)),
     exact("hip_y_m", "m", part_hip, offsetof(TickRecord, hip) + kY),
-    exact("cp_x_m", "m", part_contact, offsetof(TickRecord, cp)),
-    exact("cp_y_m", "m", part_contact, offsetof(TickRecord, cp) + kY),
     exact("go_x_m", "m", part_contact, offsetof(TickRecord, go)),
     exact("go_y_m", "m", part_contact, offsetof(TickRecord, go) + kY),
     exact("rendered_x_n", "N", part_contact, offsetof(TickRecord, force)),

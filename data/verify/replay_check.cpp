@@ -50,7 +50,6 @@ constexpr Column column(const char* name) {
 constexpr std::array kColumns{
     column<&TickRecord::force>("trace.force"),
     column<&TickRecord::go>("trace.go"),
-    column<&TickRecord::cp>("trace.cp"),
     column<&TickRecord::mu>("trace.mu"),
     column<&TickRecord::normal_force>("trace.rendered_normal_n"),
     column<&TickRecord::tangential_force>("trace.rendered_tangential_n"),

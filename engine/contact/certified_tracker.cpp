@@ -35,9 +35,7 @@ ClosestPoint CertifiedTracker::named(const TrackWindow& window,
                          : feet_.named(h, found.foot, window.jet.first);
 }
 
-ClosestPoint CertifiedTracker::track(TrackState& s,
-                                     const Vec2& h,
-                                     TrackCounts& counts) const noexcept {
+ClosestPoint CertifiedTracker::track(TrackState& s, const Vec2& h) const noexcept {
     const double moved = glm::length(h - s.from);
     if (s.valid && moved < s.slack) {
         Followed found = windows_.follow(s.best, h);
@@ -53,11 +51,11 @@ ClosestPoint CertifiedTracker::track(TrackState& s,
             }
         }
         if (found.settled && distance + moved < s.others) {
-            ++counts.certified;
+            ++s.certified;
             return named(s.best, found, h);
         }
     }
-    ++counts.searched;
+    ++s.searched;
     return search(s, h);
 }
 

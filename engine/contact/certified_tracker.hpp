@@ -18,12 +18,9 @@ struct TrackState {
     TrackWindow rival{};     ///< the next nearest stretch, if it is close behind
     double rival_from = 0.0;
     bool has_rival = false;
-};
 
-/// How often each way of answering was taken.
-struct TrackCounts {
-    std::uint64_t certified = 0;  ///< local answer, proved global by the certificate
-    std::uint64_t searched = 0;   ///< global search
+    std::uint64_t certified = 0;  ///< answers so far that were local, and proved global
+    std::uint64_t searched = 0;   ///< answers so far by a global search
 };
 
 /// The global closest point of a moving HIP: followed locally, with a proof that it is global.
@@ -47,9 +44,7 @@ public:
     [[nodiscard]] const OutlineFeet& feet() const noexcept { return feet_; }
 
     /// The closest point after HIP moved to h. No allocation, no lock; bit-reproducible.
-    [[nodiscard]] ClosestPoint track(TrackState& state,
-                                     const Vec2& h,
-                                     TrackCounts& counts) const noexcept;
+    [[nodiscard]] ClosestPoint track(TrackState& state, const Vec2& h) const noexcept;
 
 private:
     [[nodiscard]] ClosestPoint named(const TrackWindow& window,

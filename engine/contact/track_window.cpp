@@ -85,65 +85,91 @@ bool WindowTracker::one_minimum(const TrackWindow& window, const Vec2& h) const 
     return true;
 }
 
+/// The foot of h, in this place of the window's span.
+Followed WindowTracker::here(const TrackWindow& s,
+                             double u,
+                             const Vec2& point,
+                             const Vec2& h) noexcept {
+    const Vec2 gap = point - h;
+    return {.settled = true, .foot = {s.span, u, point, glm::dot(gap, gap)}};
+}
+
+/// Towards an end of the span the distance still falls: the foot is there, at the vertex beyond, or
+/// nothing is returned, and the window goes on on the next span.
+std::optional<Followed> WindowTracker::past_end(TrackWindow& s,
+                                                bool forward,
+                                                const Vec2& h) const noexcept {
+    const Outline& outline = feet_->outline();
+    const bool window_ends = s.span == (forward ? s.last_span : s.first_span);
+    const auto seam = outline.seam_beyond(s.span, forward);
+    if (window_ends || !seam) {
+        return here(s, s.u, s.jet.point, h);
+    }
+    const Seam& vertex = outline.seams()[*seam];
+    const Vec2 gap = vertex.point - h;
+    const double beyond = glm::dot(gap, forward ? vertex.tangent_out : vertex.tangent_in);
+    if (forward ? beyond >= 0.0 : beyond <= 0.0) {
+        Followed found = here(s, s.u, s.jet.point, h);
+        found.on_seam = true;
+        found.seam = *seam;
+        found.foot.distance2 = glm::dot(gap, gap);
+        return found;
+    }
+    s.span = forward ? vertex.after : vertex.before;
+    s.u = forward ? 0.0 : 1.0;
+    s.jet = outline.spans()[s.span].at(s.u);
+    return std::nullopt;
+}
+
 Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
     if (!one_minimum(s, h)) {
         return {};
     }
     const Outline& outline = feet_->outline();
     for (int i = 0; i < kWindowSteps; ++i) {
-        const Vec2 gap = s.jet.point - h;
-        const double g = glm::dot(gap, s.jet.first);
-        const double slope = glm::dot(s.jet.first, s.jet.first) + glm::dot(gap, s.jet.second);
-        if (!(slope > 0.0)) {
+        const Arc* arc = outline.arc(s.span);
+        double slope = 1.0;
+        double step = 0.0;
+        double next = 0.0;
+        if (arc != nullptr) {
+            next = arc->foot(h);
+        } else {
+            const Vec2 gap = s.jet.point - h;
+            slope = glm::dot(s.jet.first, s.jet.first) + glm::dot(gap, s.jet.second);
+            step = -glm::dot(gap, s.jet.first) / slope;
+            next = s.u + step;
+        }
+        if (!(slope > 0.0) || std::isnan(next)) {
             return {};
         }
-        const double step = -g / slope;
-        const double next = s.u + step;
         const double lo = s.span == s.first_span ? s.first_u : 0.0;
         const double hi = s.span == s.last_span ? s.last_u : 1.0;
-        if (next >= lo && next <= hi) {
-            if (std::fabs(step) > taylor_[s.span] || !is_last(s.jet, slope, step)) {
-                s.u = next;
-                s.jet = outline.spans()[s.span].at(next);
-                continue;
+        if (!(next >= lo && next <= hi)) {
+            const bool forward = next > hi;
+            const double end = forward ? hi : lo;
+            if (s.u != end) {
+                s.u = end;
+                s.jet = outline.spans()[s.span].at(end);
+            } else if (const auto found = past_end(s, forward, h)) {
+                return *found;
             }
-            if ((next < kStillEnd || next > 1.0 - kStillEnd) && stands_still(s.jet)) {
-                return {};  // g vanishes with C', whether or not the distance is least here
-            }
-            Followed found{.settled = true};
-            found.foot.span = s.span;
-            found.foot.u = next;
-            found.foot.point = s.jet.point + step * (s.jet.first + (0.5 * step) * s.jet.second);
-            const Vec2 rest = found.foot.point - h;
-            found.foot.distance2 = glm::dot(rest, rest);
-            return found;
-        }
-        const bool forward = next > hi;
-        const double end = forward ? hi : lo;
-        if (s.u != end) {
-            s.u = end;
-            s.jet = outline.spans()[s.span].at(end);
             continue;
         }
-        // The distance still falls towards this end.
-        Followed found{.settled = true, .foot = {s.span, end, s.jet.point, glm::dot(gap, gap)}};
-        const bool window_ends = s.span == (forward ? s.last_span : s.first_span);
-        const auto seam = outline.seam_beyond(s.span, forward);
-        if (window_ends || !seam) {
-            return found;
+        if (arc != nullptr) {
+            const Arc::Point at = arc->at(next, 1.0 - next);
+            s.u = next;
+            s.jet = {.point = at.point, .first = at.tangent};
+            return here(s, next, at.point, h);
         }
-        const Seam& vertex = outline.seams()[*seam];
-        const Vec2 to_vertex = vertex.point - h;
-        const double beyond = glm::dot(to_vertex, forward ? vertex.tangent_out : vertex.tangent_in);
-        if (forward ? beyond >= 0.0 : beyond <= 0.0) {
-            found.on_seam = true;
-            found.seam = *seam;
-            found.foot.distance2 = glm::dot(to_vertex, to_vertex);
-            return found;
+        if (std::fabs(step) > taylor_[s.span] || !is_last(s.jet, slope, step)) {
+            s.u = next;
+            s.jet = outline.spans()[s.span].at(next);
+            continue;
         }
-        s.span = forward ? vertex.after : vertex.before;
-        s.u = forward ? 0.0 : 1.0;
-        s.jet = outline.spans()[s.span].at(s.u);
+        if ((next < kStillEnd || next > 1.0 - kStillEnd) && stands_still(s.jet)) {
+            return {};  // g vanishes with C', whether or not the distance is least here
+        }
+        return here(s, next, s.jet.point + step * (s.jet.first + (0.5 * step) * s.jet.second), h);
     }
     return {};
 }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/contact/closest_point.hpp"
@@ -56,8 +57,8 @@ public:
                               const Vec2& h,
                               const PieceRange& taken) const noexcept;
 
-    /// Newton's iteration on g(u) = (C - h) . C' from the last foot, across spans, within the
-    /// window.
+    /// On an arc or a line the foot itself, elsewhere Newton's iteration on g(u) = (C - h) . C' from
+    /// the last one; across spans, within the window.
     /// @pre h has moved less than the window's slack
     [[nodiscard]] Followed follow(TrackWindow& window, const Vec2& h) const noexcept;
 
@@ -65,6 +66,13 @@ private:
     struct Opening;
 
     [[nodiscard]] bool one_minimum(const TrackWindow& window, const Vec2& h) const noexcept;
+    [[nodiscard]] static Followed here(const TrackWindow& window,
+                                       double u,
+                                       const Vec2& point,
+                                       const Vec2& h) noexcept;
+    std::optional<Followed> past_end(TrackWindow& window,
+                                     bool forward,
+                                     const Vec2& h) const noexcept;
 
     const OutlineFeet* feet_;
     std::vector<double>

@@ -14,7 +14,7 @@ namespace palpate::engine {
 struct Drive {
     double tangential = 0.0;
     double load = 0.0;
-    double speed2 = 0.0;  ///< |C'|^2
+    double rest = 0.0;  ///< what the last bits of u make of the tangential part
 
     /// |tangential| - mu max(load, 0); > 0: the GO has to move.
     template <bool HasFriction>
@@ -25,16 +25,25 @@ struct Drive {
     /// one within the last bits of its foot, in u, stays.
     template <bool HasFriction>
     [[nodiscard]] double direction(double mu) const noexcept {
-        const double rest = HasFriction ? 0.0 : 4.0 * kEpsilon * speed2;
-        return excess<HasFriction>(mu) <= rest ? 0.0 : tangential < 0.0 ? -1.0 : 1.0;
+        return excess<HasFriction>(mu) <= (HasFriction ? 0.0 : rest) ? 0.0
+             : tangential < 0.0                                      ? -1.0
+                                                                     : 1.0;
     }
 };
 
+/// By the derivative of a curve: times |C'|, and m^2.
 [[nodiscard]] inline Drive drive_at(const Jet<2>& jet, const Vec2& h) noexcept {
     const Vec2 r = h - jet.point;
     return {.tangential = glm::dot(r, jet.first),
             .load = -cross(jet.first, r),
-            .speed2 = glm::dot(jet.first, jet.first)};
+            .rest = 4.0 * kEpsilon * glm::dot(jet.first, jet.first)};
+}
+/// By the unit tangent of an arc, m.
+[[nodiscard]] inline Drive drive_at(const Arc& arc, const Jet<2>& jet, const Vec2& h) noexcept {
+    const Vec2 r = h - jet.point;
+    return {.tangential = glm::dot(r, jet.first),
+            .load = -cross(jet.first, r),
+            .rest = 4.0 * kEpsilon * arc.chord()};
 }
 
 /// A place on a span. 1 - u is kept too: beside a heavy last control point u has lost its digits.
@@ -46,6 +55,11 @@ struct Spot {
 
 [[nodiscard]] inline Spot spot_at(const RationalBezier<2>& curve, double u, double rest) noexcept {
     return {.u = u, .rest = rest, .jet = curve.at(u, rest)};
+}
+
+[[nodiscard]] inline Spot spot_at(const Arc& arc, double u, double rest) noexcept {
+    const Arc::Point at = arc.at(u, rest);
+    return {.u = u, .rest = rest, .jet = {.point = at.point, .first = at.tangent}};
 }
 
 /// Over one piece of a span the excess is known to fall, for every HIP near this one.
@@ -70,6 +84,7 @@ enum class SlideEnd : std::uint8_t {
     in_cone,  ///< at the first place where the stretch fits the cone
     at_end,   ///< at the end of the span, still outside
     out_of_budget,
+    unclear,  ///< of an arc: its closed form cannot tell; the place is where it was
 };
 
 /// Drive::direction() by the forms, for spans that are not tame. `dir` and `budget` are not read.
@@ -94,5 +109,13 @@ template <bool HasFriction>
                                      Spot& spot,
                                      FallProof& proof,
                                      double& used) noexcept;
+
+/// The same on an arc or a line, whose forms are quadratics in u: their first root is one square
+/// root. The spot's jet is the point and the unit tangent.
+template <bool HasFriction>
+[[nodiscard]] SlideEnd slide_on_arc(const Arc& arc,
+                                    const SlideTask& task,
+                                    Spot& spot,
+                                    double& used) noexcept;
 
 }  // namespace palpate::engine

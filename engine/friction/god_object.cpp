@@ -39,8 +39,10 @@ public:
     Walk run() noexcept {
         // Each span and seam is passed once, for the stretch only falls. Rounding cannot cycle
         // either.
-        const std::size_t visits = 2 * (outline_.spans().size() + outline_.seams().size() + 1);
-        for (std::size_t i = 0; i < visits; ++i) {
+        const auto visits = [this] {
+            return 2 * (outline_.spans().size() + outline_.seams().size() + 1);
+        };
+        for (std::size_t i = 0; i == 0 || i < visits(); ++i) {
             if (step() == Next::stop) {
                 return walk_;
             }
@@ -71,6 +73,9 @@ private:
         if (go.place.on_seam) {
             const Seam& seam = outline_.seams()[go.place.index];
             return cone(seam.point, fan_tangent(seam, go.place.parameter));
+        }
+        if (outline_.arc(go.place.index) != nullptr) {
+            return cone(go.jet.point, go.jet.first);
         }
         const Vec2 along = forms_.tame(go.place.index)
                              ? go.jet.first
@@ -130,6 +135,9 @@ private:
 
     /// Of the drive: by the jet where the span is tame, by the forms elsewhere.
     [[nodiscard]] double direction() const noexcept {
+        if (const Arc* arc = outline_.arc(go_.place.index)) {
+            return drive_at(*arc, go_.jet, h_).direction<HasFriction>(mu_);
+        }
         return forms_.tame(go_.place.index) ? drive_at(go_.jet, h_).direction<HasFriction>(mu_)
                                             : direction_by_forms<HasFriction>(task(), spot());
     }
@@ -137,7 +145,7 @@ private:
     Next slide() noexcept {
         const SlideTask way = task();
         Spot to = spot();
-        const SlideEnd end = slide_to_cone<HasFriction>(way, to, go_.proof, used_);
+        const SlideEnd end = slide(way, to);
         walk_.slid = walk_.slid || to.u != go_.place.parameter || to.rest != go_.rest;
         go_.place.parameter = to.u;
         go_.rest = to.rest;
@@ -147,6 +155,20 @@ private:
         }
         settle_at(cone(go_));
         return end == SlideEnd::out_of_budget ? stop_outside(true) : Next::stop;
+    }
+
+    SlideEnd slide(const SlideTask& way, Spot& spot) noexcept {
+        const Arc* arc = outline_.arc(way.span);
+        if (arc == nullptr) {
+            return slide_to_cone<HasFriction>(way, spot, go_.proof, used_);
+        }
+        SlideEnd end = slide_on_arc<HasFriction>(*arc, way, spot, used_);
+        if (end == SlideEnd::unclear) {
+            spot = spot_at(outline_.spans()[way.span], spot.u, spot.rest);
+            end = slide_to_cone<HasFriction>(way, spot, go_.proof, used_);
+            spot = spot_at(*arc, spot.u, spot.rest);
+        }
+        return end;
     }
 
     Next over_end(std::size_t span) noexcept {
@@ -259,9 +281,10 @@ GodObject god_object_at(const Outline& outline, const Place& place) noexcept {
         return {.place = place};
     }
     const double rest = 1.0 - place.parameter;
-    return {.place = place,
-            .rest = rest,
-            .jet = outline.spans()[place.index].at(place.parameter, rest)};
+    const Arc* arc = outline.arc(place.index);
+    const Spot spot = arc != nullptr ? spot_at(*arc, place.parameter, rest)
+                                     : spot_at(outline.spans()[place.index], place.parameter, rest);
+    return {.place = place, .rest = rest, .jet = spot.jet};
 }
 
 Walk touch_down(const Outline& outline, GodObject& go, const Place& place, const Vec2& h) noexcept {

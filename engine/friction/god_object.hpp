@@ -20,7 +20,7 @@ struct Slew {
 struct GodObject {
     Place place{};
     double rest = 1.0;  ///< 1 - u on a span, with all its digits
-    Jet<2> jet{};       ///< of the span at the place; unused on a seam
+    Jet<2> jet{};  ///< of the span at the place; on an arc with a unit tangent; unused on a seam
     FallProof proof{};
 };
 

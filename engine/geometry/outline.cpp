@@ -182,6 +182,9 @@ void Outline::join_all() {
     if (spans_.empty()) {
         throw std::invalid_argument("an outline needs at least one segment");
     }
+    for (const RationalBezier<2>& span : spans_) {
+        arcs_.push_back(Arc::of(span));
+    }
     const std::size_t n = spans_.size();
     for (std::size_t i = 0; i + (closed_ ? 0 : 1) < n; ++i) {
         const std::size_t next = (i + 1) % n;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/geometry/arc.hpp"
 #include "engine/geometry/nurbs_curve.hpp"
 
 namespace palpate::engine {
@@ -66,6 +67,10 @@ public:
 
     /// All spans in the direction of travel.
     [[nodiscard]] const std::vector<RationalBezier<2>>& spans() const noexcept { return spans_; }
+    /// A span as the arc or line that it is; null: it is neither.
+    [[nodiscard]] const Arc* arc(std::size_t span) const noexcept {
+        return arcs_[span] ? &*arcs_[span] : nullptr;
+    }
     /// Which part of which segment a span is.
     [[nodiscard]] const SpanName& name(std::size_t span) const noexcept { return names_[span]; }
     /// Where spans meet: seam i is at the end of span i.
@@ -82,6 +87,7 @@ private:
     void join_all();
 
     std::vector<RationalBezier<2>> spans_;
+    std::vector<std::optional<Arc>> arcs_;
     std::vector<SpanName> names_;
     std::vector<Seam> seams_;
     bool closed_ = false;

@@ -9,7 +9,6 @@ namespace palpate::engine {
 void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept {
     const SegmentPlace place = segment_place(outline, contact.place);
     const auto segment = static_cast<std::int16_t>(place.segment);  // Outline takes no more
-    tick.cp = contact.cp.point;
     tick.go = contact.go;
     tick.force = contact.force;
     tick.normal_force = contact.normal_force;

@@ -18,7 +18,7 @@ enum TickFlag : std::uint8_t {
     tick_late = 1U << 1U,       ///< woke more than half a period after the deadline
     tick_ramped = 1U << 2U,     ///< the command was scaled down by the enable or disable ramp
     tick_fault = 1U << 3U,      ///< the safety chain has tripped; the command is zero
-    /// out of reach: nothing was computed, cp and go are the last ones found
+    /// out of reach: nothing was computed, go is the last closest point that was looked for
     tick_skipped = 1U << 4U,
     /// the GO stopped outside its cone (vertex slew, an open end): the force is cut
     tick_outside_cone = 1U << 5U,
@@ -37,7 +37,7 @@ struct TickRecord {
     /// time jumps where the servo slept through deadlines, and lateness_us says so.
     std::int64_t time_ns = 0;
     Vec2 hip{};                     ///< haptic interaction point, m
-    Vec2 cp{};                      ///< closest point of the outline, m
+    Vec2 cp{};                      ///< closest point of the outline, m; by a replay, else 0
     Vec2 go{};                      ///< god-object, m
     Vec2 force{};                   ///< rendered force on the user, K (GO - HIP), N
     Vec2 command{};                 ///< force asked of the device after the safety chain, N
@@ -56,8 +56,8 @@ struct TickRecord {
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
 
-/// Sets the columns that follow from the scene and HIP (cp to mode, and the scene's flags) and
-/// leaves the others alone. Servo and replay both call this, and nothing else sets these columns.
+/// Sets the columns that follow from the scene and HIP (go to mode, and the scene's flags) and
+/// leaves the others alone: no force needs the closest point, a replay finds it. Servo and replay both call this, and nothing else sets these columns.
 /// @param outline  of the scene that made `contact`
 void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept;
 

@@ -11,20 +11,11 @@
 namespace palpate::engine {
 namespace {
 
-/// An arc between two feet of one monotone window is no longer than this times its chord.
-constexpr double kChordToArc = 1.6;
-
-/// Closer than this to an end of its span a closest point may lie outside because the curve ends.
-constexpr double kNearEnd = 1e-6;
-
 /// The foot of h is as sharp as doubles can tell it: h is not near the centre of curvature.
 bool is_sharp(const Jet<2>& jet, const Vec2& h) noexcept {
     const double speed2 = glm::dot(jet.first, jet.first);
     return speed2 + glm::dot(jet.point - h, jet.second) > 0.1 * speed2;
 }
-
-/// A frictionless GO that moves less than this in u rests: rounding.
-constexpr double kRest = 4.0 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
@@ -81,58 +72,13 @@ Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept 
     state.touching = false;
     state.theta = 1.0;
     state.last_spring = Vec2{};
-    state.last_cp = cp;
     state.clear_from = state.last_hip;
-    const double clear = cp.inside || spec_.look == Look::always ? 0.0 : cp.distance * kClearShare;
+    const double clear = cp.inside ? 0.0 : cp.distance * kClearShare;
     state.clear2 = clear * clear;
-    state.away = {.cp = cp, .place = cp.place, .go = cp.point, .skipped = true};
+    state.away = {.place = cp.place, .go = cp.point, .skipped = true};
     Contact contact = state.away;
     contact.skipped = false;
     return contact;
-}
-
-ClosestPoint Scene::look(ContactState& state, const Vec2& hip) const noexcept {
-    state.last_cp = tracker_.track(state.track, hip, state.counts.track);
-    return state.last_cp;
-}
-
-/// Without friction the GO is a foot of HIP. While the tracker's window proves that there is one
-/// foot only between the GO of the last tick and the closest point, both are the same and found
-/// once. False if that is not known: the GO then walks by itself. True with `mode` free: contact
-/// ended.
-bool Scene::follow_foot(ContactState& state,
-                        const Vec2& hip,
-                        double budget,
-                        Contact& contact) const noexcept {
-    const Place from = state.go.place;
-    const std::uint64_t searched = state.counts.track.searched;
-    const ClosestPoint cp = look(state, hip);
-    const TrackWindow& track = state.track.best;
-    if (state.counts.track.searched != searched || from.on_seam || cp.place.on_seam ||
-        from.index != cp.place.index || !track.holds(from.index, from.parameter) ||
-        !forms_.tame(from.index) || !is_sharp(track.jet, hip) ||
-        !(kChordToArc * glm::length(cp.point - state.go.jet.point) < budget)) {
-        return false;
-    }
-    if (!cp.inside && (cp.place.parameter < kNearEnd || cp.place.parameter > 1.0 - kNearEnd)) {
-        return false;  // an open end may hold the GO
-    }
-    ++state.counts.shared;
-    if (!cp.inside) {
-        contact = free(state, cp);
-        return true;
-    }
-    const double moved = cp.place.parameter - from.parameter;
-    state.go = {.place = cp.place,
-                .rest = 1.0 - cp.place.parameter,
-                .jet = beside(track.jet, cp.place.parameter - track.u),
-                .proof = state.go.proof};
-    // The stretch of a foot is all load. tau = -0 gives a tangential force of +0.
-    contact = render<false>({.point = cp.point, .tau = -0.0, .nu = cp.distance}, hip, 0.0);
-    contact.mode = mode_of<false>(std::fabs(moved) > kRest, state.theta, spec_.friction);
-    contact.cp = cp;
-    contact.place = cp.place;
-    return true;
 }
 
 template <bool HasFriction, bool HasSlew, bool HasDamper>
@@ -150,40 +96,28 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     state.started = true;
     state.last_hip = hip;
 
-    bool looked = false;
+    ClosestPoint cp;
     const bool begins = !state.touching;
     if (begins) {
-        looked = true;
         state.theta = 1.0;
-        const ClosestPoint cp = look(state, hip);
+        cp = tracker_.track(state.track, hip);
         if (!cp.inside) {
             return free(state, cp);
         }
         state.touching = true;
         if (!forms_.tame(cp.place.index) || !is_sharp(state.track.best.jet, hip)) {
-            state.last_cp = tracker_.feet().closest(hip);  // followed, it may be 1e-12 beside
-        }
-    } else if constexpr (!HasFriction && !HasDamper) {
-        looked = true;
-        Contact contact;
-        if (follow_foot(state, hip, budget, contact)) {
-            return contact;
+            cp = tracker_.feet().closest(hip);  // followed, it may be 1e-12 beside
         }
     }
 
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
-    const Walk walk = begins ? touch_down(*outline_, state.go, state.last_cp.place, hip)
+    const Walk walk = begins ? touch_down(*outline_, state.go, cp.place, hip)
                              : walk_god_object<HasFriction>(forms_, state.go, hip, mu, budget,
                                                             HasSlew ? spec_.slew.radius : 0.0);
-    const bool ends = walk.nu <= 0.0 && !walk.out_of_budget;
-    if (!looked && (ends || spec_.look != Look::needed)) {
-        static_cast<void>(look(state, hip));
-    }
-    if (ends) {
-        return free(state, state.last_cp);
+    if (walk.nu <= 0.0 && !walk.out_of_budget) {
+        return free(state, begins ? cp : tracker_.track(state.track, hip));
     }
     Contact contact = render<HasFriction>(walk, hip, mu);
-    contact.cp = state.last_cp;
     contact.place = state.go.place;
     const bool slipped = walk.slid;
     contact.mode = mode_of<HasFriction>(slipped, state.theta, spec_.friction);

@@ -10,13 +10,6 @@
 
 namespace palpate::engine {
 
-/// When the closest point is looked for beyond what the force needs.
-enum class Look : std::uint8_t {
-    needed,    ///< never: in contact with friction it is the last one found
-    touching,  ///< on every tick in contact: what a trial records
-    always,    ///< out of reach too: for drawing and offline tools
-};
-
 /// What is to be felt, as chosen by an experimenter. SI.
 struct SceneSpec {
     double stiffness = 1000.0;  ///< K, N/m, > 0: the spring of the virtual coupling
@@ -24,7 +17,6 @@ struct SceneSpec {
     double period = 0.001;  ///< T, s, > 0
     Friction friction{};
     Slew slew{};
-    Look look = Look::touching;
 };
 
 /// The same spec, if all values are in range.
@@ -45,20 +37,11 @@ template <bool HasFriction>
 /// Share of the clearance that may be used up before the next look; the rest is for rounding.
 inline constexpr double kClearShare = 1.0 - 1e-12;
 
-/// How often the tick did less than everything, since the state was made.
-struct TickCounts {
-    std::uint64_t skipped = 0;  ///< out of reach: a comparison
-    std::uint64_t shared = 0;   ///< closest point and GO were the same, found once
-    TrackCounts track{};        ///< closest points by certificate, and by search
-};
-
 /// One tick's answer. Frame: the object's; the force is the one on the user.
 struct Contact {
     Mode mode = Mode::free;
-    /// Global closest point of HIP; where it was not looked for, the last one found.
-    ClosestPoint cp{};
     Place place{};                  ///< of the GO
-    Vec2 go{};                      ///< m; out of contact the closest point
+    Vec2 go{};                      ///< m; out of contact the closest point that was last looked for
     Vec2 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
     double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
@@ -84,16 +67,16 @@ struct ContactState {
     Vec2 last_spring{};   ///< GO - HIP of the tick before, m, zero out of contact
     Vec2 clear_from{};    ///< HIP of the last look, m
     double clear2 = 0.0;  ///< squared distance it may move before it could touch, m^2
-    ClosestPoint last_cp{};
-    Contact away{};  ///< the answer of every tick out of reach, made at the last look
-    TrackState track{};
-    TickCounts counts{};
+    Contact away{};       ///< the answer of every tick out of reach, made at the last look
+    TrackState track{};   ///< of the looks
+    std::uint64_t skipped = 0;  ///< ticks so far that were out of reach: a comparison
 };
 
-/// A scene compiled once into the tick it needs: with or without friction, slew and damper. Out of
-/// reach (the clearance of the last look minus the way since is > 0) a tick is a comparison. On an
-/// open outline a HIP led round an end within its clearance is seen on the other side at the next
-/// look only.
+/// A scene compiled once into the tick it needs: with or without friction, slew and damper. In
+/// contact the force needs the god-object alone; the closest point is looked for out of contact
+/// only, and by closest(). Out of reach (the clearance of the last look minus the way since is > 0)
+/// a tick is a comparison. On an open outline a HIP led round an end within its clearance is seen
+/// on the other side at the next look only.
 ///
 /// The law is GOS ("god-object spring"): F = K (GO - HIP), always; friction decides only where the
 /// GO may stay (Stretch in engine/friction/friction_law.hpp). Why it is safe: moving the GO along
@@ -111,10 +94,16 @@ public:
         const Vec2 moved = hip - state.clear_from;
         if (glm::dot(moved, moved) < state.clear2) {
             state.last_hip = hip;
-            ++state.counts.skipped;
+            ++state.skipped;
             return state.away;
         }
         return (this->*step_)(state, hip);
+    }
+
+    /// The global closest point of HIP, which no force in contact needs: for records and drawings.
+    /// @param track  of these questions alone
+    [[nodiscard]] ClosestPoint closest(TrackState& track, const Vec2& hip) const noexcept {
+        return tracker_.track(track, hip);
     }
 
     /// What is felt.
@@ -134,11 +123,6 @@ private:
 
     template <bool HasFriction, bool HasSlew, bool HasDamper>
     Contact step(ContactState& state, const Vec2& hip) const noexcept;
-    [[nodiscard]] bool follow_foot(ContactState& state,
-                                   const Vec2& hip,
-                                   double budget,
-                                   Contact& contact) const noexcept;
-    [[nodiscard]] ClosestPoint look(ContactState& state, const Vec2& hip) const noexcept;
     template <bool HasFriction>
     [[nodiscard]] Contact render(const Walk& walk, const Vec2& hip, double mu) const noexcept;
     template <bool HasFriction>

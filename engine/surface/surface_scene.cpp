@@ -80,7 +80,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
         state.theta = 1.0;
         return {.refused = true};
     }
-    const bool looks = !state.touching || spec_.contact.look != Look::needed;
+    const bool looks = !state.touching || spec_.look_in_contact;
     if (looks) {
         state.seen = feet_.track(state.track, hip, kTickWork);
     }

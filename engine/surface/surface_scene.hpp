@@ -13,9 +13,11 @@ namespace palpate::engine {
 
 /// What is to be felt on a surface. SI.
 struct SurfaceSceneSpec {
-    /// As for an outline, without slew: a surface has no vertices. Look::needed: no closest point is
-    /// looked for in contact, the last one stays; a third of the cost of a tick.
-    SceneSpec contact{};
+    SceneSpec contact{};  ///< as for an outline, without slew: a surface has no vertices
+
+    /// The closest point is looked for in contact, too; else the last one stays: a third of the
+    /// cost of a tick.
+    bool look_in_contact = true;
 
     /// While HIP is farther from the surface than it can have moved since the last look, do not
     /// look: such a tick costs one comparison. Contact then begins only where HIP can have met the

@@ -274,8 +274,7 @@ engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {
             .damping = scene.renderer.damping,
             .period = period,
             .friction = scene.friction.set,
-            .slew = scene.friction.slew,
-            .look = engine::Look::always};
+            .slew = scene.friction.slew};
 }
 
 }  // namespace palpate::protocols

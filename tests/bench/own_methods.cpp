@@ -66,32 +66,41 @@ struct Certified {
     std::shared_ptr<const engine::Outline> outline;
     std::shared_ptr<const engine::CertifiedTracker> tracker;
     engine::TrackState state{};
-    engine::TrackCounts counts{};
 
     Certified(const Object& object, bool closed)
         : outline(std::make_shared<const engine::Outline>(outline_of(object, closed))),
           tracker(std::make_shared<const engine::CertifiedTracker>(*outline)) {}
     void reset(const Vec2& /*first*/) { state = {}; }
     Answer<2> answer(const Vec2& hip) {
-        const engine::ClosestPoint found = tracker->track(state, hip, counts);
+        const engine::ClosestPoint found = tracker->track(state, hip);
         return {found.point, found.distance};
     }
 };
 
-/// A whole tick of a scene: contact, friction, force. Answers the closest point that it found.
+/// A whole tick of a scene: contact, friction, force; for a record the closest point, too.
 struct Tick {
     std::shared_ptr<const engine::Outline> outline;
     std::shared_ptr<const engine::Scene> scene;
+    bool closest = false;
     engine::ContactState state{};
+    engine::TrackState track{};
 
-    Tick(const Object& object, const engine::SceneSpec& spec)
+    Tick(const Object& object, const engine::SceneSpec& spec, bool looks = false)
         : outline(std::make_shared<const engine::Outline>(outline_of(object, false))),
-          scene(std::make_shared<const engine::Scene>(outline, spec)) {}
-    void reset(const Vec2& /*first*/) { state = {}; }
+          scene(std::make_shared<const engine::Scene>(outline, spec)),
+          closest(looks) {}
+    void reset(const Vec2& /*first*/) {
+        state = {};
+        track = {};
+    }
     Answer<2> answer(const Vec2& hip) {
         const engine::Contact contact = scene->tick(state, hip);
         keep(contact.force);
-        return {contact.cp.point, contact.cp.distance};
+        if (!closest || contact.mode == engine::Mode::free) {
+            return {contact.go, 0.0};
+        }
+        const engine::ClosestPoint found = scene->closest(track, hip);
+        return {found.point, found.distance};
     }
 };
 
@@ -153,7 +162,8 @@ Methods<2> tick_methods(const Object& object) {
     };
     add("tick, friction and slew", {.friction = kFriction, .slew = kSlew});
     add("tick, friction", {.friction = kFriction});
-    add("tick, friction, force only", {.friction = kFriction, .look = engine::Look::needed});
+    methods.push_back(make_method<2>("tick, friction, and closest point", Kind::floor,
+                                     Tick(object, {.friction = kFriction}, true)));
     add("tick, friction and damper", {.damping = 0.2, .friction = kFriction});
     add("tick, frictionless", {});
     methods.push_back(make_method<2>("tick, out of reach", Kind::floor,

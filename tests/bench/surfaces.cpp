@@ -228,9 +228,11 @@ struct SurfaceTick {
 
     SurfaceTick(const std::shared_ptr<const engine::NurbsSurface>& surface,
                 const engine::Friction& friction,
-                engine::Look look = engine::Look::touching)
+                bool look_in_contact = true)
         : scene(std::make_shared<const engine::SurfaceScene>(
-              surface, engine::SceneSpec{.friction = friction, .look = look})) {}
+              surface,
+              engine::SurfaceSceneSpec{.contact = {.friction = friction},
+                                       .look_in_contact = look_in_contact})) {}
     void reset(const Vec3& /*first*/) { state = {}; }
     Answer<3> answer(const Vec3& hip) {
         const engine::SurfaceContact contact = scene->tick(state, hip);
@@ -344,10 +346,10 @@ Methods<3> own_surface_methods(const Surface& surface) {
     methods.push_back(make_method<3>("global, cold", Kind::global, GlobalSurface{feet}));
     methods.push_back(make_method<3>("tick, friction", Kind::floor, SurfaceTick(made, kFriction)));
     methods.push_back(make_method<3>("tick, friction, force only", Kind::floor,
-                                     SurfaceTick(made, kFriction, engine::Look::needed)));
+                                     SurfaceTick(made, kFriction, false)));
     methods.push_back(make_method<3>("tick, frictionless", Kind::floor, SurfaceTick(made, {})));
     methods.push_back(make_method<3>("tick, frictionless, force only", Kind::floor,
-                                     SurfaceTick(made, {}, engine::Look::needed)));
+                                     SurfaceTick(made, {}, false)));
     return methods;
 }
 

@@ -94,7 +94,6 @@ bool finite(const Vec2& v) {
 void feel(Source& source, const std::shared_ptr<const Outline>& outline) {
     SceneSpec spec;
     spec.damping = source.coin() ? 0.5 : 0.0;
-    spec.look = Look::always;
     if (source.coin()) {
         spec.friction = {.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
     }

@@ -87,9 +87,7 @@ std::optional<Case> random_case(std::uint64_t seed, Mood mood) {
 }
 
 engine::Scene renderer_of(const Case& c) {
-    engine::SceneSpec spec = protocols::spec_of(scene_file_of(c.scene), c.scene.period);
-    spec.look = c.scene.look;
-    return {c.outline, spec};
+    return {c.outline, protocols::spec_of(scene_file_of(c.scene), c.scene.period)};
 }
 
 std::optional<Breach> feel(const Case& c, Tally& tally, bool watch) {
@@ -128,7 +126,7 @@ std::optional<Breach> feel(const Case& c, Tally& tally, bool watch) {
             return breach;
         }
     }
-    tally.certified += state.counts.track.certified;
+    tally.certified += laws.certified();
     tally.walks += laws.walks;
     tally.ties += laws.ties;
     return feel_again(scene, middle, half, c.path, felt);
@@ -139,7 +137,7 @@ std::string scene_text(const Case& c) {
 }
 
 std::string path_text(const Case& c) {
-    std::string text = "time_s,hip_x_m,hip_y_m\n";
+    std::string text = "t_s,x_m,y_m\n";
     for (std::size_t i = 0; i < c.path.size(); ++i) {
         const Vec2& h = c.path[i];
         if (std::isfinite(h.x) && std::isfinite(h.y)) {

@@ -213,7 +213,6 @@ StressScene random_scene(std::uint64_t seed, Mood mood) {
                                .radius = size * random.decade(-3.0, 0.0)};
     }
     scene.period = random.coin() ? 0.001 : random.decade(-4.0, -2.0);
-    scene.look = static_cast<engine::Look>(random.below(3));
     return scene;
 }
 

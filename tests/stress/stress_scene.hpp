@@ -17,7 +17,6 @@ struct StressScene {
     protocols::SceneRenderer renderer{};
     protocols::SceneFriction friction{};
     double period = 0.001;  ///< s
-    engine::Look look = engine::Look::touching;
 };
 
 /// How wild scenes and hands are.

@@ -71,9 +71,9 @@ std::optional<Breach> TickLaws::look(const Vec2& h,
                                      const Contact& contact) {
     breach_.reset();
     Tick now{.h = h, .contact = contact};
-    check("finite in, finite out",
-          finite(contact.force) && finite(contact.go) && finite(contact.cp.point) &&
-              std::isfinite(contact.normal_force) && std::isfinite(contact.tangential_force));
+    check("finite in, finite out", finite(contact.force) && finite(contact.go) &&
+                                       std::isfinite(contact.normal_force) &&
+                                       std::isfinite(contact.tangential_force));
     if (!finite(h)) {
         check_refused(contact);
         after_refusal_ = true;
@@ -130,23 +130,23 @@ void TickLaws::check_free(const Tick& now) {
                   : c.mu >= scene_->spec().friction.mu_d * (1.0 - 1e-15) &&
                         c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
     if (free(c) && !c.skipped && (!started_ || (free(last_.contact) && !last_far_))) {
-        check("a hand inside is touched", !c.cp.inside || c.cp.distance <= kFootSlack * same_);
+        check("a hand inside is touched", !now.cp.inside || now.cp.distance <= kFootSlack * same_ ||
+                                              on_end_normal(now.cp.place, now.h));
     }
 }
 
 /// The certified closest point is the global one.
-void TickLaws::check_closest(const Tick& now) {
+void TickLaws::check_closest(Tick& now) {
     const engine::ClosestPoint global = feet_.closest(now.h);
+    now.cp = scene_->closest(track_, now.h);
+    const engine::ClosestPoint& cp = now.cp;
     if (now.contact.skipped) {
         check("what is skipped is out of reach",
-              global.distance > 0.0 || last_.contact.cp.distance <= kFootSlack * same_);
-        return;
+              global.distance > 0.0 || last_.cp.distance <= kFootSlack * same_);
+    } else if (free(now.contact)) {
+        check("out of contact the god-object is the closest point",
+              std::fabs(glm::length(now.contact.go - now.h) - global.distance), kFootSlack * same_);
     }
-    const auto& spec = scene_->spec();
-    if (spec.look == engine::Look::needed && !free(now.contact)) {
-        return;  // the last one found
-    }
-    const engine::ClosestPoint& cp = now.contact.cp;
     check("the closest point is the global one", std::fabs(cp.distance - global.distance),
           kFootSlack * same_);
     check("the closest point is as far as it says",
@@ -300,10 +300,11 @@ void TickLaws::check_recovery(const Tick& now) {
     engine::ContactState fresh;
     const Contact again = scene_->tick(fresh, now.h);
     const Contact& c = now.contact;
-    if (glm::length(again.cp.point - c.cp.point) > same_ || c.cp.distance <= 1e3 * same_) {
+    const engine::ClosestPoint global = feet_.closest(now.h);
+    if (glm::length(global.point - now.cp.point) > same_ || now.cp.distance <= 1e3 * same_) {
         return;  // two closest points, or on the surface: either will do
     }
-    if (on_end_normal(c.cp.place, now.h) || on_end_normal(again.cp.place, now.h)) {
+    if (on_end_normal(now.cp.place, now.h) || on_end_normal(global.place, now.h)) {
         return;  // where an open chain stops being seen rounding decides
     }
     check("after a refused tick the contact is a new one", free(again) == free(c));

@@ -31,11 +31,14 @@ public:
     /// Walks that were held to the first root, and those where rounding left more than one stop.
     std::uint64_t walks = 0;
     std::uint64_t ties = 0;
+    /// Closest points that needed no search.
+    [[nodiscard]] std::uint64_t certified() const noexcept { return track_.certified; }
 
 private:
     struct Tick {
         engine::Vec2 h{};
         engine::Contact contact{};
+        engine::ClosestPoint cp{};  ///< as it is followed; the same tick's
         bool springy = false;  ///< the force was K (GO - HIP)
     };
 
@@ -43,7 +46,7 @@ private:
     void check(const char* law, bool holds) { check(law, holds ? 0.0 : 1.0, 0.0); }
     void check_refused(const engine::Contact& contact);
     void check_free(const Tick& now);
-    void check_closest(const Tick& now);
+    void check_closest(Tick& now);
     void check_force(const Tick& now);
     void check_walk(const Tick& now, const engine::ContactState& before);
     void check_first_root(const Tick& now,
@@ -61,6 +64,7 @@ private:
 
     const engine::Scene* scene_;
     engine::OutlineFeet feet_;
+    engine::TrackState track_;
     double size_ = 0.0;    ///< diagonal of the control points, m
     double extent_ = 0.0;  ///< largest coordinate or size of the outline, m
     double same_ = 0.0;    ///< lengths nearer than this are the same in this tick, m

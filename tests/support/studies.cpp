@@ -61,7 +61,7 @@ std::vector<engine::TickRecord> random_ticks(std::uint64_t seed,
         engine::TickRecord& t = ticks[i];
         t.tick = first + static_cast<std::int64_t>(i);
         t.time_ns = t.tick * 1'000'000;
-        for (engine::Vec2* v : {&t.hip, &t.cp, &t.go, &t.force, &t.command}) {
+        for (engine::Vec2* v : {&t.hip, &t.go, &t.force, &t.command}) {
             *v = engine::Vec2{bits(), bits()};
         }
         t.normal_force = bits();
@@ -82,7 +82,7 @@ bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b) {
     const auto equal = [](const auto& x, const auto& y) {
         return std::memcmp(&x, &y, sizeof x) == 0;
     };
-    return a.tick == b.tick && a.time_ns == b.time_ns && equal(a.hip, b.hip) && equal(a.cp, b.cp) &&
+    return a.tick == b.tick && a.time_ns == b.time_ns && equal(a.hip, b.hip) &&
            equal(a.go, b.go) && equal(a.force, b.force) && equal(a.command, b.command) &&
            equal(a.normal_force, b.normal_force) && equal(a.tangential_force, b.tangential_force) &&
            equal(a.mu, b.mu) && equal(a.u, b.u) && a.counts == b.counts && a.codes == b.codes &&

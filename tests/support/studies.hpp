@@ -27,7 +27,7 @@ inline const std::string kSecret = kRunSecret;
                                                            std::size_t count,
                                                            std::int64_t first = 0);
 
-/// Every field the same, bit for bit.
+/// Every field that a servo fills the same, bit for bit.
 [[nodiscard]] bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b);
 
 /// Begins a trial and its first interval, as a session does.

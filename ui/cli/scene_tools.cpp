@@ -162,16 +162,19 @@ std::string render_plane(const SceneFile& file,
     engine::Scene scene(outline,
                         protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0]));
     engine::ContactState state;
+    engine::TrackState track;
     Lines lines(kPlaneHead);
     for (std::size_t i = 0; i < path.rows(); ++i) {
         if (periods[i] != scene.spec().period) {
             scene.set_period(periods[i]);
         }
-        const engine::Contact c = scene.tick(state, {path.at(i, 1), path.at(i, 2)});
+        const Vec2 hip{path.at(i, 1), path.at(i, 2)};
+        const engine::Contact c = scene.tick(state, hip);
+        const engine::ClosestPoint cp = scene.closest(track, hip);
         add_row(lines, path.at(i, 0),
                 {c.mode,
-                 spot_of(*outline, c.cp.place),
-                 c.cp.point,
+                 spot_of(*outline, cp.place),
+                 cp.point,
                  c.go,
                  c.normal_force,
                  c.tangential_force,

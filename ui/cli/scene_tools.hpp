@@ -9,8 +9,8 @@
 /// fewest digits that read back as the same double.
 namespace palpate::ui {
 
-/// Feels a trajectory (columns time_s, hip_x_m, hip_y_m and hip_z_m in space): one row a tick with mode, closest point,
-/// god-object and the force on the user. The tick period is that of time_s.
+/// Feels a trajectory (columns t_s, x_m, y_m and in space z_m): one row a tick with mode, closest point,
+/// god-object and the force on the user. The tick period is that of t_s.
 ///
 /// t_s,mode,segment,u,cp_x_m,cp_y_m,go_x_m,go_y_m,fn_n,ft_n,fx_n,fy_n,held,slewed,unproven (in space v and z columns too);
 /// segment and u are those of the closest point, on a vertex the end of the segment before it. The last three are 0 or

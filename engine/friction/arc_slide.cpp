@@ -1,0 +1,122 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/friction/cone_slide.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kUnclear = std::numeric_limits<double>::quiet_NaN();
+
+/// A root whose slope is below this share of the lengths in it is not sharp: beside a centre all
+/// places are feet, and the last bits of the span decide.
+constexpr double kSharp = 0x1p-10;
+
+/// The last nudge over the root grows by 4 at a time, from the last bit of d on.
+constexpr int kMaxNudges = 10;
+
+/// Halvings of the way to where a budget ends.
+constexpr int kBudgetHalvings = 40;
+
+/// How far ahead of d in direction `dir` a form that is > 0 there first vanishes; NaN: unclear.
+/// @param sharp  the least slope of a root, m
+double way_to_root(const Arc::Form& f, double d, double dir, double sharp) noexcept {
+    const double here = f.value(d);
+    const double slope = dir * (f.c1 + 2.0 * d * f.c2);
+    const double under = slope * slope - 4.0 * f.c2 * here;
+    if (!(std::fabs(under) >= sharp * sharp)) {
+        return kUnclear;
+    }
+    if (under < 0.0) {
+        return kNever;
+    }
+    const double root = std::sqrt(under);
+    if (slope < 0.0) {
+        return std::max(2.0 * here / (root - slope), 0.0);
+    }
+    const double way = (slope + root) / (-2.0 * f.c2);
+    return way >= 0.0 ? way : kNever;
+}
+
+/// Goes to the first place where the drive in direction task.dir is no more than mu times the load,
+/// as if any load were positive. @return load there; infinity: at the end of the arc, still driven
+/// on; NaN: unclear, and nothing moved
+template <bool HasFriction>
+double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexcept {
+    const double start = spot.u - spot.rest;
+    const double sharp = kSharp * (arc.chord() + glm::length(task.h - spot.jet.point));
+    const double way = way_to_root(arc.excess(task.h, mu, task.dir), start, task.dir, sharp);
+    if (std::isnan(way)) {
+        return kUnclear;
+    }
+    double d = start + task.dir * way;
+    double nudge = kEpsilon;
+    for (int i = 0; i < kMaxNudges && task.dir * d < 1.0; ++i) {
+        spot = spot_at(arc, 0.5 + 0.5 * d, 0.5 - 0.5 * d);
+        const Drive drive = drive_at(arc, spot.jet, task.h);
+        if (drive.template direction<HasFriction>(mu) != task.dir) {
+            return drive.load;
+        }
+        d += task.dir * nudge;
+        nudge *= 4.0;
+    }
+    if (task.dir * d < 1.0) {
+        return 0.0;
+    }
+    spot = task.dir > 0.0 ? spot_at(arc, 1.0, 0.0) : spot_at(arc, 0.0, 1.0);
+    const Drive drive = drive_at(arc, spot.jet, task.h);
+    return task.dir * drive.tangential > 0.0 ? kNever : drive.load;
+}
+
+/// Takes the way since `before` from the budget; false if the budget ends on it.
+bool pays(const Arc& arc, const SlideTask& task, const Spot& before, Spot& spot, double& used) {
+    const double left = std::max(task.budget - used, 0.0);
+    const double way = arc.way(before.jet.point, spot.jet.point);
+    if (way <= left) {
+        used += way;
+        return true;
+    }
+    Spot near = before;
+    Spot far = spot;
+    for (int i = 0; i < kBudgetHalvings; ++i) {
+        const Spot middle = spot_at(arc, 0.5 * (near.u + far.u), 0.5 * (near.rest + far.rest));
+        const bool payable = arc.way(before.jet.point, middle.jet.point) <= left;
+        (payable ? near : far) = middle;
+    }
+    spot = near;
+    used = task.budget;
+    return false;
+}
+
+}  // namespace
+
+template <bool HasFriction>
+SlideEnd slide_on_arc(const Arc& arc, const SlideTask& task, Spot& spot, double& used) noexcept {
+    const bool limited = task.budget < kNever;
+    Spot before;
+    if (limited) {
+        before = spot;
+    }
+    const double u = spot.u;
+    const double rest = spot.rest;
+    double load = go_to<HasFriction>(arc, task, HasFriction ? task.mu : 0.0, spot);
+    if (HasFriction && load < 0.0) {  // without a load the drive alone decides: it ended before
+        spot.u = u;
+        spot.rest = rest;
+        load = go_to<false>(arc, task, 0.0, spot);
+    }
+    if (std::isnan(load)) {
+        spot.u = u;
+        spot.rest = rest;
+        return SlideEnd::unclear;
+    }
+    const SlideEnd end = load < kNever ? SlideEnd::in_cone : SlideEnd::at_end;
+    return limited && !pays(arc, task, before, spot, used) ? SlideEnd::out_of_budget : end;
+}
+
+template SlideEnd slide_on_arc<true>(const Arc&, const SlideTask&, Spot&, double&) noexcept;
+template SlideEnd slide_on_arc<false>(const Arc&, const SlideTask&, Spot&, double&) noexcept;
+
+}  // namespace palpate::engine
