@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <system_error>
 
@@ -12,7 +12,6 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 namespace palpate::engine {
@@ -20,7 +19,7 @@ namespace {
 
 constexpr std::size_t kStack = 256U << 10U;  ///< far above what a tick uses
 constexpr std::size_t kPage = 4096;
-constexpr int kIpcLock = 14;  ///< CAP_IPC_LOCK, capability.h
+constexpr int kSpared = -1000;  ///< oom_score_adj of what is never chosen
 
 std::atomic<int> lockers{0};
 
@@ -29,39 +28,38 @@ Granted granted(bool success) noexcept {
                    : Granted{.grant = Grant::refused, .error = errno};
 }
 
-/// Whether locked memory is without limit here. With a limit and MCL_FUTURE every later allocation
-/// of the program may fail, which is worse than a page fault.
-bool may_lock_everything() noexcept {
-    rlimit limit{};
-    if (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY) {
-        return true;
-    }
-    const int file = open("/proc/self/status", O_RDONLY | O_CLOEXEC);
+Granted lock_memory(std::span<const MemoryPart> own) noexcept {
+    const LockedParts parts = lock_what_ticks_touch(own);
+    return {.grant = parts.refused == 0 ? Grant::given
+                   : parts.locked == 0  ? Grant::refused
+                                        : Grant::partly,
+            .error = parts.error};
+}
+
+/// @return what it was; none: it cannot be written
+std::optional<int> spare_from_the_killer(int score) noexcept {
+    const int file = open("/proc/self/oom_score_adj", O_RDWR | O_CLOEXEC);
     if (file < 0) {
-        return false;
+        return std::nullopt;
     }
-    std::array<char, 4096> text{};
+    std::array<char, 16> text{};
     const ssize_t size = read(file, text.data(), text.size() - 1);
+    const int before = size > 0 ? std::atoi(text.data()) : 0;
+    const int length = std::snprintf(text.data(), text.size(), "%d", score);
+    const bool written = write(file, text.data(), static_cast<std::size_t>(length)) == length;
+    const int error = errno;
     close(file);
-    const char* line = size > 0 ? std::strstr(text.data(), "CapEff:") : nullptr;
-    return line != nullptr && ((std::strtoull(line + 7, nullptr, 16) >> kIpcLock) & 1U) != 0;
+    errno = error;
+    return written ? std::optional(before) : std::nullopt;
 }
 
-Granted lock_memory() noexcept {
-    if (may_lock_everything()) {
-        return granted(mlockall(MCL_CURRENT | MCL_FUTURE) == 0);
-    }
-    Granted now = granted(mlockall(MCL_CURRENT) == 0);
-    if (now.grant == Grant::given) {
-        now.grant = Grant::partly;
-    }
-    return now;
-}
-
-[[gnu::noinline]] void touch_stack() noexcept {
+[[gnu::noinline]] void touch_stack(bool lock) noexcept {
     std::array<volatile char, kStack> stack;
     for (std::size_t i = 0; i < kStack; i += kPage) {
         stack[i] = 0;
+    }
+    if (lock) {  // it stays so when this frame is gone; the refusal of so little says nothing more
+        static_cast<void>(mlock(const_cast<char*>(stack.data()), kStack));
     }
 }
 
@@ -71,7 +69,7 @@ std::string refusal(Right right, const Granted& granted) {
         return "SCHED_FIFO refused: this user may not use real-time priorities";
     }
     if (right == Right::memory && limit) {
-        return "not locked: this user may lock less than the program needs";
+        return "not locked: this user may lock less than the ticks touch";
     }
     return "refused: " + std::generic_category().message(granted.error);
 }
@@ -84,10 +82,16 @@ bool RealtimeRights::complete() const noexcept {
     });
 }
 
-ProgramRights::ProgramRights(const RealtimeWish& wish, RealtimeRights& rights) noexcept {
+ProgramRights::ProgramRights(const RealtimeWish& wish,
+                             RealtimeRights& rights,
+                             std::span<const MemoryPart> own) noexcept {
+    if (wish.spared) {
+        spared_before_ = spare_from_the_killer(kSpared);
+        rights.of(Right::spared) = granted(spared_before_.has_value());
+    }
     if (wish.memory) {
         Granted& memory = rights.of(Right::memory);
-        memory = lock_memory();
+        memory = lock_memory(own);
         locked_ = memory.grant != Grant::refused;
         lockers.fetch_add(locked_ ? 1 : 0);
     }
@@ -107,6 +111,15 @@ ProgramRights::~ProgramRights() {
     if (locked_ && lockers.fetch_sub(1) == 1) {
         munlockall();
     }
+    if (spared_before_) {
+        static_cast<void>(spare_from_the_killer(*spared_before_));
+    }
+}
+
+void ProgramRights::renew() const noexcept {
+    if (locked_) {
+        static_cast<void>(lock_heap());
+    }
 }
 
 void take_thread_rights(const RealtimeWish& wish, RealtimeRights& rights) noexcept {
@@ -119,7 +132,7 @@ void take_thread_rights(const RealtimeWish& wish, RealtimeRights& rights) noexce
     if (wish.slack) {
         rights.of(Right::slack) = granted(prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL) == 0);
     }
-    touch_stack();
+    touch_stack(wish.memory);
 }
 
 std::string_view name_of(Right right) noexcept {
@@ -130,6 +143,8 @@ std::string_view name_of(Right right) noexcept {
             return "memory";
         case Right::latency:
             return "processor sleep";
+        case Right::spared:
+            return "out of memory";
         case Right::slack:
             break;
     }
@@ -149,10 +164,12 @@ std::string describe(Right right, const RealtimeRights& rights) {
             return "SCHED_FIFO, priority " + std::to_string(rights.priority);
         case Right::memory:
             return granted.grant == Grant::partly
-                     ? "locked as far as loaded at the start; what is allocated later is not"
-                     : "locked";
+                     ? "locked in part: this user may lock less than the ticks touch"
+                     : "locked, what the ticks touch";
         case Right::latency:
             return "held awake (/dev/cpu_dma_latency 0)";
+        case Right::spared:
+            return "spared by the kernel (oom_score_adj -1000)";
         case Right::slack:
             break;
     }
@@ -179,6 +196,10 @@ std::string remedy(Right right, const RealtimeRights& rights) {
                      : "as root, once: write KERNEL==\"cpu_dma_latency\", GROUP=\"palpate\", "
                        "MODE=\"0660\" into /etc/udev/rules.d/70-palpate.rules; udevadm "
                        "control --reload; udevadm trigger";
+        case Right::spared:
+            return "as root, once: setcap cap_sys_resource=ep on the program file; without it, "
+                   "close "
+                   "what takes much memory before a session";
         case Right::slack:
             break;
     }

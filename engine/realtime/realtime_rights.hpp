@@ -3,41 +3,46 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include "engine/realtime/locked_memory.hpp"
 
 namespace palpate::engine {
 
 /// What a servo thread asks of the system to be woken in time.
 struct RealtimeWish {
     bool fifo = true;     ///< SCHED_FIFO: before every ordinary program
-    bool memory = true;   ///< mlockall: no page fault in a tick
+    bool memory = true;   ///< what ticks touch is locked: no page fault in a tick
     bool latency = true;  ///< /dev/cpu_dma_latency held at 0: processors do not sleep deeply
     bool slack = true;    ///< timer slack 1 ns instead of 50 us
+    bool spared = true;   ///< not chosen when the kernel runs out of memory
     int priority = 80;    ///< of SCHED_FIFO, 1 to 99
 
     /// For devices that give force.
     [[nodiscard]] static RealtimeWish everything() { return {}; }
     /// For a virtual clock.
     [[nodiscard]] static RealtimeWish nothing() {
-        return {.fifo = false, .memory = false, .latency = false, .slack = false};
+        return {.fifo = false, .memory = false, .latency = false, .slack = false, .spared = false};
     }
     /// For devices that give no force: what costs nothing and can hurt nobody.
     [[nodiscard]] static RealtimeWish pointer() {
-        return {.fifo = false, .memory = false, .latency = false};
+        return {.fifo = false, .memory = false, .latency = false, .spared = false};
     }
 };
 
 /// In the order of RealtimeRights::grants.
-enum class Right : std::uint8_t { fifo, memory, latency, slack };
-inline constexpr std::size_t kRights = 4;
+enum class Right : std::uint8_t { fifo, memory, latency, slack, spared };
+inline constexpr std::size_t kRights = 5;
 
 enum class Grant : std::uint8_t {
     not_asked,
     given,
-    partly,   ///< memory: what was there at the start is locked, what comes later is not
+    partly,   ///< memory: some of it
     refused,  ///< see Granted::error
 };
 
@@ -60,7 +65,7 @@ struct RealtimeRights {
     [[nodiscard]] bool complete() const noexcept;
 };
 
-/// "scheduling", "memory", "processor sleep", "timer slack".
+/// "scheduling", "memory", "processor sleep", "timer slack", "out of memory".
 [[nodiscard]] std::string_view name_of(Right right) noexcept;
 /// What came of it, for people: "SCHED_FIFO, priority 80", "refused: Operation not permitted".
 [[nodiscard]] std::string describe(Right right, const RealtimeRights& rights);
@@ -71,19 +76,24 @@ struct RealtimeRights {
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> provenance(
     const RealtimeRights& rights);
 
-/// The rights that belong to the whole program, memory and latency, for as long as this lives.
-/// Taken outside the servo thread.
+/// The rights that belong to the whole program, memory, latency and to be spared, for as long as
+/// this lives. Taken outside the servo thread.
 class ProgramRights {
 public:
-    /// Writes what was granted into `rights`.
-    ProgramRights(const RealtimeWish& wish, RealtimeRights& rights) noexcept;
+    /// Writes what was granted into `rights`. @param own  what ticks touch beyond code and heap
+    ProgramRights(const RealtimeWish& wish,
+                  RealtimeRights& rights,
+                  std::span<const MemoryPart> own = {}) noexcept;
     ProgramRights(const ProgramRights&) = delete;
     ProgramRights& operator=(const ProgramRights&) = delete;
     /// Gives them back; memory when the last of several lets go.
     ~ProgramRights();
+    /// Between trials: locks what the heap has grown by.
+    void renew() const noexcept;
 
 private:
     bool locked_ = false;
+    std::optional<int> spared_before_{};  ///< what oom_score_adj was
     int latency_file_ = -1;
 };
 

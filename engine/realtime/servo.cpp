@@ -1,5 +1,6 @@
 #include "engine/realtime/servo.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -35,6 +36,31 @@ Servo::Servo(Device& device, const ServoSpec& spec)
       period_ns_(checked_period(spec)),
       ramp_ticks_(static_cast<std::int64_t>(std::ceil(1.0 / spec.limits.ramp_step))) {}
 
+void Servo::hold(bool held) noexcept {
+    held_ns_.store(held ? monotonic_ns() : 0, std::memory_order_relaxed);
+}
+
+void Servo::beat() noexcept {
+    const std::int64_t now = monotonic_ns();
+    beat_ns_.store(now, std::memory_order_relaxed);
+    std::int64_t seen = held_ns_.load();
+    if (seen != 0 && seen != kAlways) {  // who is alive would have told that it was let go
+        held_ns_.compare_exchange_strong(seen, now);
+    }
+}
+
+/// In the ramp out nobody says it again.
+bool Servo::held_at(std::int64_t at_ns, bool enable) const noexcept {
+    const std::int64_t seen = held_ns_.load(std::memory_order_relaxed);
+    const bool lasts = seen == kAlways || !real_time() || !enable;
+    return seen != 0 && (lasts || at_ns - seen <= kHeldNs);
+}
+
+double Servo::screen_age_at(std::int64_t at_ns) const noexcept {
+    const std::int64_t beat = beat_ns_.load(std::memory_order_relaxed);
+    return real_time() ? std::max(0.0, 1e-9 * static_cast<double>(at_ns - beat)) : 0.0;
+}
+
 void Servo::run_tick(std::int64_t time_ns,
                      std::int64_t at_ns,
                      std::int64_t lateness_ns,
@@ -42,7 +68,8 @@ void Servo::run_tick(std::int64_t time_ns,
     const TickOrder order{.time_ns = time_ns,
                           .lateness_ns = lateness_ns,
                           .enable = enable,
-                          .held = held_.load(std::memory_order_relaxed),
+                          .held = held_at(at_ns, enable),
+                          .screen_age = screen_age_at(at_ns),
                           .stop = stop_.load(std::memory_order_relaxed)};
     const TickRecord record = loop_.tick(order);
     if (!ring_.push(record)) {
@@ -67,6 +94,7 @@ void Servo::run_idle(std::int64_t at_ns) noexcept {
 void Servo::rewind() noexcept {
     ring_.clear();
     stop_.store(false);
+    beat();
 }
 
 VirtualServo::VirtualServo(Device& device, const ServoSpec& spec, double pace)

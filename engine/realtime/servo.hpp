@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -22,6 +23,10 @@ inline constexpr std::size_t kRingTicks = 16384;
 /// A share of the period to watch the clock for, where watching is wanted. See
 /// ServoSpec::spin_share.
 inline constexpr double kSpinShare = 0.3;
+
+/// A dead-man key counts as held for so long after the screen last saw it held, ns. Longer than
+/// SafetyLimits::screen_silence, so that a screen that stands still is called so.
+inline constexpr std::int64_t kHeldNs = 300'000'000;
 
 enum class ServoStatus : std::uint8_t {
     running,
@@ -56,8 +61,8 @@ struct LatestTick {
 
 /// Runs ticks of a device and a scene, on some clock. Ticks come out of ring().
 ///
-/// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), stop() and latest()
-/// to any.
+/// begin(), advance(), end(), park() and unpark() belong to one thread; hold(), beat(), stop() and
+/// latest() to any.
 class Servo {
 public:
     /// @param device  outlives the servo
@@ -96,8 +101,12 @@ public:
     [[nodiscard]] std::int64_t period_ns() const noexcept { return period_ns_; }
     [[nodiscard]] std::int64_t ramp_ticks() const noexcept { return ramp_ticks_; }
 
-    /// Any thread: the dead-man key is held (from the start it counts as held).
-    void hold(bool held) noexcept { held_.store(held, std::memory_order_relaxed); }
+    /// Any thread: the dead-man key went down or up (from the start it counts as held). On the wall's
+    /// clock that it is held holds for kHeldNs; beat() says it again.
+    void hold(bool held) noexcept;
+    /// Any thread: whoever could end the force is alive. On the wall's clock a trial with
+    /// SafetyLimits::screen_silence needs this again and again; its begin counts as one.
+    void beat() noexcept;
     /// Any thread: force off now and for the rest of the trial, the experimenter's key.
     void stop() noexcept { stop_.store(true, std::memory_order_relaxed); }
     /// Any thread: the newest tick; none before the first.
@@ -120,6 +129,10 @@ protected:
     void run_idle(std::int64_t at_ns) noexcept;
     /// Before each trial: forgets stop() and the last trial's ticks.
     void rewind() noexcept;
+    /// Where the ticks go that come out of ring().
+    [[nodiscard]] MemoryPart ring_memory() const noexcept {
+        return {ring_.slots().data(), ring_.slots().size_bytes()};
+    }
     [[nodiscard]] bool faulted() const noexcept { return loop_.trip() != Trip::none; }
 
     TickLoop loop_;
@@ -130,10 +143,15 @@ protected:
     DeviceFault idle_fault_ = DeviceFault::none;  ///< of the last tick between trials
 
 private:
+    static constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::max();
+    [[nodiscard]] bool held_at(std::int64_t at_ns, bool enable) const noexcept;
+    [[nodiscard]] double screen_age_at(std::int64_t at_ns) const noexcept;
+
     TickRing ring_{kRingTicks};
     LatestValue<LatestTick> latest_{};
     std::atomic<std::int64_t> dropped_{0};
-    std::atomic<bool> held_{true};
+    std::atomic<std::int64_t> held_ns_{kAlways};  ///< when it was last seen held; 0: let go
+    std::atomic<std::int64_t> beat_ns_{0};
     std::atomic<bool> stop_{false};
 };
 

@@ -50,6 +50,8 @@ public:
     }
 
     [[nodiscard]] std::size_t capacity() const noexcept { return mask_ + 1; }
+    /// Where the values are kept.
+    [[nodiscard]] std::span<const T> slots() const noexcept { return slots_; }
 
 private:
     std::vector<T> slots_;

@@ -1,6 +1,7 @@
 #include "engine/realtime/thread_servo.hpp"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
 #include <limits>
@@ -45,7 +46,7 @@ ThreadServo::ThreadServo(Device& device, const ServoSpec& spec)
     : Servo(device, spec),
       spin_(static_cast<std::int64_t>(spec.spin_share * static_cast<double>(period_ns_))),
       wish_(wish_of(device, spec)),
-      program_rights_(wish_, rights_) {
+      program_rights_(wish_, rights_, std::array{ring_memory(), MemoryPart{this, sizeof *this}}) {
     // Signals are for the other threads: a handler must not run inside a tick.
     sigset_t all;
     sigset_t before;
@@ -71,6 +72,7 @@ void ThreadServo::begin(const Scene& scene) {
     end();
     rewind();
     scene_ = &scene;
+    program_rights_.renew();
     give(Order::run);
 }
 

@@ -44,7 +44,7 @@ void TickLoop::begin(const Scene& scene, double rest) noexcept {
     scene_ = &scene;
     state_ = ContactState{};
     safety_ = fresh_state(safety_, limits_, rest);
-    load_ = Vec2{};
+    applied_ = Applied{};
     flight_.clear();
     next_ = 0;
 }
@@ -52,22 +52,24 @@ void TickLoop::begin(const Scene& scene, double rest) noexcept {
 TickRecord TickLoop::tick(const TickOrder& order) noexcept {
     const Reading reading = usable(device_->read());
     const Contact contact = scene_->tick(state_, reading.hip);
-    const Command command =
-        make_safe(safety_, limits_,
-                  {.force = contact.force,
-                   .spring = contact.mode == Mode::free ? Vec2{} : contact.go - reading.hip,
-                   .hip = reading.hip,
-                   .counts = reading.counts,
-                   .found = found(reading, contact),
-                   .fresh = reading.fresh,
-                   .time_ns = order.time_ns,
-                   .lateness_ns = order.lateness_ns,
-                   .load = load_,
-                   .enable = order.enable,
-                   .held = order.held && reading.grip != Grip::released,
-                   .stop = order.stop});
-    const Applied applied = device_->write(command.force);
-    load_ = applied.load;
+    const Command command = make_safe(
+        safety_, limits_,
+        {.force = contact.force,
+         .spring = contact.mode == Mode::free ? Vec2{} : contact.go - reading.hip,
+         .depth = contact.mode == Mode::free ? 0.0 : contact.normal_force / limits_.stiffness,
+         .hip = reading.hip,
+         .counts = reading.counts,
+         .found = found(reading, contact),
+         .fresh = reading.fresh,
+         .time_ns = order.time_ns,
+         .lateness_ns = order.lateness_ns,
+         .load = applied_.load,
+         .clipped = applied_.saturated,
+         .screen_age = order.screen_age,
+         .enable = order.enable,
+         .held = order.held && reading.grip != Grip::released,
+         .stop = order.stop});
+    applied_ = device_->write(command.force);
 
     TickRecord record;
     record.tick = next_++;
@@ -75,9 +77,9 @@ TickRecord TickLoop::tick(const TickOrder& order) noexcept {
     record.hip = reading.hip;
     record.command = command.force;
     record.counts = reading.counts;
-    record.codes = applied.codes;
+    record.codes = applied_.codes;
     record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
-    record.flags = flags_of(command, applied, periods_late(order.lateness_ns, limits_.period) > 0,
+    record.flags = flags_of(command, applied_, periods_late(order.lateness_ns, limits_.period) > 0,
                             reading.ok() && !reading.fresh);
     set_contact(record, contact, scene_->outline());
     flight_.add(record);

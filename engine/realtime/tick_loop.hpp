@@ -18,6 +18,7 @@ struct TickOrder {
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
     bool enable = true;            ///< ramp the force towards on or off
     bool held = true;              ///< someone holds the dead-man key
+    double screen_age = 0.0;       ///< s since the screen's last sign of life
     bool stop = false;             ///< the experimenter's key
 };
 
@@ -81,8 +82,8 @@ private:
     const Scene* scene_ = nullptr;
     ContactState state_{};
     SafetyState safety_{};
-    Vec2 load_{};  ///< Applied::load of the last tick
-    Vec2 hip_{};   ///< the last one that could be used
+    Applied applied_{};  ///< by the last tick
+    Vec2 hip_{};         ///< the last one that could be used
     FlightRecorder flight_{};
     std::int64_t next_ = 0;
 };

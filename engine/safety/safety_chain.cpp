@@ -36,8 +36,11 @@ bool finite(const Vec2& v) noexcept {
     return std::isfinite(glm::length(v));
 }
 
+constexpr double kRounding = 1e-9;  ///< share by which a full command may be less than its limit
+
 bool finite(const SafetyInput& input) noexcept {
-    return finite(input.force) && finite(input.spring) && finite(input.hip) && finite(input.load);
+    return finite(input.force) && finite(input.spring) && finite(input.hip) && finite(input.load) &&
+           std::isfinite(input.depth);
 }
 
 bool silent_too_long(SafetyState& state, const SafetyLimits& limits, bool fresh) noexcept {
@@ -52,11 +55,44 @@ bool too_active(SafetyState& state, const SafetyLimits& limits, const SafetyInpu
                             state.clock.since) <= limits.energy);
 }
 
+/// Full is what the limit or the motors cut.
+bool handle_runs_away(SafetyState& state,
+                      const SafetyLimits& limits,
+                      const SafetyInput& input) noexcept {
+    const bool full =
+        input.clipped || glm::length(state.command) >= limits.max_force * (1.0 - kRounding);
+    return limits.watch_runaway &&
+           runs_away(state.runaway, full, input.depth, input.hip, state.clock.now);
+}
+
+bool contact_buzzes(SafetyState& state,
+                    const SafetyLimits& limits,
+                    const SafetyInput& input) noexcept {
+    return limits.watch_buzz && buzzes(state.buzz, input.depth, state.clock.now);
+}
+
 bool too_hot(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     if (limits.heat_step > 0.0) {
         state.heat = heated(state.heat, input.load, limits.heat_step);
     }
     return limits.heat_step > 0.0 && !(state.heat.x <= 1.0 && state.heat.y <= 1.0);
+}
+
+/// What ends a force although nothing is wrong with it: whoever watches it, and for how long. The
+/// ramp out is the servo's own: nobody is asked for it, and it ends by itself.
+Trip people(const SafetyState& state,
+            const SafetyLimits& limits,
+            const SafetyInput& input) noexcept {
+    if (input.enable && !(input.screen_age <= limits.screen_silence)) {
+        return Trip::screen_silent;
+    }
+    if (input.enable && !(state.clock.now <= limits.time_limit)) {
+        return Trip::time_limit;
+    }
+    if (limits.dead_man && !input.held) {
+        return Trip::let_go;
+    }
+    return input.stop ? Trip::stopped : Trip::none;
 }
 
 Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
@@ -84,13 +120,16 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
     if (too_active(state, limits, input)) {
         return Trip::energy;
     }
+    if (handle_runs_away(state, limits, input)) {
+        return Trip::runaway;
+    }
+    if (contact_buzzes(state, limits, input)) {
+        return Trip::buzz;
+    }
     if (too_hot(state, limits, input)) {
         return Trip::overheated;
     }
-    if (limits.dead_man && !input.held) {
-        return Trip::let_go;
-    }
-    return input.stop ? Trip::stopped : Trip::none;
+    return people(state, limits, input);
 }
 
 Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {

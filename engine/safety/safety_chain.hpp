@@ -4,11 +4,13 @@
 #include <cstdint>
 
 #include "engine/geometry/vec.hpp"
+#include "engine/safety/buzz_watch.hpp"
 #include "engine/safety/encoder_watch.hpp"
 #include "engine/safety/energy_observer.hpp"
 #include "engine/safety/late_ticks.hpp"
 #include "engine/safety/motion_watch.hpp"
 #include "engine/safety/reading_clock.hpp"
+#include "engine/safety/runaway_watch.hpp"
 #include "engine/safety/safety_limits.hpp"
 #include "engine/safety/trip.hpp"
 
@@ -16,15 +18,18 @@ namespace palpate::engine {
 
 /// What the safety chain gets each tick.
 struct SafetyInput {
-    Vec2 force{};   ///< rendered, N
-    Vec2 spring{};  ///< GO - HIP, m; 0 out of contact
-    Vec2 hip{};     ///< m
+    Vec2 force{};        ///< rendered, N
+    Vec2 spring{};       ///< GO - HIP, m; 0 out of contact
+    double depth = 0.0;  ///< normal force / K, m; 0 out of contact
+    Vec2 hip{};          ///< m
     std::array<std::int32_t, 2> counts{};
     Trip found = Trip::none;       ///< what device or scene reported this tick
     bool fresh = true;             ///< HIP was measured since the last tick
     std::int64_t time_ns = 0;      ///< of the wake-up; left alone, a tick is a period
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
     Vec2 load{};                   ///< motors' torque share of the last tick, see Applied::load
+    bool clipped = false;          ///< the motors could not give the last command
+    double screen_age = 0.0;       ///< s since the screen's last sign of life
     bool enable = true;            ///< ramp towards on (true) or off (false)
     bool held = true;              ///< someone holds the dead-man key
     bool stop = false;             ///< the experimenter's key
@@ -42,6 +47,8 @@ struct SafetyState {
     EncoderWatch encoders{};
     MotionWatch motion{};
     EnergyObserver energy{};
+    RunawayWatch runaway{};
+    BuzzWatch buzz{};
 };
 
 struct Command {
@@ -55,8 +62,8 @@ struct Command {
 /// What stands between the rendered force and the device, in this order:
 ///
 ///     finite guard -> jump, speed -> stuck encoder -> late ticks -> silent device -> energy ->
-///     motor heat -> dead-man -> the experimenter's stop -> latched fault, or: saturation -> ramp
-///     -> slew limit
+///     runaway -> buzz -> motor heat -> silent screen -> time -> dead-man -> the
+///     experimenter's stop -> latched fault, or: saturation -> ramp -> slew limit
 ///
 /// For any input at all, finite or not: the command is finite, |F| <= max_force, and |F[k] -
 /// F[k-1]| <= slew but for the step to zero at a trip (both to rounding); |F[k]| <= (k + 1)

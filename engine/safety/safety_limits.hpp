@@ -21,6 +21,11 @@ struct SafetyLimits {
     std::int32_t late_share = 0;  ///< late ticks among the last 100 that trip; 0: never
     std::int32_t silent_run = 0;  ///< ticks in a row without a fresh reading that trip; 0: never
     double energy = std::numeric_limits<double>::infinity();  ///< J, of the energy observer
+    bool watch_runaway = false;  ///< trip on a handle that speeds up against the full force
+    bool watch_buzz = false;     ///< trip on a contact that oscillates, see BuzzWatch
+    double screen_silence =
+        std::numeric_limits<double>::infinity();  ///< s without a sign of life of the screen
+    double time_limit = std::numeric_limits<double>::infinity();  ///< s of a trial with force
     double stiffness = 1000.0;    ///< K of the contact, N/m, for the energy that it stores
     double damping = 0.0;         ///< b, N s/m, that the device takes out by itself
     double delay_ticks = 0.0;     ///< of the device

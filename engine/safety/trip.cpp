@@ -28,8 +28,16 @@ std::string_view to_string(Trip trip) noexcept {
             return "late";
         case Trip::energy:
             return "energy";
+        case Trip::runaway:
+            return "runaway";
+        case Trip::buzz:
+            return "buzz";
         case Trip::overheated:
             return "overheated";
+        case Trip::screen_silent:
+            return "screen_silent";
+        case Trip::time_limit:
+            return "time_limit";
         case Trip::let_go:
             return "let_go";
         case Trip::stopped:
@@ -64,12 +72,23 @@ std::string_view explanation(Trip trip) noexcept {
             return "the force loop was late too often: close other programs; see palpate doctor";
         case Trip::energy:
             return "the force gave more energy than it took: lower the stiffness or raise the rate";
+        case Trip::runaway:
+            return "the handle sped up against the full force: keep hands off and test the motors' "
+                   "signs and cables; if they are right, press less suddenly";
+        case Trip::buzz:
+            return "the contact buzzed: hold the handle more firmly, or lower stiffness_n_per_m";
         case Trip::overheated:
             return "the motors are at their thermal limit: let them cool, press less hard";
+        case Trip::screen_silent:
+            return "the screen or this program stood still: close other programs, check the "
+                   "display's cable and server";
+        case Trip::time_limit:
+            return "the force was on for longer than explore_timeout_s: close other programs and "
+                   "report it with the database";
         case Trip::let_go:
-            return "the participant let go";
+            return "the participant let go: hold the handle, and the dead-man key, until done";
         case Trip::stopped:
-            return "the experimenter stopped the force";
+            return "the experimenter stopped the force: Ctrl+Shift+P goes on";
     }
     return "nothing happened";
 }

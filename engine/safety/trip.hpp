@@ -19,9 +19,13 @@ enum class Trip : std::uint8_t {
     over_speed,        ///< HIP is faster than the limit
     late,              ///< too many late ticks
     energy,            ///< the rendering gave more energy than it took
+    runaway,           ///< HIP sped up against the full force
+    buzz,              ///< the contact oscillates faster than a hand can
     overheated,        ///< the motor model is at its limit
-    let_go,            ///< the participant let go of the handle or of the dead-man key
-    stopped,           ///< the experimenter's key
+    screen_silent,  ///< the screen or the session's loop stood still: nobody could stop the force
+    time_limit,     ///< the force was on for longer than the protocol allows
+    let_go,         ///< the participant let go of the handle or of the dead-man key
+    stopped,        ///< the experimenter's key
 };
 
 /// For the database: "over_speed".

@@ -1,6 +1,7 @@
 #include "engine/device/drivers/guard_process.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <ctime>
 #include <new>
@@ -19,6 +20,30 @@ namespace palpate::engine {
 namespace {
 
 constexpr int kAcknowledgeMs = 1000;
+/// How often the driver asks the kernel for its guard.
+constexpr std::int64_t kAskEvery = 2 * kMillisecond;
+
+std::atomic<std::uint64_t> guards{0};
+/// Which guard knows of this thread's life, 0: none.
+thread_local std::uint64_t known_to = 0;
+
+void make_robust(pthread_mutex_t& mutex) noexcept {
+    pthread_mutexattr_t robust;
+    pthread_mutexattr_init(&robust);
+    pthread_mutexattr_setrobust(&robust, PTHREAD_MUTEX_ROBUST);
+    pthread_mutexattr_setpshared(&robust, PTHREAD_PROCESS_SHARED);
+    pthread_mutex_init(&mutex, &robust);
+    pthread_mutexattr_destroy(&robust);
+}
+
+/// @return true if this thread has it now
+bool take(pthread_mutex_t& mutex) noexcept {
+    const int got = pthread_mutex_trylock(&mutex);
+    if (got == EOWNERDEAD) {
+        pthread_mutex_consistent(&mutex);
+    }
+    return got == 0 || got == EOWNERDEAD;
+}
 
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free &&
                   std::atomic<std::int64_t>::is_always_lock_free &&
@@ -46,19 +71,23 @@ bool send_message(int socket, const GuardMessage& message, int port) noexcept {
 
 }  // namespace
 
-GuardProcess::GuardProcess(const GuardTiming& timing) : timing_(timing) {
+GuardProcess::GuardProcess(const GuardTiming& timing) : timing_(timing), number_(++guards) {
     void* memory = mmap(nullptr, sizeof(GuardShared), PROT_READ | PROT_WRITE,
                         MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) {
         throw std::runtime_error("no memory to share with the guard process: end some programs");
     }
     shared_ = new (memory) GuardShared{};
+    make_robust(shared_->life);
     static_cast<void>(start());
 }
 
 GuardProcess::~GuardProcess() {
     end();
-    munmap(shared_, sizeof(GuardShared));
+    if (known_to == number_ || take(shared_->life)) {
+        pthread_mutex_unlock(&shared_->life);
+        munmap(shared_, sizeof(GuardShared));
+    }  // else a thread still holds it: a page is lost, and that thread ends well
 }
 
 bool GuardProcess::start() noexcept {
@@ -67,6 +96,7 @@ bool GuardProcess::start() noexcept {
         return false;
     }
     shared_->seen_ns.store(monotonic_ns());
+    gone_ = false;
     const pid_t owner = getpid();
     pid_ = fork();
     if (pid_ == 0) {
@@ -138,7 +168,29 @@ void GuardProcess::release() noexcept {
     }
 }
 
+/// Whoever dies with this mutex wakes the guard.
+void GuardProcess::show_life() noexcept {
+    if (known_to != number_ && take(shared_->life)) {
+        known_to = number_;
+        shared_->held.store(true);
+    }
+}
+
+/// Asked of the kernel now and then, without waiting: the answer stays with it.
+bool GuardProcess::ended_or_stopped() const noexcept {
+    const std::int64_t now = monotonic_ns();
+    if (!gone_ && now - asked_ns_ >= kAskEvery) {
+        asked_ns_ = now;
+        siginfo_t change{};
+        const int asked =
+            waitid(P_PID, static_cast<id_t>(pid_), &change, WEXITED | WSTOPPED | WNOHANG | WNOWAIT);
+        gone_ = asked != 0 || change.si_pid != 0;
+    }
+    return gone_;
+}
+
 void GuardProcess::force_on() noexcept {
+    show_life();
     beats_ += 2;
     shared_->beat.store(beats_ + 1);
 }
@@ -149,7 +201,8 @@ void GuardProcess::force_off() noexcept {
 }
 
 bool GuardProcess::alive() const noexcept {
-    return pid_ > 0 && monotonic_ns() - shared_->seen_ns.load() < timing_.alive_ms * kMillisecond;
+    return pid_ > 0 && !ended_or_stopped() &&
+           monotonic_ns() - shared_->seen_ns.load() < timing_.alive_ms * kMillisecond;
 }
 
 bool GuardProcess::tripped() const noexcept {

@@ -9,15 +9,18 @@ namespace palpate::engine {
 
 /// A process that holds the port as well and switches the motors off when palpate cannot.
 ///
-/// It wakes at once when palpate ends, however it ends (kill -9 too), and zeroes the motors five
-/// times; if the board does not answer, it sets the board up and does so again. It also looks every
-/// wait_ms: a driver that is silent with the force on (stopped, hung) for `patience` waits has its
-/// motors zeroed, and tripped() says so before the driver's next packet. Waits are counted, not
-/// clocked, so that a stall of the whole machine is not taken for a hung driver.
+/// It wakes at once when the thread that gives force dies, however that comes (kill -9 of palpate
+/// too), and zeroes the motors five times: the kernel tells it by a robust mutex that this thread
+/// holds, long before the process is gone. When it is, the guard zeroes again; if the board does not
+/// answer, it sets the board up and does so again. It also looks every wait_ms: a driver that is
+/// silent with the force on (stopped, hung) for `patience` waits has its motors zeroed, and
+/// tripped() says so before the driver's next packet. Waits are counted, not clocked, so that a
+/// stall of the whole machine is not taken for a hung driver: patience is for hangs only.
 ///
-/// What it cannot save: both processes killed at once, or palpate within alive_ms after its guard;
-/// a cable pulled or a machine that halts with the force on. Only a switch in the motors' supply
-/// can.
+/// The driver in turn asks the kernel every 2 ms whether its guard has ended or was stopped.
+///
+/// What it cannot save: both processes killed within these few ms; a cable pulled or a machine that
+/// halts with the force on. Only a switch in the motors' supply can.
 ///
 /// It is forked without exec and calls only what may be called after a fork; it closes every file
 /// but its own, ignores the terminal's signals, and has a session of its own. Make it before
@@ -45,12 +48,17 @@ private:
     [[nodiscard]] bool start() noexcept;
     void end() noexcept;
     [[nodiscard]] bool acknowledged() const noexcept;
+    void show_life() noexcept;
+    [[nodiscard]] bool ended_or_stopped() const noexcept;
 
     GuardTiming timing_;
     GuardShared* shared_ = nullptr;
     int socket_ = -1;
     pid_t pid_ = -1;
     std::uint64_t beats_ = 0;
+    std::uint64_t number_;  ///< of this guard among all of this process
+    mutable std::int64_t asked_ns_ = 0;
+    mutable bool gone_ = false;
 };
 
 }  // namespace palpate::engine

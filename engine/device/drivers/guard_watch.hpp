@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include <pthread.h>
 #include <sys/types.h>
 
 namespace palpate::engine {
@@ -12,7 +13,7 @@ namespace palpate::engine {
 struct GuardTiming {
     int wait_ms = 5;     ///< between two looks at the driver
     int patience = 5;    ///< looks in a row at a driver that is silent with the force on
-    int alive_ms = 100;  ///< a guard that has not looked for so long counts as gone
+    int alive_ms = 100;  ///< a guard that has not looked for so long counts as hung
 };
 
 /// What palpate and its guard both see.
@@ -20,6 +21,10 @@ struct GuardShared {
     std::atomic<std::uint64_t> beat{0};    ///< changes with every packet; odd: the force is on
     std::atomic<std::int64_t> seen_ns{0};  ///< when the guard last looked
     std::atomic<bool> tripped{false};
+    /// Robust: held by the thread that gives force, for its whole life. Whatever ends the program, the
+    /// kernel wakes who waits for it before it takes down the memory, which can take 0.3 s.
+    pthread_mutex_t life{};
+    std::atomic<bool> held{false};  ///< life is
 };
 
 /// What palpate sends its guard, one datagram each; the port travels beside it as a descriptor.
