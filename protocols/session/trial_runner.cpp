@@ -156,6 +156,9 @@ void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result
             return;
         }
         const Exploring exploring = ports_.observer.explore(view, elapsed);
+        if (exploring.alive) {  // and so does this loop
+            ports_.apparatus.beat();
+        }
         if (exploring.signal == Signal::abort || ports_.interrupted()) {
             result.outcome = Outcome::aborted;
             return;

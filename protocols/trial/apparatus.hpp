@@ -40,6 +40,8 @@ public:
 
     /// The dead-man switch is held. Any thread.
     virtual void hold(bool held) { static_cast<void>(held); }
+    /// Whoever could end the force is alive; said again and again while something is felt. Any thread.
+    virtual void beat() {}
     /// The experimenter's key: force off for the rest of the trial. Any thread.
     virtual void stop() {}
     /// After advance() said faulted: why, and the last ticks up to then.

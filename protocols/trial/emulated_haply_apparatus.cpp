@@ -1,5 +1,7 @@
 #include "protocols/trial/emulated_haply_apparatus.hpp"
 
+#include <limits>
+
 #include "engine/device/simulated_pantograph.hpp"
 
 namespace palpate::protocols {
@@ -28,6 +30,7 @@ engine::ServoSpec patient(engine::ServoSpec spec) {
     spec.limits.late_run = 0;
     spec.limits.late_share = 0;
     spec.limits.silent_run = 0;  // the driver's own silence is left
+    spec.limits.screen_silence = std::numeric_limits<double>::infinity();
     return spec;
 }
 

@@ -130,6 +130,7 @@ struct Exploring {
     Signal signal = Signal::go_on;
     double at_s = 0.0;           ///< when done was pressed, since the trial's first tick
     double uncertainty_s = 0.0;  ///< how late the press may have been seen
+    bool alive = true;  ///< a key that ends the force would be seen; else it is not to last
 };
 
 class Observer {

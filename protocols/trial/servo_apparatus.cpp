@@ -14,6 +14,10 @@ namespace {
 constexpr double kJumpSpeed = 10.0;
 /// s without a new reading after which the force has nothing to stand on.
 constexpr double kSilence = 0.010;
+/// s without a sign of life of the screen, after which nobody could end the force.
+constexpr double kScreenSilence = 0.25;
+/// s after explore_timeout_s: the session's own loop has ended the exploration before.
+constexpr double kTimeToSpare = 0.5;
 
 }  // namespace
 
@@ -42,6 +46,10 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
         limits.delay_ticks = traits.delay_ticks;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
         limits.watch_encoders = true;
+        limits.watch_runaway = true;
+        limits.watch_buzz = true;
+        limits.screen_silence = kScreenSilence;
+        limits.time_limit = protocol.timing.explore_timeout + kTimeToSpare;
         limits.dead_man = safety.dead_man;
     }
     return {

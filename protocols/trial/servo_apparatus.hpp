@@ -29,6 +29,7 @@ public:
     [[nodiscard]] double elapsed_s() const noexcept override { return servo().elapsed_s(); }
     [[nodiscard]] std::int64_t dropped() const noexcept override { return servo().dropped(); }
     void hold(bool held) override { servo().hold(held); }
+    void beat() override { servo().beat(); }
     void stop() override { servo().stop(); }
     [[nodiscard]] engine::Trip trip() const override { return servo().trip(); }
     [[nodiscard]] std::vector<engine::TickRecord> last_ticks() const override {

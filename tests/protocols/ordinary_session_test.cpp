@@ -39,6 +39,8 @@ Seen feel(const Protocol& protocol, const Condition& condition, double speed, Ra
     spec.limits.speed = protocol.safety.speed_limit;  // also where the device counts as harmless
     spec.limits.energy = protocol.safety.energy_limit;
     spec.limits.watch_encoders = true;
+    spec.limits.watch_runaway = true;
+    spec.limits.watch_buzz = true;
     const engine::Scene scene = make_scene(protocol, condition);
     engine::TickLoop loop(device, spec.limits);
     loop.begin(scene);
@@ -48,12 +50,14 @@ Seen feel(const Protocol& protocol, const Condition& condition, double speed, Ra
         const auto tick = loop.tick(
             {.time_ns = static_cast<std::int64_t>(static_cast<double>(k) * period * 1e9)});
         const bool free = tick.mode == engine::Mode::free;
-        static_cast<void>(make_safe(second, spec.limits,
-                                    {.force = tick.force,
-                                     .spring = free ? engine::Vec2{} : tick.go - tick.hip,
-                                     .hip = tick.hip,
-                                     .counts = tick.counts,
-                                     .time_ns = tick.time_ns}));
+        static_cast<void>(
+            make_safe(second, spec.limits,
+                      {.force = tick.force,
+                       .spring = free ? engine::Vec2{} : tick.go - tick.hip,
+                       .depth = free ? 0.0 : tick.normal_force / protocol.apparatus.stiffness,
+                       .hip = tick.hip,
+                       .counts = tick.counts,
+                       .time_ns = tick.time_ns}));
         ++seen.ticks;
         seen.contact += free ? 0 : 1;
         seen.slewed += (tick.flags & engine::tick_force_slew) != 0 ? 1 : 0;

@@ -9,10 +9,13 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include "engine/base/clock.hpp"
+
 namespace palpate::ui {
 namespace {
 
 std::atomic<bool> lost{false};
+std::atomic<bool> owes{false};  ///< a sign of life
 
 /// The variable's value; empty if it is not set.
 std::string named_by(const char* variable) {
@@ -28,7 +31,13 @@ FoundDisplay broken(const std::string& names) {
 }
 
 #if defined(SDL_VIDEO_DRIVER_X11)
+constexpr std::int64_t kAskEveryNs = 20'000'000;
+
 ::Window watched = 0;
+::Display* asked = nullptr;
+Atom sign = None;  ///< the property of the window that is written to hear of it
+std::int64_t asked_ns = 0;
+decltype(&XChangeProperty) change_property = nullptr;
 
 int on_broken_connection(::Display* /*display*/) {
     lost = true;
@@ -43,6 +52,10 @@ int on_event(void* /*nothing*/, SDL_Event* event) {
     const XEvent& told = event->syswm.msg->msg.x11.event;
     if (told.type == DestroyNotify && told.xdestroywindow.window == watched) {
         lost = true;
+    }
+    if (told.type == PropertyNotify && told.xproperty.window == watched &&
+        told.xproperty.atom == sign) {
+        owes = false;
     }
     return 0;
 }
@@ -79,6 +92,11 @@ void watch_x11(::Display* display) {
         on_error(on_protocol_error);
         SDL_SetEventFilter(on_event, nullptr);
         SDL_EventState(SDL_SYSWMEVENT, SDL_ENABLE);
+        const auto atom = find<decltype(&XInternAtom)>(xlib, "XInternAtom");
+        change_property = find<decltype(&XChangeProperty)>(xlib, "XChangeProperty");
+        asked = atom != nullptr && change_property != nullptr ? display : nullptr;
+        sign = asked != nullptr ? atom(display, "_PALPATE_SIGN_OF_LIFE", False) : None;
+        owes = false;
     }
     dlclose(xlib);
 }
@@ -141,6 +159,22 @@ void watch_display([[maybe_unused]] SDL_Window* window) {
         watch_x11(info.info.x11.display);
     }
 #endif
+}
+
+void ask_display() noexcept {
+#if defined(SDL_VIDEO_DRIVER_X11)
+    const std::int64_t now = monotonic_ns();
+    if (asked != nullptr && !lost && !owes && now - asked_ns >= kAskEveryNs) {
+        constexpr unsigned char kNothing = 0;
+        owes = true;
+        asked_ns = now;
+        change_property(asked, watched, sign, sign, 8, PropModeReplace, &kNothing, 1);
+    }
+#endif
+}
+
+bool display_owes_answer() noexcept {
+    return owes;
 }
 
 bool display_lost() noexcept {

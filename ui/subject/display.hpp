@@ -33,6 +33,13 @@ struct FoundDisplay {
 /// draw any more. Where Xlib cannot be asked for this (before 1.8), it stays as it was.
 void watch_display(SDL_Window* window);
 
+/// Asks the watched display for a sign of life, which comes with the events behind all that happened before;
+/// unless it still owes one, or was asked within the last 20 ms. Never waits. A display that cannot be
+/// asked (other than X11) owes nothing.
+void ask_display() noexcept;
+/// It was asked and has not answered: it stands still, or is busy, and so are keys on their way to us.
+[[nodiscard]] bool display_owes_answer() noexcept;
+
 /// The watched display is gone for good.
 [[nodiscard]] bool display_lost() noexcept;
 

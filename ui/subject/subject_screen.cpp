@@ -7,6 +7,7 @@
 
 #include "engine/realtime/servo.hpp"
 #include "ui/subject/answer_row.hpp"
+#include "ui/subject/display.hpp"
 #include "ui/subject/picking.hpp"
 
 namespace palpate::ui {
@@ -134,12 +135,14 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
         exploring_ = face;
         stage_.show(face);
     }
+    ask_display();
     for (;;) {
         const Input input = stage_.next(kExploreWaitMs);
         pass_on(input);
         if (input.kind == Input::Kind::abort) {
             return {.signal = Signal::abort};
         }
+        const bool alive = !display_owes_answer();
         // The key that is held cannot say done as well.
         const bool space = input.kind == Input::Kind::go && !options_.dead_man;
         if (space || input.kind == Input::Kind::enter) {
@@ -148,7 +151,7 @@ Exploring SubjectScreen::explore(const protocols::TrialView& trial, double elaps
                     .uncertainty_s = input.uncertainty_s};
         }
         if (input.kind != Input::Kind::motion || monotonic_ns() - entered > 4'000'000) {
-            return {};
+            return {.alive = alive};
         }
     }
 }
