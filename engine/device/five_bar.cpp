@@ -23,9 +23,9 @@ double in_line(double driven, double free, double r) noexcept {
     return std::fmin(driven + free - r, r - std::fabs(driven - free));
 }
 
-/// x with [u; w] x = right, for det = cross(u, w).
-Vec2 solved(const Vec2& u, const Vec2& w, double det, const Vec2& right) noexcept {
-    return Vec2{w.y * right.x - u.y * right.y, u.x * right.y - w.x * right.x} / det;
+/// x with [u; w] x = right, for inverse = 1 / cross(u, w).
+Vec2 solved(const Vec2& u, const Vec2& w, double inverse, const Vec2& right) noexcept {
+    return inverse * Vec2{w.y * right.x - u.y * right.y, u.x * right.y - w.x * right.x};
 }
 
 }  // namespace
@@ -108,8 +108,9 @@ std::optional<Jacobian> FiveBar::jacobian(const Pose& pose) const noexcept {
     // [u; w] dP = [u . A' dt1; w . B' dt2], A' = A turned by 90 degrees
     const double drive_1 = glm::dot(u, perp(pose.elbow_1));
     const double drive_2 = glm::dot(w, perp(pose.elbow_2 - Vec2{base, 0.0}));
-    const Vec2 column_1 = solved(u, w, det, {drive_1, 0.0});
-    const Vec2 column_2 = solved(u, w, det, {0.0, drive_2});
+    const double inverse = 1.0 / det;
+    const Vec2 column_1 = solved(u, w, inverse, {drive_1, 0.0});
+    const Vec2 column_2 = solved(u, w, inverse, {0.0, drive_2});
     return Jacobian{.row_x = {column_1.x, column_2.x}, .row_y = {column_1.y, column_2.y}};
 }
 
@@ -121,18 +122,18 @@ Jacobian FiveBar::drift(const Pose& pose,
     const Vec2 arm_2 = pose.elbow_2 - Vec2{base, 0.0};
     const Vec2 u = pose.handle - pose.elbow_1;
     const Vec2 w = pose.handle - pose.elbow_2;
-    const double det = cross(u, w);
+    const double inverse = 1.0 / cross(u, w);
     const Vec2 by_1 = jacobian.column_1();
     const Vec2 by_2 = jacobian.column_2();
     const Vec2 speed = jacobian * rates;
     const Vec2 past_1 = speed - rates.x * perp(arm_1);
     const Vec2 past_2 = speed - rates.y * perp(arm_2);
     const Vec2 column_1 =
-        solved(u, w, det,
+        solved(u, w, inverse,
                {-rates.x * glm::dot(u, arm_1) - glm::dot(past_1, by_1 - perp(arm_1)),
                 -glm::dot(past_2, by_1)});
     const Vec2 column_2 =
-        solved(u, w, det,
+        solved(u, w, inverse,
                {-glm::dot(past_1, by_2),
                 -rates.y * glm::dot(w, arm_2) - glm::dot(past_2, by_2 - perp(arm_2))});
     return {.row_x = {column_1.x, column_2.x}, .row_y = {column_1.y, column_2.y}};
