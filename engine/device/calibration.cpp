@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kLongest = 2.0;       ///< m, of a link: beyond it the unit is wrong
 constexpr double kMaxCounts = 1e9;     ///< a turn: a position stays within 32 bits
-constexpr double kMaxTorque = 1000.0;  ///< N m
+constexpr double kMaxTorque = 2.0;     ///< N m at a joint: 28 N at the end of a link of 70 mm
+constexpr double kMaxVolts = 1000.0;   ///< V/(N m): 10 V are 10 mN m
+constexpr double kMaxDamping = 100.0;  ///< N s/m: no hand would move it
 constexpr double kMaxCode = 2147483647.0;
 
 /// NaN is in no range.
@@ -66,7 +68,7 @@ void check_comedi(const ComediWiring& wiring) {
     differ(wiring.counter[0], wiring.counter[1], "counter channel");
     differ(wiring.output[0], wiring.output[1], "output channel");
     for (const double volts : wiring.volts_per_newton_metre) {
-        above_zero(std::fabs(volts), 1e6, "size of the volts per newton metre");
+        above_zero(std::fabs(volts), kMaxVolts, "size of the volts per newton metre");
     }
 }
 
@@ -85,7 +87,7 @@ void check(const PantographSpec& spec) {
     in_range(spec.origin.y, -kLongest, kLongest, "y of the object frame's origin (m)");
     in_range(spec.turn, -2.0 * kPi, 2.0 * kPi, "turn of the object frame (rad)");
     if (spec.damping) {
-        in_range(*spec.damping, 0.0, 1e3, "damping at the handle (N s/m)");
+        in_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
     }
     in_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
     above_zero(spec.clearance, 0.05, "clearance from singular poses (m)");

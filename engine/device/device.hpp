@@ -48,6 +48,7 @@ struct DeviceTraits {
     std::optional<double> damping{};  ///< b at the handle, N s/m, the least in the workspace
     double delay_ticks = 0.0;         ///< from a reading to the force it causes, beyond the hold
     double motor_time = 0.0;          ///< s, thermal time constant of the motors; 0: not known
+    bool keeps_force = false;         ///< the last force stays when this program falls silent
 };
 
 /// The port to whatever holds the hand: read HIP, write force, once a tick each, in this order.

@@ -21,12 +21,12 @@ constexpr double kMilli = 1000.0;  // mm, mN m
 constexpr std::array<std::string_view, 2> kSides{"right", "left"};
 constexpr std::array<std::string_view, 2> kWays{"anticlockwise", "clockwise"};
 
-// Wide: check() of the engine refuses what no machine can be. These only keep the units apart.
+// What a desk-top machine can be, as check() of the engine has it.
 constexpr Range kLength{.min = 0.0, .max = 2000.0, .above = true};
-constexpr Range kTorque{.min = 0.0, .max = 1e6, .above = true};
+constexpr Range kTorque{.min = 0.0, .max = 2000.0, .above = true};
 constexpr Range kPort{.min = 1.0, .max = 2.0};
 constexpr Range kChannel{.min = 0.0, .max = 65535.0};
-constexpr Range kVolts{.min = -1e6, .max = 1e6};
+constexpr Range kVolts{.min = -1000.0, .max = 1000.0};
 
 /// As a file begins: its frame is the linkage's.
 struct Machine : Calibration {
@@ -61,7 +61,7 @@ constexpr Key kPantograph[]{
      .meaning = "from the linkage's x axis to the object frame's"},
     {.name = "home_mm", .slot = in<Machine, [](auto& r) -> auto& { return r.home; }>, .per_si = kMilli,
      .meaning = "rest pose of the handle when the device is switched on; left out: by hand"},
-    {.name = "damping_n_s_per_m", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.damping; }>, .range = {0, 1e3},
+    {.name = "damping_n_s_per_m", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.damping; }>, .range = {0, 100},
      .meaning = "of the machine at its handle, the least in the workspace"},
     {.name = "motor_time_s", .slot = in<Machine, [](auto& r) -> auto& { return r.pantograph.motor_time; }>, .range = {0, 1e5},
      .meaning = "thermal time constant of the motors; 0: not known"},

@@ -14,6 +14,10 @@
 #include "tests/support/presser.hpp"
 #include "tests/support/random.hpp"
 
+#if defined(PALPATE_BENCH_WINDOW)
+#include "tests/support/pressed_desk.hpp"
+#endif
+
 namespace palpate::bench {
 namespace {
 
@@ -65,6 +69,36 @@ std::vector<double> delays(const EmulatedBoard& board,
     return ms;
 }
 
+#if defined(PALPATE_BENCH_WINDOW)
+constexpr bool kWindow = true;
+
+/// The same of the whole program in its window: what it has in memory takes time to be freed.
+std::vector<double> windowed_delays(int kills) {
+    std::vector<double> ms;
+    for (int i = 0; i < kills; ++i) {
+        tests::PressedDesk desk(tests::PressingHand::Does::presses);
+        if (!desk.feel()) {
+            throw std::runtime_error("the emulated board got no torque");
+        }
+        const std::int64_t start = now_ns();
+        desk.session->program().signal(SIGKILL);
+        if (!desk.force_ends()) {
+            throw std::runtime_error("the motors stayed on");
+        }
+        ms.push_back(1e-6 * static_cast<double>(desk.board.motors().since_ns - start));
+    }
+    std::sort(ms.begin(), ms.end());
+    return ms;
+}
+
+#else
+constexpr bool kWindow = false;
+
+std::vector<double> windowed_delays(int /*kills*/) {
+    return {};
+}
+#endif
+
 }  // namespace
 
 int guard_command(const std::vector<std::string>& arguments) {
@@ -82,11 +116,18 @@ int guard_command(const std::vector<std::string>& arguments) {
     });
     std::cout << machine() << "\nfrom a signal to zero torque at an emulated board, ms\n";
     std::printf("%-34s %7s %9s %9s %9s\n", "palpate", "times", "p50", "p99", "worst");
-    for (const auto& [name, signal] : {std::pair{"killed (kill -9)", SIGKILL},
-                                       std::pair{"stopped with the force on", SIGSTOP}}) {
+    for (const auto& [name, signal] :
+         {std::pair{"killed (kill -9)", SIGKILL}, std::pair{"stopped with the force on", SIGSTOP},
+          std::pair{"killed, in its window", 0}}) {
         std::cout.flush();
         std::fflush(stdout);
-        const std::vector<double> ms = delays(board, machine_calibration, kills, signal);
+        if (signal == 0 && !kWindow) {
+            std::printf("%-34s %7s\n", name, "not built: libxtst-dev is missing");
+            continue;
+        }
+        const std::vector<double> ms = signal == 0
+                                         ? windowed_delays(kills)
+                                         : delays(board, machine_calibration, kills, signal);
         const auto at = [&](double share) {
             return ms[static_cast<std::size_t>(share * static_cast<double>(ms.size() - 1))];
         };

@@ -1,14 +1,11 @@
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "engine/base/clock.hpp"
-#include "protocols/file/calibration_file.hpp"
 #include "tests/support/catch.hpp"
-#include "tests/support/child.hpp"
-#include "tests/support/pressing_hand.hpp"
-#include "tests/support/window_session.hpp"
+#include "tests/support/pressed_desk.hpp"
 
 // What may go wrong around a person at the desk while a force is on, done to the program itself: a real window, a
 // board on a pseudo-terminal with a hand on it, and the torques that the board gets. Nothing is asserted about
@@ -16,130 +13,31 @@
 
 using namespace palpate;
 using tests::eventually;
+using tests::PressedDesk;
 using tests::PressingHand;
 using tests::TemporaryFolder;
-using tests::WindowSession;
+using tests::text_of;
 
 namespace {
 
-std::string study() {
-    std::ifstream file(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    std::string text{std::istreambuf_iterator<char>(file), {}};
-    const auto put = [&](const std::string& from, const std::string& to) {
-        const std::size_t at = text.find(from);
-        REQUIRE(at != std::string::npos);
-        text.replace(at, from.size(), to);
-    };
-    put("stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
-    put("force_limit_n = 10", "force_limit_n = 1.5");
-    put("curvature_per_m = 8", "curvature_per_m = 0");
-    return text + "\n[safety]\ndead_man = true\nlate_in_a_row = 0\nlate_of_100 = 0\n";
+double locked_mb(pid_t process) {
+    const std::string status = text_of("/proc/" + std::to_string(process) + "/status");
+    const std::size_t at = status.find("VmLck:");
+    return at == std::string::npos ? -1.0 : std::stod(status.substr(at + 6)) / 1024.0;
 }
-
-/// A session at a window, with a board that a hand presses on.
-struct Desk {
-    explicit Desk(PressingHand::Does does)
-        : board(machine, [&] { return std::make_unique<PressingHand>(machine, does); }) {
-        std::ofstream(folder.file("p.toml")) << study();
-        session = std::make_unique<WindowSession>(
-            std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P1", "--db",
-                                     file, "--device", "haply:" + board.path(), "--calibration",
-                                     "2diy_gen3", "--kind", "pilot", "--windowed"},
-            file);
-        session->press_at("welcome", "space");
-    }
-
-    /// Holds Space until there is force. A busy machine may end it for another reason: then once more.
-    void feel() {
-        REQUIRE(eventually([&] {
-            const std::string screen = session->screen_name();
-            if (screen != "explore") {
-                session->hand().release("space");
-                session->hand().press("space");
-                tests::wait_a_little();
-            }
-            for (int i = 0; i < 500 && board.motors().off(); ++i) {
-                tests::wait_a_little();
-            }
-            return !board.motors().off();
-        }));
-    }
-    /// Goes on after faults of a busy machine until one has this cause.
-    [[nodiscard]] bool faults_of(const std::string& cause) {
-        for (int i = 0; i < 200 && faults(cause) != "1"; ++i) {
-            for (int k = 0; k < 100; ++k) {
-                tests::wait_a_little();
-            }
-            const std::string screen = session->screen_name();
-            if (screen == "trouble" || screen == "ready") {
-                session->hand().release("space");
-                session->hand().press("space");
-            } else if (screen != "explore") {
-                session->hand().key(screen == "question" ? "1" : "space");
-            }
-        }
-        return faults(cause) == "1";
-    }
-    /// Looks at the file alone, ten times a second.
-    [[nodiscard]] bool waits_for_fault(const std::string& cause) const {
-        for (int i = 0; i < 200 && faults(cause) != "1"; ++i) {
-            for (int k = 0; k < 100; ++k) {
-                tests::wait_a_little();
-            }
-        }
-        return faults(cause) == "1";
-    }
-    [[nodiscard]] bool force_ends() const {
-        return eventually([&] { return board.motors().off(); });
-    }
-    [[nodiscard]] bool stays_off() const {
-        for (int i = 0; i < 150; ++i) {
-            if (!board.motors().off()) {
-                return false;
-            }
-            tests::wait_a_little();
-        }
-        return true;
-    }
-    /// The guard is the one that the program has started.
-    [[nodiscard]] pid_t guard() const {
-        for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-            std::ifstream stat(entry.path() / "stat");
-            std::string line;
-            std::getline(stat, line);
-            std::istringstream rest(line.substr(line.rfind(')') + 1));
-            char state = ' ';
-            pid_t parent = 0;
-            rest >> state >> parent;
-            if (parent == session->program().id() && state != 'Z') {
-                return static_cast<pid_t>(std::stol(entry.path().filename().string()));
-            }
-        }
-        return -1;
-    }
-    [[nodiscard]] std::string faults(const std::string& cause) const {
-        return session->ask("SELECT count(*) > 0 FROM trial WHERE fault_cause = '" + cause + "'");
-    }
-
-    engine::Calibration machine = protocols::load_calibration("2diy_gen3");
-    TemporaryFolder folder;
-    std::string file = folder.file("d.sqlite");
-    engine::EmulatedBoard board;
-    std::unique_ptr<WindowSession> session;
-};
 
 }  // namespace
 
 TEST_CASE("a screen that stands still ends the force, which a live one with the key held does not",
           "[window][safety][law]") {
-    Desk desk(PressingHand::Does::presses);
-    desk.feel();
+    PressedDesk desk(PressingHand::Does::presses);
+    REQUIRE(desk.feel());
     for (int i = 0; i < 600; ++i) {
         tests::wait_a_little();
     }
     CHECK(desk.faults("screen_silent") == "0");
     CHECK(desk.faults("let_go") == "0");
-    desk.feel();
+    REQUIRE(desk.feel());
     const std::int64_t frozen = monotonic_ns();
     desk.session->screen().server().signal(SIGSTOP);
     CHECK(desk.force_ends());
@@ -155,8 +53,8 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
 TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with its cause",
           "[window][safety][law]") {
     const bool buzzes = GENERATE(true, false);
-    Desk desk(buzzes ? PressingHand::Does::buzzes : PressingHand::Does::runs_away);
-    desk.feel();
+    PressedDesk desk(buzzes ? PressingHand::Does::buzzes : PressingHand::Does::runs_away);
+    REQUIRE(desk.feel());
     CHECK(desk.faults_of(buzzes ? "buzz" : "runaway"));
     CHECK(desk.force_ends());
     CHECK(desk.stays_off());
@@ -165,13 +63,32 @@ TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with
 TEST_CASE(
     "in its window the program's guard ends the force when it dies, and it when its guard does",
     "[window][guard][law]") {
-    Desk desk(PressingHand::Does::presses);
-    desk.feel();
+    const TemporaryFolder path;  // a system that can be asked to stay awake
+    const std::string asked = path.file("asked");
+    const std::string tool = path.file("systemd-inhibit");
+    std::ofstream(tool) << "#!/bin/sh\necho \"$1 $4\" >> " << asked
+                        << "\nshift 4\n\"$@\"\necho over >> " << asked << "\n";
+    std::filesystem::permissions(tool, std::filesystem::perms::owner_all);
+    PressedDesk desk(PressingHand::Does::presses,
+                     {"PATH=" + path.path().string() + ":" + std::getenv("PATH")});
+    CHECK(desk.session->ask("SELECT value FROM session_provenance WHERE key = 'sleep'") ==
+          "held off (systemd-inhibit)");
+    CHECK_THAT(desk.session->program().error(),
+               Catch::Matchers::Contains("has no watchdog of its own"));
+    REQUIRE(desk.feel());
+    const bool spared = desk.session->ask(
+                            "SELECT value LIKE 'spared%' FROM session_provenance WHERE key = "
+                            "'realtime out of memory'") == "1";
+    for (const pid_t process : {desk.session->program().id(), desk.guard()}) {
+        const std::string score = text_of("/proc/" + std::to_string(process) + "/oom_score_adj");
+        CHECK((score == "-1000\n") == spared);
+    }
+    CHECK(locked_mb(desk.session->program().id()) < 200.0);  // 707 when all of it was
     kill(desk.guard(), SIGKILL);
     CHECK(desk.force_ends());
     CHECK(desk.waits_for_fault("device_lost"));
     desk.session->press_at("trouble", "space");
-    desk.feel();
+    REQUIRE(desk.feel());
     const std::int64_t killed = monotonic_ns();
     desk.session->program().signal(SIGKILL);
     CHECK(desk.force_ends());
@@ -179,4 +96,7 @@ TEST_CASE(
     CAPTURE(after);
     CHECK(after < 2.0);  // 2 ms on a quiet machine
     CHECK(desk.stays_off());
+    CHECK(eventually([&] {
+        return text_of(asked) == "--what=sleep:idle:handle-lid-switch --mode=block\nover\n";
+    }));
 }

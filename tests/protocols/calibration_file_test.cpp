@@ -205,6 +205,13 @@ TEST_CASE("what is wrong with a calibration is said at its place, with the remed
                ContainsSubstring("give two different ones"));
     CHECK_THAT(refusal(changed("\"anticlockwise\"", "\"clokwise\"")),
                ContainsSubstring("did you mean clockwise?"));
+    for (const auto& [key, sound, most] :
+         {std::tuple{"torque_limit_mn_m", "123", "2000"}, {"torque_forever_mn_m", "60", "2000"}}) {
+        const std::string name(key);
+        const std::string said = refusal(changed(name + " = " + sound, name + " = 1000000"));
+        CHECK_THAT(said, ContainsSubstring(": " + name + " is 1000000: give ") &&
+                             ContainsSubstring(most) && Catch::Matchers::StartsWith("c.toml:"));
+    }
     CHECK_THAT(refusal(changed("torque_forever_mn_m = 60", "torque_forever_mn_m = 160")),
                ContainsSubstring("at most 0.123"));
     CHECK_THAT(refusal(changed("name = \"2diy_gen3\"", "")),

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -12,7 +13,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "tests/support/catch.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/slurp.hpp"
 
@@ -122,7 +122,7 @@ std::string palpate_program() {
 
 bool others_load_extension() {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    WARN("built with a sanitizer: no other program can load the extension");
+    std::fprintf(stderr, "built with a sanitizer: no other program can load the extension\n");
     return false;
 #else
     return true;

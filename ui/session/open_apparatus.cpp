@@ -13,6 +13,14 @@ namespace {
 
 using Kind = DeviceChoice::Kind;
 
+/// Said before each session: nothing in this program can mend it.
+constexpr const char* kKeepsForce =
+    "this device has no watchdog of its own: its last force stays for ever if palpate and its "
+    "guard are "
+    "killed together, the machine halts or the cable is pulled while a force is on; put a switch "
+    "into the "
+    "motors' supply, within the experimenter's reach";
+
 std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
                                                           const engine::Calibration& calibration) {
     const protocols::Protocol& protocol = spec.study.protocol;
@@ -75,6 +83,13 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     if (spec.spin_share > 0.0 && apparatus->real_time()) {
         opened.provenance.emplace_back("realtime spin",
                                        fmt::format("{:g} of the period", spec.spin_share));
+    }
+    if (held_by_a_person(spec.device.kind) && gives_force(spec.device.kind)) {
+        opened.awake = std::make_unique<StayAwake>();
+        opened.provenance.emplace_back("sleep", opened.awake->text());
+        if (apparatus->device().traits().keeps_force) {
+            opened.findings.push_back({protocols::Verdict::warn, kKeepsForce});
+        }
     }
     opened.port = std::move(apparatus);
     return opened;

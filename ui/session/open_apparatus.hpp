@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocols/session/feasibility.hpp"
+#include "ui/rig/stay_awake.hpp"
 #include "ui/session/rig.hpp"
 
 namespace palpate::ui {
@@ -13,6 +14,7 @@ namespace palpate::ui {
 /// What a session is felt on, and what is to be known of it before the first trial.
 struct OpenedApparatus {
     std::unique_ptr<protocols::Apparatus> port;
+    std::unique_ptr<StayAwake> awake;  ///< where a person is to hold a device that gives force
     std::vector<protocols::Finding> findings;  ///< against device and protocol together
     std::string rest;  ///< when a contact on it comes to rest; empty: not known
     std::vector<std::string>

@@ -100,6 +100,8 @@ std::string ComediDevice::start() {
         motor.torque_limit =
             std::fmin(motor.torque_limit, reach / std::fabs(wiring_.volts_per_newton_metre[axis]));
         motor.torque_forever = std::fmin(motor.torque_forever, motor.torque_limit);
+        channels_[axis].volts =
+            motor.torque_limit * std::fabs(wiring_.volts_per_newton_metre[axis]);
     }
     pantograph_ = Pantograph(spec);
     if (calibration_.home) {
@@ -182,7 +184,9 @@ int ComediDevice::put(std::size_t axis, std::uint32_t code) noexcept {
 
 std::uint32_t ComediDevice::code(std::size_t axis, double volts) const noexcept {
     const DaqCard::Output& output = channels_[axis].output;
-    const double share = (volts - output.min) / (output.max - output.min);
+    const double most = channels_[axis].volts;
+    const double cut = std::fmin(std::fmax(volts, -most), most);
+    const double share = (cut - output.min) / (output.max - output.min);
     const double nearest = std::floor(share * output.top + 0.5);
     return static_cast<std::uint32_t>(
         std::fmin(std::fmax(nearest, 0.0), static_cast<double>(output.top)));
@@ -264,7 +268,8 @@ std::string ComediDevice::name() const {
 
 DeviceTraits ComediDevice::traits() const noexcept {
     return {.damping = calibration_.pantograph.damping,
-            .motor_time = calibration_.pantograph.motor_time};
+            .motor_time = calibration_.pantograph.motor_time,
+            .keeps_force = true};
 }
 
 std::optional<double> ComediDevice::weakest_force(const Vec2& hip) const noexcept {

@@ -56,6 +56,7 @@ private:
         std::int64_t offset = 0;
         DaqCard::Output output{};
         std::uint32_t zero = 0;  ///< code of zero volts
+        double volts = 0.0;      ///< of the torque limit: nothing beyond is ever written
     };
 
     [[nodiscard]] std::string start();

@@ -79,7 +79,8 @@ DeviceTraits HaplyDevice::traits() const noexcept {
     return {.gives_force = true,
             .damping = calibration_.pantograph.damping,
             .delay_ticks = 1.0,
-            .motor_time = calibration_.pantograph.motor_time};
+            .motor_time = calibration_.pantograph.motor_time,
+            .keeps_force = true};
 }
 
 /// Port, guard and set-up; the position is lost.

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "protocols/file/calibration_file.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/pressing_hand.hpp"
+#include "tests/support/window_session.hpp"
+
+namespace palpate::tests {
+
+inline std::string text_of(const std::string& name) {
+    std::ifstream file(name);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+inline std::string pressed_study() {
+    std::string text = text_of(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    const auto put = [&](const std::string& from, const std::string& to) {
+        const std::size_t at = text.find(from);
+        text.replace(at == std::string::npos ? throw std::logic_error(from) : at, from.size(), to);
+    };
+    put("stiffness_n_per_m = 1000", "stiffness_n_per_m = 200");
+    put("force_limit_n = 10", "force_limit_n = 1.5");
+    put("curvature_per_m = 8", "curvature_per_m = 0");
+    return text + "\n[safety]\ndead_man = true\nlate_in_a_row = 0\nlate_of_100 = 0\n";
+}
+
+/// A session at a window, with a board that a hand presses on.
+struct PressedDesk {
+    explicit PressedDesk(PressingHand::Does does, const std::vector<std::string>& environment = {})
+        : board(machine, [&] { return std::make_unique<PressingHand>(machine, does); }) {
+        std::ofstream(folder.file("p.toml")) << pressed_study();
+        session = std::make_unique<WindowSession>(
+            std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P1", "--db",
+                                     file, "--device", "haply:" + board.path(), "--calibration",
+                                     "2diy_gen3", "--kind", "pilot", "--windowed"},
+            file, environment, WindowSession::Screen{});
+        session->press_at("welcome", "space");
+    }
+
+    /// Holds Space until there is force. A busy machine may end it for another reason: then once more.
+    /// @return false if there never was any
+    [[nodiscard]] bool feel() {
+        return eventually([&] {
+            if (session->screen_name() != "explore") {
+                session->hand().release("space");
+                session->hand().press("space");
+            }
+            for (int i = 0; i < 500 && board.motors().off(); ++i) {
+                wait_a_little();
+            }
+            return !board.motors().off();
+        });
+    }
+    /// Goes on after faults of a busy machine until one has this cause.
+    [[nodiscard]] bool faults_of(const std::string& cause) {
+        for (int i = 0; i < 200 && faults(cause) != "1"; ++i) {
+            for (int k = 0; k < 100; ++k) {
+                wait_a_little();
+            }
+            const std::string screen = session->screen_name();
+            if (screen == "trouble" || screen == "ready") {
+                session->hand().release("space");
+                session->hand().press("space");
+            } else if (screen != "explore") {
+                session->hand().key(screen == "question" ? "1" : "space");
+            }
+        }
+        return faults(cause) == "1";
+    }
+    /// Looks at the file alone, ten times a second.
+    [[nodiscard]] bool waits_for_fault(const std::string& cause) const {
+        for (int i = 0; i < 200 && faults(cause) != "1"; ++i) {
+            for (int k = 0; k < 100; ++k) {
+                wait_a_little();
+            }
+        }
+        return faults(cause) == "1";
+    }
+    [[nodiscard]] bool force_ends() const {
+        return eventually([&] { return board.motors().off(); });
+    }
+    [[nodiscard]] bool stays_off() const {
+        for (int i = 0; i < 150; ++i) {
+            if (!board.motors().off()) {
+                return false;
+            }
+            wait_a_little();
+        }
+        return true;
+    }
+    /// The guard is the one that the program has started.
+    [[nodiscard]] pid_t guard() const {
+        for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+            std::ifstream stat(entry.path() / "stat");
+            std::string line;
+            std::getline(stat, line);
+            std::istringstream rest(line.substr(line.rfind(')') + 1));
+            char state = ' ';
+            pid_t parent = 0;
+            rest >> state >> parent;
+            if (parent == session->program().id() && state != 'Z' &&
+                line.find("(palpate-guard)") != std::string::npos) {
+                return static_cast<pid_t>(std::stol(entry.path().filename().string()));
+            }
+        }
+        return -1;
+    }
+    [[nodiscard]] std::string faults(const std::string& cause) const {
+        return session->ask("SELECT count(*) > 0 FROM trial WHERE fault_cause = '" + cause + "'");
+    }
+
+    engine::Calibration machine = protocols::load_calibration("2diy_gen3");
+    TemporaryFolder folder;
+    std::string file = folder.file("d.sqlite");
+    engine::EmulatedBoard board;
+    std::unique_ptr<WindowSession> session;
+};
+
+}  // namespace palpate::tests
