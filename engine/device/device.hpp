@@ -49,6 +49,7 @@ struct DeviceTraits {
     double delay_ticks = 0.0;         ///< from a reading to the force it causes, beyond the hold
     double motor_time = 0.0;          ///< s, thermal time constant of the motors; 0: not known
     bool keeps_force = false;         ///< the last force stays when this program falls silent
+    double round_trip = 0.0;  ///< s from a question to its answer, as measured; 0: it was not
 };
 
 /// The port to whatever holds the hand: read HIP, write force, once a tick each, in this order.

@@ -113,6 +113,8 @@ constexpr Key kSafety[]{
 constexpr Key kInvalid[]{
     {.name = "late_share", .slot = at<&InvalidSpec::late_share>, .range = {0, 1},
      .meaning = "share of late ticks above which a person's trial does not count; 1: never"},
+    {.name = "stale_share", .slot = at<&InvalidSpec::stale_share>, .range = {0, 1}, .late = true,
+     .meaning = "share of ticks without a new reading above which a person's trial does not count; 1: never"},
     {.name = "contact_min_s", .slot = at<&InvalidSpec::contact_min>, .range = {0, 3600},
      .meaning = "a trial with less contact does not count; 0: all do"},
     {.name = "path_min_mm", .slot = at<&InvalidSpec::path_min>, .range = {0, 100000}, .per_si = 1000,

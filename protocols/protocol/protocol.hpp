@@ -86,6 +86,7 @@ struct SafetySpec {
 /// When an answered trial does not count and is run again at a random later place of its block.
 struct InvalidSpec {
     double late_share = 0.001;  ///< of its ticks may be late, 0..1; 1: any. Not of simulated hands
+    double stale_share = 1.0;   ///< of its readings may be no new ones, 0..1; 1: any
     double contact_min = 1.0;   ///< s of contact, 0: none needed
     double path_min = 0.160;    ///< m of path of HIP, 0: none needed
     std::size_t requeue_most =

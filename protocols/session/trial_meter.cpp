@@ -93,9 +93,14 @@ std::string why_invalid(const Protocol& protocol, const TrialSummary& summary, b
     };
     const auto ticks = static_cast<double>(summary.ticks);
     const auto late = static_cast<double>(summary.late_ticks);
+    const auto stale = static_cast<double>(summary.stale_ticks);
     if (late_counts && late > rules.late_share * ticks) {
         add(fmt::format("late {:.2f} % of its ticks, above {:g} %", 100.0 * late / ticks,
                         100.0 * rules.late_share));
+    }
+    if (late_counts && stale > rules.stale_share * ticks) {
+        add(fmt::format("stale {:.2f} % of its readings, above {:g} %", 100.0 * stale / ticks,
+                        100.0 * rules.stale_share));
     }
     const double contact = static_cast<double>(summary.contact_ticks) / protocol.apparatus.rate_hz;
     if (contact < rules.contact_min) {

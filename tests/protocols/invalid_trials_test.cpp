@@ -180,6 +180,11 @@ TEST_CASE("an answered trial that breaks a rule says which and by how much", "[s
           "late 0.12 % of its ticks, above 0.1 %");
     CHECK(with(&TrialSummary::contact_ticks, std::int64_t{999}) == "contact 0.999 s, below 1 s");
     CHECK(with(&TrialSummary::path_length_m, 0.1) == "path 100.0 mm, below 160 mm");
+    CHECK(with(&TrialSummary::stale_ticks, std::int64_t{4000}).empty());  // unless it is asked for
+    protocol.invalid.stale_share = 0.01;
+    CHECK(with(&TrialSummary::stale_ticks, std::int64_t{40}).empty());
+    CHECK(with(&TrialSummary::stale_ticks, std::int64_t{41}) ==
+          "stale 1.02 % of its readings, above 1 %");
     TrialSummary nothing;
     nothing.ticks = 1000;
     nothing.late_ticks = 1000;

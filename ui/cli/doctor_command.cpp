@@ -50,7 +50,6 @@ Asked plan_of(const DoctorOptions& options) {
         plan.protocol = load_study(options.protocol).protocol;
         plan.demand.start = plan.protocol->apparatus.start;  // its force is check_feasible's
         plan.rate_hz = plan.protocol->apparatus.rate_hz;
-        plan.demand.period = 1.0 / plan.rate_hz;
     }
     return plan;
 }

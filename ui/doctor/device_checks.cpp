@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "engine/base/clock.hpp"
-#include "engine/device/drivers/haply_device.hpp"
 #include "protocols/session/feasibility.hpp"
 #include "ui/doctor/checks.hpp"
 
@@ -42,53 +41,8 @@ Readings read_for_a_while(engine::Device& device) {
     return readings;
 }
 
-/// How long answers of a board took, ms; both 0 if none came.
-struct Answers {
-    double median_ms = 0.0;
-    double slowest_ms = 0.0;
-};
-
-/// Milliseconds until something new can be read; none if nothing comes.
-/// @param asked  ns, before the question left: whatever holds this program up meanwhile makes the answer late
-std::optional<double> wait_for_answer(engine::Device& device, std::int64_t asked) {
-    constexpr std::int64_t kPatienceNs = 100'000'000;
-    while (monotonic_ns() - asked < kPatienceNs) {
-        const engine::Reading reading = device.read();
-        if (!reading.ok()) {
-            return std::nullopt;
-        }
-        if (reading.fresh) {
-            return static_cast<double>(monotonic_ns() - asked) * 1e-6;
-        }
-    }
-    return std::nullopt;
-}
-
-/// One question at a time, and the next one when the answer is there.
-Answers time_answers(engine::Device& device) {
-    constexpr int kExchanges = 101;
-    std::vector<double> took;
-    bool answered =
-        wait_for_answer(device, monotonic_ns()).has_value();  // what is owed from before
-    while (answered && took.size() < kExchanges) {
-        const std::int64_t asked = monotonic_ns();
-        device.write(Vec2{});
-        const auto one = wait_for_answer(device, asked);
-        answered = one.has_value();
-        if (one) {
-            took.push_back(*one);
-        }
-    }
-    if (took.empty()) {
-        return {};
-    }
-    std::sort(took.begin(), took.end());
-    return {.median_ms = took[took.size() / 2], .slowest_ms = took.back()};
-}
-
-/// Adds to `check` what a board's answers were like.
-void tell_answers(Check& check, const Answers& answers, const Readings& readings, double period) {
-    constexpr double kPatience = engine::HaplyTiming{}.patience;
+/// Adds to `check` what a board's answers were like, as they were measured when it was opened.
+void tell_answers(Check& check, const Readings& readings, const engine::DeviceTraits& traits) {
     if (readings.good == kReadings && readings.fresh == 0) {
         check.status = CheckStatus::fail;
         check.remedy =
@@ -96,16 +50,15 @@ void tell_answers(Check& check, const Answers& answers, const Readings& readings
             "port of the computer itself";
         return;
     }
-    check.detail += fmt::format("; {} new, answers after {:.2f} ms, slowest {:.2f} ms",
-                                readings.fresh, answers.median_ms, answers.slowest_ms);
-    check.numbers.emplace_back("answer_ms", answers.median_ms);
-    check.numbers.emplace_back("slowest_answer_ms", answers.slowest_ms);
-    if (answers.median_ms > 1e3 * kPatience * period) {
+    check.detail +=
+        fmt::format("; {} new, answers after {:.2f} ms", readings.fresh, 1e3 * traits.round_trip);
+    check.numbers.emplace_back("answer_ms", 1e3 * traits.round_trip);
+    check.numbers.emplace_back("delay_ticks", traits.delay_ticks);
+    if (traits.delay_ticks > 1.0) {
         check.detail += fmt::format(
-            "; a session waits {:.2f} ms for one, takes later ones a tick too late, and ends "
-            "trials "
-            "in which there are many",
-            1e3 * kPatience * period);
+            "; its force follows the handle {:g} ticks later, which takes a softer object: see "
+            "passivity",
+            traits.delay_ticks);
     }
 }
 
@@ -182,8 +135,6 @@ Check check_device(const std::string& word,
     device->write(Vec2{});
     const Readings readings = read_for_a_while(*device);
     const engine::DeviceTraits traits = device->traits();
-    const bool board = traits.delay_ticks > 0.0;
-    const Answers answers = board && readings.good == kReadings ? time_answers(*device) : Answers{};
     device->write(Vec2{});
     check.detail = fmt::format(
         "{} ({}): {} of {} readings good, slowest {:.0f} us, handle at "
@@ -217,8 +168,8 @@ Check check_device(const std::string& word,
             "weaker than rendered; lower the protocol's force limit",
             demand.force_n, *weakest);
     }
-    if (board) {
-        tell_answers(check, answers, readings, demand.period);
+    if (traits.round_trip > 0.0) {
+        tell_answers(check, readings, traits);
     }
     if (then && readings.good > 0) {
         then(*device);

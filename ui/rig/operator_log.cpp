@@ -32,6 +32,9 @@ std::vector<std::string> advice_for(const protocols::TrialResult& result) {
     if (says("late ")) {
         advice.emplace_back("late ticks: close other programs; palpate doctor says what else");
     }
+    if (says("stale ")) {
+        advice.emplace_back("answers too late: use a port of the computer itself, without a hub");
+    }
     if (says("contact ")) {
         advice.emplace_back(
             "too little contact: explain again that the object is to be felt, not only touched");

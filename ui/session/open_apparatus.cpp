@@ -75,6 +75,11 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     if (apparatus->device().traits().gives_force) {
         opened.rest = rest_text(margins_of(spec.study.protocol, apparatus->device()));
         opened.refused = refusals(apparatus->rights());
+        if (const double trip = apparatus->device().traits().round_trip; trip > 0.0) {
+            opened.provenance.emplace_back(
+                "reply delay",
+                fmt::format("{:g} of the period", apparatus->device().traits().delay_ticks));
+        }
         opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
         opened.provenance.emplace_back("calibration sha256",
                                        protocols::calibration_id(calibration));

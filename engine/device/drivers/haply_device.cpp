@@ -13,7 +13,10 @@ namespace {
 constexpr std::int64_t kStale = 100 * kMillisecond;  ///< an answer from before a rest
 constexpr std::int64_t kFirstWait = 10 * kMillisecond;
 constexpr int kLastZeros = 5;
-constexpr int kStillCounts = 1;  ///< an encoder at rest may flicker by one
+constexpr std::size_t kTimed = 31;      ///< answers whose middle time is that of them all
+constexpr std::size_t kDeepest = 32;    ///< questions on their way
+constexpr double kLongestTrip = 0.010;  ///< s: the force would follow a place of long ago
+constexpr int kStillCounts = 1;         ///< an encoder at rest may flicker by one
 
 std::int64_t nanoseconds(double seconds) noexcept {
     return static_cast<std::int64_t>(std::floor(seconds * 1e9 + 0.5));
@@ -78,9 +81,10 @@ std::string HaplyDevice::name() const {
 DeviceTraits HaplyDevice::traits() const noexcept {
     return {.gives_force = true,
             .damping = calibration_.pantograph.damping,
-            .delay_ticks = 1.0,
+            .delay_ticks = static_cast<double>(depth_),
             .motor_time = calibration_.pantograph.motor_time,
-            .keeps_force = true};
+            .keeps_force = true,
+            .round_trip = round_trip_};
 }
 
 /// Port, guard and set-up; the position is lost.
@@ -110,6 +114,33 @@ bool HaplyDevice::open_board() {
         return false;
     }
     ask_anew_ = true;
+    return measure_answers();
+}
+
+/// How long answers take is part of what was promised of the device: a board that comes back must
+/// not be slower than it was.
+bool HaplyDevice::measure_answers() {
+    const auto trip = line_.round_trip(kTimed);
+    if (!trip) {
+        trouble_ = "the board at " + link_->name() +
+                   " answers, then falls silent: check its power and cable";
+        return false;
+    }
+    const double periods = std::ceil(*trip / timing_.period);
+    const std::size_t depth = periods > 1.0 ? static_cast<std::size_t>(periods) : 1;
+    if (*trip > kLongestTrip || depth > kDeepest || (depth_ > 0 && depth > depth_)) {
+        trouble_ = "answers of the board at " + link_->name() + " take " +
+                   number_text(std::round(*trip * 1e5) / 100.0) + " ms, " +
+                   (depth_ > 0 && *trip <= kLongestTrip ? "more than when the session began"
+                                                        : "too long for a force") +
+                   ": use a port of the computer itself without a hub, and end programs that keep "
+                   "it busy";
+        return false;
+    }
+    if (depth_ == 0) {
+        depth_ = depth;
+        round_trip_ = *trip;
+    }
     return true;
 }
 
@@ -147,6 +178,9 @@ HaplyLine::Answer HaplyDevice::prime() noexcept {
         if (answer != HaplyLine::Answer::complete) {
             return answer;
         }
+        if (line_.awaiting()) {
+            return HaplyLine::Answer::pending;
+        }
     }
     ask_anew_ = false;
     line_.forget();
@@ -166,7 +200,7 @@ Reading HaplyDevice::read() noexcept {
     const bool rested =
         ask_anew_ || !line_.awaiting() || link_->now_ns() - line_.owed_since_ns() > kStale;
     const auto answer =
-        rested ? prime() : line_.hear(nanoseconds(timing_.patience * timing_.period));
+        rested ? prime() : line_.hear(nanoseconds(timing_.patience * timing_.period), depth_ - 1);
     switch (answer) {
         case HaplyLine::Answer::complete:
             last_ = take(line_.reply());
@@ -232,7 +266,7 @@ Applied HaplyDevice::write(const Vec2& force) noexcept {
         return {.saturated = force != Vec2{}};
     }
     guard_->force_on();
-    if (line_.awaiting()) {  // one question at a time: the torques stay
+    if (line_.owed() >= depth_) {  // no more questions than answers take periods: the torques stay
         return applied_;
     }
     if (guard_->tripped() || !guard_->alive()) {
@@ -264,7 +298,7 @@ bool HaplyDevice::rests() {
     const std::int64_t end = link_->now_ns() + nanoseconds(timing_.still);
     while (link_->now_ns() < end) {
         if (!line_.ask({0.0, 0.0}) ||
-            line_.hear(100 * kMillisecond) != HaplyLine::Answer::complete) {
+            line_.hear(100 * kMillisecond) != HaplyLine::Answer::complete || line_.awaiting()) {
             homeless_ = false;  // and back to the port
             return false;
         }

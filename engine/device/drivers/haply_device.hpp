@@ -14,17 +14,19 @@ namespace palpate::engine {
 /// How long a Haply driver waits, s.
 struct HaplyTiming {
     double period = 1e-3;    ///< between ticks
-    double patience = 0.5;   ///< share of the period that read() waits for an answer
+    double patience = 0.5;   ///< share of the period that read() waits for an answer that is due
     double silence = 0.020;  ///< without an answer for this long the board counts as silent
     double still = 1.0;      ///< the handle rests for this long before its pose is taken for home
 };
 
 /// A pantograph on a Haply board.
 ///
-/// One exchange a tick: write() sends the torques, and the next read() collects the angles that the
-/// board measured when it took them. So a reading is one period old (traits().delay_ticks). If the
-/// answer is late, the reading is not fresh and the torques stay as they are, but zero torque is
-/// always sent. The first read() after a rest asks once more, with zero torque.
+/// One exchange a tick: write() sends the torques, and a later read() collects the angles that the
+/// board measured when it took them. How long answers take is measured when the board is opened
+/// (traits().round_trip): d periods, rounded up, and so many questions are on their way at once. A
+/// reading is then d periods old (traits().delay_ticks), and there is a new one every tick. If an
+/// answer comes later than that, the reading is not fresh and the torques stay as they are, but zero
+/// torque is always sent. The first read() after a rest asks once more, with zero torque.
 ///
 /// A fault is latched until reconnect(): from then on only zero torque is sent. No torque goes out
 /// before the board has answered an exchange after its set-up, nor without a guard. Every way out,
@@ -68,6 +70,7 @@ public:
 
 private:
     [[nodiscard]] bool open_board();
+    [[nodiscard]] bool measure_answers();
     [[nodiscard]] bool rests();
     [[nodiscard]] HaplyLine::Answer prime() noexcept;
     [[nodiscard]] Reading take(const HaplyReply& reply) noexcept;
@@ -91,6 +94,8 @@ private:
     DeviceFault fault_ = DeviceFault::none;  ///< latched
     int zeros_left_ = 0;                     ///< zero packets still to be sent after a fault
     bool homeless_ = false;                  ///< set up, but where the handle was is not known
+    double round_trip_ = 0.0;                ///< s, of the first set-up
+    std::size_t depth_ = 0;                  ///< periods until an answer; 0: not measured yet
     bool ask_anew_ = true;
     Reading last_{};
     std::optional<Pantograph::Fix> fix_;

@@ -54,38 +54,65 @@ bool HaplyLine::ask(const std::array<double, 2>& torque) noexcept {
     return true;
 }
 
-HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns) noexcept {
+HaplyLine::Answer HaplyLine::hear(std::int64_t wait_ns, std::size_t leave) noexcept {
     const std::int64_t deadline = link_->now_ns() + wait_ns;
+    bool heard = owed_ == 0;
     while (owed_ > 0) {
         if (kept_size_ > 0 && kept_[0] != setup_.id) {
             return Answer::garbage;
         }
         if (kept_size_ >= reply_size_) {
-            const auto reply =
-                read_reply({kept_.data(), reply_size_}, setup_.id, setup_.sensor_pin.has_value());
-            if (!reply) {
+            if (!take_reply()) {
                 return Answer::garbage;
             }
-            reply_ = *reply;
-            --owed_;
-            owed_since_ns_ = link_->now_ns();
-            kept_size_ -= reply_size_;
-            std::copy_n(kept_.begin() + static_cast<std::ptrdiff_t>(reply_size_), kept_size_,
-                        kept_.begin());
+            heard = true;
             continue;
         }
+        const std::int64_t patience = owed_ > leave ? deadline - link_->now_ns() : 0;
         const std::ptrdiff_t got =
             link_->receive({kept_.data() + kept_size_, kept_.size() - kept_size_},
-                           std::max<std::int64_t>(deadline - link_->now_ns(), 0));
+                           std::max<std::int64_t>(patience, 0));
         if (got < 0) {
             return Answer::lost;
         }
         if (got == 0) {
-            return Answer::pending;
+            break;
         }
         kept_size_ += static_cast<std::size_t>(got);
     }
-    return kept_size_ == 0 ? Answer::complete : Answer::garbage;
+    if (owed_ == 0 && kept_size_ > 0) {
+        return Answer::garbage;
+    }
+    return heard ? Answer::complete : Answer::pending;
+}
+
+/// The first answer of those kept.
+bool HaplyLine::take_reply() noexcept {
+    const auto reply =
+        read_reply({kept_.data(), reply_size_}, setup_.id, setup_.sensor_pin.has_value());
+    if (!reply) {
+        return false;
+    }
+    reply_ = *reply;
+    --owed_;
+    owed_since_ns_ = link_->now_ns();
+    kept_size_ -= reply_size_;
+    std::copy_n(kept_.begin() + static_cast<std::ptrdiff_t>(reply_size_), kept_size_,
+                kept_.begin());
+    return true;
+}
+
+std::optional<double> HaplyLine::round_trip(std::size_t times) noexcept {
+    std::array<std::int64_t, 64> took{};
+    const std::size_t all = std::min(times, took.size());
+    for (std::size_t i = 0; i < all; ++i) {
+        if (!ask({0.0, 0.0}) || hear(kPatience) != Answer::complete) {
+            return std::nullopt;
+        }
+        took[i] = link_->now_ns() - asked_ns_;
+    }
+    std::sort(took.begin(), took.begin() + static_cast<std::ptrdiff_t>(all));
+    return static_cast<double>(took[all / 2]) * 1e-9;
 }
 
 bool HaplyLine::silence() noexcept {
@@ -99,7 +126,7 @@ bool HaplyLine::silence() noexcept {
         sent = ask({0.0, 0.0});
         link_->pause(kMillisecond);
     }
-    return sent && hear(kPatience) == Answer::complete;
+    return sent && hear(kPatience) == Answer::complete && !awaiting();
 }
 
 bool HaplyLine::introduce() noexcept {

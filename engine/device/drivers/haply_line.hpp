@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "engine/device/drivers/byte_link.hpp"
 #include "engine/device/drivers/haply_wire.hpp"
@@ -14,8 +15,8 @@ namespace palpate::engine {
 class HaplyLine {
 public:
     enum class Answer : std::uint8_t {
-        pending,   ///< not all of it is here yet
-        complete,  ///< the answer to the latest exchange is in reply()
+        pending,   ///< nothing new has come yet
+        complete,  ///< the newest answer that has come is in reply(); or nothing was asked
         garbage,   ///< wrong id, impossible numbers, or more than was asked for
         lost,      ///< the link is gone
     };
@@ -35,8 +36,10 @@ public:
     /// that is not finite
     [[nodiscard]] bool ask(const std::array<double, 2>& torque) noexcept;
 
-    /// Collects what was asked for, waiting at most `wait_ns`. What has come so far is kept.
-    [[nodiscard]] Answer hear(std::int64_t wait_ns) noexcept;
+    /// Collects all that has come, and waits at most `wait_ns` for more while more than `leave`
+    /// answers are still to come. Answers come in the order of their questions: one that is behind
+    /// keeps no other one from being heard. Part of an answer is kept.
+    [[nodiscard]] Answer hear(std::int64_t wait_ns, std::size_t leave = 0) noexcept;
 
     /// Throws away what has come, and expects nothing more: an answer that is still on its way
     /// would be taken for that to the next question.
@@ -45,6 +48,11 @@ public:
     [[nodiscard]] const HaplyReply& reply() const noexcept { return reply_; }
     /// An answer is still to come.
     [[nodiscard]] bool awaiting() const noexcept { return owed_ > 0; }
+    /// How many answers are still to come.
+    [[nodiscard]] std::size_t owed() const noexcept { return owed_; }
+    /// Asks one zero question after the other, `times` of them, and takes the middle one of the times
+    /// until their answers. @return s; none if one stayed away for 100 ms
+    [[nodiscard]] std::optional<double> round_trip(std::size_t times) noexcept;
     /// Since when the next answer is due, ns on the link's clock.
     [[nodiscard]] std::int64_t owed_since_ns() const noexcept { return owed_since_ns_; }
     /// When the latest question was asked, ns on the link's clock.
@@ -58,6 +66,7 @@ public:
 
 private:
     [[nodiscard]] bool introduce() noexcept;
+    [[nodiscard]] bool take_reply() noexcept;
 
     ByteLink* link_;
     HaplySetup setup_;
