@@ -146,7 +146,61 @@ constexpr Key kComedi[]{
     {.name = "volts_per_n_m_2", .slot = in<ComediWiring, [](auto& r) -> auto& { return r.volts_per_newton_metre[1]; }>, .range = kVolts,
      .meaning = "of motor 2"},
 };
+
+constexpr double kGrams = 1e3;
+constexpr double kGramSquareCm = 1e7;  // g cm^2
+
+using engine::RigRecord;
+
+constexpr Key kRecord[]{
+    {.name = "device", .slot = at<&RigRecord::device>, .need = required, .form = Form::free,
+     .meaning = "that was commissioned, as --device has it"},
+    {.name = "program", .slot = at<&RigRecord::program>, .need = required, .form = Form::free,
+     .meaning = "version of the program that did it"},
+    {.name = "calibration_sha256", .slot = at<&RigRecord::calibration>, .need = required, .form = Form::free,
+     .meaning = "of the calibration's canonical text"},
+    {.name = "handle_g", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.handle_mass; }>, .need = required, .range = {0, 1e4}, .per_si = kGrams,
+     .meaning = "handle and free links, lumped at the handle"},
+    {.name = "inertia_1_g_cm2", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.inertia.x; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
+     .meaning = "driven link 1 with its motor"},
+    {.name = "inertia_2_g_cm2", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.inertia.y; }>, .need = required, .range = {0, 1e7}, .per_si = kGramSquareCm,
+     .meaning = "driven link 2 with its motor"},
+    {.name = "damping_1_mn_m_s", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.damping.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "at motor 1, by rad/s"},
+    {.name = "damping_2_mn_m_s", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.damping.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "at motor 2, by rad/s"},
+    {.name = "friction_1_mn_m", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.friction.x; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "dry, at motor 1"},
+    {.name = "friction_2_mn_m", .slot = in<RigRecord, [](auto& r) -> auto& { return r.dynamics.friction.y; }>, .need = required, .range = {0, 1e4}, .per_si = kMilli,
+     .meaning = "dry, at motor 2"},
+    {.name = "pulse_n", .slot = at<&RigRecord::force>, .need = required, .range = {0.01, 0.3},
+     .meaning = "force of the pulses that open a session"},
+    {.name = "damping_n_s_per_m", .slot = at<&RigRecord::damping>, .need = required, .range = {0, 1e3},
+     .meaning = "at the handle, the least in the workspace, less a fifth"},
+    {.name = "friction_n", .slot = at<&RigRecord::friction>, .need = required, .range = {0, 1e3},
+     .meaning = "dry, at the handle, the least where it was pushed"},
+    {.name = "round_trip_ms", .slot = at<&RigRecord::round_trip>, .need = required, .range = {0, 1e3}, .per_si = kMilli,
+     .meaning = "from a question to its answer; 0: the device is not asked"},
+    {.name = "rate_hz", .slot = at<&RigRecord::rate_hz>, .need = required, .range = {0, 1e4},
+     .meaning = "at which every tick has a new reading, one tick old"},
+    {.name = "stiffness_n_per_m", .slot = at<&RigRecord::stiffness>, .need = required, .range = {0, 1e6},
+     .meaning = "usable at 1 kHz"},
+    {.name = "mark_mm", .slot = at<&RigRecord::mark>, .range = {-1000, 1000}, .per_si = kMilli,
+     .meaning = "where the handle is brought at each opening; left out: the operator's word"},
+};
 // clang-format on
+
+/// The hash stands in the last line, over all bytes before it.
+constexpr std::string_view kSeal = "# sha256 ";
+
+std::string sealed(const std::string& text) {
+    return fmt::format("{}{}{}\n", text, kSeal, sha256_hex(text));
+}
+
+bool seal_holds(const std::string& text) {
+    const std::size_t at = text.rfind(kSeal);
+    return at != std::string::npos && sealed(text.substr(0, at)) == text;
+}
 
 Calibration read_pantograph(TableReader& table) {
     Machine calibration;
@@ -187,10 +241,16 @@ std::vector<TableText> calibration_reference() {
             {"[pantograph.linkage]", "required", kLinkage},
             {"[pantograph.axis_1]", "and [pantograph.axis_2], required", kAxis},
             {"[pantograph.haply]", "of a Haply board", kHaply},
-            {"[pantograph.comedi]", "of a DAQ card", kComedi}};
+            {"[pantograph.comedi]", "of a DAQ card", kComedi},
+            {"[commissioning]", "written by palpate commission", kRecord}};
 }
 
-std::vector<Calibration> parse_calibrations(std::string_view text, std::string_view file_name) {
+namespace {
+
+/// Every machine of a file, and its record, if it has one.
+std::vector<Calibration> parse_rig(std::string_view text,
+                                   std::string_view file_name,
+                                   std::optional<RigRecord>& record) {
     const Table file = parse_document(text, file_name);
     Problems problems;
     Places places;
@@ -207,6 +267,10 @@ std::vector<Calibration> parse_calibrations(std::string_view text, std::string_v
         }
         found.push_back(std::move(calibration));
     }
+    if (auto reader = top.table("commissioning")) {
+        reader->read(kRecord, &record.emplace());
+        reader->refuse_unknown();
+    }
     if (found.empty() && problems.none()) {
         problems.add({}, "the file holds no machine: add a [[pantograph]] table");
     }
@@ -215,23 +279,43 @@ std::vector<Calibration> parse_calibrations(std::string_view text, std::string_v
     return found;
 }
 
+}  // namespace
+
+std::vector<Calibration> parse_calibrations(std::string_view text, std::string_view file_name) {
+    std::optional<RigRecord> record;
+    return parse_rig(text, file_name, record);
+}
+
 Calibration load_calibration(const std::string& name_or_file) {
+    return load_rig(name_or_file).calibration;
+}
+
+RigFile load_rig(const std::string& name_or_file) {
     std::error_code ignored;
     if (std::filesystem::exists(name_or_file, ignored)) {
-        auto found = parse_calibrations(read_text(name_or_file, kMostDocument), name_or_file);
+        const std::string text = read_text(name_or_file, kMostDocument);
+        RigFile rig;
+        auto found = parse_rig(text, name_or_file, rig.record);
         if (found.size() != 1) {
             throw ProtocolError(
                 fmt::format("{}:1:1: the file holds {} machines: leave one, or name a shipped one",
                             name_or_file, found.size()));
         }
-        return found.front();
+        if (rig.record && !seal_holds(text)) {
+            throw ProtocolError(fmt::format(
+                "{}:1:1: the file was changed after the rig was commissioned: run palpate "
+                "commission again, or take the table [commissioning] out",
+                name_or_file));
+        }
+        rig.calibration = std::move(found.front());
+        return rig;
     }
     std::string names;
     std::vector<std::string> known;
     for (const Calibration& shipped :
          parse_calibrations(shipped_pantographs(), "pantographs.toml")) {
         if (shipped.pantograph.name == name_or_file) {
-            return shipped;
+            return {.calibration = shipped};
         }
         known.push_back(shipped.pantograph.name);
         names += (names.empty() ? "" : ", ") + shipped.pantograph.name;
@@ -263,6 +347,11 @@ std::string to_toml(const Calibration& calibration) {
 
 std::string calibration_id(const Calibration& calibration) {
     return sha256_hex(to_toml(calibration));
+}
+
+std::string to_toml(const Calibration& calibration, const RigRecord& record) {
+    return sealed(
+        fmt::format("{}\n[commissioning]\n{}", to_toml(calibration), toml_lines(kRecord, &record)));
 }
 
 }  // namespace palpate::protocols

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "engine/commissioning/rig_record.hpp"
 #include "engine/device/calibration.hpp"
 #include "protocols/file/schema.hpp"
 
@@ -22,6 +24,19 @@ namespace palpate::protocols {
 /// 2diy_gen2, 2diy_gen3, mk2.
 /// @throws ProtocolError also if there is neither, or a file holds several
 [[nodiscard]] engine::Calibration load_calibration(const std::string& name_or_file);
+
+/// A calibration, and what commissioning found of the rig where it was commissioned.
+struct RigFile {
+    engine::Calibration calibration;
+    std::optional<engine::RigRecord> record{};
+};
+/// As load_calibration(). A record that was changed by hand is no record.
+/// @throws ProtocolError also for a record whose hash is another's
+[[nodiscard]] RigFile load_rig(const std::string& name_or_file);
+
+/// The calibration's canonical text, the record, and the hash of both, as load_rig() reads them.
+[[nodiscard]] std::string to_toml(const engine::Calibration& calibration,
+                                  const engine::RigRecord& record);
 
 /// The canonical text, a file with one machine: every key that is not left out for "none", in a fixed
 /// order, numbers as short as they can be without changing the value. Read and written again it is

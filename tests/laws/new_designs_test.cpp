@@ -8,6 +8,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/rig_file.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -128,7 +129,8 @@ TEST_CASE("a left-hander is not run in a right-handers' study, and nothing is re
     REQUIRE(palpate_command({"participant", file, "L1", "--new", "--handedness=-60"}).code == 0);
     const Finished run =
         Process({tests::palpate_program(), "run", "shape_friction", "--participant", "L1", "--db",
-                 file, "--device", "haply:/nonexistent"},
+                 file, "--device", "haply:/nonexistent", "--calibration",
+                 tests::commissioned_rig(folder, "haply:/nonexistent")},
                 {"SDL_VIDEODRIVER=dummy"})
             .wait();
     CHECK(run.code == 2);

@@ -1,7 +1,5 @@
-#include <charconv>
 #include <chrono>
 #include <cstdio>
-#include <iostream>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -16,6 +14,7 @@
 #include "protocols/file/calibration_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/calibration_device.hpp"
+#include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
 
 namespace palpate::ui {
@@ -36,24 +35,10 @@ constexpr auto kPause = std::chrono::milliseconds(1);
 constexpr int kMostSilent = 100;  ///< readings in a row that say nothing new
 constexpr std::size_t kShownId = 12;
 
-Vec2 parse_mark(const std::string& text) {
-    Vec2 mm{};
-    const char* const end = text.data() + text.size();
-    const auto x = std::from_chars(text.data(), end, mm.x);
-    const bool comma = x.ec == std::errc{} && x.ptr != end && *x.ptr == ',';
-    const auto y = comma ? std::from_chars(x.ptr + 1, end, mm.y) : x;
-    constexpr double kFar = 1000.0;
-    if (!comma || y.ec != std::errc{} || y.ptr != end || !(glm::length(mm) <= kFar)) {
-        throw std::invalid_argument(fmt::format(
-            "--mark {}: give its place in the object's frame in mm, as in --mark 0,40", text));
-    }
-    return mm / 1000.0;
-}
-
 std::vector<Vec2> marks_of(const CalibrateOptions& options, const engine::Calibration& preset) {
     std::vector<Vec2> marks;
     for (const std::string& text : options.marks) {
-        marks.push_back(parse_mark(text));
+        marks.push_back(parse_place(text, "--mark"));
     }
     if (marks.empty()) {
         marks.push_back(preset.home.value_or(Vec2{}));
@@ -108,14 +93,6 @@ engine::MarkReading read_mark(engine::Device& device, const Vec2& place) {
     return counts.at(place);
 }
 
-/// @return false at the end of standard input
-bool wait_for_enter(const Vec2& place) {
-    say("Bring the handle to ({}, {}) mm and press Enter. ", place.x * 1e3, place.y * 1e3);
-    std::fflush(stdout);
-    std::string line;
-    return static_cast<bool>(std::getline(std::cin, line));
-}
-
 void print_found(const engine::Calibration& found,
                  const engine::Homing& homing,
                  const std::vector<engine::MarkReading>& readings) {
@@ -160,7 +137,8 @@ int run(const CalibrateOptions& options) {
 
     std::vector<engine::MarkReading> readings;
     for (const Vec2& mark : marks) {
-        if (!wait_for_enter(mark)) {
+        if (!wait_for_enter(
+                fmt::format("Bring the handle to {} and press Enter. ", place_text(mark)))) {
             say_to(stderr, "\npalpate: standard input ended; nothing was written\n");
             return kExitStopped;
         }

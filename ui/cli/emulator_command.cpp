@@ -1,14 +1,22 @@
+#include <array>
 #include <cstdio>
+#include <functional>
 #include <stdexcept>
+#include <vector>
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
+#include "engine/device/emulator/free_handle.hpp"
 #include "engine/device/emulator/pty_board.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/calibration_device.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -17,6 +25,8 @@ struct EmulatorOptions {
     std::string link;                  ///< a symbolic link to the terminal; empty: none
     std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
     double delay_ms = 0.0;             ///< from a packet to its answer
+    bool free = false;                 ///< nobody holds the handle
+    std::string at;                    ///< where it rests then; empty: at home
 };
 
 constexpr int kStepUs = 250;
@@ -31,6 +41,73 @@ void declare(CommandWords& words, EmulatorOptions& options) {
              "How long after a packet its answer goes out, ms; a USB port needs about 1")
         .within(0.0, 1000.0)
         .with_default();
+    words.add(
+        "--free", options.free,
+        "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
+        "it there");
+    words
+        .add("--at", options.at, "Where a free handle rests at first, X_MM,Y_MM; left out: at home")
+        .needs("--free");
+}
+
+/// Lines of standard input that are there, without waiting for one.
+class Lines {
+public:
+    [[nodiscard]] std::vector<std::string> take() {
+        pollfd input{.fd = open_ ? STDIN_FILENO : -1, .events = POLLIN, .revents = 0};
+        std::array<char, 256> bytes{};
+        if (poll(&input, 1, 0) > 0) {
+            const ssize_t got = read(STDIN_FILENO, bytes.data(), bytes.size());
+            open_ = got > 0;
+            kept_.append(bytes.data(), open_ ? static_cast<std::size_t>(got) : 0);
+        }
+        std::vector<std::string> lines;
+        for (std::size_t end = kept_.find('\n'); end != std::string::npos; end = kept_.find('\n')) {
+            lines.push_back(kept_.substr(0, end));
+            kept_.erase(0, end + 1);
+        }
+        return lines;
+    }
+
+private:
+    std::string kept_;
+    bool open_ = true;
+};
+
+/// The board with whatever hangs on it lives until somebody interrupts it.
+/// @param heed  called between its steps
+void live(const EmulatorOptions& options,
+          const engine::Calibration& machine,
+          engine::BoardPlant& plant,
+          const std::function<void()>& heed) {
+    engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
+    board.set_faults({.delay = 1e-3 * options.delay_ms});
+    catch_signals();
+    engine::run_like_a_board();
+    engine::PtyBoard terminal(board, options.link);
+    fmt::print("{}\n", terminal.path());
+    std::fflush(stdout);
+    while (!interrupted()) {
+        terminal.step(options.delay_ms > 0.0 ? kDelayStepUs : kStepUs);
+        heed();
+    }
+}
+
+void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
+    engine::PlantModel plant;
+    plant.machine = machine.pantograph;
+    engine::FreeHandle handle(
+        plant, options.at.empty() ? home_of(machine) : parse_place(options.at, "--at"));
+    Lines lines;
+    live(options, machine, handle, [&] {
+        for (const std::string& line : lines.take()) {
+            try {
+                handle.bring(parse_place(line, "brought to"));
+            } catch (const std::exception& e) {
+                warn("{}", e.what());
+            }
+        }
+    });
 }
 
 int run(const EmulatorOptions& options) {
@@ -41,16 +118,11 @@ int run(const EmulatorOptions& options) {
             "haplet",
             options.preset));
     }
-    engine::DeskHand hand(machine);
-    engine::HaplyBoard board(hand, machine.pantograph, *machine.haply);
-    board.set_faults({.delay = 1e-3 * options.delay_ms});
-    catch_signals();
-    engine::run_like_a_board();
-    engine::PtyBoard terminal(board, options.link);
-    fmt::print("{}\n", terminal.path());
-    std::fflush(stdout);
-    while (!interrupted()) {
-        terminal.step(options.delay_ms > 0.0 ? kDelayStepUs : kStepUs);
+    if (options.free) {
+        live_free(options, machine);
+    } else {
+        engine::DeskHand hand(machine);
+        live(options, machine, hand, [] {});
     }
     return 0;
 }

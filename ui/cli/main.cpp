@@ -19,8 +19,9 @@ namespace palpate::ui {
 Command demo_command(), new_command(), check_command(), run_command(), sequence_command(),
     summary_command(), participant_command(), note_command(), mark_command(), verify_command(),
     sql_command(), extension_command(), trace_command(), export_command(), merge_command(),
-    push_command(), calibrate_command(), doctor_command(), emulator_command(), render_command(),
-    closest_command(), figures_command(), procedure_command(), screenshots_command();
+    push_command(), calibrate_command(), commission_command(), doctor_command(), emulator_command(),
+    render_command(), closest_command(), figures_command(), procedure_command(),
+    screenshots_command();
 
 }  // namespace palpate::ui
 
@@ -29,12 +30,13 @@ namespace {
 using namespace palpate::ui;
 
 std::vector<Command> all_commands() {
-    return {demo_command(),      new_command(),     check_command(),       run_command(),
-            sequence_command(),  summary_command(), participant_command(), note_command(),
-            mark_command(),      verify_command(),  sql_command(),         extension_command(),
-            trace_command(),     export_command(),  merge_command(),       push_command(),
-            calibrate_command(), doctor_command(),  emulator_command(),    render_command(),
-            closest_command(),   figures_command(), procedure_command(),   screenshots_command()};
+    return {demo_command(),       new_command(),        check_command(),       run_command(),
+            sequence_command(),   summary_command(),    participant_command(), note_command(),
+            mark_command(),       verify_command(),     sql_command(),         extension_command(),
+            trace_command(),      export_command(),     merge_command(),       push_command(),
+            calibrate_command(),  commission_command(), doctor_command(),      emulator_command(),
+            render_command(),     closest_command(),    figures_command(),     procedure_command(),
+            screenshots_command()};
 }
 
 /// Everybody can list the words of a command (ps): the address of a server may hold a password.

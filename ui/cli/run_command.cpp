@@ -5,12 +5,15 @@
 
 #include <fmt/format.h>
 
+#include "protocols/file/calibration_file.hpp"
 #include "protocols/file/keys.hpp"
 #include "data/store/people.hpp"
 #include "data/store/secret.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/interrupt.hpp"
+#include "ui/rig/open_device.hpp"
 #include "ui/rig/operator_log.hpp"
+#include "ui/rig/rig_proof.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/run_rig.hpp"
 #include "ui/session/session_choice.hpp"
@@ -36,6 +39,7 @@ struct RunOptions {
     std::string resume = "continue";
     std::string operator_name;  ///< kept with the session; empty: not given
     bool durable = false;       ///< ticks are saved within 45 ms instead of 120 ms
+    bool handle_free = false;   ///< the operator's word for it, and for home
     double spin = 0.0;          ///< see engine::ServoSpec::spin_share
     ScreenOptions screen{};
 };
@@ -86,6 +90,25 @@ void heed_device(const RunOptions& options, const RigSpec& spec) {
             "this protocol asks for the device \"{}\", and --device is {}: use that device, or run "
             "it with --kind pilot",
             protocols::word_of(asked), options.device));
+    }
+}
+
+/// Of a rig that gives force: what was commissioned, or why nobody may hold it in a real session.
+void heed_record(RigSpec& spec, const std::string& device) {
+    if (!held_by_a_person(spec.device.kind) || !gives_force(spec.device.kind)) {
+        return;
+    }
+    const protocols::RigFile rig = spec.calibration.empty()
+                                     ? protocols::RigFile{calibration_of(spec.device, {})}
+                                     : protocols::load_rig(spec.calibration);
+    const std::string why =
+        objection(rig.record ? &*rig.record : nullptr, rig.calibration, device, spec.calibration);
+    if (why.empty()) {
+        spec.record = rig.record;
+    } else if (spec.kind == data::RunKind::real) {
+        throw std::invalid_argument("no real session: " + why);
+    } else {
+        warn("{}. Until then nobody should hold its handle", why);
     }
 }
 
@@ -203,6 +226,10 @@ void declare(CommandWords& words, RunOptions& options) {
              "wakes up on time to a microsecond and costs processor time")
         .within(0.0, 0.5)
         .with_default();
+    words.add(
+        "--handle-free", options.handle_free,
+        "Says beforehand that nobody holds the handle and that it rests at home: a rig that was "
+        "commissioned is then opened without a question, and without its second mark");
     words.add("--no-sound", options.screen.no_sound,
               "No masking noise, whatever the protocol asks for; recorded with the session");
     add_screen_words(words, options.screen);
@@ -226,8 +253,10 @@ int run(const RunOptions& options) {
     spec.go_on = go_on_command(options.words);
     spec.durable = options.durable;
     spec.spin_share = options.spin;
+    spec.handle_free = options.handle_free;
     spec.kind = kind_of(options, spec.device, spec.study.protocol);
     heed_device(options, spec);
+    heed_record(spec, options.device);
     heed_number(options, spec.study.protocol.id);
     if (wants_window(options.screen) && spec.screen.speed == 0.0) {
         spec.screen.speed = 1.0;

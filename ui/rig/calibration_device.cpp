@@ -1,9 +1,11 @@
 #include "ui/rig/calibration_device.hpp"
 
+#include <charconv>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/device/pantograph.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "ui/rig/open_device.hpp"
 
@@ -43,6 +45,29 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place) {
     }
     simulated->begin({.start = place, .speed = 1e-9, .tremor = 0.0});  // its hand stays there
     return true;
+}
+
+engine::Vec2 parse_place(const std::string& text, const std::string& word) {
+    engine::Vec2 mm{};
+    const char* const end = text.data() + text.size();
+    const auto x = std::from_chars(text.data(), end, mm.x);
+    const bool comma = x.ec == std::errc{} && x.ptr != end && *x.ptr == ',';
+    const auto y = comma ? std::from_chars(x.ptr + 1, end, mm.y) : x;
+    constexpr double kFar = 1000.0;
+    if (!comma || y.ec != std::errc{} || y.ptr != end || !(glm::length(mm) <= kFar)) {
+        throw std::invalid_argument(fmt::format(
+            "{0} {1}: give its place in the object's frame in mm, as in {0} 0,40", word, text));
+    }
+    return mm / 1000.0;
+}
+
+engine::Vec2 home_of(const engine::Calibration& calibration) {
+    if (calibration.home) {
+        return *calibration.home;
+    }
+    const engine::Pantograph machine(calibration.pantograph);
+    const auto fix = calibration.haply ? machine.locate(machine.angles({0, 0})) : std::nullopt;
+    return fix ? fix->hip : engine::Vec2{0.0, 0.020};
 }
 
 }  // namespace palpate::ui

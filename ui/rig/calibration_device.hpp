@@ -20,4 +20,12 @@ namespace palpate::ui {
 /// @return false for a device that a person has to move
 bool bring_handle(engine::Device& device, const engine::Vec2& place);
 
+/// X_MM,Y_MM in the object's frame. @param word  what it was given as, for the message
+/// @return m   @throws std::invalid_argument with both
+[[nodiscard]] engine::Vec2 parse_place(const std::string& text, const std::string& word);
+
+/// Where the handle rests when the device is switched on: the calibration's home, or where its counts
+/// are 0 on a Haply board, or a place in the middle of the workspace.
+[[nodiscard]] engine::Vec2 home_of(const engine::Calibration& calibration);
+
 }  // namespace palpate::ui

@@ -22,7 +22,8 @@ constexpr const char* kKeepsForce =
     "motors' supply, within the experimenter's reach";
 
 std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
-                                                          const engine::Calibration& calibration) {
+                                                          const engine::Calibration& calibration,
+                                                          std::vector<OpeningFact>& opening) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const auto hand = [&] {
         return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed);
@@ -46,9 +47,16 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
         case Kind::comedi:
             break;
     }
-    return std::make_unique<protocols::DeviceApparatus>(
-        protocol, open_device(spec.device, calibration, 1.0 / protocol.apparatus.rate_hz),
-        spec.spin_share);
+    const double period = 1.0 / protocol.apparatus.rate_hz;
+    if (spec.record) {
+        ask_for_home(calibration, spec.handle_free);
+    }
+    auto device = open_device(spec.device, calibration, period);
+    if (spec.record) {
+        opening = prove_opening(*device, calibration, *spec.record, period, spec.handle_free);
+    }
+    return std::make_unique<protocols::DeviceApparatus>(protocol, std::move(device),
+                                                        spec.spin_share);
 }
 
 /// What the system refused to a servo that a hand depends on, and the remedy.
@@ -68,8 +76,8 @@ std::vector<std::string> refusals(const engine::RealtimeRights& rights) {
 
 OpenedApparatus open_apparatus(const RigSpec& spec) {
     const engine::Calibration calibration = calibration_of(spec.device, spec.calibration);
-    auto apparatus = make_apparatus(spec, calibration);
     OpenedApparatus opened;
+    auto apparatus = make_apparatus(spec, calibration, opened.opening);
     opened.findings = check_feasibility(spec.study.protocol, apparatus->device());
     opened.provenance = engine::provenance(apparatus->rights());
     if (apparatus->device().traits().gives_force) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "protocols/session/feasibility.hpp"
+#include "ui/rig/rig_proof.hpp"
 #include "ui/rig/stay_awake.hpp"
 #include "ui/session/rig.hpp"
 
@@ -19,10 +20,11 @@ struct OpenedApparatus {
     std::string rest;  ///< when a contact on it comes to rest; empty: not known
     std::vector<std::string>
         refused;  ///< real-time rights of a servo that gives force, with the remedy
+    std::vector<OpeningFact> opening;                             ///< of a rig that was proved
     std::vector<std::pair<std::string, std::string>> provenance;  ///< calibration, real-time rights
 };
 
-/// Opens the device and its servo. Call it before windows: guard and emulated board are forked.
+/// Opens the device and its servo; a rig with a record is proved first. Call it before windows: guard and emulated board are forked.
 /// @throws std::invalid_argument, std::runtime_error with the remedy if the device cannot be opened
 [[nodiscard]] OpenedApparatus open_apparatus(const RigSpec& spec);
 

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "engine/commissioning/rig_record.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/session_store.hpp"
 #include "ui/rig/device_choice.hpp"
@@ -29,6 +31,9 @@ struct RigSpec {
     data::RunKind kind = data::RunKind::simulated;
     DeviceChoice device;
     std::string calibration;  ///< a file or a shipped machine's name; empty: the device's own
+    std::optional<engine::RigRecord> record{};  ///< the rig is proved when it is opened
+    bool handle_free =
+        false;  ///< the operator's word that it is, and at home, was given beforehand
     std::vector<protocols::ReplayApparatus::Recording> recordings;  ///< of a replay
     ScreenOptions screen;
     data::Resume resume = data::Resume::go_on;

@@ -317,6 +317,12 @@ RigEnd run_rig(data::Database& database, const RigSpec& spec) {
     data::SqliteRecorder recorder(database, protocol, opened.id);
     data::AsyncRecorder record(
         recorder, spec.durable ? data::AsyncRecorder::kSaveOften : data::AsyncRecorder::kSaveEvery);
+    for (const OpeningFact& fact : felt.opening) {
+        record.event({.kind = protocols::EventKind::provenance,
+                      .text = fact.text,
+                      .key = fact.key,
+                      .value = fact.value});
+    }
     if (!masking.note.empty()) {
         record.event({.kind = protocols::EventKind::masking, .text = masking.note});
     }

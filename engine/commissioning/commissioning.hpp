@@ -1,0 +1,53 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/commissioning/pulse_fit.hpp"
+
+/// A rig is proved from nothing: first its encoders, by places to which a person brings the handle and
+/// while no motor turns; then its motors, by weak pulses on a handle that nobody holds. Whatever is
+/// wrong is found before a force is more than 0.3 N.
+namespace palpate::engine {
+
+/// What the procedure needs of the world.
+struct CommissioningDesk {
+    /// A person brings the handle there and lets go. @return false: they gave up
+    std::function<bool(const Vec2&)> bring;
+    PulseRunner::Wait wait;  ///< see PulseRunner
+    double period = 1e-3;    ///< s
+};
+
+/// What came of it.
+struct Commissioned {
+    std::string refused;  ///< why not, a sentence without a full stop; empty: the rig is proved
+    bool given_up = false;
+    /// Without device, calibration and program, which are of whoever keeps it.
+    RigRecord record{};
+    std::vector<Pulse> pulses;
+    EncoderProof encoders{};
+    std::optional<MotorProof> motors{};  ///< none: no motor was turned at all places
+};
+
+/// @param places  home first, then those of commissioning_places() or others that tell the encoders
+/// @param mass    what the handle weighs, kg
+/// @throws std::invalid_argument for places that do not tell how encoders are connected
+[[nodiscard]] Commissioned commission(Device& device,
+                                      const PantographSpec& spec,
+                                      const std::vector<Vec2>& places,
+                                      double mass,
+                                      const CommissioningDesk& desk);
+
+/// The short form that opens each session: four pulses where the handle rests.
+struct ShortForm {
+    std::string refused;  ///< as above
+    std::string found;    ///< shares and directions of the four, for the record
+};
+[[nodiscard]] ShortForm prove_again(PulseRunner& runner,
+                                    const PantographSpec& spec,
+                                    const RigRecord& record,
+                                    double delay);
+
+}  // namespace palpate::engine

@@ -1,0 +1,161 @@
+#include "engine/commissioning/encoder_proof.hpp"
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/device/pantograph.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr double kNowhere = std::numeric_limits<double>::infinity();
+
+/// Where the counts, taken by `connection`, put the handle; the right one takes them as they are.
+std::optional<Vec2> place_of(const Pantograph& machine,
+                             const JointAngles& home,
+                             const Vec2& turned,
+                             const Connection& connection) {
+    JointAngles angles = home;
+    for (int joint = 0; joint < 2; ++joint) {
+        const int from = connection.swapped ? 1 - joint : joint;
+        const auto at = static_cast<std::size_t>(joint);
+        angles[at] += turned[from] / connection.factor[at] * machine.spec().axes[at].count_angle();
+    }
+    const auto fix = machine.locate(angles);
+    return fix ? std::optional<Vec2>(fix->hip) : std::nullopt;
+}
+
+/// The worst distance of the marks from where `connection` puts the handle.
+double missed_by(const Pantograph& machine,
+                 std::span<const MarkReading> marks,
+                 const Connection& connection) {
+    const auto home = machine.reach(marks.front().place);
+    double worst = home ? 0.0 : kNowhere;
+    for (std::size_t i = 1; i < marks.size() && home; ++i) {
+        const auto place =
+            place_of(machine, *home, marks[i].counts - marks.front().counts, connection);
+        worst = std::fmax(worst, place ? glm::length(*place - marks[i].place) : kNowhere);
+    }
+    return worst;
+}
+
+std::vector<MarkReading> exact_marks(const Pantograph& machine, std::span<const Vec2> places) {
+    std::vector<MarkReading> marks;
+    for (const Vec2& place : places) {
+        const auto angles = machine.reach(place);
+        if (!angles) {
+            return {};
+        }
+        const auto counts = machine.counts(*angles);
+        marks.push_back({.place = place,
+                         .counts = {static_cast<double>(counts[0]), static_cast<double>(counts[1])},
+                         .span = {}});
+    }
+    return marks;
+}
+
+}  // namespace
+
+std::vector<Connection> all_connections() {
+    std::vector<Connection> all;
+    for (const bool swapped : {false, true}) {
+        for (const double one : {1.0, -1.0, 0.5, -0.5, 2.0, -2.0}) {
+            for (const double two : {1.0, -1.0, 0.5, -0.5, 2.0, -2.0}) {
+                all.push_back({.swapped = swapped, .factor = {one, two}});
+            }
+        }
+    }
+    return all;
+}
+
+std::string explained(const Connection& connection,
+                      const std::string& one,
+                      const std::string& much,
+                      const std::string& little) {
+    std::string text = connection.swapped ? "the " + one + "s are swapped" : "";
+    for (std::size_t i = 0; i < 2; ++i) {
+        const double size = std::fabs(connection.factor[i]);
+        for (const std::string& what :
+             {std::string(connection.factor[i] < 0.0 ? "is reversed" : ""),
+              std::string(size > 1.0   ? much
+                          : size < 1.0 ? little
+                                       : "")}) {
+            if (!what.empty()) {
+                text += (text.empty() ? "" : ", ") + one + " " + std::to_string(i + 1) + " " + what;
+            }
+        }
+    }
+    return text;
+}
+
+EncoderProof prove_encoders(const PantographSpec& spec, std::span<const MarkReading> marks) {
+    if (marks.size() < 2) {
+        throw std::invalid_argument("encoders are proved by home and one more mark at least");
+    }
+    const Pantograph machine(spec);
+    EncoderProof proof{.connection = {}, .fits = false, .missed = kNowhere};
+    for (const Connection& connection : all_connections()) {
+        const double missed = missed_by(machine, marks, connection);
+        const bool right = connection == Connection{};
+        if (missed < proof.missed) {
+            proof = {.connection = connection, .fits = missed <= kPlaced, .missed = missed};
+        }
+        if (right && proof.fits) {
+            return proof;
+        }
+    }
+    return proof;
+}
+
+double told_apart(const PantographSpec& spec, std::span<const Vec2> places) {
+    const Pantograph machine(spec);
+    const std::vector<MarkReading> marks = exact_marks(machine, places);
+    if (marks.size() < 2) {
+        return 0.0;
+    }
+    double least = kNowhere;
+    for (const Connection& connection : all_connections()) {
+        if (!(connection == Connection{})) {
+            least = std::fmin(least, missed_by(machine, marks, connection));
+        }
+    }
+    return least;
+}
+
+std::vector<Vec2> commissioning_places(const PantographSpec& spec, const Vec2& home) {
+    constexpr double kStep = 0.010;
+    constexpr double kClear = 0.008;  // m from singular poses: the force is a force there
+    const Pantograph machine(spec);
+    std::vector<Vec2> within;
+    for (int i = -4; i <= 4; ++i) {
+        for (int k = 0; k <= 6; ++k) {
+            const Vec2 place{i * kStep, k * kStep};
+            const auto angles = machine.reach(place);
+            const auto fix = angles ? machine.locate(*angles) : std::nullopt;
+            if (fix && fix->clearance >= kClear && glm::length(place - home) >= 2.0 * kStep) {
+                within.push_back(place);
+            }
+        }
+    }
+    std::vector<Vec2> best;
+    double most = 2.0 * kPlaced;
+    for (std::size_t i = 0; i < within.size(); ++i) {
+        for (std::size_t k = i + 1; k < within.size(); ++k) {
+            const std::vector<Vec2> places{home, within[i], within[k]};
+            const double least = told_apart(spec, places);
+            if (least > most) {
+                most = least;
+                best = places;
+            }
+        }
+    }
+    if (best.empty()) {
+        throw std::invalid_argument(
+            "no two places within reach of " + spec.name +
+            " tell how its encoders are connected: correct home, the lengths or the origin");
+    }
+    return best;
+}
+
+}  // namespace palpate::engine

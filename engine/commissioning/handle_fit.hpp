@@ -1,0 +1,43 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "engine/commissioning/pulses.hpp"
+#include "engine/commissioning/rig_record.hpp"
+
+/// How a free handle moves, found from pulses by the motion itself: the numbers whose predicted motion
+/// is nearest to the counts (Levenberg and Marquardt's method).
+namespace palpate::engine {
+
+/// A pulse as the fit needs it.
+struct Track {
+    struct Step {
+        Vec2 torque{};   ///< N m that act on the joints, mean of the step
+        Vec2 turned{};   ///< counts since the start, at the step's end
+        Vec2 carry_1{};  ///< J^T J there: rows
+        Vec2 carry_2{};
+        bool fresh = true;
+    };
+    double period = 1e-3;  ///< s of a step
+    Vec2 per_count{};      ///< rad
+    std::vector<Step> steps;
+};
+
+/// @param swapped, sign  which motor turns which joint, and which way
+/// @param delay          s from a tick's reading to the force of that tick
+[[nodiscard]] Track track_of(
+    const Pantograph& machine, const Pulse& pulse, bool swapped, const Vec2& sign, double delay);
+
+/// In the torques of motor 1: what motor 2 gives is `ratio` times as much.
+struct FittedHandle {
+    HandleDynamics dynamics{};
+    double ratio = 1.0;
+};
+
+/// @param free_ratio  find the ratio as well
+[[nodiscard]] FittedHandle fit_handle(std::span<const Track> tracks,
+                                      const FittedHandle& start,
+                                      bool free_ratio);
+
+}  // namespace palpate::engine

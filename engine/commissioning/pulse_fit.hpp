@@ -1,0 +1,69 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "engine/commissioning/encoder_proof.hpp"
+#include "engine/commissioning/pulses.hpp"
+#include "engine/commissioning/rig_record.hpp"
+#include "engine/math/elementary.hpp"
+
+/// What pulses say of motors and handle.
+///
+/// In joint angles q, with J the handle's Jacobian, and for a handle of mass m with driven links of
+/// inertia I, damping B and dry friction f, the impulse of a motor is
+///
+///     int tau = (I + m J^T J) q' + B q + f int sgn q'
+///
+/// and integrated once more it speaks of positions alone. Of motor i that is linear in I_i, m, B_i,
+/// f_i, each divided by its gain: pulses at three places tell them. A motor on the other joint, or
+/// reversed, fits worse or with a mass below 0; one twice as strong, with half the mass.
+namespace palpate::engine {
+
+/// What was found of the motors.
+struct MotorProof {
+    Connection connection{};       ///< nearest to what was found
+    std::array<double, 2> gain{};  ///< as found: 1 is right
+    HandleDynamics dynamics{};     ///< if the connection is right
+    bool moved = false;            ///< every motor moved its joint
+};
+/// Which motor turns which joint, and which way, from the pulses of one place or more: factors of 1
+/// and -1.
+[[nodiscard]] Connection order_of_motors(const PantographSpec& spec,
+                                         std::span<const Pulse> pulses,
+                                         double delay);
+
+/// @param pulses  at three places or more, all directions; encoders are right (prove_encoders)
+/// @param mass    what the handle weighs, kg: strength and mass cannot be told apart by motion
+[[nodiscard]] MotorProof prove_motors(const PantographSpec& spec,
+                                      std::span<const Pulse> pulses,
+                                      double mass,
+                                      double delay);
+
+/// How the joints turned, against how they should have. Joints and not the handle: near a singular
+/// pose, where a machine may well be at home, a count is a large step of the handle.
+struct PulseMatch {
+    double share = 0.0;  ///< size of the turn of both, by the predicted one
+    double angle = 0.0;  ///< rad between them, in the plane of both turns
+};
+
+/// A free handle may move so much otherwise than predicted: a gain within 30 %, a direction within 20
+/// degrees.
+inline constexpr double kMostGainError = 0.3;
+inline constexpr double kMostTurn = 20.0 * kPi / 180.0;
+
+/// The turn until the force was reversed, measured and predicted by the plant.
+/// @param delay  s from a tick's reading to the force of that tick
+[[nodiscard]] PulseMatch match(const PantographSpec& spec,
+                               const Pulse& pulse,
+                               const HandleDynamics& dynamics,
+                               double delay);
+
+/// What speaks against a rig whose handle should move by `dynamics`: a sentence without a full stop,
+/// empty if nothing does.
+[[nodiscard]] std::string wrong_with(const PantographSpec& spec,
+                                     std::span<const Pulse> pulses,
+                                     const HandleDynamics& dynamics,
+                                     double delay);
+
+}  // namespace palpate::engine

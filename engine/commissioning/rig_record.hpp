@@ -1,0 +1,35 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "engine/geometry/vec.hpp"
+
+namespace palpate::engine {
+
+/// How a handle moves when nobody holds it, as found from pulses.
+struct HandleDynamics {
+    double handle_mass = 0.060;  ///< kg, handle and free links lumped at the handle
+    Vec2 inertia{1e-4, 1e-4};    ///< kg m^2 of each driven link with its motor
+    Vec2 damping{};              ///< N m s/rad at each motor
+    Vec2 friction{};             ///< N m of dry friction at each motor
+};
+
+/// What `palpate commission` found of one rig: which device, with which calibration, by which
+/// program. Without it nobody holds a handle that gives force in a session that counts.
+struct RigRecord {
+    std::string device;       ///< as --device names it
+    std::string calibration;  ///< SHA-256 of its canonical text
+    std::string program;      ///< version
+    HandleDynamics dynamics{};
+    double force = 0.1;          ///< N of the pulses that moved the handle
+    double damping = 0.0;        ///< b at the handle, N s/m, the least in the workspace
+    double friction = 0.0;       ///< N of dry friction at the handle, the least of its poses
+    double round_trip = 0.0;     ///< s from a question to its answer; 0: the device is not asked
+    double rate_hz = 0.0;        ///< at which every tick has a new reading one tick old
+    double stiffness = 0.0;      ///< N/m, usable at 1 kHz by the passivity condition
+    std::optional<Vec2> mark{};  ///< m, where the handle is brought at each opening; none: asked
+};
+
+}  // namespace palpate::engine

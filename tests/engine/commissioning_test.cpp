@@ -1,0 +1,161 @@
+#include <cmath>
+#include <map>
+
+#include "engine/commissioning/commissioning.hpp"
+#include "engine/device/simulated_pantograph.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/emulated_machine.hpp"
+#include "tests/support/miswired_machine.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+constexpr double kPeriod = 1e-3;
+const Vec2 kHome{0.0, 0.060};
+
+PlantModel plant_of(std::string_view preset) {
+    PlantModel plant;
+    plant.machine = emulated_calibration(preset).pantograph;
+    return plant;
+}
+
+CommissioningDesk desk_of(MiswiredMachine& device) {
+    return {.bring =
+                [&device](const Vec2& place) {
+                    device.bring(place);
+                    return true;
+                },
+            .wait = [] {},
+            .period = kPeriod};
+}
+
+Commissioned commissioned(const PlantModel& plant,
+                          const Connection& encoders,
+                          const Connection& motors,
+                          double* strongest = nullptr) {
+    MiswiredMachine device(plant, encoders, motors);
+    static std::map<std::string, std::vector<Vec2>> known;  // they are looked for among thousands
+    auto& places = known[plant.machine.name];
+    if (places.empty()) {
+        places = commissioning_places(plant.machine, kHome);
+    }
+    const Commissioned done =
+        commission(device, plant.machine, places, plant.handle_mass, desk_of(device));
+    if (strongest != nullptr) {
+        *strongest = device.strongest();
+    }
+    return done;
+}
+
+}  // namespace
+
+TEST_CASE("every wrong connection of two encoders is found and named, and no motor turns meanwhile",
+          "[commissioning][law]") {
+    const PlantModel plant = plant_of("gen3");
+    for (const Connection& encoders : all_connections()) {
+        CAPTURE(encoders.swapped, encoders.factor[0], encoders.factor[1]);
+        // What the motors are does not matter then.
+        double strongest = 0.0;
+        const Commissioned done =
+            commissioned(plant, encoders, {.swapped = true, .factor = {-2.0, 0.5}}, &strongest);
+        if (encoders == Connection{}) {
+            CHECK(done.encoders.fits);
+            CHECK(done.encoders.connection == encoders);
+            CHECK(strongest > 0.0);
+            continue;
+        }
+        CHECK(done.encoders.connection.swapped == encoders.swapped);
+        CHECK_THAT(done.refused, ContainsSubstring("encoder"));
+        CHECK(strongest == 0.0);
+    }
+}
+
+TEST_CASE(
+    "every wrong connection of two motors is found and named, by 0.3 N at most; the right one "
+    "passes with its numbers",
+    "[commissioning][law]") {
+    const PlantModel plant = plant_of("gen3");
+    for (const Connection& motors : all_connections()) {
+        CAPTURE(motors.swapped, motors.factor[0], motors.factor[1]);
+        const Commissioned done = commissioned(plant, {}, motors);
+        CAPTURE(done.refused);
+        if (motors == Connection{}) {
+            CHECK(done.refused.empty());
+            CHECK(done.record.dynamics.handle_mass == Approx(plant.handle_mass).epsilon(0.1));
+            for (int i = 0; i < 2; ++i) {
+                CHECK(done.record.dynamics.inertia[i] == Approx(plant.inertia[i]).epsilon(0.2));
+                CHECK(done.record.dynamics.damping[i] == Approx(plant.damping[i]).epsilon(0.1));
+                CHECK(done.record.dynamics.friction[i] == Approx(plant.coulomb[i]).epsilon(0.2));
+            }
+            const double damping = min_handle_damping(plant);
+            CHECK(done.record.damping < damping);
+            CHECK(done.record.damping > 0.7 * damping);
+            CHECK(done.record.stiffness ==
+                  Approx(done.record.damping / (kPeriod * (0.5 + 1.15))).epsilon(1e-9));
+            continue;
+        }
+        REQUIRE_FALSE(done.refused.empty());
+        const bool turned = motors.swapped || motors.factor[0] < 0.0 || motors.factor[1] < 0.0;
+        CHECK((done.refused.find("swapped") != std::string::npos) == motors.swapped);
+        CHECK((done.refused.find("motor 1 is reversed") != std::string::npos) ==
+              (motors.factor[0] < 0.0));
+        CHECK((done.refused.find("motor 2 is reversed") != std::string::npos) ==
+              (motors.factor[1] < 0.0));
+        if (!turned) {  // else it is refused before a stronger pulse, which its gain needs
+            CHECK(done.motors->connection == motors);
+        }
+    }
+}
+
+TEST_CASE("right machines of many kinds pass, and the same twice as strong or half do not",
+          "[commissioning][law]") {
+    const auto seed = GENERATE(range(0U, 6U));
+    CAPTURE(seed);
+    Random random(seed);
+    PlantModel plant = plant_of(seed % 3 == 0 ? "gen3" : seed % 3 == 1 ? "gen2" : "haplet");
+    plant.handle_mass = random.in(0.05, 0.15);
+    plant.inertia = {random.in(0.5e-4, 2e-4), random.in(0.5e-4, 2e-4)};
+    plant.damping = {random.decade(-3.5, -2.0), random.decade(-3.5, -2.0)};
+    plant.coulomb = {random.decade(-4.0, -2.7), random.decade(-4.0, -2.7)};
+    const Commissioned right = commissioned(plant, {}, {});
+    CAPTURE(right.refused);
+    CHECK(right.refused.empty());
+    CHECK(right.record.dynamics.handle_mass == Approx(plant.handle_mass).epsilon(0.3));
+    for (const double gain : {0.5, 2.0}) {
+        CHECK_FALSE(commissioned(plant, {}, {.factor = {gain, gain}}).refused.empty());
+    }
+}
+
+TEST_CASE("the short form passes the rig that was commissioned, and no other",
+          "[commissioning][law]") {
+    const PlantModel plant = plant_of("gen3");
+    const RigRecord record = commissioned(plant, {}, {}).record;
+    const auto opened = [&](const PlantModel& now, const Connection& motors) {
+        MiswiredMachine device(now, {}, motors);
+        device.bring(kHome);
+        PulseRunner runner(device, now.machine, kPeriod, [] {});
+        return prove_again(runner, now.machine, record, kPeriod * device.traits().delay_ticks);
+    };
+    CHECK(opened(plant, {}).refused.empty());
+    CHECK_THAT(opened(plant, {}).found, ContainsSubstring(" % at "));
+    for (const Connection& motors : all_connections()) {
+        CAPTURE(motors.swapped, motors.factor[0], motors.factor[1]);
+        CHECK(opened(plant, motors).refused.empty() == (motors == Connection{}));
+    }
+    PlantModel held = plant;
+    held.handle_mass += 0.3;  // a hand rests on it
+    CHECK_THAT(opened(held, {}).refused, ContainsSubstring("is somebody holding it"));
+}
+
+TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioning]") {
+    const PlantModel plant = plant_of("gen3");
+    CHECK(told_apart(plant.machine, commissioning_places(plant.machine, kHome)) > 2.0 * kPlaced);
+    MiswiredMachine device(plant, {}, {});
+    CHECK_THROWS_WITH(commission(device, plant.machine, {kHome, {0.0, 0.050}, {0.0, 0.040}}, 0.06,
+                                 desk_of(device)),
+                      ContainsSubstring("do not tell how the encoders are connected"));
+}

@@ -1,0 +1,276 @@
+#include <csignal>
+#include <thread>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/rig_file.hpp"
+#include "tests/support/slurp.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::commissioned_rig;
+using tests::eventually;
+using tests::Finished;
+using tests::palpate_command;
+using tests::palpate_program;
+using tests::TemporaryFolder;
+using tests::TypedTo;
+
+// A rig from the box to its first session, by the shipped program: a board on a pseudo-terminal whose handle
+// nobody holds, an operator who types, and what is left in files and on the wire.
+
+namespace {
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, what.size(), by);
+}
+
+int times(const std::string& text, const std::string& what) {
+    int found = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) {
+        ++found;
+    }
+    return found;
+}
+
+/// The place of the last "Bring the handle to (X, Y) mm" as the emulator takes it: "X,Y".
+std::string last_place(const std::string& text) {
+    const std::size_t from = text.rfind("mark (") != std::string::npos ? text.rfind("mark (") + 6
+                                                                       : text.rfind("to (") + 4;
+    const std::string place = text.substr(from, text.find(')', from) - from);
+    return place.substr(0, place.find(',')) + "," + place.substr(place.find(',') + 2);
+}
+
+void a_moment() {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+}
+
+/// An emulated board whose handle nobody holds.
+class FreeBoard {
+public:
+    explicit FreeBoard(const TemporaryFolder& folder, const std::string& words = "")
+        : link_(folder.file("board")),
+          emulator_(folder, "hand", "haply-emulator --free --link '" + link_ + "' " + words) {
+        emulator_.type("");
+        REQUIRE(eventually([&] { return std::filesystem::exists(link_); }));
+    }
+    [[nodiscard]] std::string word() const { return "haply:" + link_; }
+    void bring(const std::string& place) {
+        emulator_.type(place);
+        a_moment();
+    }
+
+private:
+    std::string link_;
+    TypedTo emulator_;
+};
+
+/// Does what the program asks for until it has ended or shows `seen`.
+void operate(TypedTo& operated, FreeBoard& board, const std::string& seen = "no such words") {
+    int yes = 0;
+    int brought = 0;
+    CHECK(eventually([&] {
+        const std::string out = operated.program().out();
+        if (times(out, "Type yes:") > yes) {
+            ++yes;
+            operated.type("yes");
+        }
+        if (times(out, "Bring the handle to") > brought) {
+            ++brought;
+            board.bring(last_place(out.substr(out.rfind("Bring the handle to"))));
+            operated.type("");
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        return !operated.program().running() || out.find(seen) != std::string::npos;
+    }));
+}
+
+std::string study(const TemporaryFolder& folder) {
+    const std::string text =
+        replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
+                 "stiffness_n_per_m = 1000\nforce_limit_n = 10",
+                 "stiffness_n_per_m = 200\nforce_limit_n = 1.5");
+    std::ofstream(folder.file("p.toml")) << text;
+    return folder.file("p.toml");
+}
+
+std::string run_words(const TemporaryFolder& folder, const std::string& device) {
+    return "run '" + study(folder) + "' --participant P1 --db '" + folder.file("d.sqlite") +
+           "' --windowed --device " + device;
+}
+
+}  // namespace
+
+TEST_CASE("commission writes a calibration with the damping it found, its record and their hash",
+          "[commission][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("rig.toml");
+    const Finished sim = palpate_command({"commission", "-o", file});
+    CAPTURE(sim.out, sim.error);
+    REQUIRE(sim.code == 0);
+    CHECK_THAT(sim.out,
+               ContainsSubstring("usable stiffness at 1 kHz") && ContainsSubstring("dry friction"));
+    const protocols::RigFile rig = protocols::load_rig(file);
+    REQUIRE(rig.record);
+    CHECK(rig.record->device == "sim");
+    CHECK(rig.record->calibration == protocols::calibration_id(rig.calibration));
+    CHECK(rig.calibration.pantograph.damping == rig.record->damping);
+    CHECK(protocols::to_toml(rig.calibration, *rig.record) == tests::slurp(file));
+    const engine::PlantModel true_plant;
+    CHECK(rig.record->dynamics.handle_mass == Approx(true_plant.handle_mass).epsilon(0.05));
+    CHECK(rig.record->dynamics.damping.x == Approx(true_plant.damping.x).epsilon(0.05));
+
+    const std::string other = replaced(tests::slurp(file), "handle_g = ", "handle_g = 1");
+    std::ofstream(file) << other;
+    const Finished changed = palpate_command({"check", "pilot", "--calibration", file});
+    CHECK(changed.code == 2);
+    CHECK_THAT(changed.error, ContainsSubstring("changed after the rig was commissioned"));
+
+    CHECK(palpate_command({"commission", "--device", "mouse", "-o", file}).code == 2);
+    const Finished heavy = palpate_command({"commission", "--handle-g", "120", "-o", file});
+    CHECK(heavy.code == 1);
+    CHECK_THAT(heavy.error, ContainsSubstring("motor 1 is too strong") &&
+                                ContainsSubstring("weigh the handle and give --handle-g"));
+}
+
+TEST_CASE(
+    "a real session on a rig without a fitting record is refused with what to do, before a file",
+    "[commission][law]") {
+    const TemporaryFolder folder;
+    const auto run = [&](const std::string& device, const std::string& calibration) {
+        std::vector<std::string> words{palpate_program(),       "run",      study(folder),
+                                       "--participant",         "P1",       "--db",
+                                       folder.file("d.sqlite"), "--device", device};
+        if (!calibration.empty()) {
+            words.insert(words.end(), {"--calibration", calibration});
+        }
+        Finished end = tests::Process(words, {"SDL_VIDEODRIVER=dummy"}).wait();
+        CHECK(end.code == 2);
+        return end.error;
+    };
+    const std::string rig = commissioned_rig(folder, "haply:/dev/one");
+    CHECK_THAT(run("haply:/dev/one", ""),
+               ContainsSubstring("no real session: nobody proved") &&
+                   ContainsSubstring("palpate commission --device haply:/dev/one -o rig.toml"));
+    CHECK_THAT(run("haply:/dev/two", rig),
+               ContainsSubstring("was commissioned for --device haply:/dev/one"));
+    protocols::RigFile file = protocols::load_rig(rig);
+    file.calibration.pantograph.origin.x += 0.001;
+    std::ofstream(rig) << protocols::to_toml(file.calibration, *file.record);
+    CHECK_THAT(run("haply:/dev/one", rig),
+               ContainsSubstring("the calibration in") && ContainsSubstring("was changed after"));
+    file.record->calibration = protocols::calibration_id(file.calibration);
+    file.record->program = "0.0.1";
+    std::ofstream(rig) << protocols::to_toml(file.calibration, *file.record);
+    CHECK_THAT(run("haply:/dev/one", rig), ContainsSubstring("was commissioned by palpate 0.0.1"));
+    CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
+}
+
+TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",
+          "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    TypedTo commission(
+        folder, "desk",
+        "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
+    operate(commission, board);
+    const Finished end = commission.program().wait();
+    CAPTURE(end.out, end.error);
+    REQUIRE(end.code == 0);
+    const protocols::RigFile rig = protocols::load_rig(folder.file("new.toml"));
+    const engine::PlantModel true_plant;
+    REQUIRE(rig.record);
+    CHECK(rig.record->dynamics.handle_mass == Approx(true_plant.handle_mass).epsilon(0.25));
+    CHECK(rig.record->round_trip > 0.0);
+    CHECK(rig.record->stiffness > 0.0);
+}
+
+TEST_CASE("a board with a motor reversed is refused by commission, and by the opening of a session",
+          "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    engine::Calibration reversed = protocols::load_calibration("2diy_gen3");
+    reversed.haply->motor_clockwise[0] = true;
+    std::ofstream(folder.file("reversed.toml")) << protocols::to_toml(reversed);
+    FreeBoard board(folder, "--preset '" + folder.file("reversed.toml") + "'");
+    TypedTo commission(
+        folder, "desk",
+        "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
+    operate(commission, board);
+    const Finished end = commission.program().wait();
+    CAPTURE(end.out);
+    CHECK(end.code == 1);
+    CHECK_THAT(end.error, ContainsSubstring("motor 1 is reversed: correct the wiring") &&
+                              ContainsSubstring("nothing was written"));
+    CHECK_FALSE(std::filesystem::exists(folder.file("new.toml")));
+
+    board.bring("0,89.3");  // home, as somebody says beforehand
+    const std::string rig = commissioned_rig(folder, board.word());
+    TypedTo run(folder, "run",
+                run_words(folder, board.word()) + " --calibration '" + rig + "' --handle-free",
+                {"SDL_VIDEODRIVER=dummy"});
+    const Finished refused = run.program().wait();
+    CAPTURE(refused.out);
+    CHECK(refused.code == 1);
+    CHECK_THAT(refused.error,
+               ContainsSubstring("the handle") && ContainsSubstring("No session was begun"));
+}
+
+TEST_CASE(
+    "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
+    "[commission][haply][window][law]") {
+    const TemporaryFolder folder;
+    FreeBoard board(folder);
+    const std::string rig = commissioned_rig(folder, board.word());
+    const tests::Xvfb screen(1280, 800);
+    tests::XHand hand(screen.display());
+    TypedTo run(folder, "run", run_words(folder, board.word()) + " --calibration '" + rig + "'",
+                {"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY"});
+    operate(run, board, "If it ends early");
+    CAPTURE(run.program().out(), run.program().error());
+    hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    for (int i = 0; i < 40 && run.program().running(); ++i) {
+        hand.focus(hand.find_window("palpate: "));
+        hand.chord("q");
+        a_moment();
+        hand.key("y");
+        a_moment();
+    }
+    const Finished end = run.program().wait();
+    CHECK(end.code == 3);
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare(
+        "SELECT key, value, text FROM event WHERE event_kind = 'provenance' ORDER BY event_id");
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "rig check");
+    CHECK(times(row.text(1), " % at ") == 4);
+    REQUIRE(row.step());
+    CHECK(row.text(0) == "start pose");
+    CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
+    CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
+}
+
+TEST_CASE("a handle that rests 12 mm off home is found at the second mark, before any session",
+          "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    const std::string at = GENERATE("0,101.3", "-10,89.3", "0,77.3");
+    CAPTURE(at);
+    FreeBoard board(folder, "--at=" + at);
+    const std::string rig = commissioned_rig(folder, board.word());
+    TypedTo run(folder, "run", run_words(folder, board.word()) + " --calibration '" + rig + "'",
+                {"SDL_VIDEODRIVER=dummy"});
+    operate(run, board);
+    const Finished end = run.program().wait();
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 1);
+    CHECK_THAT(end.error, ContainsSubstring("it did not rest at home") ||
+                              ContainsSubstring("the handle was not at home") ||
+                              ContainsSubstring("of what it should"));
+    data::Database database(folder.file("d.sqlite"), data::Access::read);
+    auto row = database.prepare("SELECT count(*) FROM session");
+    REQUIRE(row.step());
+    CHECK(row.integer(0) == 0);
+}

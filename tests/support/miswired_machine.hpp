@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cmath>
+
+#include "engine/commissioning/encoder_proof.hpp"
+#include "engine/device/pantograph.hpp"
+#include "engine/device/pantograph_plant.hpp"
+
+namespace palpate::tests {
+
+/// A free handle on a machine whose motors and encoders are not connected as its calibration says, on a
+/// virtual clock: a torque written at one tick acts from the next one on.
+class MiswiredMachine : public engine::Device {
+public:
+    /// @param plant  the machine as it is, with what its motors and its handle are
+    MiswiredMachine(const engine::PlantModel& plant,
+                    const engine::Connection& encoders,
+                    const engine::Connection& motors,
+                    double period = 1e-3)
+        : machine_(plant.machine),
+          plant_(free_handle(plant)),
+          encoders_(encoders),
+          motors_(motors),
+          period_(period) {}
+
+    /// A person brings the handle there and lets go.
+    void bring(const engine::Vec2& place) {
+        plant_.begin({.start = place, .tremor = 0.0});
+        if (!homed_) {
+            home_ = plant_.angles();
+            homed_ = true;
+        }
+    }
+    [[nodiscard]] const engine::PantographPlant& plant() const { return plant_; }
+    /// The most torque that the motors ever gave, N m.
+    [[nodiscard]] double strongest() const { return strongest_; }
+
+    [[nodiscard]] engine::Reading read() noexcept override {
+        plant_.advance(period_);
+        engine::Reading reading;
+        const auto at_home = machine_.counts(home_);
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::size_t joint = encoders_.swapped ? 1 - i : i;
+            const double turned =
+                (plant_.angles()[joint] - home_[joint]) / machine_.spec().axes[joint].count_angle();
+            reading.counts[i] = at_home[i] + static_cast<std::int32_t>(
+                                                 std::floor(turned * encoders_.factor[i] + 0.5));
+        }
+        fix_ = machine_.locate(machine_.angles(reading.counts));
+        if (fix_) {
+            reading.hip = fix_->hip;
+        } else {
+            reading.fault = engine::DeviceFault::unreachable;
+        }
+        return reading;
+    }
+    engine::Applied write(const engine::Vec2& force) noexcept override {
+        const engine::Vec2 asked = fix_ ? machine_.drive(*fix_, force).torque : engine::Vec2{};
+        engine::Vec2 given{};
+        for (int i = 0; i < 2; ++i) {
+            given[i] =
+                motors_.factor[static_cast<std::size_t>(i)] * asked[motors_.swapped ? 1 - i : i];
+        }
+        strongest_ = std::fmax(strongest_, std::fmax(std::fabs(given.x), std::fabs(given.y)));
+        plant_.set_torque(waiting_);
+        waiting_ = given;
+        return {};
+    }
+    [[nodiscard]] std::string name() const override { return "a miswired machine"; }
+    [[nodiscard]] engine::DeviceTraits traits() const noexcept override {
+        return {.delay_ticks = 1.0 + plant_.model().current_time / period_};
+    }
+
+private:
+    static engine::PlantModel free_handle(engine::PlantModel plant) {
+        plant.hand = {.mass = 0.0, .stiffness = 0.0, .damping = 0.0, .strength = 0.0};
+        return plant;
+    }
+
+    engine::Pantograph machine_;
+    engine::PantographPlant plant_;
+    engine::Connection encoders_;
+    engine::Connection motors_;
+    double period_;
+    engine::JointAngles home_{};
+    bool homed_ = false;
+    std::optional<engine::Pantograph::Fix> fix_{};
+    engine::Vec2 waiting_{};
+    double strongest_ = 0.0;
+};
+
+}  // namespace palpate::tests

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "engine/commissioning/commissioning.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "ui/session/version.hpp"
+#include "tests/support/miswired_machine.hpp"
+#include "tests/support/process.hpp"
+
+namespace palpate::tests {
+
+/// Writes what `palpate commission` would of a right rig: a real session on an emulated board needs it.
+/// Of a machine with the handle of `palpate haply-emulator --free`, commissioned on a virtual clock.
+/// @param device       the word for --device
+/// @param calibration  a shipped machine's name or a file
+/// @return the file, for --calibration
+inline std::string commissioned_rig(const TemporaryFolder& folder,
+                                    const std::string& device,
+                                    const std::string& calibration = "2diy_gen3") {
+    engine::Calibration machine = protocols::load_calibration(calibration);
+    engine::PlantModel plant;
+    plant.machine = machine.pantograph;
+    const engine::Pantograph pantograph(machine.pantograph);
+    const engine::Vec2 home =
+        machine.home.value_or(pantograph.locate(pantograph.angles({0, 0}))->hip);
+    MiswiredMachine right(plant, {}, {});
+    engine::Commissioned done = engine::commission(
+        right, machine.pantograph, engine::commissioning_places(machine.pantograph, home),
+        plant.handle_mass,
+        {.bring =
+             [&](const engine::Vec2& place) {
+                 right.bring(place);
+                 return true;
+             },
+         .wait = [] {},
+         .period = 1e-3});
+    if (!done.refused.empty()) {
+        throw std::runtime_error(done.refused);
+    }
+    machine.pantograph.damping = done.record.damping;
+    done.record.device = device;
+    done.record.calibration = protocols::calibration_id(machine);
+    done.record.program = ui::kVersion;
+    std::ofstream(folder.file("rig.toml")) << protocols::to_toml(machine, done.record);
+    return folder.file("rig.toml");
+}
+
+/// A program that somebody types to.
+class TypedTo {
+public:
+    TypedTo(const TemporaryFolder& folder,
+            const std::string& name,
+            const std::string& words,
+            const std::vector<std::string>& environment = {})
+        : pipe_(folder.file(name)) {
+        std::string command = "mkfifo '" + pipe_ + "' && exec '" + palpate_program() + "' " +
+                              words + " <> '" + pipe_ + "'";
+        program_ =
+            std::make_unique<Process>(std::vector<std::string>{"sh", "-c", command}, environment);
+    }
+    /// Opens the way to it when first used: waits until the program reads.
+    void type(const std::string& line) {
+        if (!keys_.is_open()) {
+            while (!std::filesystem::exists(pipe_)) {
+                std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            }
+            keys_.open(pipe_);
+        }
+        keys_ << line << '\n' << std::flush;
+    }
+    /// Says nothing more.
+    void end() { keys_.close(); }
+    [[nodiscard]] Process& program() { return *program_; }
+
+private:
+    std::string pipe_;
+    std::ofstream keys_;
+    std::unique_ptr<Process> program_;
+};
+
+}  // namespace palpate::tests

@@ -1,0 +1,214 @@
+#include "ui/rig/rig_proof.hpp"
+
+#include <cmath>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "engine/base/clock.hpp"
+#include "engine/commissioning/commissioning.hpp"
+#include "engine/realtime/realtime_rights.hpp"
+#include "protocols/file/calibration_file.hpp"
+#include "ui/rig/calibration_device.hpp"
+#include "ui/rig/operator_log.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr double kRest = 1.0;         ///< s that the handle has to rest
+constexpr double kLook = 0.25;        ///< s at the second mark
+constexpr double kStillCounts = 1.0;  ///< an encoder at rest may flicker by one
+constexpr double kOffHome = 2.0;      ///< counts between set-up and now
+
+std::string commission_words(const std::string& device, const std::string& calibration) {
+    return "palpate commission --device " + shell_word(device) +
+           (calibration.empty() ? std::string() : " --calibration " + shell_word(calibration)) +
+           " -o rig.toml";
+}
+
+/// The handle did not move since the device took its pose for home.
+void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibration) {
+    const engine::MarkReading rest = runner.watch(kRest);
+    if (!std::isfinite(rest.place.x)) {
+        throw std::runtime_error("the device said nothing new for a second: check its cable");
+    }
+    if (rest.span.x > kStillCounts || rest.span.y > kStillCounts) {
+        throw std::runtime_error(
+            "the handle moves: let it rest, free, at home, and run the same command again");
+    }
+    if (!calibration.home && !calibration.haply) {
+        return;  // its counts are its own: where it rests is told by them alone
+    }
+    const engine::Pantograph machine(calibration.pantograph);
+    const auto angles = machine.reach(home_of(calibration));
+    const auto home = angles ? machine.counts(*angles) : engine::Pantograph::Counts{};
+    if (std::fabs(rest.counts.x - home[0]) > kOffHome ||
+        std::fabs(rest.counts.y - home[1]) > kOffHome) {
+        throw std::runtime_error(
+            "the handle moved while the device was opened, so that its home is lost: let it rest, "
+            "free, at home, and run the same command again");
+    }
+}
+
+OpeningFact prove_mark(engine::PulseRunner& runner,
+                       const engine::Calibration& calibration,
+                       const engine::Vec2& mark) {
+    if (!wait_for_enter(
+            fmt::format("Bring the handle to the second mark {}, let go of it and press Enter. ",
+                        place_text(mark)))) {
+        throw std::runtime_error(
+            "standard input ended before the second mark was tried: --handle-free gives your word "
+            "instead");
+    }
+    const engine::MarkReading seen = runner.watch(kLook);
+    const engine::Pantograph machine(calibration.pantograph);
+    const auto fix =
+        machine.locate(machine.angles({static_cast<std::int32_t>(std::lround(seen.counts.x)),
+                                       static_cast<std::int32_t>(std::lround(seen.counts.y))}));
+    const double off = fix ? glm::length(fix->hip - mark) : engine::kPlaced * 100.0;
+    if (!(off <= engine::kPlaced)) {
+        throw std::runtime_error(fmt::format(
+            "the handle is at the second mark {}, and the encoders say {}: it did not rest at home "
+            "{} when the device was opened. Put it there and run the same command again",
+            place_text(mark), fix ? place_text(fix->hip) : "nowhere",
+            place_text(home_of(calibration))));
+    }
+    return {
+        .key = "start pose",
+        .value = fmt::format("second mark met to {:.1f} mm", 1e3 * off),
+        .text = fmt::format("the handle rested at home; the second mark {} was met to {:.1f} mm",
+                            place_text(mark), 1e3 * off)};
+}
+
+}  // namespace
+
+std::string place_text(const engine::Vec2& place) {
+    return fmt::format("({:g}, {:g}) mm", std::round(1e4 * place.x) / 10.0 + 0.0,
+                       std::round(1e4 * place.y) / 10.0 + 0.0);
+}
+
+std::string objection(const engine::RigRecord* record,
+                      const engine::Calibration& machine,
+                      const std::string& device,
+                      const std::string& calibration) {
+    const std::string words = commission_words(device, calibration);
+    if (record == nullptr) {
+        return fmt::format(
+            "nobody proved how --device {} is wired and how strong it is: {} does, in two minutes "
+            "with the handle free; then give --calibration rig.toml",
+            device, words);
+    }
+    if (record->device != device) {
+        return fmt::format("--calibration {} was commissioned for --device {}, and this is {}: {}",
+                           calibration, record->device, device, words);
+    }
+    if (record->calibration != protocols::calibration_id(machine)) {
+        return fmt::format("the calibration in {} was changed after the rig was commissioned: {}",
+                           calibration, words);
+    }
+    if (record->program != PALPATE_VERSION) {
+        return fmt::format("{} was commissioned by palpate {}, and this is {}: {}", calibration,
+                           record->program, PALPATE_VERSION, words);
+    }
+    return {};
+}
+
+bool wait_for_enter(const std::string& text) {
+    say("{}", text);
+    std::string line;
+    return static_cast<bool>(std::getline(std::cin, line));
+}
+
+void ask_for_yes(const std::string& text, bool beforehand) {
+    if (beforehand) {
+        return;
+    }
+    say("{} Type yes: ", text);
+    std::string line;
+    if (!std::getline(std::cin, line)) {
+        throw std::runtime_error(
+            "standard input ended, and nobody said that the handle is free and at home: "
+            "--handle-free says so beforehand");
+    }
+    if (line != "yes" && line != "y") {
+        throw std::runtime_error("nothing was begun: the handle has to be free and at home");
+    }
+}
+
+void in_real_time(const std::function<void()>& work) {
+    std::exception_ptr thrown;
+    std::thread thread([&] {
+        engine::RealtimeRights rights;
+        engine::take_thread_rights({.memory = false, .latency = false}, rights);
+        try {
+            work();
+        } catch (...) {
+            thrown = std::current_exception();
+        }
+    });
+    thread.join();
+    if (thrown) {
+        std::rethrow_exception(thrown);
+    }
+}
+
+engine::PulseRunner::Wait wall_ticks(double period) {
+    constexpr std::int64_t kFarBehind = 20'000'000;
+    const auto step = static_cast<std::int64_t>(period * 1e9 + 0.5);
+    return [step, due = std::int64_t{0}]() mutable {
+        due += step;
+        const std::int64_t now = monotonic_ns();
+        if (now - due > kFarBehind) {
+            due = now;
+        }
+        sleep_until(due);
+    };
+}
+
+void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
+    const bool at_home = calibration.home || calibration.haply;
+    ask_for_yes(
+        fmt::format(
+            "Nobody may hold the handle now: weak pulses will move it by some mm. {}",
+            at_home ? fmt::format("It has to rest at home, {}.", place_text(home_of(calibration)))
+                    : std::string("Let it rest in the middle of the workspace.")),
+        beforehand);
+}
+
+std::vector<OpeningFact> prove_opening(engine::Device& device,
+                                       const engine::Calibration& calibration,
+                                       const engine::RigRecord& record,
+                                       double period,
+                                       bool beforehand) {
+    std::vector<OpeningFact> facts;
+    in_real_time([&] {
+        engine::PulseRunner runner(device, calibration.pantograph, period, wall_ticks(period));
+        prove_rest(runner, calibration);
+        const engine::ShortForm form = prove_again(runner, calibration.pantograph, record,
+                                                   device.traits().delay_ticks * period);
+        if (!form.refused.empty()) {
+            throw std::runtime_error(form.refused +
+                                     ". No session was begun; if nobody held the "
+                                     "handle, commission the rig again");
+        }
+        facts.push_back({.key = "rig check",
+                         .value = form.found,
+                         .text = "weak pulses moved the free handle as when it was commissioned: " +
+                                 form.found});
+        if (record.mark && !beforehand) {
+            facts.push_back(prove_mark(runner, calibration, *record.mark));
+        } else {
+            facts.push_back(
+                {.key = "start pose",
+                 .value = "the operator's word",
+                 .text = "the handle rested; that it was at home is the operator's word"});
+        }
+    });
+    return facts;
+}
+
+}  // namespace palpate::ui

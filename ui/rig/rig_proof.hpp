@@ -1,0 +1,63 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine/commissioning/pulses.hpp"
+#include "engine/commissioning/rig_record.hpp"
+#include "engine/device/calibration.hpp"
+#include "engine/device/device.hpp"
+
+/// Before a person holds a handle that gives force: is this the rig that was commissioned, does its
+/// handle rest where it should, and does it still move as it did?
+namespace palpate::ui {
+
+/// What was said and found when a rig was opened: a key of the record, a value, a sentence for people.
+struct OpeningFact {
+    std::string key;
+    std::string value;
+    std::string text;
+};
+
+/// @param device       as --device has it
+/// @param calibration  as --calibration has it; empty: the device's own
+/// @return why no real session may be run with this record, a sentence with the remedy; empty: it may
+[[nodiscard]] std::string objection(const engine::RigRecord* record,
+                                    const engine::Calibration& machine,
+                                    const std::string& device,
+                                    const std::string& calibration);
+
+/// Says `text` on the terminal and waits for "yes".
+/// @param beforehand  it was said by a word of the command: nobody is asked
+/// @throws std::runtime_error for another answer, or at the end of standard input
+void ask_for_yes(const std::string& text, bool beforehand);
+/// Says `text` and waits for Enter. @return false at the end of standard input
+[[nodiscard]] bool wait_for_enter(const std::string& text);
+
+/// "(0, 89.3) mm"
+[[nodiscard]] std::string place_text(const engine::Vec2& place);
+
+/// Runs `work` on a thread that is woken before ordinary programs, where that is permitted.
+/// @throws what it throws
+void in_real_time(const std::function<void()>& work);
+
+/// A tick of a real device: deadlines `period` s apart. One that is far behind begins anew.
+[[nodiscard]] engine::PulseRunner::Wait wall_ticks(double period);
+
+/// Before the device is opened: the handle has to be free, and at home, which the device takes its
+/// pose for. @throws as ask_for_yes
+void ask_for_home(const engine::Calibration& calibration, bool beforehand);
+
+/// After it was opened: the handle rests, at home; four weak pulses move it as when it was
+/// commissioned; and at the second mark the encoders say that it is there. Takes 5 s.
+/// @param beforehand  the operator has given their word for home, in place of the second mark
+/// @throws std::runtime_error  what is wrong, with the remedy; no force was more than record.force
+[[nodiscard]] std::vector<OpeningFact> prove_opening(engine::Device& device,
+                                                     const engine::Calibration& calibration,
+                                                     const engine::RigRecord& record,
+                                                     double period,
+                                                     bool beforehand);
+
+}  // namespace palpate::ui
