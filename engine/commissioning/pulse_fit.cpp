@@ -343,9 +343,8 @@ PulseMatch match(const PantographSpec& spec,
     if (!(length > 0.0)) {
         return {.share = 0.0, .angle = kPi};
     }
-    return {
-        .share = glm::length(measured) / length,
-        .angle = std::fabs(std::atan2(cross(expected, measured), glm::dot(expected, measured)))};
+    return {.share = glm::length(measured) / length,
+            .angle = std::fabs(arc_tan2(cross(expected, measured), glm::dot(expected, measured)))};
 }
 
 std::string wrong_with(const PantographSpec& spec,

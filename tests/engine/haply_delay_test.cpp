@@ -1,0 +1,62 @@
+#include <cmath>
+#include <vector>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/haply_bench.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+TEST_CASE("whatever answers take, every tick has a new reading, as old as the device says",
+          "[haply][law]") {
+    const double trip = GENERATE(0.0, 0.3e-3, 0.8e-3, 1.1e-3, 2.1e-3, 4.6e-3, 9.2e-3);
+    CAPTURE(trip);
+    Random random(29);
+    Bench bench;
+    bench.board.set_faults({.delay = trip});
+    bench.open();
+    const DeviceTraits traits = bench.device->traits();
+    CHECK(traits.round_trip >= trip);
+    CHECK(traits.round_trip <= trip + 0.15e-3);  // two polls of the board, one of the link
+    CHECK(traits.delay_ticks == std::ceil(traits.round_trip / 1e-3));
+    const auto behind = static_cast<std::size_t>(traits.delay_ticks);
+    for (const double force : {0.0, 0.2}) {  // in free space and in a press
+        std::vector<Vec2> led;
+        int stale = 0;
+        for (std::size_t k = 0; k < 300; ++k) {
+            led.push_back({random.in(-0.02, 0.02), 0.05});
+            bench.plant.lead(led.back());
+            const Reading reading = bench.tick({force, 0.0});
+            REQUIRE(reading.ok());
+            if (k > 40) {  // the first ones fill the way
+                stale += reading.fresh ? 0 : 1;
+                CHECK(glm::length(reading.hip - led[k - behind]) < 3e-4);
+            }
+        }
+        CHECK(stale == 0);
+    }
+    CHECK(wrong_with(bench.cable.sent(), 5) == "");
+}
+
+TEST_CASE("answers that take too long for a force are refused, at first and after a reconnection",
+          "[haply][law]") {
+    Bench bench;
+    bench.board.set_faults({.delay = 11e-3});
+    CHECK_THROWS_WITH(bench.open(), ContainsSubstring("ms, too long for a force: use a port"));
+    bench.board.set_faults({.delay = 2.5e-3});
+    bench.open({.still = 0.05});
+    CHECK(bench.device->traits().delay_ticks == 3.0);
+    bench.cable.plug(false);
+    bench.ticks({}, 3);
+    bench.cable.plug(true);
+    bench.board.set_faults({.delay = 3.5e-3});
+    CHECK_FALSE(bench.device->reconnect());
+    CHECK_THAT(bench.device->trouble(), ContainsSubstring("more than when the session began"));
+    bench.board.set_faults({.delay = 0.0});
+    for (int i = 0; i < 3 && !bench.device->reconnect(); ++i) {
+    }
+    CHECK(bench.device->trouble().empty());
+    CHECK(bench.device->traits().delay_ticks == 3.0);
+}
