@@ -158,7 +158,9 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
         if (arc != nullptr) {
             const Arc::Point at = arc->at(next, 1.0 - next);
             s.u = next;
-            s.jet = {.point = at.point, .first = at.tangent};
+            s.jet = {.point = at.point,
+                     .first = at.tangent,
+                     .second = -arc->curvature() * perp(at.tangent)};
             return here(s, next, at.point, h);
         }
         if (std::fabs(step) > taylor_[s.span] || !is_last(s.jet, slope, step)) {

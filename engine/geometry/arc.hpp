@@ -46,7 +46,8 @@ public:
     /// the weight between that a circle has. Others: nothing.
     [[nodiscard]] static std::optional<Arc> of(const RationalBezier<2>& span);
 
-    [[nodiscard]] double chord() const noexcept { return 2.0 * half_; }  ///< its length, m
+    [[nodiscard]] double curvature() const noexcept { return sin_ / half_; }  ///< 1/m
+    [[nodiscard]] double chord() const noexcept { return 2.0 * half_; }       ///< its length, m
 
     /// At u in [0, 1], given by u + v = 1.
     [[nodiscard]] Point at(double u, double v) const noexcept {

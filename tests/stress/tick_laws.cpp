@@ -51,6 +51,10 @@ double extent_of(const engine::Outline& outline) noexcept {
     return extent;
 }
 
+/// A followed foot counts as sharp while f' is a tenth of |C'|^2: it may be ten times as far from one that
+/// was searched for as the rounding of four lengths.
+constexpr double kBlunt = 40.0;
+
 }  // namespace
 
 TickLaws::TickLaws(const engine::Scene& scene)
@@ -308,10 +312,10 @@ void TickLaws::check_recovery(const Tick& now) {
         return;  // where an open chain stops being seen rounding decides
     }
     check("after a refused tick the contact is a new one", free(again) == free(c));
-    check(
-        "after a refused tick the force is that of a new contact",
-        glm::length(again.force - c.force),
-        (scene_->spec().stiffness + scene_->spec().damping / scene_->spec().period) * 4.0 * same_);
+    check("after a refused tick the force is that of a new contact",
+          glm::length(again.force - c.force),
+          (scene_->spec().stiffness + scene_->spec().damping / scene_->spec().period) * kBlunt *
+              same_);
 }
 
 /// What a slide leaves open at a place, m: it ends up to 2^19 last bits of u beyond the root, and those
