@@ -157,7 +157,7 @@ TEST_CASE("Escape in a trial: force off at that tick, cause stopped, kept, and a
           std::to_string(run.spec.plan.trials.size()) + " \n");
     CHECK(run.lines(
               "SELECT event_kind, text FROM event WHERE event_kind <> 'start' ORDER BY rowid") ==
-          "fault position 0: stopped: the experimenter stopped the force \n"
+          "fault position 0: stopped: the experimenter stopped the force: Ctrl+Shift+P goes on \n"
           "reconnect the device works, after 0 tries in vain \n"
           "go on after stopped \n");
 }
@@ -188,7 +188,7 @@ TEST_CASE("whoever does not hold the key again gets no force at all, trial after
     const SessionEnd end = run.with(observer);
     CHECK(end.why == SessionEnd::Why::faulted);
     CHECK(end.in_a_row == 3);
-    CHECK(end.fault == "the participant let go");
+    CHECK(end.fault == "the participant let go: hold the handle, and the dead-man key, until done");
     CHECK(run.lines("SELECT fault_cause, ticks_kept FROM fault ORDER BY trial_id") ==
           "let_go 100 \nlet_go 1 \nlet_go 1 \n");
 }

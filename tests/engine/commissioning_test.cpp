@@ -75,8 +75,8 @@ TEST_CASE("every wrong connection of two encoders is found and named, and no mot
 }
 
 TEST_CASE(
-    "every wrong connection of two motors is found and named, by 0.3 N at most; the right one "
-    "passes with its numbers",
+    "every wrong connection of two motors is found and named, by 0.3 N at most, and the right "
+    "one passes with its numbers",
     "[commissioning][law]") {
     const PlantModel plant = plant_of("gen3");
     for (const Connection& motors : all_connections()) {

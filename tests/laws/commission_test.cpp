@@ -260,10 +260,17 @@ TEST_CASE("a handle that rests 12 mm off home is found at the second mark, befor
     CAPTURE(at);
     FreeBoard board(folder, "--at=" + at);
     const std::string rig = commissioned_rig(folder, board.word());
-    TypedTo run(folder, "run", run_words(folder, board.word()) + " --calibration '" + rig + "'",
-                {"SDL_VIDEODRIVER=dummy"});
-    operate(run, board);
-    const Finished end = run.program().wait();
+    Finished end;
+    // A busy machine may leave the board without its turn in the middle of a pulse: then once more.
+    for (int attempt = 0; attempt < 5; ++attempt) {
+        TypedTo run(folder, "run", run_words(folder, board.word()) + " --calibration '" + rig + "'",
+                    {"SDL_VIDEODRIVER=dummy"});
+        operate(run, board);
+        end = run.program().wait();
+        if (end.error.find("falls silent") == std::string::npos) {
+            break;
+        }
+    }
     CAPTURE(end.out, end.error);
     CHECK(end.code == 1);
     CHECK_THAT(end.error, ContainsSubstring("it did not rest at home") ||
