@@ -228,7 +228,8 @@ TEST_CASE(
     const tests::Xvfb screen(1280, 800);
     tests::XHand hand(screen.display());
     TypedTo run(folder, "run", run_words(folder, board.word()) + " --calibration '" + rig + "'",
-                {"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY"});
+                {"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11", "WAYLAND_DISPLAY",
+                 "ASAN_OPTIONS=detect_leaks=0"});
     operate(run, board, "If it ends early");
     CAPTURE(run.program().out(), run.program().error());
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
@@ -240,6 +241,7 @@ TEST_CASE(
         a_moment();
     }
     const Finished end = run.program().wait();
+    CAPTURE(end.error);
     CHECK(end.code == 3);
     data::Database database(folder.file("d.sqlite"), data::Access::read);
     auto row = database.prepare(
