@@ -50,7 +50,7 @@ struct TickStore::State {
     struct Kept {
         TrialPart part;
         std::vector<std::vector<std::byte>> chunks;  ///< what it was made of
-        bool closest = false;  ///< with closest points
+        bool closest = false;                        ///< with closest points
         std::shared_ptr<const std::vector<TickRecord>> ticks;
     };
     /// Last used last. A join asks for the same parts again and again: two trials of two intervals.

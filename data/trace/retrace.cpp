@@ -19,10 +19,9 @@ bool same(const T& a, const T& b) noexcept {
 }
 
 bool same_contact(const TickRecord& a, const TickRecord& b) noexcept {
-    return same(a.go, b.go) && same(a.force, b.force) &&
-           same(a.normal_force, b.normal_force) && same(a.tangential_force, b.tangential_force) &&
-           same(a.mu, b.mu) && same(a.u, b.u) && a.segment == b.segment && a.mode == b.mode &&
-           a.flags == b.flags;
+    return same(a.go, b.go) && same(a.force, b.force) && same(a.normal_force, b.normal_force) &&
+           same(a.tangential_force, b.tangential_force) && same(a.mu, b.mu) && same(a.u, b.u) &&
+           a.segment == b.segment && a.mode == b.mode && a.flags == b.flags;
 }
 
 }  // namespace

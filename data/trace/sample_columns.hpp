@@ -56,8 +56,8 @@ inline constexpr SampleColumns kClosestColumns =
 /// Columns that follow from the hand's whole path: they need a replay.
 inline constexpr SampleColumns kReplayedColumns =
     kClosestColumns | bit(SampleColumn::go_x_m) | bit(SampleColumn::go_y_m) |
-    bit(SampleColumn::mode) | bit(SampleColumn::segment) |
-    bit(SampleColumn::u) | bit(SampleColumn::mu) | bit(SampleColumn::rendered_normal_n) |
+    bit(SampleColumn::mode) | bit(SampleColumn::segment) | bit(SampleColumn::u) |
+    bit(SampleColumn::mu) | bit(SampleColumn::rendered_normal_n) |
     bit(SampleColumn::rendered_tangential_n) | bit(SampleColumn::rendered_x_n) |
     bit(SampleColumn::rendered_y_n);
 

@@ -40,10 +40,10 @@ inline constexpr double kClearShare = 1.0 - 1e-12;
 /// One tick's answer. Frame: the object's; the force is the one on the user.
 struct Contact {
     Mode mode = Mode::free;
-    Place place{};                  ///< of the GO
-    Vec2 go{};                      ///< m; out of contact the closest point that was last looked for
-    Vec2 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
-    double normal_force = 0.0;      ///< F . n at the GO, N, >= 0
+    Place place{};              ///< of the GO
+    Vec2 go{};                  ///< m; out of contact the closest point that was last looked for
+    Vec2 force{};               ///< K (GO - HIP) + B d(GO - HIP)/dt, N
+    double normal_force = 0.0;  ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
@@ -62,13 +62,13 @@ struct ContactState {
     bool touching = false;
     bool started = false;  ///< a first HIP was seen
     GodObject go{};
-    double theta = 1.0;   ///< Stribeck state: 1 static, 0 dynamic
-    Vec2 last_hip{};      ///< m
-    Vec2 last_spring{};   ///< GO - HIP of the tick before, m, zero out of contact
-    Vec2 clear_from{};    ///< HIP of the last look, m
-    double clear2 = 0.0;  ///< squared distance it may move before it could touch, m^2
-    Contact away{};       ///< the answer of every tick out of reach, made at the last look
-    TrackState track{};   ///< of the looks
+    double theta = 1.0;         ///< Stribeck state: 1 static, 0 dynamic
+    Vec2 last_hip{};            ///< m
+    Vec2 last_spring{};         ///< GO - HIP of the tick before, m, zero out of contact
+    Vec2 clear_from{};          ///< HIP of the last look, m
+    double clear2 = 0.0;        ///< squared distance it may move before it could touch, m^2
+    Contact away{};             ///< the answer of every tick out of reach, made at the last look
+    TrackState track{};         ///< of the looks
     std::uint64_t skipped = 0;  ///< ticks so far that were out of reach: a comparison
 };
 

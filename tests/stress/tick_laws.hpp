@@ -39,7 +39,7 @@ private:
         engine::Vec2 h{};
         engine::Contact contact{};
         engine::ClosestPoint cp{};  ///< as it is followed; the same tick's
-        bool springy = false;  ///< the force was K (GO - HIP)
+        bool springy = false;       ///< the force was K (GO - HIP)
     };
 
     void check(const char* law, double value, double limit);

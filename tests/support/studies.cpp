@@ -82,8 +82,8 @@ bool same_bits(const engine::TickRecord& a, const engine::TickRecord& b) {
     const auto equal = [](const auto& x, const auto& y) {
         return std::memcmp(&x, &y, sizeof x) == 0;
     };
-    return a.tick == b.tick && a.time_ns == b.time_ns && equal(a.hip, b.hip) &&
-           equal(a.go, b.go) && equal(a.force, b.force) && equal(a.command, b.command) &&
+    return a.tick == b.tick && a.time_ns == b.time_ns && equal(a.hip, b.hip) && equal(a.go, b.go) &&
+           equal(a.force, b.force) && equal(a.command, b.command) &&
            equal(a.normal_force, b.normal_force) && equal(a.tangential_force, b.tangential_force) &&
            equal(a.mu, b.mu) && equal(a.u, b.u) && a.counts == b.counts && a.codes == b.codes &&
            equal(a.lateness_us, b.lateness_us) && a.segment == b.segment && a.mode == b.mode &&
