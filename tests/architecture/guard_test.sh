@@ -8,11 +8,8 @@ scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 failed=0
 
-# A small tree that keeps every rule.
-clean_tree() {
-    rm -rf "$scratch/tree"
-    mkdir -p "$scratch/tree"
-    cd "$scratch/tree" || exit 2
+# A small tree that keeps every rule: made once, in the current folder.
+make_tree() {
     put engine/math/sine.hpp '#pragma once' '#include <glm/vec2.hpp>' 'double sine(double x);'
     put engine/contact/foot.cpp '#include "engine/math/sine.hpp"' '#include <cmath>' \
         '// std::sin would differ between machines; see also "rand()".' \
@@ -42,8 +39,18 @@ clean_tree() {
     put build/engine/generated.hpp '#include "ui/anything.hpp"'
 }
 
+# The scratch tree is as it was made.
+clean_tree() {
+    cd "$scratch" || exit 2
+    rm -rf tree
+    cp -R clean tree
+    cd tree || exit 2
+}
+
 put() { # put FILE LINE...
-    mkdir -p "$(dirname "$1")"
+    case $1 in
+        */*) [ -d "${1%/*}" ] || mkdir -p "${1%/*}" ;;
+    esac
     file=$1
     shift
     printf '%s\n' "$@" >"$file"
@@ -69,6 +76,9 @@ passes() { # passes WHAT
     clean_tree
 }
 
+mkdir "$scratch/clean"
+cd "$scratch/clean" || exit 2
+make_tree
 clean_tree
 passes 'a clean tree'
 

@@ -29,7 +29,7 @@ double locked_mb(pid_t process) {
 }  // namespace
 
 TEST_CASE("a screen that stands still ends the force, which a live one with the key held does not",
-          "[window][safety][law]") {
+          "[window][haply][safety][law]") {
     PressedDesk desk(PressingHand::Does::presses);
     REQUIRE(desk.feel());
     for (int i = 0; i < 600; ++i) {
@@ -51,7 +51,7 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
 }
 
 TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with its cause",
-          "[window][safety][law]") {
+          "[window][haply][safety][law]") {
     const bool buzzes = GENERATE(true, false);
     bool seen = false;
     // A machine too busy for the emulated board's motion, as under sanitizers, gets another hand.
@@ -67,7 +67,7 @@ TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with
 
 TEST_CASE(
     "in its window the program's guard ends the force when it dies, and it when its guard does",
-    "[window][guard][law]") {
+    "[window][haply][guard][law]") {
     const TemporaryFolder path;  // a system that can be asked to stay awake
     const std::string asked = path.file("asked");
     const std::string tool = path.file("systemd-inhibit");
