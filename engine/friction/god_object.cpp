@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "engine/math/elementary.hpp"
 
 namespace palpate::engine {
 namespace {
+
+/// The budget without a vertex slew.
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 /// What happens after a step on one span or seam.
 enum class Next : std::uint8_t { go_on, stop };
@@ -24,6 +28,7 @@ class Walker {
 public:
     Walker(const ConeForms& forms,
            GodObject& go,
+           const Vec2& from,
            const Vec2& h,
            double mu,
            double budget,
@@ -31,6 +36,7 @@ public:
         : forms_(forms),
           outline_(forms.outline()),
           go_(go),
+          from_(from),
           h_(h),
           mu_(mu),
           budget_(budget),
@@ -63,7 +69,12 @@ private:
     }
 
     [[nodiscard]] ConeState cone(const Vec2& point, const Vec2& tangent) const noexcept {
-        const Vec2 r = h_ - point;
+        return cone(h_, point, tangent);
+    }
+    [[nodiscard]] ConeState cone(const Vec2& h,
+                                 const Vec2& point,
+                                 const Vec2& tangent) const noexcept {
+        const Vec2 r = h - point;
         ConeState s{.tangent = tangent, .tau = glm::dot(r, tangent), .nu = -cross(tangent, r)};
         s.excess = std::fabs(s.tau) - cone_radius<HasFriction>(mu_, s.nu);
         return s;
@@ -192,6 +203,9 @@ private:
         if (s.excess <= 0.0 || !goes(s.tau)) {
             return settle_at(s);
         }
+        if (budget_ < kNever) {
+            used_ = std::max(used_, driven_from(seam.point, s) * budget_);
+        }
         if (used_ >= budget_) {
             settle_at(s);
             return stop_outside(true);
@@ -200,6 +214,9 @@ private:
             cone(seam.point, direction_ > 0.0 ? seam.tangent_out : seam.tangent_in);
         const bool over_tip =
             direction_ * far.tau <= 0.0 && (s.nu < 0.0 || far.nu < std::fabs(far.tau));
+        if (seam.kind == SeamKind::smooth && direction_ * far.tau <= 0.0 && s.nu > 0.0) {
+            return settle_against_hip(seam, s.tangent);  // hollow: each span drives it to the other
+        }
         const double price = radius_ * (direction_ > 0.0 ? seam.turn - phi : phi);
         const bool pays = price <= budget_ - used_;
         if (over_tip && (pays || s.nu < 0.0)) {  // the normal that points at HIP lies in the fan
@@ -216,6 +233,20 @@ private:
         used_ += price;
         leave(seam, direction_);
         return Next::go_on;
+    }
+
+    /// Share of the tick after which HIP, on its straight way to a stretch outside of the cone,
+    /// drives the god-object on from here. Drive and excess are linear in it.
+    [[nodiscard]] double driven_from(const Vec2& point, const ConeState& s) const noexcept {
+        const ConeState before = cone(from_, point, s.tangent);
+        const double drive = direction_ * before.tau;
+        const double excess = drive - (HasFriction ? mu_ * before.nu : 0.0);
+        const auto from = [](double then, double now) {
+            return then < 0.0 ? then / (then - now) : 0.0;
+        };
+        const double drive_now = direction_ * s.tau;
+        return std::max(from(drive, drive_now),
+                        from(excess, drive_now - (HasFriction ? mu_ * s.nu : 0.0)));
     }
 
     /// Concave vertex: two normals, two loads. F = K (V - h) is carried by both together.
@@ -244,11 +275,16 @@ private:
         } else if (before.tau <= 0.0) {
             settle_at(before);
         } else {
-            const Vec2 gap = seam.point - h_;
-            const double length = glm::length(gap);
-            const Vec2 normal = length > 0.0 ? gap / length : perp(after.tangent);
-            settle_at({.tangent = -perp(normal), .nu = length});
+            settle_against_hip(seam, after.tangent);
         }
+    }
+
+    /// By the normal of an internal fan that points away from HIP; where HIP is, that of a tangent.
+    Next settle_against_hip(const Seam& seam, const Vec2& tangent) noexcept {
+        const Vec2 gap = seam.point - h_;
+        const double length = glm::length(gap);
+        const Vec2 normal = length > 0.0 ? gap / length : perp(tangent);
+        return settle_at({.tangent = -perp(normal), .nu = length});
     }
 
     void leave(const Seam& seam, double direction) noexcept {
@@ -257,7 +293,11 @@ private:
                                           : Place{.index = seam.before, .parameter = 1.0});
     }
 
+    /// A smooth seam, which may be hollow, has the tangents of its two ends only.
     static Vec2 fan_tangent(const Seam& seam, double phi) noexcept {
+        if (seam.kind == SeamKind::smooth) {
+            return phi > 0.0 ? seam.tangent_out : seam.tangent_in;
+        }
         const SinCos turn = sin_cos(phi);
         return turn.cos * seam.tangent_in - turn.sin * perp(seam.tangent_in);
     }
@@ -265,6 +305,7 @@ private:
     const ConeForms& forms_;
     const Outline& outline_;
     GodObject& go_;
+    Vec2 from_;
     Vec2 h_;
     double mu_;
     double budget_;
@@ -304,16 +345,17 @@ Walk touch_down(const Outline& outline, GodObject& go, const Place& place, const
 template <bool HasFriction>
 Walk walk_god_object(const ConeForms& forms,
                      GodObject& go,
+                     const Vec2& from,
                      const Vec2& h,
                      double mu,
                      double budget,
                      double vertex_radius) noexcept {
-    return Walker<HasFriction>(forms, go, h, mu, budget, vertex_radius).run();
+    return Walker<HasFriction>(forms, go, from, h, mu, budget, vertex_radius).run();
 }
 
 template Walk walk_god_object<true>(
-    const ConeForms&, GodObject&, const Vec2&, double, double, double) noexcept;
+    const ConeForms&, GodObject&, const Vec2&, const Vec2&, double, double, double) noexcept;
 template Walk walk_god_object<false>(
-    const ConeForms&, GodObject&, const Vec2&, double, double, double) noexcept;
+    const ConeForms&, GodObject&, const Vec2&, const Vec2&, double, double, double) noexcept;
 
 }  // namespace palpate::engine

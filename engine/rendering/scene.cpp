@@ -93,6 +93,7 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     const double travelled = HasSlew && state.started ? glm::length(hip - state.last_hip) : 0.0;
     const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
                                   : std::numeric_limits<double>::infinity();
+    const Vec2 from = HasSlew ? state.last_hip : hip;
     state.started = true;
     state.last_hip = hip;
 
@@ -112,7 +113,7 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
 
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
     const Walk walk = begins ? touch_down(*outline_, state.go, cp.place, hip)
-                             : walk_god_object<HasFriction>(forms_, state.go, hip, mu, budget,
+                             : walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, budget,
                                                             HasSlew ? spec_.slew.radius : 0.0);
     if (walk.nu <= 0.0 && !walk.out_of_budget) {
         return free(state, begins ? cp : tracker_.track(state.track, hip));

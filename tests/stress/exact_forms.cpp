@@ -15,12 +15,21 @@ constexpr Real kNoise = 0x1p-57L;
 /// Roots nearer to each other than 2^-60 of a span are one.
 constexpr int kMaxHalvings = 60;
 
-Real choose(std::size_t n, std::size_t k) {
-    Real value = 1.0L;
-    for (std::size_t i = 1; i <= k; ++i) {
-        value = value * static_cast<Real>(n - k + i) / static_cast<Real>(i);
+/// Pascal's triangle, exact.
+constexpr std::size_t kMaxRow = 3 * engine::kMaxDegree + 1;
+constexpr auto kChoose = [] {
+    std::array<std::array<Real, kMaxRow>, kMaxRow> all{};
+    for (std::size_t n = 0; n < kMaxRow; ++n) {
+        all[n][0] = all[n][n] = 1.0L;
+        for (std::size_t k = 1; k < n; ++k) {
+            all[n][k] = all[n - 1][k - 1] + all[n - 1][k];
+        }
     }
-    return value;
+    return all;
+}();
+
+Real choose(std::size_t n, std::size_t k) {
+    return kChoose[n][k];
 }
 
 /// Bernstein products and slopes, of values or of their magnitudes.
@@ -74,6 +83,12 @@ void keep_end(Row& f, Real x, Real y) {
     }
 }
 
+/// A row at x in [0, 1].
+Real value(Row f, Real x, Real y) {
+    keep_end(f, x, y);
+    return f[0];
+}
+
 /// The first half of a row, which becomes its second half.
 Row halved(Row& f) {
     Row left(f.size());
@@ -101,14 +116,33 @@ Signs signs_of(const Row& f, const Row& noise) {
     return starts && i == f.size() ? Signs::falls : Signs::other;
 }
 
-/// Where min(a, b) + share noise changes its sign.
+/// Where min(a, b) + share noise falls through 0, once: secants between the two ends, each followed by one of
+/// twice the length, so that both ends close in (Alefeld, Potra & Shi 1995), or halvings.
 Real closed_in(const Row& a, const Row& b, const Row& noise, Real share) {
+    const Row with_a = plus(a, noise, share);
+    const Row with_b = plus(b, noise, share);
+    const auto least = [&](Real x) {
+        return std::min(value(with_a, x, 1.0L - x), value(with_b, x, 1.0L - x));
+    };
     Real lo = 0.0L;
     Real hi = 1.0L;
+    Real at_lo = least(lo);
+    Real at_hi = least(hi);
+    const auto look = [&](Real x) {
+        if (x > lo && x < hi) {
+            const Real f = least(x);
+            (f > 0.0L ? lo : hi) = x;
+            (f > 0.0L ? at_lo : at_hi) = f;
+        }
+    };
     for (int i = 0; i < 70 && hi - lo > 1e-19L * hi; ++i) {
-        const Real middle = 0.5L * (lo + hi);
-        const Real least = std::min(value(a, middle), value(b, middle));
-        (least + share * value(noise, middle) > 0.0L ? lo : hi) = middle;
+        const Real width = hi - lo;
+        const Real step = width / (at_lo - at_hi);
+        look(at_lo < -at_hi ? lo + at_lo * step : hi + at_hi * step);
+        look(at_lo < -at_hi ? lo + 2.0L * at_lo * step : hi + 2.0L * at_hi * step);
+        if (hi - lo > 0.5L * width) {
+            look(0.5L * (lo + hi));
+        }
     }
     return hi;
 }
@@ -170,11 +204,6 @@ Point unit(const Point& a) {
     return {a.x / length, a.y / length};
 }
 
-Real value(Row f, Real x) {
-    keep_end(f, x, 1.0L - x);
-    return f[0];
-}
-
 std::size_t repeats(const RationalBezier<2>& span, bool at_end) {
     const auto n = static_cast<std::size_t>(span.degree());
     std::size_t count = 0;
@@ -185,51 +214,67 @@ std::size_t repeats(const RationalBezier<2>& span, bool at_end) {
     return count;
 }
 
-Ahead ahead_of(
-    const RationalBezier<2>& span, const Vec2& h, Real mu, Real x, Real y, bool forward) {
-    Ahead out;
+SpanRows::SpanRows(const RationalBezier<2>& span, bool forwards)
+    : first(repeats(span, !forwards)),
+      last(repeats(span, forwards)),
+      origin{span.origin().x, span.origin().y},
+      forward(forwards) {
     const auto n = static_cast<std::size_t>(span.degree());
-    Row qx;  // w (C - h)
-    Row qy;
-    out.origin = {span.origin().x, span.origin().y};
     for (std::size_t i = 0; i <= n; ++i) {
         const std::size_t k = forward ? i : n - i;
-        const Real w = span.weight(k);
-        out.w.push_back(w);
-        out.px.push_back(w * span.local_point(k).x);
-        out.py.push_back(w * span.local_point(k).y);
-        qx.push_back(out.px[i] + w * (out.origin.x - h.x));
-        qy.push_back(out.py[i] + w * (out.origin.y - h.y));
+        w.push_back(span.weight(k));
+        px.push_back(w[i] * span.local_point(k).x);
+        py.push_back(w[i] * span.local_point(k).y);
     }
-    const std::size_t first = repeats(span, !forward);
-    const std::size_t last = repeats(span, forward);
-    const auto hodograph = [&](const Row& p, bool sizes) {
-        return plus(times(slope(p, sizes), out.w, sizes), times(p, slope(out.w, sizes), sizes),
-                    sizes ? 1.0L : -1.0L);
+    const auto hodograph = [&](const Row& p, bool of_sizes) {
+        return plus(times(slope(p, of_sizes), w, of_sizes), times(p, slope(w, of_sizes), of_sizes),
+                    of_sizes ? 1.0L : -1.0L);
     };
-    const Row nx = hodograph(out.px, false);
-    const Row ny = hodograph(out.py, false);
-    const Row sizes = plus(hodograph(out.px, true), hodograph(out.py, true), 1.0L);
-    const Row drive = plus(times(qx, nx, false), times(qy, ny, false), 1.0L);
-    const Row load = plus(times(qx, ny, false), times(qy, nx, false), -1.0L);
-    const Row size = plus(times(qx, sizes, true), times(qy, sizes, true), 1.0L);
-    out.a = without(drive, first, last);
+    nx = hodograph(px, false);
+    ny = hodograph(py, false);
+    sizes = plus(hodograph(px, true), hodograph(py, true), 1.0L);
+    tx = without(nx, first, last);
+    ty = without(ny, first, last);
+}
+
+Point point_of(const SpanRows& span, Real x, Real y) {
+    const Real w = value(span.w, x, y);
+    return {span.origin.x + value(span.px, x, y) / w, span.origin.y + value(span.py, x, y) / w};
+}
+
+Point tangent_of(const SpanRows& span, Real x, Real y) {
+    return unit({value(span.tx, x, y), value(span.ty, x, y)});
+}
+
+Ahead ahead_of(const SpanRows& span, const Vec2& h, Real mu, Real x, Real y) {
+    Ahead out;
+    out.span = &span;
+    out.x = x;
+    out.y = y;
+    Row qx = span.px;  // w (C - h)
+    Row qy = span.py;
+    for (std::size_t i = 0; i < qx.size(); ++i) {
+        qx[i] += span.w[i] * (span.origin.x - h.x);
+        qy[i] += span.w[i] * (span.origin.y - h.y);
+    }
+    const auto cut = [&](const Row& f) {
+        return without(f, span.first, span.last);
+    };
+    out.a = cut(plus(times(qx, span.nx, false), times(qy, span.ny, false), 1.0L));
+    const Row load = cut(plus(times(qx, span.ny, false), times(qy, span.nx, false), -1.0L));
+    out.noise = cut(plus(times(qx, span.sizes, true), times(qy, span.sizes, true), 1.0L));
     for (Real& v : out.a) {
         v = -v;
     }
-    out.b = plus(out.a, without(load, first, last), forward ? mu : -mu);
-    out.noise = without(size, first, last);
+    out.b = plus(out.a, load, span.forward ? mu : -mu);
     for (Real& v : out.noise) {
         v *= kNoise * (1.0L + mu);
     }
-    out.tx = without(nx, first, last);
-    out.ty = without(ny, first, last);
     if (x > 0.0L) {
-        for (Row* row : {&out.px, &out.py, &out.w, &out.a, &out.b, &out.noise, &out.tx, &out.ty}) {
+        for (Row* row : {&out.a, &out.b, &out.noise}) {
             keep_end(*row, x, y);
         }
     }
-    out.tangent = unit({out.tx[0], out.ty[0]});
     return out;
 }
 

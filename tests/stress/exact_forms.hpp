@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <vector>
 
 #include "engine/geometry/rational_bezier.hpp"
@@ -8,7 +10,33 @@
 namespace palpate::stress {
 
 using Real = long double;
-using Row = std::vector<Real>;
+
+/// Bernstein coefficients, of a degree that a span's forms may have.
+class Row {
+public:
+    Row() noexcept {}  // NOLINT: what is not counted is not read
+    explicit Row(std::size_t count, Real value = 0.0L) noexcept : count_(count) {
+        std::fill_n(at_.begin(), count, value);
+    }
+    Row(const Row& other) noexcept : count_(other.count_) {
+        std::copy_n(other.at_.begin(), count_, at_.begin());
+    }
+    Row& operator=(const Row& other) noexcept {
+        count_ = other.count_;
+        std::copy_n(other.at_.begin(), count_, at_.begin());
+        return *this;
+    }
+    void push_back(Real value) noexcept { at_[count_++] = value; }
+    [[nodiscard]] std::size_t size() const noexcept { return count_; }
+    [[nodiscard]] Real& operator[](std::size_t i) noexcept { return at_[i]; }
+    [[nodiscard]] const Real& operator[](std::size_t i) const noexcept { return at_[i]; }
+    [[nodiscard]] Real* begin() noexcept { return at_.data(); }
+    [[nodiscard]] Real* end() noexcept { return at_.data() + count_; }
+
+private:
+    std::array<Real, 3 * engine::kMaxDegree + 1> at_;
+    std::size_t count_ = 0;
+};
 
 struct Point {
     Real x = 0.0L;
@@ -20,29 +48,40 @@ struct Point {
 [[nodiscard]] Real turn(const Point& a, const Point& b);
 [[nodiscard]] Point unit(const Point& a);
 
-/// A row at x in [0, 1].
-[[nodiscard]] Real value(Row f, Real x);
-
 /// Control points that repeat an end of a span.
 [[nodiscard]] std::size_t repeats(const engine::RationalBezier<2>& span, bool at_end);
 
+/// A span in one direction of travel, whoever touches it.
+struct SpanRows {
+    SpanRows(const engine::RationalBezier<2>& span, bool forward);
+
+    Row px, py, w;      ///< w (C - origin), w
+    Row nx, ny;         ///< w^2 C', in the direction of travel
+    Row sizes;          ///< of the terms in nx and ny
+    Row tx, ty;         ///< nx and ny without the repeated control points of either end
+    std::size_t first;  ///< control points that repeat the start
+    std::size_t last;   ///< the end
+    Point origin;
+    bool forward;
+};
+
+/// Point and unit tangent at x, in the direction of travel.
+[[nodiscard]] Point point_of(const SpanRows& span, Real x, Real y);
+[[nodiscard]] Point tangent_of(const SpanRows& span, Real x, Real y);
+
 /// Ahead of a place on a span, in the direction of travel, seen from h.
 struct Ahead {
-    Row px, py, w;  ///< w (C - origin), w
-    Row tx, ty;     ///< along C', in the direction of travel
-    Row a, b;       ///< outside of the cone: both > 0
+    const SpanRows* span;
+    Real x, y;  ///< where it begins
+    Row a, b;   ///< outside of the cone: both > 0
     Row noise;
-    Point tangent;  ///< unit, in the direction of travel, at the start
-    Point origin;
+
+    /// Of the whole way, for a share of what is ahead.
+    [[nodiscard]] Real at(Real share) const { return x + share * y; }
 };
 
 /// @param x, y  of the way along the span in the direction of travel, x + y = 1
-[[nodiscard]] Ahead ahead_of(const engine::RationalBezier<2>& span,
-                             const engine::Vec2& h,
-                             Real mu,
-                             Real x,
-                             Real y,
-                             bool forward);
+[[nodiscard]] Ahead ahead_of(const SpanRows& span, const engine::Vec2& h, Real mu, Real x, Real y);
 
 /// The first root of min(a, b) on [0, 1]: between lo and hi. Where rounding decides, all that it may be.
 struct Root {

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tests/stress/exact_forms.hpp"
-
 namespace palpate::stress {
 namespace {
 
@@ -20,13 +18,17 @@ constexpr double kBand = 32.0 * engine::kEpsilon;
 /// The law, from place to place.
 class Explorer {
 public:
-    Explorer(const Outline& outline, const Vec2& h, double mu, ExactAnswer& answer)
-        : outline_(outline), h_(h), mu_(mu), answer_(answer), band_(answer.band) {}
+    Explorer(const ExactOutline& exact, const Vec2& h, double mu, ExactAnswer& answer)
+        : exact_(exact),
+          outline_(*exact.outline),
+          h_(h),
+          mu_(mu),
+          answer_(answer),
+          band_(answer.band) {}
 
     void from_span(std::size_t index, Real u, Real rest, int direction) {
-        const RationalBezier<2>& span = outline_.spans()[index];
         if (direction == 0) {
-            const Stretch s = stretch_of(ahead_of(span, h_, mu_, u, rest, true), true);
+            const Stretch s = stretch_of(exact_.on[index], u, rest);
             if (!begins(s)) {
                 return;
             }
@@ -37,26 +39,29 @@ public:
             over_end(index, forward);
             return;
         }
-        Ahead ahead = ahead_of(span, h_, mu_, forward ? u : rest, forward ? rest : u, forward);
-        const Stretch s = stretch_of(ahead, forward);
+        const SpanRows& span = (forward ? exact_.on : exact_.back)[index];
+        const Real x = forward ? u : rest;
+        const Real y = forward ? rest : u;
+        const Stretch s = stretch_of(span, x, y);
         if (s.excess <= band_ || s.tau <= band_) {
             stop(s);  // where rounding decides, or the way into this span
         }
         if (s.excess <= -band_ || s.tau <= -band_) {
             return;
         }
+        const Ahead ahead = ahead_of(span, h_, mu_, x, y);
         Roots roots;
         const bool surely = first_root_of(ahead, roots);
         answer_.open = answer_.open || roots.blank;
-        for (const auto& [x, beyond] : roots.at) {
-            const Point along = unit({value(ahead.tx, x), value(ahead.ty, x)});
-            const Point at = point_of(ahead, x);
-            const Point last = point_of(ahead, beyond);
-            stop(stretch(at, forward ? along : Point{-along.x, -along.y}, direction));
+        for (const auto& [share, beyond] : roots.at) {
+            const Point last = point_of(span, ahead.at(beyond), (1.0L - beyond) * y);
+            const Stretch at = stretch_of(span, ahead.at(share), (1.0L - share) * y);
+            stop(at);
             answer_.stops.back().blur =
-                static_cast<double>(std::hypot(last.x - at.x, last.y - at.y));
+                static_cast<double>(std::hypot(last.x - at.at.x, last.y - at.at.y));
         }
-        const Vec2 end = span.point(forward ? static_cast<std::size_t>(span.degree()) : 0);
+        const Vec2 end = outline_.spans()[index].point(
+            forward ? static_cast<std::size_t>(outline_.spans()[index].degree()) : 0);
         const Stretch last = stretch(place(end), tangent(index, forward), direction);
         const bool on_edge = std::min(std::fabs(last.excess), std::fabs(last.tau)) <= band_;
         if (!surely && on_edge) {
@@ -100,10 +105,10 @@ private:
         s.excess = std::fabs(s.tau) - mu_ * std::max(s.nu, 0.0L);
         return s;
     }
-    [[nodiscard]] Stretch stretch_of(const Ahead& ahead, bool forward) const {
-        const Real sign = forward ? 1.0L : -1.0L;
-        const Point along{sign * ahead.tangent.x, sign * ahead.tangent.y};
-        return stretch(point_of(ahead, 0.0L), along, forward ? 1 : -1);
+    [[nodiscard]] Stretch stretch_of(const SpanRows& span, Real x, Real y) const {
+        const Point ahead = tangent_of(span, x, y);
+        const Point along = span.forward ? ahead : Point{-ahead.x, -ahead.y};
+        return stretch(point_of(span, x, y), along, span.forward ? 1 : -1);
     }
     /// Whether a walk may begin; if it may also stay, that is a stop.
     bool begins(const Stretch& s) {
@@ -122,11 +127,6 @@ private:
              .nu = static_cast<double>(s.nu),
              .corner = corner});
     }
-    static Point point_of(const Ahead& ahead, Real x) {
-        const Real w = value(ahead.w, x);
-        return {ahead.origin.x + value(ahead.px, x) / w, ahead.origin.y + value(ahead.py, x) / w};
-    }
-
     /// Unit, along the outline, at an end of a span.
     [[nodiscard]] Point tangent(std::size_t index, bool at_end) const {
         const RationalBezier<2>& span = outline_.spans()[index];
@@ -207,6 +207,7 @@ private:
         }
     }
 
+    const ExactOutline& exact_;
     const Outline& outline_;
     Vec2 h_;
     Real mu_;
@@ -217,16 +218,21 @@ private:
 
 }  // namespace
 
-ExactAnswer exact_walk(const Outline& outline,
-                       const engine::GodObject& from,
-                       const Vec2& h,
-                       double mu) {
-    double extent = std::max(std::fabs(h.x), std::fabs(h.y));
-    for (const auto& span : outline.spans()) {
+ExactOutline::ExactOutline(const Outline& o) : outline(&o) {
+    for (const auto& span : o.spans()) {
+        on.emplace_back(span, true);
+        back.emplace_back(span, false);
         for (const Vec2& p : {span.box().low, span.box().high}) {
             extent = std::max({extent, std::fabs(p.x), std::fabs(p.y)});
         }
     }
+}
+
+ExactAnswer exact_walk(const ExactOutline& outline,
+                       const engine::GodObject& from,
+                       const Vec2& h,
+                       double mu) {
+    const double extent = std::max({outline.extent, std::fabs(h.x), std::fabs(h.y)});
     ExactAnswer answer;
     answer.band = kBand * extent * (1.0 + mu);
     Explorer explorer(outline, h, mu, answer);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "engine/friction/god_object.hpp"
+#include "tests/stress/exact_forms.hpp"
 
 /// Where a god-object has to stop, found again by other means: in long double, by halving Bernstein forms
 /// made afresh from the control points seen from HIP. Shares no code with the walk.
@@ -23,9 +24,19 @@ struct ExactAnswer {
     double band = 0.0;  ///< m: stretches nearer to the edge of the cone than this are on it
 };
 
+/// Whoever walks on it.
+struct ExactOutline {
+    explicit ExactOutline(const engine::Outline& outline);
+
+    const engine::Outline* outline;  ///< must live as long
+    std::vector<SpanRows> on;        ///< of each span, in the direction of the outline
+    std::vector<SpanRows> back;
+    double extent = 0.0;  ///< largest coordinate, m
+};
+
 /// From `from` in the direction of the drive to the first place where |tau| <= mu max(nu, 0), over vertices by
 /// their rules. @param outline  with every coordinate below 1e9 m, and so is h
-[[nodiscard]] ExactAnswer exact_walk(const engine::Outline& outline,
+[[nodiscard]] ExactAnswer exact_walk(const ExactOutline& outline,
                                      const engine::GodObject& from,
                                      const engine::Vec2& h,
                                      double mu);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "engine/geometry/cusps.hpp"
-#include "tests/stress/exact_walk.hpp"
 #include "tests/stress/stress_hand.hpp"
 
 namespace palpate::stress {
@@ -60,6 +59,7 @@ constexpr double kBlunt = 40.0;
 TickLaws::TickLaws(const engine::Scene& scene)
     : scene_(&scene),
       feet_(scene.outline()),
+      exact_(scene.outline()),
       size_(size_of(scene.outline())),
       extent_(extent_of(scene.outline())) {}
 
@@ -220,7 +220,7 @@ void TickLaws::check_first_root(const Tick& now,
     }
     const auto& outline = scene_->outline();
     const double mu = spec.friction.none() ? 0.0 : engine::coefficient(spec.friction, before.theta);
-    const ExactAnswer exact = exact_walk(outline, before.go, now.h, mu);
+    const ExactAnswer exact = exact_walk(exact_, before.go, now.h, mu);
     ++walks;
     ties += exact.open || exact.stops.size() > 1 ? 1U : 0U;
     if (exact.open) {

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/rendering/scene.hpp"
+#include "tests/stress/exact_walk.hpp"
 
 /// What must hold on every tick of every contact, whatever is felt and whoever feels it.
 namespace palpate::stress {
@@ -64,6 +65,7 @@ private:
 
     const engine::Scene* scene_;
     engine::OutlineFeet feet_;
+    ExactOutline exact_;
     engine::TrackState track_;
     double size_ = 0.0;    ///< diagonal of the control points, m
     double extent_ = 0.0;  ///< largest coordinate or size of the outline, m
