@@ -7,7 +7,7 @@
 namespace palpate::engine {
 namespace {
 
-constexpr Work kSpotWork = 200;  ///< besides the evaluation
+constexpr Work kSpotWork = 450;  ///< besides the evaluation
 
 /// The last bits before an edge belong to it: there the next patch, or the border, takes over.
 double snapped(double t) noexcept {
@@ -95,7 +95,8 @@ Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
 }
 
 /// Which of two patches decides: the one in whose cone the GO is, then the one that leads on, then
-/// the one that carries. Without friction there is no cone to rest in while another leads on, by
+/// the one that carries; of two in which it rests that on which it is, or a sheet that lies on
+/// itself would turn over. Without friction there is no cone to rest in while another leads on, by
 /// more than a foot looks different from the other side.
 int SurfaceGround::rank(const Footing& f) const noexcept {
     if (f.way == Footing::Way::held) {
@@ -136,7 +137,7 @@ Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
     for (std::size_t k = 0; k < count; ++k) {
         const Footing next = on_patch(look(others[k]));
         if (rank(next) > rank(best) ||
-            (rank(next) == rank(best) &&
+            (rank(next) == rank(best) && best.way != Footing::Way::rests &&
              (next.way == Footing::Way::held ? next.spot.load > best.spot.load
                                              : next.excess > best.excess))) {
             best = next;

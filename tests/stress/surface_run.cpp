@@ -14,6 +14,9 @@ using Clock = std::chrono::steady_clock;
 /// A tick that takes longer than this is timed again, s.
 constexpr double kSeemsSlow = 1e-4;
 
+/// A tick may not take longer than this, s, unless it says that its work limit ended it.
+constexpr double kTooSlow = 2e-4;
+
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
@@ -46,6 +49,12 @@ std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch) {
             if (best > tally.slowest_s) {
                 tally.slowest_s = best;
                 tally.slowest_seed = c.seed;
+            }
+            if (best > kTooSlow && contact.settled && contact.cp.proven) {
+                return Breach{.law = "a tick takes bounded time, or says that it was ended",
+                              .tick = i,
+                              .value = best,
+                              .limit = kTooSlow};
             }
         }
         ++tally.ticks;
