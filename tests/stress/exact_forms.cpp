@@ -12,6 +12,9 @@ using engine::Vec2;
 /// Rounding of a product of forms, relative to its terms.
 constexpr Real kNoise = 0x1p-57L;
 
+/// The same in the doubles that the walk has: a few roundings of 2^-53.
+constexpr Real kDoubleNoise = 0x1p-51L;
+
 /// Roots nearer to each other than 2^-60 of a span are one.
 constexpr int kMaxHalvings = 60;
 
@@ -244,6 +247,12 @@ Point point_of(const SpanRows& span, Real x, Real y) {
 
 Point tangent_of(const SpanRows& span, Real x, Real y) {
     return unit({value(span.tx, x, y), value(span.ty, x, y)});
+}
+
+Real turned_in_doubles(const SpanRows& span, Real x, Real y) {
+    const Real speed = std::hypot(value(span.nx, x, y), value(span.ny, x, y));
+    const Real rounding = kDoubleNoise * value(span.sizes, x, y);
+    return rounding < 2.0L * speed ? rounding / speed : 2.0L;
 }
 
 Ahead ahead_of(const SpanRows& span, const Vec2& h, Real mu, Real x, Real y) {

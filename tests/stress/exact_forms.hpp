@@ -69,6 +69,10 @@ struct SpanRows {
 [[nodiscard]] Point point_of(const SpanRows& span, Real x, Real y);
 [[nodiscard]] Point tangent_of(const SpanRows& span, Real x, Real y);
 
+/// How far the tangent at x may be turned in doubles, rad, up to 2: derivatives are differences of coordinates
+/// and weights.
+[[nodiscard]] Real turned_in_doubles(const SpanRows& span, Real x, Real y);
+
 /// Ahead of a place on a span, in the direction of travel, seen from h.
 struct Ahead {
     const SpanRows* span;

@@ -29,7 +29,7 @@ public:
     void from_span(std::size_t index, Real u, Real rest, int direction) {
         if (direction == 0) {
             const Stretch s = stretch_of(exact_.on[index], u, rest);
-            if (!begins(s)) {
+            if (!begins(s, doubt(exact_.on[index], u, rest, s))) {
                 return;
             }
             direction = s.tau > 0.0L ? 1 : -1;
@@ -57,8 +57,9 @@ public:
             const Point last = point_of(span, ahead.at(beyond), (1.0L - beyond) * y);
             const Stretch at = stretch_of(span, ahead.at(share), (1.0L - share) * y);
             stop(at);
-            answer_.stops.back().blur =
-                static_cast<double>(std::hypot(last.x - at.at.x, last.y - at.at.y));
+            ExactStop& found = answer_.stops.back();
+            found.blur = static_cast<double>(std::hypot(last.x - at.at.x, last.y - at.at.y));
+            found.doubt = static_cast<double>(doubt(span, ahead.at(share), (1.0L - share) * y, at));
         }
         const Vec2 end = outline_.spans()[index].point(
             forward ? static_cast<std::size_t>(outline_.spans()[index].degree()) : 0);
@@ -83,7 +84,7 @@ public:
         const Real s = std::sin(static_cast<Real>(phi));
         const Point along{c * in.x + s * in.y, c * in.y - s * in.x};
         const Stretch at = stretch(place(seam.point), along, 1);
-        if (!begins(at)) {
+        if (!begins(at, 0.0L)) {
             return;
         }
         fan(index, at.tau > 0.0L ? 1 : -1, along);
@@ -110,16 +111,21 @@ private:
         const Point along = span.forward ? ahead : Point{-ahead.x, -ahead.y};
         return stretch(point_of(span, x, y), along, span.forward ? 1 : -1);
     }
+    /// What rounding in doubles makes of tau and nu by turning the tangent, m.
+    [[nodiscard]] Real doubt(const SpanRows& span, Real x, Real y, const Stretch& s) const {
+        return turned_in_doubles(span, x, y) * std::hypot(s.tau, s.nu) * (1.0L + mu_);
+    }
     /// Whether a walk may begin; if it may also stay, that is a stop.
-    bool begins(const Stretch& s) {
-        if (s.excess <= band_) {
+    bool begins(const Stretch& s, Real doubt) {
+        const Real band = band_ + doubt;
+        if (s.excess <= band) {
             stop(s);
         }
-        if (s.excess > -band_ && std::fabs(s.tau) <= 2.0L * band_) {
+        if (s.excess > -band && std::fabs(s.tau) <= 2.0L * band) {
             answer_.open = true;
             return false;
         }
-        return s.excess > -band_;
+        return s.excess > -band;
     }
     void stop(const Stretch& s, bool corner = false) {
         answer_.stops.push_back(

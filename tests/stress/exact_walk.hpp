@@ -14,6 +14,7 @@ struct ExactStop {
     engine::Vec2 point{};
     double nu = 0.0;      ///< load there, m
     double blur = 0.0;    ///< m, what is not known of the point: beside a centre of curvature
+    double doubt = 0.0;   ///< m, what rounding in doubles makes of the tangent there, of nu
     bool corner = false;  ///< a concave vertex: two normals carry
 };
 

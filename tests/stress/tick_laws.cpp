@@ -231,8 +231,9 @@ void TickLaws::check_first_root(const Tick& now,
     const Vec2 there = go.place.on_seam ? outline.seams()[go.place.index].point : go.jet.point;
     bool may_end = false;
     for (const ExactStop& stop : exact.stops) {
-        may_end = may_end || stop.nu <= exact.band || stop.corner;
-        if (stop.corner || stop.nu >= -exact.band) {
+        const double band = exact.band + stop.doubt;
+        may_end = may_end || stop.nu <= band || stop.corner;
+        if (stop.corner || stop.nu >= -band) {
             const double apart = glm::length(stop.point - there) - stop.blur;
             nearest = std::min(nearest, apart / size_);
         }
