@@ -11,7 +11,8 @@ constexpr double kMostForce = 0.35;    ///< N, whatever is asked for
 constexpr double kMostSpeed = 0.5;     ///< m/s: nobody pushes a handle that is free
 constexpr double kMostJump = 10.0;     ///< m/s between two readings
 constexpr double kSilence = 0.010;     ///< s without a new reading
-constexpr int kAgain = 5;              ///< times that a pulse is tried again
+constexpr int kAgain = 12;             ///< times that a pulse is tried again
+constexpr int kLateAnswers = 3;        ///< ticks in a row without a new reading that times bear
 constexpr double kStill = 0.040;       ///< s within a count
 constexpr double kPatience = 0.6;      ///< s for the handle to come to rest
 constexpr double kAfterwards = 0.060;  ///< s, recorded after the force
@@ -55,8 +56,8 @@ PulseRunner::~PulseRunner() {
 }
 
 PulseRunner::Tick PulseRunner::tick(const Vec2& force) {
-    wait_();
-    Tick tick{.reading = device_->read()};
+    const bool in_time = wait_();
+    Tick tick{.reading = device_->read(), .in_time = in_time};
     tick.command = make_safe(safety_, limits_,
                              {.force = force,
                               .hip = tick.reading.hip,
@@ -87,8 +88,15 @@ void PulseRunner::settle() {
 /// A machine that is busy may keep the board's answers back: the zeros are out, and it is asked again.
 Pulse PulseRunner::give(const Vec2& direction, const PulsePlan& plan) {
     Pulse pulse = give_once(direction, plan);
-    for (int i = 0; i < kAgain && pulse.trip == Trip::device_silent && device_->reconnect(); ++i) {
+    const auto is_worth_another = [&] {
+        return pulse.trip == Trip::none ? !pulse.steady
+                                        : pulse.trip == Trip::device_silent && device_->reconnect();
+    };
+    for (int i = 0; i < kAgain && is_worth_another(); ++i) {
         pulse = give_once(direction, plan);
+    }
+    if (pulse.trip == Trip::none && !pulse.steady) {
+        pulse.trip = Trip::late;
     }
     return pulse;
 }
@@ -102,8 +110,11 @@ Pulse PulseRunner::give_once(const Vec2& direction, const PulsePlan& plan) {
     const auto rest = static_cast<std::size_t>(kAfterwards / period_);
     std::size_t end = 2 * longest + rest;
     Vec2 force = pulse.force;
+    int late_answers = 0;
     for (std::size_t k = 0; k < end && pulse.trip == Trip::none; ++k) {
         const Tick now = tick(force);
+        late_answers = now.reading.fresh ? 0 : late_answers + 1;
+        pulse.steady = pulse.steady && now.in_time && late_answers <= kLateAnswers;
         if (k == 0) {
             pulse.place = now.reading.hip;
         }
@@ -129,7 +140,7 @@ MarkReading PulseRunner::watch(double seconds) {
     MarkCounts counts;
     Vec2 last{};
     for (double waited = 0.0; waited < seconds; waited += period_) {
-        wait_();
+        static_cast<void>(wait_());
         const Reading reading = device_->read();
         device_->write(Vec2{});
         if (reading.fault == DeviceFault::silent) {

@@ -30,6 +30,7 @@ struct Pulse {
     std::size_t turn = 0;  ///< sample from which on the force is reversed
     std::vector<PulseSample> samples;
     Trip trip = Trip::none;  ///< why it was broken off
+    bool steady = true;      ///< ticks and answers came in time: the samples' times are right
 };
 
 /// How a pulse is given.
@@ -42,8 +43,8 @@ struct PulsePlan {
 /// Gives pulses to a device, one at a time.
 class PulseRunner {
 public:
-    /// Waits for the next tick; for a device on a virtual clock nothing.
-    using Wait = std::function<void()>;
+    /// Waits for the next tick; a device on a virtual clock needs no waiting. @return it came in time
+    using Wait = std::function<bool()>;
 
     /// @param device  outlives this   @param machine  as its calibration says   @param period  s
     PulseRunner(Device& device, const PantographSpec& machine, double period, Wait wait);
@@ -54,7 +55,8 @@ public:
 
     /// Waits for the handle to rest, pushes it along `direction` until it has moved or the time is up,
     /// then as long the other way, so that it ends near where it was and at rest. At most a second and
-    /// a half.
+    /// a half. A pulse in which ticks or answers came late tells nothing of the machine: it is given
+    /// again, and refused in the end with Trip::late.
     /// @param direction  of length 1
     [[nodiscard]] Pulse give(const Vec2& direction, const PulsePlan& plan);
 
@@ -66,6 +68,7 @@ private:
     struct Tick {
         Reading reading{};
         Command command{};
+        bool in_time = true;
     };
 
     [[nodiscard]] Tick tick(const Vec2& force);

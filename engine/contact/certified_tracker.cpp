@@ -36,11 +36,17 @@ ClosestPoint CertifiedTracker::named(const TrackWindow& window,
 }
 
 ClosestPoint CertifiedTracker::track(TrackState& s, const Vec2& h) const noexcept {
-    const double moved = glm::length(h - s.from);
-    if (s.valid && moved < s.slack) {
+    const Vec2 way = h - s.from;
+    const double moved2 = glm::dot(way, way);
+    if (moved2 < s.slack2) {
+        // distance + |way| < bound, without the root of the second.
+        const auto nearer = [moved2](double distance, double bound) {
+            const double spare = bound - distance;
+            return spare > 0.0 && moved2 < spare * spare;
+        };
         Followed found = windows_.follow(s.best, h);
         double distance = std::sqrt(found.foot.distance2);
-        if (found.settled && s.has_rival && !(distance + moved < s.rival_from)) {
+        if (found.settled && s.has_rival && !nearer(distance, s.rival_from)) {
             const Followed other = windows_.follow(s.rival, h);
             found.settled = other.settled;
             if (other.foot.distance2 < found.foot.distance2) {
@@ -50,7 +56,7 @@ ClosestPoint CertifiedTracker::track(TrackState& s, const Vec2& h) const noexcep
                 distance = std::sqrt(found.foot.distance2);
             }
         }
-        if (found.settled && distance + moved < s.others) {
+        if (found.settled && nearer(distance, s.others)) {
             ++s.certified;
             return named(s.best, found, h);
         }
@@ -64,10 +70,10 @@ ClosestPoint CertifiedTracker::search(TrackState& s, const Vec2& h) const noexce
     const Foot<2> foot = tree.closest(h);
     const double distance = std::sqrt(foot.distance2);
     s.from = h;
-    s.slack = windows_.open(s.best, foot, h, {});
-    s.valid = s.slack > 0.0;
+    const double slack = windows_.open(s.best, foot, h, {});
+    s.slack2 = slack > 0.0 ? slack * slack : 0.0;
     s.has_rival = false;
-    if (s.valid) {
+    if (slack > 0.0) {
         s.best_from = safe(distance, h);
         s.others = safe(tree.bound_without(h, s.best.pieces), h);
         if (s.others - distance < kRivalry) {
@@ -89,7 +95,7 @@ void CertifiedTracker::open_rival(TrackState& s, const Vec2& h) const noexcept {
         return;
     }
     s.has_rival = true;
-    s.slack = std::min(s.slack, slack);
+    s.slack2 = std::min(s.slack2, slack * slack);
     s.rival_from = safe(std::sqrt(foot.distance2), h);
     s.others = safe(tree.bound_without(h, s.best.pieces, s.rival.pieces), h);
 }

@@ -8,9 +8,8 @@ namespace palpate::engine {
 
 /// What certified tracking keeps from tick to tick. A plain value.
 struct TrackState {
-    bool valid = false;   ///< a window is known
     Vec2 from{};          ///< HIP of the last search, m
-    double slack = 0.0;   ///< while |h - from| < slack each window holds one minimum only, m
+    double slack2 = 0.0;  ///< while |h - from|^2 is less each window holds one minimum only, m^2
     double others = 0.0;  ///< nothing outside the windows was nearer to `from` than this, m
 
     TrackWindow best{};      ///< holds the global closest point

@@ -126,6 +126,8 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
         return {};
     }
     const Outline& outline = feet_->outline();
+    double before = 0.0;  // slope and length of the first step
+    double first = 0.0;
     for (int i = 0; i < kWindowSteps; ++i) {
         const Arc* arc = outline.arc(s.span);
         double slope = 1.0;
@@ -137,6 +139,12 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
             const Vec2 gap = s.jet.point - h;
             slope = glm::dot(s.jet.first, s.jet.first) + glm::dot(gap, s.jet.second);
             step = -glm::dot(gap, s.jet.first) / slope;
+            if (i == 0) {
+                before = slope;
+                first = step = s.bend.step(step);
+            } else if (i == 1) {
+                s.bend.see(before, slope, first);
+            }
             next = s.u + step;
         }
         if (!(slope > 0.0) || std::isnan(next)) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/contact/closest_point.hpp"
+#include "engine/math/bend.hpp"
 
 namespace palpate::engine {
 
@@ -15,6 +16,7 @@ struct TrackWindow {
     std::size_t span = 0;  ///< of the foot
     double u = 0.0;        ///< where the jet was taken: a step of less than 2e-6 beside the foot
     Jet<2> jet{};
+    Bend bend{};  ///< of (C - h) . C' over u, when last seen
 
     PieceRange pieces{};
     std::size_t first_span = 0;  ///< in the direction of travel
@@ -23,12 +25,6 @@ struct TrackWindow {
     double last_u = 1.0;
     std::array<std::size_t, 2> vertices{};  ///< true vertices within
     std::uint32_t vertex_count = 0;
-
-    /// u of `of_span` lies in the part of the window that is on the foot's own span.
-    [[nodiscard]] bool holds(std::size_t of_span, double at) const noexcept {
-        return of_span == span && at >= (of_span == first_span ? first_u : 0.0) &&
-               at <= (of_span == last_span ? last_u : 1.0);
-    }
 };
 
 /// What following a window's minimum gave.
@@ -58,7 +54,7 @@ public:
                               const PieceRange& taken) const noexcept;
 
     /// On an arc or a line the foot itself, elsewhere Newton's iteration on g(u) = (C - h) . C' from
-    /// the last one; across spans, within the window.
+    /// the last one, its first step along a parabola; across spans, within the window.
     /// @pre h has moved less than the window's slack
     [[nodiscard]] Followed follow(TrackWindow& window, const Vec2& h) const noexcept;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "engine/friction/first_root.hpp"
 
@@ -117,12 +118,12 @@ public:
         const bool limited = task_.budget < std::numeric_limits<double>::infinity();
         std::size_t piece = first_piece();
         while (true) {
-            Spot before;
+            std::optional<Spot> before;
             if (limited) {
                 before = spot_;
             }
             const bool stops = goes_through(piece);
-            if (limited && !pays(before)) {
+            if (before && !pays(*before)) {
                 return SlideEnd::out_of_budget;
             }
             if (stops) {
@@ -175,7 +176,10 @@ private:
             return true;
         }
         const double slack = task_.forms.fall_slack(piece, task_.h);
-        proof_ = {.piece = piece, .h = task_.h, .slack2 = slack > 0.0 ? slack * slack : 0.0};
+        proof_ = {.piece = piece,
+                  .h = task_.h,
+                  .slack2 = slack > 0.0 ? slack * slack : 0.0,
+                  .bend = proof_.bend};
         return slack > 0.0;
     }
 
@@ -195,15 +199,20 @@ private:
             if (i > 0 && is_last(spot_.jet, at.speed2, step) && finish(step)) {
                 return Followed::root;
             }
-            double next = spot_.u + task_.dir * step;
+            const double newton = task_.dir * step;
+            double next = spot_.u + (i == 0 ? proof_.bend.step(newton) : newton);
             if (bracketed) {
                 const bool between = (next - outside) * (next - inside) < 0.0;
                 next = between ? next : 0.5 * (outside + inside);
             } else if (task_.dir > 0.0 ? next >= end : next <= end) {
                 next = end;
             }
+            const double slope = at.slope;
             move_to(next);
             at = fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir);
+            if (i == 0) {
+                proof_.bend.see(slope, at.slope, next - start);
+            }
             if (at.excess > 0.0) {
                 outside = next;
                 if (next == end) {

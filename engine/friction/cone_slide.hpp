@@ -4,6 +4,7 @@
 
 #include "engine/friction/cone_forms.hpp"
 #include "engine/friction/friction_law.hpp"
+#include "engine/math/bend.hpp"
 
 namespace palpate::engine {
 
@@ -67,6 +68,7 @@ struct FallProof {
     std::size_t piece = 0;
     Vec2 h{};
     double slack2 = 0.0;  ///< m^2, how far HIP may be from h; 0: nothing is known
+    Bend bend{};          ///< of the excess over u, at the last slide
 };
 
 /// What a slide needs to know.
@@ -99,7 +101,8 @@ template <bool HasFriction>
 ///
 ///     ds = (dir tau - mu nu) / (1 - kappa (nu + mu |tau|))
 ///
-/// finds it, on the form times |C'|, where it needs neither the unit frame nor the curvature.
+/// finds it, on the form times |C'|, where it needs neither the unit frame nor the curvature. Its
+/// first step goes along a parabola, bent as the excess was bent in the last slide.
 /// Elsewhere first_root() isolates it, in doubles, and in twice the digits where these do not tell.
 /// The end is the root to rounding, on its inner side.
 /// @param used  m of the budget; what was travelled is added where there is a budget

@@ -32,7 +32,8 @@ public:
            const Vec2& h,
            double mu,
            double budget,
-           double radius) noexcept
+           double radius,
+           Walk& walk) noexcept
         : forms_(forms),
           outline_(forms.outline()),
           go_(go),
@@ -40,9 +41,10 @@ public:
           h_(h),
           mu_(mu),
           budget_(budget),
-          radius_(radius) {}
+          radius_(radius),
+          walk_(walk) {}
 
-    Walk run() noexcept {
+    void run() noexcept {
         // Each span and seam is passed once, for the stretch only falls. Rounding cannot cycle
         // either.
         const auto visits = [this] {
@@ -50,13 +52,12 @@ public:
         };
         for (std::size_t i = 0; i == 0 || i < visits(); ++i) {
             if (step() == Next::stop) {
-                return walk_;
+                return;
             }
         }
         settle_at(cone(go_));
         walk_.outside_cone = true;
         walk_.unproven = true;
-        return walk_;
     }
 
 private:
@@ -86,17 +87,18 @@ private:
             return cone(seam.point, fan_tangent(seam, go.place.parameter));
         }
         if (outline_.arc(go.place.index) != nullptr) {
-            return cone(go.jet.point, go.jet.first);
+            return cone(go.spot.jet.point, go.spot.jet.first);
         }
         const Vec2 along = forms_.tame(go.place.index)
-                             ? go.jet.first
-                             : forms_.heading(go.place.index, go.place.parameter, go.rest);
-        return cone(go.jet.point, along * (1.0 / std::sqrt(glm::dot(along, along))));
+                             ? go.spot.jet.first
+                             : forms_.heading(go.place.index, go.spot.u, go.spot.rest);
+        return cone(go.spot.jet.point, along * (1.0 / std::sqrt(glm::dot(along, along))));
     }
 
     /// The walk ends here, with this stretch.
     Next settle_at(const ConeState& s) noexcept {
-        walk_.point = go_.place.on_seam ? outline_.seams()[go_.place.index].point : go_.jet.point;
+        walk_.point =
+            go_.place.on_seam ? outline_.seams()[go_.place.index].point : go_.spot.jet.point;
         walk_.tangent = s.tangent;
         walk_.normal = perp(s.tangent);
         walk_.tau = s.tau;
@@ -140,27 +142,22 @@ private:
                 .dir = direction_,
                 .budget = budget_};
     }
-    [[nodiscard]] Spot spot() const noexcept {
-        return {.u = go_.place.parameter, .rest = go_.rest, .jet = go_.jet};
-    }
 
     /// Of the drive: by the jet where the span is tame, by the forms elsewhere.
     [[nodiscard]] double direction() const noexcept {
         if (const Arc* arc = outline_.arc(go_.place.index)) {
-            return drive_at(*arc, go_.jet, h_).direction<HasFriction>(mu_);
+            return drive_at(*arc, go_.spot.jet, h_).direction<HasFriction>(mu_);
         }
-        return forms_.tame(go_.place.index) ? drive_at(go_.jet, h_).direction<HasFriction>(mu_)
-                                            : direction_by_forms<HasFriction>(task(), spot());
+        return forms_.tame(go_.place.index) ? drive_at(go_.spot.jet, h_).direction<HasFriction>(mu_)
+                                            : direction_by_forms<HasFriction>(task(), go_.spot);
     }
 
     Next slide() noexcept {
-        const SlideTask way = task();
-        Spot to = spot();
-        const SlideEnd end = slide(way, to);
-        walk_.slid = walk_.slid || to.u != go_.place.parameter || to.rest != go_.rest;
-        go_.place.parameter = to.u;
-        go_.rest = to.rest;
-        go_.jet = to.jet;
+        const double u = go_.spot.u;
+        const double rest = go_.spot.rest;
+        const SlideEnd end = slide(task(), go_.spot);
+        walk_.slid = walk_.slid || go_.spot.u != u || go_.spot.rest != rest;
+        go_.place.parameter = go_.spot.u;
         if (end == SlideEnd::at_end) {
             return over_end(go_.place.index);
         }
@@ -312,7 +309,7 @@ private:
     double radius_;
     double used_ = 0.0;
     double direction_ = 0.0;  ///< of travel: +1, -1, or 0 before the first step
-    Walk walk_{};
+    Walk& walk_;
 };
 
 }  // namespace
@@ -323,14 +320,14 @@ GodObject god_object_at(const Outline& outline, const Place& place) noexcept {
     }
     const double rest = 1.0 - place.parameter;
     const Arc* arc = outline.arc(place.index);
-    const Spot spot = arc != nullptr ? spot_at(*arc, place.parameter, rest)
-                                     : spot_at(outline.spans()[place.index], place.parameter, rest);
-    return {.place = place, .rest = rest, .jet = spot.jet};
+    return {.place = place,
+            .spot = arc != nullptr ? spot_at(*arc, place.parameter, rest)
+                                   : spot_at(outline.spans()[place.index], place.parameter, rest)};
 }
 
 Walk touch_down(const Outline& outline, GodObject& go, const Place& place, const Vec2& h) noexcept {
     go = god_object_at(outline, place);
-    const Vec2 point = place.on_seam ? outline.seams()[place.index].point : go.jet.point;
+    const Vec2 point = place.on_seam ? outline.seams()[place.index].point : go.spot.jet.point;
     const double depth = glm::length(point - h);
     const Vec2 normal = depth > 0.0 ? (point - h) * (1.0 / depth) : Vec2{0.0, 1.0};
     // tau = -0 gives a tangential force of +0.
@@ -350,7 +347,9 @@ Walk walk_god_object(const ConeForms& forms,
                      double mu,
                      double budget,
                      double vertex_radius) noexcept {
-    return Walker<HasFriction>(forms, go, from, h, mu, budget, vertex_radius).run();
+    Walk walk;
+    Walker<HasFriction>(forms, go, from, h, mu, budget, vertex_radius, walk).run();
+    return walk;
 }
 
 template Walk walk_god_object<true>(

@@ -19,8 +19,7 @@ struct Slew {
 /// costs no evaluation, and a proof that spares the next ticks the search.
 struct GodObject {
     Place place{};
-    double rest = 1.0;  ///< 1 - u on a span, with all its digits
-    Jet<2> jet{};  ///< of the span at the place; on an arc with a unit tangent; unused on a seam
+    Spot spot{};  ///< the same on a span, with all digits; unused on a seam
     FallProof proof{};
 };
 

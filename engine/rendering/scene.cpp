@@ -91,53 +91,58 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
         return {.refused = true};
     }
     const double travelled = HasSlew && state.started ? glm::length(hip - state.last_hip) : 0.0;
-    const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
-                                  : std::numeric_limits<double>::infinity();
     const Vec2 from = HasSlew ? state.last_hip : hip;
     state.started = true;
     state.last_hip = hip;
-
-    ClosestPoint cp;
-    const bool begins = !state.touching;
-    if (begins) {
-        state.theta = 1.0;
-        cp = tracker_.track(state.track, hip);
-        if (!cp.inside) {
-            return free(state, cp);
-        }
-        state.touching = true;
-        if (!forms_.tame(cp.place.index) || !is_sharp(state.track.best.jet, hip)) {
-            cp = tracker_.feet().closest(hip);  // followed, it may be 1e-12 beside
-        }
+    if (!state.touching) {
+        return look<HasFriction, HasDamper>(state, hip);
     }
-
+    const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
+                                  : std::numeric_limits<double>::infinity();
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
-    const Walk walk = begins ? touch_down(*outline_, state.go, cp.place, hip)
-                             : walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, budget,
-                                                            HasSlew ? spec_.slew.radius : 0.0);
+    const Walk walk = walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, budget,
+                                                   HasSlew ? spec_.slew.radius : 0.0);
     if (walk.nu <= 0.0 && !walk.out_of_budget) {
-        return free(state, begins ? cp : tracker_.track(state.track, hip));
+        return free(state, tracker_.track(state.track, hip));
     }
-    Contact contact = render<HasFriction>(walk, hip, mu);
-    contact.place = state.go.place;
-    const bool slipped = walk.slid;
-    contact.mode = mode_of<HasFriction>(slipped, state.theta, spec_.friction);
-    if constexpr (HasDamper) {
-        damp<HasFriction>(state, walk, contact);
-    }
-    if constexpr (HasFriction) {
-        state.theta = next_theta(state.theta, slipped, decay_);
-    }
-    return contact;
+    return felt<HasFriction, HasDamper>(state, walk, hip, mu);
 }
 
-template <bool HasFriction>
-Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexcept {
+/// Without a contact so far: does one begin?
+template <bool HasFriction, bool HasDamper>
+Contact Scene::look(ContactState& state, const Vec2& hip) const noexcept {
+    state.theta = 1.0;
+    ClosestPoint cp = tracker_.track(state.track, hip);
+    if (!cp.inside) {
+        return free(state, cp);
+    }
+    state.touching = true;
+    if (!forms_.tame(cp.place.index) || !is_sharp(state.track.best.jet, hip)) {
+        cp = tracker_.feet().closest(hip);  // followed, it may be 1e-12 beside
+    }
+    const Walk walk = touch_down(*outline_, state.go, cp.place, hip);
+    if (walk.nu <= 0.0) {
+        return free(state, cp);
+    }
+    return felt<HasFriction, HasDamper>(state, walk, hip,
+                                        HasFriction ? coefficient(spec_.friction, 1.0) : 0.0);
+}
+
+/// The force of a god-object after its walk.
+template <bool HasFriction, bool HasDamper>
+Contact Scene::felt(ContactState& state,
+                    const Walk& walk,
+                    const Vec2& hip,
+                    double mu) const noexcept {
     const double k = spec_.stiffness;
-    Contact contact{.go = walk.point, .mu = mu, .vertex_slew = walk.out_of_budget};
-    contact.unproven = walk.unproven;
+    Contact contact{.mode = mode_of<HasFriction>(walk.slid, state.theta, spec_.friction),
+                    .place = state.go.place,
+                    .go = walk.point,
+                    .mu = mu,
+                    .vertex_slew = walk.out_of_budget,
+                    .outside_cone = walk.outside_cone,
+                    .unproven = walk.unproven};
     if (walk.outside_cone) {
-        contact.outside_cone = true;
         // The GO could not reach its cone in this tick: keep what the surface can carry here.
         const double load = std::max(walk.nu, 0.0);
         const double limit = cone_radius<HasFriction>(mu, load);
@@ -145,11 +150,17 @@ Contact Scene::render(const Walk& walk, const Vec2& hip, double mu) const noexce
         contact.tangential_force = k * std::clamp(-walk.tau, -limit, limit);
         contact.force =
             contact.normal_force * walk.normal + contact.tangential_force * walk.tangent;
-        return contact;
+    } else {
+        contact.force = k * (walk.point - hip);
+        contact.normal_force = k * walk.nu;
+        contact.tangential_force = -k * walk.tau;
     }
-    contact.force = k * (walk.point - hip);
-    contact.normal_force = k * walk.nu;
-    contact.tangential_force = -k * walk.tau;
+    if constexpr (HasDamper) {
+        damp<HasFriction>(state, walk, contact);
+    }
+    if constexpr (HasFriction) {
+        state.theta = next_theta(state.theta, walk.slid, decay_);
+    }
     return contact;
 }
 

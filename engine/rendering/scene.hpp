@@ -123,8 +123,13 @@ private:
 
     template <bool HasFriction, bool HasSlew, bool HasDamper>
     Contact step(ContactState& state, const Vec2& hip) const noexcept;
-    template <bool HasFriction>
-    [[nodiscard]] Contact render(const Walk& walk, const Vec2& hip, double mu) const noexcept;
+    template <bool HasFriction, bool HasDamper>
+    [[nodiscard]] Contact look(ContactState& state, const Vec2& hip) const noexcept;
+    template <bool HasFriction, bool HasDamper>
+    [[nodiscard]] Contact felt(ContactState& state,
+                               const Walk& walk,
+                               const Vec2& hip,
+                               double mu) const noexcept;
     template <bool HasFriction>
     void damp(ContactState& state, const Walk& walk, Contact& contact) const noexcept;
     [[nodiscard]] Contact free(ContactState& state, const ClosestPoint& cp) const noexcept;

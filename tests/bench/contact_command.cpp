@@ -15,7 +15,7 @@ namespace palpate::bench {
 namespace {
 
 constexpr const char* kContactUsage =
-    "contact takes --peers, --seconds S, --csv FILE and --svg FILE";
+    "contact takes --peers, --objects LETTERS, --seconds S, --csv FILE and --svg FILE";
 
 struct Path {
     std::string name;
@@ -98,6 +98,7 @@ int contact_command(const std::vector<std::string>& arguments) {
     Words words(arguments);
     const bool with_peers = words.flag("--peers");
     const double seconds = seconds_of(words.value("--seconds", "20"));
+    const std::string wanted = words.value("--objects", "ABCDE");
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
     words.finish(kContactUsage);
@@ -109,7 +110,10 @@ int contact_command(const std::vector<std::string>& arguments) {
     std::cout << machine() << "; reading the clock twice takes " << clock.cost()
               << " ns, which is subtracted\n";
     std::vector<Row> rows;
-    for (const Object& object : contact_objects()) {
+    std::vector<Object> objects = contact_objects();
+    std::erase_if(objects,
+                  [&](const Object& o) { return wanted.find(o.name) == std::string::npos; });
+    for (const Object& object : objects) {
         std::vector<Path> paths{{"-3..+3 mm", -3e-3, 3e-3}};
         if (object.name == "D") {
             paths.push_back({"0..+3 mm", 0.0, 3e-3});
@@ -127,14 +131,15 @@ int contact_command(const std::vector<std::string>& arguments) {
                         {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
         }
     }
-    for (const Object& object : contact_objects()) {
+    for (const Object& object : objects) {
         const std::vector<Vec2> hips =
             hand_along(object, {.seconds = seconds, .nearest = -3e-3, .farthest = -5e-4});
         const std::size_t before = rows.size();
         measure<2>(rows, object.name, "ticks, -3..-0.5 mm", tick_methods(object), hips, {}, clock);
         print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
     }
-    for (const Surface& surface : contact_surfaces()) {
+    const bool all = wanted == "ABCDE";
+    for (const Surface& surface : all ? contact_surfaces() : std::vector<Surface>()) {
         Methods<3> methods = own_surface_methods(surface);
         if (with_peers) {
             append(methods, peer_surface_methods(surface));
@@ -147,7 +152,7 @@ int contact_command(const std::vector<std::string>& arguments) {
         measure<3>(rows, surface.name, "-3..+3 mm", methods, hips, truths(surface, hips), clock);
         print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
     }
-    print_stability(std::cout, contact_objects());
+    print_stability(std::cout, objects);
     if (csv.is_open()) {
         write_csv(csv, rows);
         close_output(csv, csv_name);

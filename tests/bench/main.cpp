@@ -17,8 +17,9 @@ struct Command {
 
 constexpr Command kCommands[] = {
     {"contact", contact_command,
-     "  contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]\n"
-     "            closest points: time and error of every method on objects A to D\n"},
+     "  contact [--peers] [--objects LETTERS] [--seconds S] [--csv FILE] [--svg FILE]\n"
+     "            closest points and ticks: time and error of every method on objects A to E,\n"
+     "            ABCDE, and on surfaces\n"},
     {"nasty", nasty_command,
      "  nasty [--peers] [--csv FILE]\n"
      "            wrong answers to 2223 queries that break closest-point solvers\n"},

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/geometry/arc.hpp"
 #include "engine/geometry/nurbs_curve.hpp"
 
 namespace palpate::bench {
@@ -60,6 +61,25 @@ Object rational() {
               .weights = {1.0, 2.0, 0.5, 3.0, 1.0, 0.7, 2.5, 0.5, 1.5, 1.0}}}};
 }
 
+NurbsData<2> as_nurbs(const RationalBezier<2>& span) {
+    NurbsData<2> data{.degree = span.degree(), .knots = {}, .points = {}, .weights = {}};
+    const auto order = static_cast<std::size_t>(span.degree()) + 1;
+    data.knots.assign(order, 0.0);
+    data.knots.resize(2 * order, 1.0);
+    for (std::size_t i = 0; i < order; ++i) {
+        data.points.push_back(span.point(i));
+        data.weights.push_back(span.weight(i));
+    }
+    return data;
+}
+
+/// As in the study of the thesis: legs of 40 mm at a right angle, bulging by 12/m.
+Object two_arcs() {
+    const double leg = 0.04 * std::numbers::sqrt2 / 2.0;
+    const NurbsData<2> left = as_nurbs(engine::make_arc({-leg, 0.0}, {0.0, leg}, 12.0));
+    return {"E", "two circular arcs joined at a vertex", {left, mirrored(left)}};
+}
+
 constexpr double kTipRadius = 0.63e-3;
 constexpr double kSpeedRatio = 21.0;
 
@@ -98,7 +118,7 @@ Object sharp_tip() {
 }  // namespace
 
 std::vector<Object> contact_objects() {
-    return {two_convex(), two_concave(), rational(), sharp_tip()};
+    return {two_convex(), two_concave(), rational(), sharp_tip(), two_arcs()};
 }
 
 Object ring_of(std::size_t curves) {

@@ -15,11 +15,12 @@ struct Object {
     std::vector<tests::NurbsData<2>> curves;
 };
 
-/// The four of the work-precision table:
+/// The five of the work-precision table:
 ///   A  two convex cubics joined at a convex vertex
 ///   B  two concave cubics, a spike of 13 degrees at the vertex
 ///   C  one rational cubic, 10 control points, weights 0.5 to 3
 ///   D  a cubic whose tip has a radius of 0.63 mm and max|C'| / min|C'| = 21
+///   E  two circular arcs joined at a vertex, as the studies have them
 [[nodiscard]] std::vector<Object> contact_objects();
 
 /// N like curves, 10 mm each, bulging out of a regular N-gon: closed, clockwise. N >= 2.

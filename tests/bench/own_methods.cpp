@@ -155,8 +155,8 @@ Methods<2> own_methods(const Object& object) {
 
 Methods<2> tick_methods(const Object& object) {
     Methods<2> methods;
-    const RationalBezier<2> span = spans_of(object).front();
-    methods.push_back(make_method<2>("one Newton update", Kind::floor, NewtonUpdate{span}));
+    const RationalBezier<2> cubic = spans_of(contact_objects().front()).front();
+    methods.push_back(make_method<2>("one cubic Newton update", Kind::floor, NewtonUpdate{cubic}));
     const auto add = [&](const char* name, const engine::SceneSpec& spec) {
         methods.push_back(make_method<2>(name, Kind::floor, Tick(object, spec)));
     };

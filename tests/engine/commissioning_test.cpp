@@ -29,7 +29,7 @@ CommissioningDesk desk_of(MiswiredMachine& device) {
                     device.bring(place);
                     return true;
                 },
-            .wait = [] {},
+            .wait = [] { return true; },
             .period = kPeriod};
 }
 
@@ -137,7 +137,7 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
     const auto opened = [&](const PlantModel& now, const Connection& motors) {
         MiswiredMachine device(now, {}, motors);
         device.bring(kHome);
-        PulseRunner runner(device, now.machine, kPeriod, [] {});
+        PulseRunner runner(device, now.machine, kPeriod, [] { return true; });
         return prove_again(runner, now.machine, record, kPeriod * device.traits().delay_ticks);
     };
     CHECK(opened(plant, {}).refused.empty());
@@ -149,6 +149,28 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
     PlantModel held = plant;
     held.handle_mass += 0.3;  // a hand rests on it
     CHECK_THAT(opened(held, {}).refused, ContainsSubstring("is somebody holding it"));
+}
+
+TEST_CASE("a pulse in which ticks came late is given again, and at last refused as late",
+          "[commissioning][law]") {
+    MiswiredMachine device(plant_of("gen3"), {}, {});
+    device.bring(kHome);
+    int pulses = 0;
+    int spoilt = GENERATE(0, 1, 7, 1000);
+    int tick = 0;
+    bool pushed = false;
+    const PlantModel plant = plant_of("gen3");
+    PulseRunner runner(device, plant.machine, kPeriod, [&] {
+        const bool pushes = device.pushes();
+        pulses += pushes && !pushed ? 1 : 0;
+        tick = pushes ? tick + 1 : 0;
+        pushed = pushes;
+        return tick != 20 || pulses > spoilt;
+    });
+    const Pulse pulse = runner.give({1.0, 0.0}, {.force = 0.3});
+    CHECK(pulse.trip == (spoilt < 1000 ? Trip::none : Trip::late));
+    CHECK(pulse.steady == (spoilt < 1000));
+    CHECK(pulses == std::min(spoilt, 12) + 1);
 }
 
 TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioning]") {

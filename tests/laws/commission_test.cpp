@@ -96,7 +96,7 @@ Finished operated(const TemporaryFolder& folder,
                   const std::string& words,
                   const std::string& home = "0,89.3") {
     for (int attempt = 0;; ++attempt) {
-        TypedTo program(folder, "desk", words, {"SDL_VIDEODRIVER=dummy"});
+        TypedTo program(folder, fmt::format("desk{}", attempt), words, {"SDL_VIDEODRIVER=dummy"});
         operate(program, board);
         const Finished end = program.program().wait();
         if (attempt == 8 || end.error.find("stopped answering") == std::string::npos) {

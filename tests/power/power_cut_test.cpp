@@ -115,19 +115,19 @@ TEST_CASE(
     "a power cut at any write leaves a sound file with all that was said to be saved, and the "
     "session goes on to the same answers",
     "[power][law]") {
-    cut_everywhere(TemporaryFolder(), tests::short_session(false), {}, 1, 0);
+    cut_everywhere(TemporaryFolder(), tests::short_session(false), {}, 3, 0);
 }
 
 TEST_CASE("a power cut in a session with a rule loses nothing that was said to be saved",
           "[power][law]") {
-    cut_everywhere(TemporaryFolder(), tests::short_session(true), {}, 5, 0);
+    cut_everywhere(TemporaryFolder(), tests::short_session(true), {}, 10, 0);
 }
 
 TEST_CASE("a power cut under the writing thread loses nothing that was said to be saved",
           "[power][law]") {
     const bool adaptive = GENERATE(false, true);
     cut_everywhere(TemporaryFolder(), tests::short_session(adaptive),
-                   data::AsyncRecorder::kSaveOften, 8, 1);
+                   data::AsyncRecorder::kSaveOften, 16, 1);
 }
 
 TEST_CASE("a second power cut, after a session went on from the first, loses nothing either",
@@ -144,7 +144,7 @@ TEST_CASE("a second power cut, after a session went on from the first, loses not
     const TemporaryFolder left;
     tests::Random random(1);
     model.lay_out(GENERATE(Leaves::everything, Leaves::sectors_512), random, left.path());
-    cut_everywhere(left, spec, {}, 3, 2);
+    cut_everywhere(left, spec, {}, 6, 2);
 }
 
 TEST_CASE("many power cuts", "[.power-long]") {

@@ -1,11 +1,10 @@
 #include <array>
-#include <regex>
-#include <sstream>
 
 #include "protocols/file/procedure_file.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "tests/protocols/published_traces.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/placed_lines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate;
@@ -297,7 +296,6 @@ TEST_CASE("no procedure file, however broken, does more than be refused line by 
     constexpr std::array<std::string_view, 20> kSplinters{
         "-",   "[",   "]",     "\"",  "=", "#", "\n",   ".",    ",",  "nan",
         "inf", "1e9", "1e999", "0.5", "{", "}", "true", "\xff", "[[", "1979-05-27"};
-    const std::regex form("^[^:]+:[0-9]+:[0-9]+: .+");
     int accepted = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
         Random random(seed);
@@ -333,11 +331,7 @@ TEST_CASE("no procedure file, however broken, does more than be refused line by 
                 procedure.update(procedure.next(), 1);
             }
         } catch (const ProtocolError& error) {
-            std::istringstream lines(error.what());
-            for (std::string line; std::getline(lines, line);) {
-                CAPTURE(line);
-                CHECK(std::regex_search(line, form));
-            }
+            palpate::tests::check_places(error.what());
         } catch (const std::invalid_argument& error) {
             // A response that a strange but possible model forbids.
             CHECK_THAT(error.what(), ContainsSubstring("impossible"));

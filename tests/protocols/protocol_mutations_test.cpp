@@ -2,13 +2,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <regex>
-#include <sstream>
 #include <string>
 #include <string_view>
 
 #include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/placed_lines.hpp"
 #include "tests/support/random.hpp"
 
 using namespace palpate::protocols;
@@ -117,7 +116,6 @@ TEST_CASE("no file, however broken, does more than be refused line by line", "[p
     std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
     std::string study{std::istreambuf_iterator<char>(stream), {}};
     study += kYounger;
-    const std::regex form("^[^:]+:[0-9]+:[0-9]+: .+");
     int accepted = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
         Random random(seed);
@@ -128,11 +126,7 @@ TEST_CASE("no file, however broken, does more than be refused line by line", "[p
             ++accepted;
             CHECK(parse_protocol(to_toml(protocol), "again.toml") == protocol);
         } catch (const ProtocolError& error) {
-            std::istringstream lines(error.what());
-            for (std::string line; std::getline(lines, line);) {
-                CAPTURE(line);
-                CHECK(std::regex_search(line, form));
-            }
+            palpate::tests::check_places(error.what());
         }
     }
     // Both ways are taken: most of the first text is comments.

@@ -248,7 +248,7 @@ ExactAnswer exact_walk(const ExactOutline& outline,
     }
     const Real u = from.place.parameter;
     const bool early = u < 0.5L;
-    const Real rest = early ? 1.0L - u : static_cast<Real>(from.rest);
+    const Real rest = early ? 1.0L - u : static_cast<Real>(from.spot.rest);
     explorer.from_span(from.place.index, early ? u : 1.0L - rest, rest, 0);
     return answer;
 }

@@ -228,7 +228,7 @@ void TickLaws::check_first_root(const Tick& now,
     }
     double nearest = 2.0 * kFirstRoot;
     const engine::GodObject& go = after.go;
-    const Vec2 there = go.place.on_seam ? outline.seams()[go.place.index].point : go.jet.point;
+    const Vec2 there = go.place.on_seam ? outline.seams()[go.place.index].point : go.spot.jet.point;
     bool may_end = false;
     for (const ExactStop& stop : exact.stops) {
         const double band = exact.band + stop.doubt;

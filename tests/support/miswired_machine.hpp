@@ -32,6 +32,8 @@ public:
         }
     }
     [[nodiscard]] const engine::PantographPlant& plant() const { return plant_; }
+    /// The last torque written was not zero.
+    [[nodiscard]] bool pushes() const { return waiting_ != engine::Vec2{}; }
     /// The most torque that the motors ever gave, N m.
     [[nodiscard]] double strongest() const { return strongest_; }
 

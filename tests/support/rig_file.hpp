@@ -39,7 +39,7 @@ inline std::string commissioned_rig(const TemporaryFolder& folder,
                  right.bring(place);
                  return true;
              },
-         .wait = [] {},
+         .wait = [] { return true; },
          .period = 1e-3});
     if (!done.refused.empty()) {
         throw std::runtime_error(done.refused);

@@ -54,7 +54,7 @@ Rig simulated_rig(const engine::Calibration& machine) {
         engine::PantographModel{.plant = free_plant(machine)}, kPeriod);
     rig.desk = {.bring = [simulated = device.get()](
                              const Vec2& place) { return bring_handle(*simulated, place); },
-                .wait = [] {},
+                .wait = [] { return true; },
                 .period = kPeriod};
     rig.device = device.get();
     rig.own = std::move(device);

@@ -162,10 +162,12 @@ engine::PulseRunner::Wait wall_ticks(double period) {
     return [step, due = std::int64_t{0}]() mutable {
         due += step;
         const std::int64_t now = monotonic_ns();
+        const bool behind = now - due >= step;
         if (now - due > kFarBehind) {
             due = now;
         }
         sleep_until(due);
+        return !behind && monotonic_ns() - due < step;
     };
 }
 
