@@ -24,6 +24,8 @@ Trip found(const Reading& reading) noexcept {
             return Trip::none;
         case DeviceFault::silent:
             return Trip::device_silent;
+        case DeviceFault::stopped:
+            return Trip::device_stopped;
         case DeviceFault::garbage:
             return Trip::device_garbage;
         case DeviceFault::unreachable:

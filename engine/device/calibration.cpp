@@ -64,6 +64,16 @@ void check_haply(const HaplyWiring& wiring) {
     in_range(wiring.grip_threshold, 0.0, 4095.0, "grip threshold (ADC value)");
 }
 
+void check_board(const OpenWiring& wiring, const PantographSpec& pantograph) {
+    for (std::size_t i = 0; i < 2; ++i) {
+        in_range(wiring.channel[i], 1.0, 2.0, "channel of the open board");
+        in_range(pantograph.axes[i].counts_per_turn, 4.0, kMaxCode,
+                 "counts per turn on an open board");
+    }
+    differ(wiring.channel[0], wiring.channel[1], "channel of the open board");
+    in_range(1e3 * wiring.watchdog, 5.0, 50.0, "watchdog of the open board (ms)");
+}
+
 void check_comedi(const ComediWiring& wiring) {
     differ(wiring.counter[0], wiring.counter[1], "counter channel");
     differ(wiring.output[0], wiring.output[1], "output channel");
@@ -97,6 +107,9 @@ void check(const Calibration& calibration) {
     check(calibration.pantograph);
     if (calibration.haply) {
         check_haply(*calibration.haply);
+    }
+    if (calibration.board) {
+        check_board(*calibration.board, calibration.pantograph);
     }
     if (calibration.comedi) {
         check_comedi(*calibration.comedi);

@@ -43,6 +43,15 @@ struct HaplyWiring {
     double grip_threshold = 512.0;         ///< held from this ADC value up
 };
 
+/// How an open board is wired to pivot 1 and pivot 2.
+struct OpenWiring {
+    std::optional<std::uint32_t> id;            ///< the board's own; none: any board
+    double watchdog = 0.020;                    ///< s without a torque until it stops, 5 to 50 ms
+    std::array<std::uint8_t, 2> channel{1, 2};  ///< 1 and 2 in either order
+    std::array<bool, 2> motor_clockwise{};      ///< the motor turns clockwise for a positive torque
+    std::array<bool, 2> encoder_clockwise{};
+};
+
 /// How a DAQ card is wired to pivot 1 and pivot 2.
 struct ComediWiring {
     std::uint32_t counter_subdevice = 0;
@@ -59,6 +68,7 @@ struct ComediWiring {
 struct Calibration {
     PantographSpec pantograph{};
     std::optional<HaplyWiring> haply{};
+    std::optional<OpenWiring> board{};
     std::optional<ComediWiring> comedi{};
 
     /// The handle's rest pose when the device is switched on, in the object frame, m; none: by

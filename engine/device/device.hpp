@@ -16,6 +16,7 @@ enum class DeviceFault : std::uint8_t {
     silent,       ///< it no longer answers
     garbage,      ///< it answers with what cannot be
     unreachable,  ///< its angles belong to no pose of the linkage, or to a singular one
+    stopped,      ///< it has switched its motors off by itself: emergency stop, its own watchdog
     unguarded,    ///< nobody would zero the motors if this program died
     ended,        ///< a recording has nothing more
 };
@@ -48,7 +49,8 @@ struct DeviceTraits {
     std::optional<double> damping{};  ///< b at the handle, N s/m, the least in the workspace
     double delay_ticks = 0.0;         ///< from a reading to the force it causes, beyond the hold
     double motor_time = 0.0;          ///< s, thermal time constant of the motors; 0: not known
-    bool keeps_force = false;         ///< the last force stays when this program falls silent
+    /// s that the last force stays when this program falls silent; infinity: for ever
+    double holds_force = 0.0;
     double round_trip = 0.0;  ///< s from a question to its answer, as measured; 0: it was not
 };
 

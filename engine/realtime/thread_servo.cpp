@@ -37,7 +37,7 @@ RealtimeWish wish_of(const Device& device, const ServoSpec& spec) {
 /// A fault between trials that more reading will not heal.
 bool is_gone(DeviceFault fault) noexcept {
     return fault == DeviceFault::lost || fault == DeviceFault::unguarded ||
-           fault == DeviceFault::ended;
+           fault == DeviceFault::stopped || fault == DeviceFault::ended;
 }
 
 }  // namespace

@@ -11,6 +11,8 @@ Trip found(const Reading& reading, const Contact& contact) noexcept {
             return contact.refused ? Trip::scene_refused : Trip::none;
         case DeviceFault::silent:
             return Trip::device_silent;
+        case DeviceFault::stopped:
+            return Trip::device_stopped;
         case DeviceFault::garbage:
             return Trip::device_garbage;
         case DeviceFault::unreachable:

@@ -14,6 +14,8 @@ std::string_view to_string(Trip trip) noexcept {
             return "device_lost";
         case Trip::device_silent:
             return "device_silent";
+        case Trip::device_stopped:
+            return "device_stopped";
         case Trip::device_garbage:
             return "device_garbage";
         case Trip::out_of_workspace:
@@ -58,6 +60,9 @@ std::string_view explanation(Trip trip) noexcept {
             return "the device is gone: check its cable and power";
         case Trip::device_silent:
             return "the device stopped answering: check its cable and power";
+        case Trip::device_stopped:
+            return "the device switched its motors off: release its emergency stop; if nobody "
+                   "pressed it, close other programs and check the cable";
         case Trip::device_garbage:
             return "the device sends values that cannot be: unplug it, wait, plug it in again";
         case Trip::out_of_workspace:

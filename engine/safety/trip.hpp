@@ -12,6 +12,7 @@ enum class Trip : std::uint8_t {
     scene_refused,     ///< the scene could not render this HIP
     device_lost,       ///< unplugged, closed, or nothing guards it
     device_silent,     ///< no new reading for too many ticks
+    device_stopped,    ///< it switched its motors off itself: emergency stop, its own watchdog
     device_garbage,    ///< readings that cannot be
     out_of_workspace,  ///< no pose, or a singular one
     jump,              ///< HIP moved further in a tick than a hand can

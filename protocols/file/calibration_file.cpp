@@ -48,6 +48,7 @@ Slot is(void* record) {
 using engine::ComediWiring;
 using engine::FiveBar;
 using engine::HaplyWiring;
+using engine::OpenWiring;
 using engine::PantographSpec;
 using enum Need;
 
@@ -120,6 +121,25 @@ constexpr Key kHaply[]{
      .meaning = "analogue input that tells a held handle; left out: none"},
     {.name = "grip_threshold_adc", .slot = at<&HaplyWiring::grip_threshold>, .range = {0, 4095},
      .meaning = "the handle is held from this value up"},
+};
+
+constexpr Key kBoard[]{
+    {.name = "id", .slot = [](void* r) -> Slot { return whole_of(record_at<OpenWiring>(r).id); }, .range = {0, 4294967295},
+     .meaning = "the board's own; left out: any board"},
+    {.name = "watchdog_ms", .slot = at<&OpenWiring::watchdog>, .range = {5, 50}, .per_si = kMilli,
+     .meaning = "without a torque for so long the board stops"},
+    {.name = "channel_1", .slot = in<OpenWiring, [](auto& r) -> auto& { return r.channel[0]; }>, .range = kPort,
+     .meaning = "of pivot 1, motor and encoder"},
+    {.name = "channel_2", .slot = in<OpenWiring, [](auto& r) -> auto& { return r.channel[1]; }>, .range = kPort,
+     .meaning = "of pivot 2"},
+    {.name = "motor_1", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[0]; }>,
+     .meaning = "which way a positive torque turns"},
+    {.name = "motor_2", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.motor_clockwise[1]; }>,
+     .meaning = "the same at pivot 2"},
+    {.name = "encoder_1", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[0]; }>,
+     .meaning = "which way counts grow"},
+    {.name = "encoder_2", .slot = is<OpenWiring, kWays, [](auto& r) -> auto& { return r.encoder_clockwise[1]; }>,
+     .meaning = "the same at pivot 2"},
 };
 
 constexpr Key kComedi[]{
@@ -226,6 +246,7 @@ Calibration read_pantograph(TableReader& table) {
     part("axis_1", true, kAxis, [&] { return &machine.axes[0]; });
     part("axis_2", true, kAxis, [&] { return &machine.axes[1]; });
     part("haply", false, kHaply, [&] { return &calibration.haply.emplace(); });
+    part("board", false, kBoard, [&] { return &calibration.board.emplace(); });
     part("comedi", false, kComedi, [&] { return &calibration.comedi.emplace(); });
     table.refuse_unknown();
     if (!parts_broken) {
@@ -241,6 +262,7 @@ std::vector<TableText> calibration_reference() {
             {"[pantograph.linkage]", "required", kLinkage},
             {"[pantograph.axis_1]", "and [pantograph.axis_2], required", kAxis},
             {"[pantograph.haply]", "of a Haply board", kHaply},
+            {"[pantograph.board]", "of an open board", kBoard},
             {"[pantograph.comedi]", "of a DAQ card", kComedi},
             {"[commissioning]", "written by palpate commission", kRecord}};
 }
@@ -338,6 +360,9 @@ std::string to_toml(const Calibration& calibration) {
     append("[pantograph.axis_2]", kAxis, &machine.axes[1]);
     if (calibration.haply) {
         append("[pantograph.haply]", kHaply, &*calibration.haply);
+    }
+    if (calibration.board) {
+        append("[pantograph.board]", kBoard, &*calibration.board);
     }
     if (calibration.comedi) {
         append("[pantograph.comedi]", kComedi, &*calibration.comedi);

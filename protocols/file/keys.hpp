@@ -14,7 +14,8 @@ namespace palpate::protocols {
 // What a key for an enumeration may say, by its numbers.
 inline constexpr std::array<std::string_view, 2> kOrderRules{"random", "first_order"};
 inline constexpr std::array<std::string_view, 3> kFrictionBlocks{"interleaved", "abba", "blocked"};
-inline constexpr std::array<std::string_view, 4> kDeviceClasses{"any", "haply", "comedi", "mouse"};
+inline constexpr std::array<std::string_view, 5> kDeviceClasses{"any", "haply", "comedi", "mouse",
+                                                                "board"};
 inline constexpr std::array<std::string_view, 3> kHandedness{"right", "left", "any"};
 inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "tr"};
 inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};

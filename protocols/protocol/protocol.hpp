@@ -54,7 +54,7 @@ struct OutlineSpec {
 };
 
 /// What a real session of the study must be run on.
-enum class DeviceClass : std::uint8_t { any, haply, comedi, mouse };
+enum class DeviceClass : std::uint8_t { any, haply, comedi, mouse, board };
 
 /// What the hand meets.
 struct ApparatusSpec {

@@ -32,7 +32,7 @@ BEGIN {
     where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \
-            " pty.h dirent.h link.h netdb.h syscall.h spawn.h glob.h pwd.h stdlib.h stdio.h string.h"
+            " stdint.h stdbool.h pty.h dirent.h link.h netdb.h syscall.h spawn.h glob.h pwd.h stdlib.h stdio.h string.h"
 
     # libm differs between C libraries in the last bit, and one bit breaks a replay.
     inexact = "(a?sinh?|a?cosh?|a?tanh?|atan2|exp2?|expm1|log(2|10|1p)?|pow|cbrt|hypot|erfc?" \

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "engine/device/drivers/guard_process.hpp"
+#include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "tests/support/catch.hpp"
@@ -149,8 +150,8 @@ TEST_CASE("a guard outlives the terminal's signals and ends with its owner's obj
     {
         auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 20'000});
         guard = own->id();
-        HaplyDevice device(machine(), std::make_unique<SerialLink>(board.path()), std::move(own),
-                           {.silence = 5.0});
+        BoardDevice device(machine(), std::make_unique<SerialLink>(board.path()), haply_line,
+                           std::move(own), {.silence = 5.0});
         for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP}) {
             kill(guard, number);
         }
@@ -169,8 +170,8 @@ TEST_CASE("a driver that is silent without force is left alone", "[guard]") {
     EmulatedBoard board(machine(), hand());
     auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 20'000});
     const GuardProcess& guard = *own;
-    HaplyDevice device(machine(), std::make_unique<SerialLink>(board.path()), std::move(own),
-                       {.silence = 5.0});
+    BoardDevice device(machine(), std::make_unique<SerialLink>(board.path()), haply_line,
+                       std::move(own), {.silence = 5.0});
     REQUIRE(device.read().ok());
     device.write({});
     const int exchanges = board.journal().exchanges;
@@ -186,8 +187,8 @@ TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law
     EmulatedBoard board(machine(), hand());
     auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 300});
     const GuardProcess& guard = *own;
-    HaplyDevice device(machine(), std::make_unique<SerialLink>(board.path()), std::move(own),
-                       {.silence = 5.0});
+    BoardDevice device(machine(), std::make_unique<SerialLink>(board.path()), haply_line,
+                       std::move(own), {.silence = 5.0});
     const pid_t first = guard.id();
     kill(first, SIGKILL);
     CHECK(eventually([&] { return device.read().fault == DeviceFault::unguarded; }));
@@ -201,11 +202,15 @@ TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law
 TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then", "[guard][law]") {
     EmulatedBoard board(machine(), hand());
     const HaplyPacket setup = setup_packet(haply_setup(*machine().haply, machine().pantograph));
+    constexpr std::array<std::uint8_t, 1> kAnswer{5};
     const pid_t careless = in_a_child([&] {
         SerialLink link(board.path());
         GuardProcess guard;
         if (link.reopen() &&
-            guard.watch(link.descriptor(), torque_packet(5, {0.0, 0.0})->view(), setup.view())) {
+            guard.watch(link.descriptor(), {.zero = torque_packet(5, {0.0, 0.0})->view(),
+                                            .setup = setup.view(),
+                                            .answer = kAnswer,
+                                            .answer_size = 9})) {
             for (const HaplyPacket& packet :
                  {setup, *torque_packet(5, {0.05, -0.05}), reset_packet(5)}) {
                 link.pause(5'000'000);

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "engine/device/drivers/guard_process.hpp"
+#include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "tests/support/allocations.hpp"
@@ -34,11 +35,11 @@ MakeHand hand() {
 }
 
 /// Patient with a busy machine.
-std::unique_ptr<HaplyDevice> patient(const std::string& path) {
-    return std::make_unique<HaplyDevice>(
-        machine(), std::make_unique<SerialLink>(path),
+std::unique_ptr<BoardDevice> patient(const std::string& path) {
+    return std::make_unique<BoardDevice>(
+        machine(), std::make_unique<SerialLink>(path), haply_line,
         std::make_unique<GuardProcess>(GuardTiming{.patience = 2000, .alive_ms = 20'000}),
-        HaplyTiming{.patience = 200.0, .silence = 10.0, .still = 0.1});
+        BoardTiming{.patience = 200.0, .silence = 10.0, .still = 0.1});
 }
 
 }  // namespace

@@ -54,11 +54,12 @@ class FreeBoard {
 public:
     explicit FreeBoard(const TemporaryFolder& folder, const std::string& words = "")
         : link_(folder.file("board")),
+          device_(words.find("--open") == std::string::npos ? "haply:" : "board:"),
           emulator_(folder, "hand", "haply-emulator --free --link '" + link_ + "' " + words) {
         emulator_.type("");
         REQUIRE(eventually([&] { return std::filesystem::exists(link_); }));
     }
-    [[nodiscard]] std::string word() const { return "haply:" + link_; }
+    [[nodiscard]] std::string word() const { return device_ + link_; }
     void bring(const std::string& place) {
         emulator_.type(place);
         a_moment();
@@ -66,6 +67,7 @@ public:
 
 private:
     std::string link_;
+    std::string device_;
     TypedTo emulator_;
 };
 
@@ -99,7 +101,9 @@ Finished operated(const TemporaryFolder& folder,
         TypedTo program(folder, fmt::format("desk{}", attempt), words, {"SDL_VIDEODRIVER=dummy"});
         operate(program, board);
         const Finished end = program.program().wait();
-        if (attempt == 8 || end.error.find("stopped answering") == std::string::npos) {
+        const bool starved = end.error.find("stopped answering") != std::string::npos ||
+                             end.error.find("switched its motors off") != std::string::npos;
+        if (attempt == 8 || !starved) {
             return end;
         }
         board.bring(home);
@@ -190,7 +194,9 @@ TEST_CASE(
 TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",
           "[commission][haply][law]") {
     const TemporaryFolder folder;
-    FreeBoard board(folder);
+    const std::string kind = GENERATE("", "--open");
+    CAPTURE(kind);
+    FreeBoard board(folder, kind);
     const Finished end =
         operated(folder, board,
                  "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
@@ -235,7 +241,8 @@ TEST_CASE(
     "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
     "[commission][haply][window][law]") {
     const TemporaryFolder folder;
-    FreeBoard board(folder);
+    const bool open = GENERATE(false, true);
+    FreeBoard board(folder, open ? "--open" : "");
     const std::string rig = commissioned_rig(folder, board.word());
     const tests::Xvfb screen(1280, 800);
     tests::XHand hand(screen.display());
@@ -264,6 +271,13 @@ TEST_CASE(
     REQUIRE(row.step());
     CHECK(row.text(0) == "start pose");
     CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
+    CHECK(row.step() == open);  // a Haply board has none
+    if (open) {
+        CHECK(row.text(0) == "device watchdog");
+        CHECK(row.text(1) == "20 ms");
+    }
+    const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
+    CHECK(warned != open);
     CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
 }
 

@@ -76,7 +76,7 @@ TEST_CASE("the hand of palpate haply-emulator is found where it truly is, all th
     double worst = 0.0;    // in counts' worth
     double fastest = 0.0;  // m/s
     const auto session = [&](double seconds) {
-        HaplyDevice device(machine, std::make_unique<BoardLink>(cable),
+        BoardDevice device(machine, std::make_unique<BoardLink>(cable), haply_line,
                            std::make_unique<ScriptedGuard>(guard));
         for (int i = 0; i < seconds * 1000.0; ++i) {
             const Vec2 before = hand.hip();
@@ -113,7 +113,7 @@ TEST_CASE(
         try {
             opened = std::make_unique<EmulatedHaply>(
                 machine, [plant] { return std::make_unique<HandOf<PantographPlant>>(plant); },
-                HaplyTiming{.patience = 1000.0, .silence = 10.0},
+                BoardTiming{.patience = 1000.0, .silence = 10.0},
                 GuardTiming{.wait_ms = 5, .patience = 100'000});
         } catch (const std::exception&) {
             if (attempt == 10) {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine/device/drivers/byte_link.hpp"
-#include "engine/device/emulator/haply_board.hpp"
+#include "engine/device/emulator/port_board.hpp"
 
 namespace palpate::tests {
 
@@ -14,7 +14,7 @@ public:
     using Packet = std::vector<std::uint8_t>;
 
     /// @param board  outlives the cable
-    explicit BoardCable(engine::HaplyBoard& board) : board_(&board) {}
+    explicit BoardCable(engine::PortBoard& board) : board_(&board) {}
 
     void pass(std::int64_t ns);
     /// Pulls the plug, which takes the board's power, or puts it in again.
@@ -36,7 +36,7 @@ public:
     }
 
 private:
-    engine::HaplyBoard* board_;
+    engine::PortBoard* board_;
     std::int64_t now_ns_ = 0;
     std::int64_t polled_ns_ = 0;
     bool plugged_ = true;

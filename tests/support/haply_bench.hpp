@@ -6,45 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "engine/device/drivers/haply_device.hpp"
+#include "engine/device/drivers/board_device.hpp"
+#include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/haply_board.hpp"
 #include "tests/support/board_link.hpp"
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
+#include "tests/support/scripted_guard.hpp"
 
 namespace palpate::tests {
-
-/// A guard that only says what it is told to say, and counts what it hears.
-class ScriptedGuard : public engine::MotorGuard {
-public:
-    struct Script {
-        bool there = true;  ///< watch() works
-        bool alive = true;
-        bool tripped = false;
-        bool force = false;  ///< what the driver said last
-        int watches = 0;
-        int releases = 0;
-    };
-
-    explicit ScriptedGuard(Script& script) : script_(&script) {}
-
-    [[nodiscard]] bool watch(int /*port*/,
-                             std::span<const std::uint8_t> /*zero*/,
-                             std::span<const std::uint8_t> /*setup*/) override {
-        ++script_->watches;
-        script_->tripped = false;
-        script_->alive = script_->alive || script_->there;
-        return script_->there;
-    }
-    void release() noexcept override { ++script_->releases; }
-    void force_on() noexcept override { script_->force = true; }
-    void force_off() noexcept override { script_->force = false; }
-    [[nodiscard]] bool alive() const noexcept override { return script_->alive; }
-    [[nodiscard]] bool tripped() const noexcept override { return script_->tripped; }
-
-private:
-    Script* script_;
-};
 
 inline constexpr std::int64_t kPeriod = 1'000'000;  // ns
 using Packets = std::vector<tests::BoardCable::Packet>;
@@ -60,11 +31,11 @@ struct Bench {
     engine::HaplyBoard board{plant, machine.pantograph, *machine.haply};
     tests::BoardCable cable{board};
     ScriptedGuard::Script guard;
-    std::unique_ptr<engine::HaplyDevice> device;
+    std::unique_ptr<engine::BoardDevice> device;
 
-    void open(const engine::HaplyTiming& timing = {}) {
-        device = std::make_unique<engine::HaplyDevice>(
-            machine, std::make_unique<tests::BoardLink>(cable),
+    void open(const engine::BoardTiming& timing = {}) {
+        device = std::make_unique<engine::BoardDevice>(
+            machine, std::make_unique<tests::BoardLink>(cable), engine::haply_line,
             std::make_unique<ScriptedGuard>(guard), timing);
     }
     engine::Reading tick(const engine::Vec2& force) {

@@ -35,13 +35,20 @@ inline std::string pressed_study() {
 
 /// A session at a window, with a board that a hand presses on.
 struct PressedDesk {
-    explicit PressedDesk(PressingHand::Does does, const std::vector<std::string>& environment = {})
-        : board(machine, [&] { return std::make_unique<PressingHand>(machine, does); }) {
+    /// @param open  an open board instead of a Haply board
+    explicit PressedDesk(PressingHand::Does does,
+                         const std::vector<std::string>& environment = {},
+                         bool open = false)
+        : board(
+              machine,
+              [&] { return std::make_unique<PressingHand>(machine, does); },
+              folder.file("board"),
+              open ? engine::make_open_board : engine::make_haply_board) {
         std::ofstream(folder.file("p.toml")) << pressed_study();
         session = std::make_unique<WindowSession>(
             std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P1", "--db",
-                                     file, "--device", "haply:" + board.path(), "--calibration",
-                                     "2diy_gen3", "--kind", "pilot", "--windowed"},
+                                     file, "--device", (open ? "board:" : "haply:") + board.path(),
+                                     "--calibration", "2diy_gen3", "--kind", "pilot", "--windowed"},
             file, environment, WindowSession::Screen{});
         session->press_at("welcome", "space");
     }

@@ -9,9 +9,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/guard_process.hpp"
-#include "engine/device/drivers/haply_device.hpp"
+#include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
+#include "engine/device/open/open_line.hpp"
 
 namespace palpate::tests {
 
@@ -33,8 +35,9 @@ void press(Presser::Shared& shared,
     auto guard = std::make_unique<GuardProcess>();
     const GuardProcess& watcher = *guard;
     // A machine under test may be busy: only the guard is in a hurry.
-    HaplyDevice device(calibration, std::make_unique<SerialLink>(path), std::move(guard),
-                       {.silence = 5.0});
+    const bool open = calibration.board.has_value();
+    BoardDevice device(calibration, std::make_unique<SerialLink>(path, open),
+                       open ? open_line : haply_line, std::move(guard), {.silence = 5.0});
     while (true) {
         shared.guard.store(watcher.id());
         const Reading reading = device.read();

@@ -69,7 +69,7 @@ Rig emulated_rig(engine::Calibration& machine) {
         [plant = free_plant(machine)] {
             return std::make_unique<engine::HandOf<engine::PantographPlant>>(plant);
         },
-        engine::HaplyTiming{.period = kPeriod, .silence = 5.0},
+        engine::BoardTiming{.period = kPeriod, .silence = 5.0},
         engine::GuardTiming{.wait_ms = 5, .patience = 1000, .alive_ms = 5000});
     rig.device = &rig.emulated->device();
     rig.desk = {.bring =
@@ -112,6 +112,7 @@ Rig open_rig(const CommissionOptions& options, engine::Calibration& machine) {
         case DeviceChoice::Kind::haply_emulator:
             return emulated_rig(machine);
         case DeviceChoice::Kind::haply:
+        case DeviceChoice::Kind::board:
         case DeviceChoice::Kind::comedi:
             return real_rig(options, choice, machine);
         case DeviceChoice::Kind::mouse:

@@ -80,6 +80,7 @@ std::shared_ptr<engine::Device> open_device(const Asked& plan) {
         }
         case DeviceChoice::Kind::mouse:
         case DeviceChoice::Kind::haply:
+        case DeviceChoice::Kind::board:
         case DeviceChoice::Kind::comedi:
             break;
     }

@@ -1,6 +1,7 @@
 #include <array>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <vector>
 
@@ -11,6 +12,8 @@
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/free_handle.hpp"
+#include "engine/device/emulator/haply_board.hpp"
+#include "engine/device/emulator/open_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "ui/command/command.hpp"
@@ -25,6 +28,7 @@ struct EmulatorOptions {
     std::string link;                  ///< a symbolic link to the terminal; empty: none
     std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
     double delay_ms = 0.0;             ///< from a packet to its answer
+    bool open = false;                 ///< an open board instead
     bool free = false;                 ///< nobody holds the handle
     std::string at;                    ///< where it rests then; empty: at home
 };
@@ -33,7 +37,8 @@ constexpr int kStepUs = 250;
 constexpr int kDelayStepUs = 50;  ///< a delayed answer goes out at the end of a step
 
 void declare(CommandWords& words, EmulatorOptions& options) {
-    words.add("--link", options.link, "A symbolic link to its terminal, for --device haply:LINK");
+    words.add("--link", options.link,
+              "A symbolic link to its terminal, for --device haply:LINK or board:LINK");
     words.add("--preset", options.preset, "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
         .with_default();
     words
@@ -41,6 +46,8 @@ void declare(CommandWords& words, EmulatorOptions& options) {
              "How long after a packet its answer goes out, ms; a USB port needs about 1")
         .within(0.0, 1000.0)
         .with_default();
+    words.add("--open", options.open,
+              "An open board's firmware instead of a Haply board, for --device board:LINK");
     words.add(
         "--free", options.free,
         "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
@@ -74,17 +81,30 @@ private:
     bool open_ = true;
 };
 
+std::unique_ptr<engine::PortBoard> make_board(const EmulatorOptions& options,
+                                              const engine::Calibration& machine,
+                                              engine::BoardPlant& plant) {
+    const double delay = 1e-3 * options.delay_ms;
+    if (options.open) {
+        auto board = std::make_unique<engine::OpenBoard>(plant, machine.pantograph, *machine.board);
+        board->delay_answers(delay);
+        return board;
+    }
+    auto board = std::make_unique<engine::HaplyBoard>(plant, machine.pantograph, *machine.haply);
+    board->set_faults({.delay = delay});
+    return board;
+}
+
 /// The board with whatever hangs on it lives until somebody interrupts it.
 /// @param heed  called between its steps
 void live(const EmulatorOptions& options,
           const engine::Calibration& machine,
           engine::BoardPlant& plant,
           const std::function<void()>& heed) {
-    engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
-    board.set_faults({.delay = 1e-3 * options.delay_ms});
+    const auto board = make_board(options, machine, plant);
     catch_signals();
     engine::run_like_a_board();
-    engine::PtyBoard terminal(board, options.link);
+    engine::PtyBoard terminal(*board, options.link);
     fmt::print("{}\n", terminal.path());
     std::fflush(stdout);
     while (!interrupted()) {
@@ -112,7 +132,13 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
 
 int run(const EmulatorOptions& options) {
     const engine::Calibration machine = protocols::load_calibration(options.preset);
-    if (!machine.haply) {
+    if (options.open && !machine.board) {
+        throw std::invalid_argument(fmt::format(
+            "--preset {}: this machine has no open board; give 2diy_gen3 or a file with "
+            "[pantograph.board]",
+            options.preset));
+    }
+    if (!options.open && !machine.haply) {
         throw std::invalid_argument(fmt::format(
             "--preset {}: this machine has no Haply board; give 2diy_gen3, 2diy_gen2 or "
             "haplet",
@@ -131,8 +157,9 @@ int run(const EmulatorOptions& options) {
 
 Command emulator_command() {
     return make_command<EmulatorOptions>(
-        "haply-emulator", "A Haply board that is not there, on a pseudo-terminal, until Ctrl-C",
-        declare, run);
+        "haply-emulator",
+        "A Haply or an open board that is not there, on a pseudo-terminal, until Ctrl-C", declare,
+        run);
 }
 
 }  // namespace palpate::ui

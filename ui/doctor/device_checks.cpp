@@ -52,6 +52,10 @@ void tell_answers(Check& check, const Readings& readings, const engine::DeviceTr
     }
     check.detail +=
         fmt::format("; {} new, answers after {:.2f} ms", readings.fresh, 1e3 * traits.round_trip);
+    check.detail +=
+        std::isinf(traits.holds_force)
+            ? "; no watchdog of its own"
+            : fmt::format("; its own watchdog stops it after {:g} ms", 1e3 * traits.holds_force);
     check.numbers.emplace_back("answer_ms", 1e3 * traits.round_trip);
     check.numbers.emplace_back("delay_ticks", traits.delay_ticks);
     if (traits.delay_ticks > 1.0) {

@@ -29,10 +29,11 @@ std::unique_ptr<engine::Device> open_for_calibration(const std::string& device,
         return std::make_unique<engine::SimulatedPantograph>(model, kPeriod);
     }
     const DeviceChoice choice = parse_device(device);
-    if (choice.kind != DeviceChoice::Kind::haply && choice.kind != DeviceChoice::Kind::comedi) {
+    using enum DeviceChoice::Kind;
+    if (choice.kind != haply && choice.kind != board && choice.kind != comedi) {
         throw std::invalid_argument(
-            fmt::format("--device {}: there is nothing to calibrate; give sim, haply:PORT or "
-                        "comedi:FILE",
+            fmt::format("--device {}: there is nothing to calibrate; give sim, haply:PORT, "
+                        "board:PORT or comedi:FILE",
                         device));
     }
     return open_device(choice, calibration, kPeriod);
@@ -61,12 +62,17 @@ engine::Vec2 parse_place(const std::string& text, const std::string& word) {
     return mm / 1000.0;
 }
 
+bool starts_at_home(const engine::Calibration& calibration) {
+    return calibration.home || calibration.haply || calibration.board;
+}
+
 engine::Vec2 home_of(const engine::Calibration& calibration) {
     if (calibration.home) {
         return *calibration.home;
     }
     const engine::Pantograph machine(calibration.pantograph);
-    const auto fix = calibration.haply ? machine.locate(machine.angles({0, 0})) : std::nullopt;
+    const auto fix =
+        starts_at_home(calibration) ? machine.locate(machine.angles({0, 0})) : std::nullopt;
     return fix ? fix->hip : engine::Vec2{0.0, 0.020};
 }
 

@@ -24,8 +24,11 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place);
 /// @return m   @throws std::invalid_argument with both
 [[nodiscard]] engine::Vec2 parse_place(const std::string& text, const std::string& word);
 
+/// The device takes the pose in which it is opened for home.
+[[nodiscard]] bool starts_at_home(const engine::Calibration& calibration);
+
 /// Where the handle rests when the device is switched on: the calibration's home, or where its counts
-/// are 0 on a Haply board, or a place in the middle of the workspace.
+/// are 0 on a Haply or open board, or a place in the middle of the workspace.
 [[nodiscard]] engine::Vec2 home_of(const engine::Calibration& calibration);
 
 }  // namespace palpate::ui

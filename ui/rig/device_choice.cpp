@@ -55,11 +55,14 @@ DeviceChoice parse_device(std::string_view text) {
     if (auto port = after(text, "haply")) {
         return {.kind = Kind::haply, .file = *std::move(port)};
     }
+    if (auto port = after(text, "board")) {
+        return {.kind = Kind::board, .file = *std::move(port)};
+    }
     if (auto file = after(text, "comedi")) {
         return {.kind = Kind::comedi, .file = *std::move(file)};
     }
-    constexpr std::array<std::string_view, 6> kNames{"sim",    "mouse", "haply", "haply-emulator",
-                                                     "comedi", "replay"};
+    constexpr std::array<std::string_view, 7> kNames{"sim",   "mouse",  "haply", "haply-emulator",
+                                                     "board", "comedi", "replay"};
     const std::string_view name = text.substr(0, text.find(':'));
     throw std::invalid_argument(fmt::format("--device {}: no such device{}; give {}", text,
                                             suggestion(name, kNames, ""), kDeviceWords));
@@ -72,6 +75,8 @@ bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
             return true;
         case haply:
             return kind == DeviceChoice::Kind::haply;
+        case board:
+            return kind == DeviceChoice::Kind::board;
         case comedi:
             return kind == DeviceChoice::Kind::comedi;
         case mouse:
@@ -85,7 +90,8 @@ bool gives_force(Kind kind) noexcept {
 }
 
 bool held_by_a_person(Kind kind) noexcept {
-    return kind == Kind::mouse || kind == Kind::haply || kind == Kind::comedi;
+    return kind == Kind::mouse || kind == Kind::haply || kind == Kind::board ||
+           kind == Kind::comedi;
 }
 
 }  // namespace palpate::ui

@@ -15,8 +15,9 @@ engine::Calibration calibration_of(const DeviceChoice& choice, const std::string
     if (!name_or_file.empty()) {
         return protocols::load_calibration(name_or_file);
     }
-    const bool haply = choice.kind == Kind::haply || choice.kind == Kind::haply_emulator;
-    return protocols::load_calibration(haply ? "2diy_gen3" : "mk2");
+    const bool small = choice.kind == Kind::haply || choice.kind == Kind::haply_emulator ||
+                       choice.kind == Kind::board;
+    return protocols::load_calibration(small ? "2diy_gen3" : "mk2");
 }
 
 std::unique_ptr<engine::Device> open_device(const DeviceChoice& choice,
@@ -27,6 +28,8 @@ std::unique_ptr<engine::Device> open_device(const DeviceChoice& choice,
             return std::make_unique<engine::PointerDevice>();
         case Kind::haply:
             return engine::open_haply(choice.file, calibration, {.period = period});
+        case Kind::board:
+            return engine::open_board(choice.file, calibration, {.period = period});
         case Kind::comedi:
             return engine::open_comedi(choice.file, calibration);
         case Kind::simulated:

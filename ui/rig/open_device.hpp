@@ -10,7 +10,7 @@
 namespace palpate::ui {
 
 /// The machine that `choice` is: what --calibration names, or, without it, the Mk-II for sim and
-/// comedi and the 2DIY gen3 for Haply boards.
+/// comedi and the 2DIY gen3 for Haply and open boards.
 /// @throws protocols::ProtocolError as protocols::load_calibration
 [[nodiscard]] engine::Calibration calibration_of(const DeviceChoice& choice,
                                                  const std::string& name_or_file);

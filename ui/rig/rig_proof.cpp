@@ -40,7 +40,7 @@ void prove_rest(engine::PulseRunner& runner, const engine::Calibration& calibrat
         throw std::runtime_error(
             "the handle moves: let it rest, free, at home, and run the same command again");
     }
-    if (!calibration.home && !calibration.haply) {
+    if (!starts_at_home(calibration)) {
         return;  // its counts are its own: where it rests is told by them alone
     }
     const engine::Pantograph machine(calibration.pantograph);
@@ -172,7 +172,7 @@ engine::PulseRunner::Wait wall_ticks(double period) {
 }
 
 void ask_for_home(const engine::Calibration& calibration, bool beforehand) {
-    const bool at_home = calibration.home || calibration.haply;
+    const bool at_home = starts_at_home(calibration);
     ask_for_yes(
         fmt::format(
             "Nobody may hold the handle now: weak pulses will move it by some mm. {}",

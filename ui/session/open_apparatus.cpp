@@ -1,5 +1,7 @@
 #include "ui/session/open_apparatus.hpp"
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include "engine/device/pantograph_plant.hpp"
@@ -44,6 +46,7 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
         case Kind::mouse:
             return std::make_unique<protocols::PointerApparatus>(protocol);
         case Kind::haply:
+        case Kind::board:
         case Kind::comedi:
             break;
     }
@@ -57,6 +60,16 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
     }
     return std::make_unique<protocols::DeviceApparatus>(protocol, std::move(device),
                                                         spec.spin_share);
+}
+
+/// What a device does by itself when nobody speaks to it.
+OpeningFact watchdog_fact(double seconds) {
+    return {
+        .key = "device watchdog",
+        .value = fmt::format("{:g} ms", 1e3 * seconds),
+        .text = fmt::format("the board has a watchdog of its own: it switches its motors off {:g} "
+                            "ms after the last torque, whatever becomes of this machine",
+                            1e3 * seconds)};
 }
 
 /// What the system refused to a servo that a hand depends on, and the remedy.
@@ -100,8 +113,11 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
     if (held_by_a_person(spec.device.kind) && gives_force(spec.device.kind)) {
         opened.awake = std::make_unique<StayAwake>();
         opened.provenance.emplace_back("sleep", opened.awake->text());
-        if (apparatus->device().traits().keeps_force) {
+        const double holds = apparatus->device().traits().holds_force;
+        if (std::isinf(holds)) {
             opened.findings.push_back({protocols::Verdict::warn, kKeepsForce});
+        } else {
+            opened.opening.push_back(watchdog_fact(holds));
         }
     }
     opened.port = std::move(apparatus);

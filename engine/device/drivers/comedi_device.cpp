@@ -269,7 +269,7 @@ std::string ComediDevice::name() const {
 DeviceTraits ComediDevice::traits() const noexcept {
     return {.damping = calibration_.pantograph.damping,
             .motor_time = calibration_.pantograph.motor_time,
-            .keeps_force = true};
+            .holds_force = std::numeric_limits<double>::infinity()};
 }
 
 std::optional<double> ComediDevice::weakest_force(const Vec2& hip) const noexcept {

@@ -136,18 +136,14 @@ bool GuardProcess::acknowledged() const noexcept {
     return poll(&answer, 1, kAcknowledgeMs) == 1 && recv(socket_, &received, 1, MSG_DONTWAIT) == 1;
 }
 
-bool GuardProcess::watch(int port,
-                         std::span<const std::uint8_t> zero,
-                         std::span<const std::uint8_t> setup) {
+bool GuardProcess::watch(int port, const GuardPackets& packets) {
     GuardMessage message{.what = GuardMessage::What::watch};
-    if (zero.size() < 2 || zero.size() > message.zero.size() ||
-        setup.size() > message.setup.size() || port < 0) {
+    if (packets.zero.empty() || port < 0 || packets.answer.size() > packets.answer_size ||
+        !message.zero.fill(packets.zero) || !message.setup.fill(packets.setup) ||
+        !message.answer.fill(packets.answer)) {
         return false;
     }
-    message.zero_size = static_cast<std::uint8_t>(zero.size());
-    message.setup_size = static_cast<std::uint8_t>(setup.size());
-    std::copy(zero.begin(), zero.end(), message.zero.begin());
-    std::copy(setup.begin(), setup.end(), message.setup.begin());
+    message.answer_size = packets.answer_size;
     force_off();
     for (int attempt = 0; attempt < 2; ++attempt) {
         shared_->tripped.store(false);

@@ -32,9 +32,7 @@ public:
     /// Ends the guard and waits for its end. Motors are not zeroed: the driver has done so.
     ~GuardProcess() override;
 
-    [[nodiscard]] bool watch(int port,
-                             std::span<const std::uint8_t> zero,
-                             std::span<const std::uint8_t> setup) override;
+    [[nodiscard]] bool watch(int port, const GuardPackets& packets) override;
     void release() noexcept override;
     void force_on() noexcept override;
     void force_off() noexcept override;

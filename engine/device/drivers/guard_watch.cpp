@@ -72,9 +72,9 @@ void wait_ms(int ms) noexcept {
 }
 
 /// Never blocks: the port is non-blocking, and what cannot be written soon is given up.
-void write_packet(int port, const std::uint8_t* packet, std::size_t size) noexcept {
+void write_packet(int port, const GuardBytes& packet) noexcept {
     for (int i = 0; i < 3; ++i) {
-        if (write(port, packet, size) >= 0) {
+        if (write(port, packet.bytes.data(), packet.size) >= 0) {
             return;
         }
         pollfd room{.fd = port, .events = POLLOUT, .revents = 0};
@@ -86,26 +86,38 @@ void write_packet(int port, const std::uint8_t* packet, std::size_t size) noexce
 
 void zero(const Guarded& guarded) noexcept {
     for (int i = 0; i < kZeros; ++i) {
-        write_packet(guarded.port, guarded.packets.zero.data(), guarded.packets.zero_size);
+        write_packet(guarded.port, guarded.packets.zero);
         wait_ms(1);
     }
 }
 
-/// One more zero torque has a whole answer. A board without an address says its id and no more.
+/// A whole answer to `zero` is among the bytes.
+bool answered(const GuardMessage& packets, std::span<const std::uint8_t> bytes) noexcept {
+    const GuardBytes& begins = packets.answer;
+    for (std::size_t at = 0; at + packets.answer_size <= bytes.size(); ++at) {
+        if (std::equal(begins.bytes.begin(),
+                       begins.bytes.begin() + static_cast<std::ptrdiff_t>(begins.size),
+                       bytes.begin() + static_cast<std::ptrdiff_t>(at))) {
+            return true;
+        }
+    }
+    return false;
+}
+
+/// One more `zero` has a whole answer: a Haply board without an address says its id and no more.
 /// Palpate is gone: nobody else reads.
 bool board_obeys(const Guarded& guarded) noexcept {
-    constexpr ssize_t kMinAnswer = 9;
     tcflush(guarded.port, TCIFLUSH);
-    write_packet(guarded.port, guarded.packets.zero.data(), guarded.packets.zero_size);
-    std::array<std::uint8_t, 64> answer{};
-    ssize_t size = 0;
-    for (int waited = 0; waited < kAnswerMs && size < kMinAnswer; ++waited) {
+    write_packet(guarded.port, guarded.packets.zero);
+    std::array<std::uint8_t, 256> answer{};
+    std::size_t size = 0;
+    for (int waited = 0; waited < kAnswerMs && !answered(guarded.packets, {answer.data(), size});
+         ++waited) {
         wait_ms(1);
-        const auto at = static_cast<std::size_t>(size);
-        const ssize_t got = read(guarded.port, answer.data() + at, answer.size() - at);
-        size += got > 0 ? got : 0;
+        const ssize_t got = read(guarded.port, answer.data() + size, answer.size() - size);
+        size += got > 0 ? static_cast<std::size_t>(got) : 0U;
     }
-    return size >= kMinAnswer && answer[0] == guarded.packets.zero[1];
+    return answered(guarded.packets, {answer.data(), size});
 }
 
 /// The last thing a guard does.
@@ -115,7 +127,7 @@ void zero_for_good(const Guarded& guarded) noexcept {
     }
     zero(guarded);
     if (!board_obeys(guarded)) {  // it has no address, or half a packet was before ours
-        write_packet(guarded.port, guarded.packets.setup.data(), guarded.packets.setup_size);
+        write_packet(guarded.port, guarded.packets.setup);
         wait_ms(2);
         zero(guarded);
     }
@@ -228,7 +240,7 @@ void guard_motors(int socket,
                 zero(guarded);
             }
         } else if (beat % 2 == 1) {  // a packet may have slipped through before the driver saw it
-            write_packet(guarded.port, guarded.packets.zero.data(), guarded.packets.zero_size);
+            write_packet(guarded.port, guarded.packets.zero);
         }
     }
 }

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include <pthread.h>
 #include <sys/types.h>
@@ -27,13 +30,26 @@ struct GuardShared {
     std::atomic<bool> held{false};  ///< life is
 };
 
+/// Bytes that fit into a datagram.
+struct GuardBytes {
+    std::array<std::uint8_t, 64> bytes{};
+    std::size_t size = 0;
+
+    /// @return false if they are too many
+    [[nodiscard]] bool fill(std::span<const std::uint8_t> from) noexcept {
+        size = from.size() <= bytes.size() ? from.size() : 0;
+        std::copy_n(from.begin(), size, bytes.begin());
+        return size == from.size();
+    }
+};
+
 /// What palpate sends its guard, one datagram each; the port travels beside it as a descriptor.
 struct GuardMessage {
     enum class What : std::uint8_t { watch, release } what = What::release;
-    std::uint8_t zero_size = 0;
-    std::uint8_t setup_size = 0;
-    std::array<std::uint8_t, 64> zero{};
-    std::array<std::uint8_t, 64> setup{};
+    GuardBytes zero{};
+    GuardBytes setup{};
+    GuardBytes answer{};  ///< how it begins
+    std::size_t answer_size = 0;
 };
 
 /// The guard's life, in a process just forked. Only async-signal-safe calls; it never returns.

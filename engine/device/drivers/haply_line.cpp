@@ -1,8 +1,8 @@
 #include "engine/device/drivers/haply_line.hpp"
 
 #include <algorithm>
-
-#include "engine/base/clock.hpp"
+#include <cmath>
+#include <stdexcept>
 
 namespace palpate::engine {
 namespace {
@@ -18,13 +18,38 @@ constexpr int kProofs = 3;
 
 }  // namespace
 
-HaplyLine::HaplyLine(ByteLink& link, const HaplySetup& setup)
-    : link_(&link),
-      setup_(setup),
-      reset_packet_(reset_packet(setup.id)),
-      setup_packet_(setup_packet(setup)),
-      zero_(*torque_packet(setup.id, {0.0, 0.0})),
-      reply_size_(reply_size(setup.sensor_pin.has_value())) {}
+HaplyLine::HaplyLine(ByteLink& link, const HaplyWiring& wiring, const PantographSpec& pantograph)
+    : BoardLine(link),
+      wiring_(wiring),
+      setup_(haply_setup(wiring, pantograph)),
+      reset_packet_(reset_packet(setup_.id)),
+      setup_packet_(setup_packet(setup_)),
+      zero_(*torque_packet(setup_.id, {0.0, 0.0})),
+      reply_size_(reply_size(setup_.sensor_pin.has_value())) {}
+
+std::unique_ptr<BoardLine> haply_line(ByteLink& link, const Calibration& calibration) {
+    if (!calibration.haply) {
+        throw std::invalid_argument("the calibration of " + calibration.pantograph.name +
+                                    " does not say how a Haply board is wired: add [haply]");
+    }
+    return std::make_unique<HaplyLine>(link, *calibration.haply, calibration.pantograph);
+}
+
+std::string HaplyLine::refusal() const {
+    return last_set_up_ == Answer::garbage
+             ? "what is at " + link_->name() + " answers, but not as a Haply board with id " +
+                   std::to_string(setup_.id) + ": is it another device's port?"
+             : "the board at " + link_->name() +
+                   " does not answer: is it a Haply board, and has it power? Unplug it, "
+                   "plug it in again";
+}
+
+GuardPackets HaplyLine::guard_packets() const noexcept {
+    return {.zero = zero_.view(),
+            .setup = setup_packet_.view(),
+            .answer = zero_.view().subspan(1, 1),
+            .answer_size = reply_size_};
+}
 
 void HaplyLine::forget() noexcept {
     link_->drain();
@@ -39,7 +64,10 @@ void HaplyLine::start_over() noexcept {
 }
 
 bool HaplyLine::ask(const std::array<double, 2>& torque) noexcept {
-    const auto packet = torque_packet(setup_.id, torque);
+    std::array<double, 2> by_port{};
+    by_port[wiring_.port[0] - 1U] = torque[0];
+    by_port[wiring_.port[1] - 1U] = torque[1];
+    const auto packet = torque_packet(setup_.id, by_port);
     if (!set_up_ || !packet) {
         return false;
     }
@@ -93,7 +121,14 @@ bool HaplyLine::take_reply() noexcept {
     if (!reply) {
         return false;
     }
-    reply_ = *reply;
+    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        const std::size_t port = wiring_.port[pivot] - 1U;
+        reply_.counts[pivot] = static_cast<std::int32_t>(
+            std::floor(reply->angle_deg[port] / 360.0 * setup_.counts_per_turn[port] + 0.5));
+    }
+    if (reply->sensor) {
+        reply_.grip = *reply->sensor >= wiring_.grip_threshold ? Grip::held : Grip::released;
+    }
     --owed_;
     owed_since_ns_ = link_->now_ns();
     kept_size_ -= reply_size_;
@@ -102,17 +137,28 @@ bool HaplyLine::take_reply() noexcept {
     return true;
 }
 
-std::optional<double> HaplyLine::round_trip(std::size_t times) noexcept {
-    std::array<std::int64_t, 64> took{};
-    const std::size_t all = std::min(times, took.size());
-    for (std::size_t i = 0; i < all; ++i) {
-        if (!ask({0.0, 0.0}) || hear(kPatience) != Answer::complete) {
-            return std::nullopt;
+/// First the answers that may still be on their way are waited for: forgotten ones would come as answers
+/// to the new question.
+HaplyLine::Answer HaplyLine::wake(std::int64_t wait_ns) noexcept {
+    if (awaiting() && link_->now_ns() - asked_ns_ <= kStale) {
+        const Answer answer = hear(wait_ns, 0);
+        if (answer != Answer::complete || awaiting()) {
+            return answer == Answer::complete ? Answer::pending : answer;
         }
-        took[i] = link_->now_ns() - asked_ns_;
     }
-    std::sort(took.begin(), took.begin() + static_cast<std::ptrdiff_t>(all));
-    return static_cast<double>(took[all / 2]) * 1e-9;
+    forget();
+    return probe(wait_ns);
+}
+
+HaplyLine::Answer HaplyLine::probe(std::int64_t wait_ns) noexcept {
+    return ask({0.0, 0.0}) ? hear(wait_ns, 0) : Answer::lost;
+}
+
+void HaplyLine::part() noexcept {
+    if (!silence()) {
+        static_cast<void>(set_up());
+        static_cast<void>(silence());
+    }
 }
 
 bool HaplyLine::silence() noexcept {
@@ -126,7 +172,7 @@ bool HaplyLine::silence() noexcept {
         sent = ask({0.0, 0.0});
         link_->pause(kMillisecond);
     }
-    return sent && hear(kPatience) == Answer::complete && !awaiting();
+    return sent && hear(kPatience, 0) == Answer::complete && !awaiting();
 }
 
 bool HaplyLine::introduce() noexcept {
@@ -148,9 +194,10 @@ HaplyLine::Answer HaplyLine::set_up() noexcept {
         forget();
         answer = set_up_ ? Answer::complete : Answer::lost;
         for (int i = 0; i < kProofs && answer == Answer::complete; ++i) {
-            answer = ask({0.0, 0.0}) ? hear(kPatience) : Answer::lost;
+            answer = probe(kPatience);
         }
     }
+    last_set_up_ = answer;
     return answer;
 }
 

@@ -1,9 +1,19 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 namespace palpate::engine {
+
+/// What a guard says to a board, and hears from it.
+struct GuardPackets {
+    std::span<const std::uint8_t> zero;  ///< switches the motors off
+    std::span<const std::uint8_t>
+        setup;  ///< what the board may need to understand it; may be empty
+    std::span<const std::uint8_t> answer;  ///< how the answer to `zero` begins, at most 8 bytes
+    std::size_t answer_size = 0;           ///< bytes of the whole answer
+};
 
 /// Whoever switches the motors off when this program no longer can: a process of its own, or, in
 /// tests without a port, nobody.
@@ -15,12 +25,8 @@ public:
     virtual ~MotorGuard() = default;
 
     /// From now on guards this port; a guard that was gone is started again. Between trials.
-    /// @param zero   the packet that zeroes the motors; its second byte begins the board's answer
-    /// @param setup  the packet without which the board may not understand `zero`
     /// @return false if nobody took the port over
-    [[nodiscard]] virtual bool watch(int port,
-                                     std::span<const std::uint8_t> zero,
-                                     std::span<const std::uint8_t> setup) = 0;
+    [[nodiscard]] virtual bool watch(int port, const GuardPackets& packets) = 0;
     /// Lets go of the port, whose motors are off. Between trials.
     virtual void release() noexcept = 0;
 

@@ -6,6 +6,7 @@
 #include <ctime>
 
 #include <fcntl.h>
+#include <linux/serial.h>
 #include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
@@ -63,12 +64,21 @@ int SerialLink::configure() const noexcept {
         return errno;
     }
     cfmakeraw(&raw);
-    cfsetspeed(&raw, B115200);
+    cfsetspeed(&raw, megabaud_ ? B1000000 : B115200);
     raw.c_cflag |= CLOCAL | CREAD;
     raw.c_cflag &= ~static_cast<tcflag_t>(CSTOPB | CRTSCTS | HUPCL);
     raw.c_cc[VMIN] = 1;  // nothing there is EAGAIN, so that 0 bytes mean a hang-up
     raw.c_cc[VTIME] = 0;
-    return tcsetattr(port_, TCSANOW, &raw) == 0 ? 0 : errno;
+    if (tcsetattr(port_, TCSANOW, &raw) != 0) {
+        return errno;
+    }
+    serial_struct chip{};
+    if (megabaud_ && ioctl(port_, TIOCGSERIAL, &chip) == 0) {
+        chip.flags = static_cast<int>(static_cast<unsigned>(chip.flags) |
+                                      ASYNC_LOW_LATENCY);  // an FTDI chip would gather for 16 ms
+        ioctl(port_, TIOCSSERIAL, &chip);
+    }
+    return 0;
 }
 
 bool SerialLink::reopen() {

@@ -5,14 +5,17 @@
 namespace palpate::engine {
 
 /// A serial port of this machine: raw, 8N1, non-blocking, ours alone (TIOCEXCL, and a lock on the
-/// file so that another palpate sees it as well). The baud rate means nothing to a board on USB.
+/// file so that another palpate sees it as well). The baud rate means nothing to a board on USB of its
+/// own. A USB chip that gathers bytes before it passes them on is asked not to.
 ///
 /// A packet is one write(2). Less than the whole packet written means that the board would misread
 /// what follows: the link counts as lost.
 class SerialLink : public ByteLink {
 public:
     /// Does not open it yet: reopen() does.
-    explicit SerialLink(std::string path) : path_(std::move(path)) {}
+    /// @param megabaud  1,000,000 baud, for an open board
+    explicit SerialLink(std::string path, bool megabaud = false)
+        : path_(std::move(path)), megabaud_(megabaud) {}
     ~SerialLink() override { SerialLink::close(); }
 
     [[nodiscard]] bool send(std::span<const std::uint8_t> packet) noexcept override;
@@ -31,6 +34,7 @@ private:
     [[nodiscard]] int configure() const noexcept;
 
     std::string path_;
+    bool megabaud_;
     std::string trouble_;
     int port_ = -1;
 };

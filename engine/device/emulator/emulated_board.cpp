@@ -16,6 +16,8 @@
 #include <unistd.h>
 
 #include "engine/base/clock.hpp"
+#include "engine/device/emulator/haply_board.hpp"
+#include "engine/device/emulator/open_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
 
 namespace palpate::engine {
@@ -43,6 +45,8 @@ struct EmulatedBoard::Shared {
     std::atomic<bool> plugged{true};
     std::atomic<bool> silent_wanted{false};
     std::atomic<bool> silent{false};
+    std::atomic<bool> stop_wanted{false};
+    std::atomic<bool> stop_pressed{false};
 };
 
 namespace {
@@ -53,7 +57,7 @@ constexpr int kStepUs = 250;
 constexpr int kPriority = 40;        ///< a real board is never busy with something else
 constexpr int kPatienceMs = 20'000;  ///< for a process on a loaded machine
 
-void obey(Shared& shared, BoardHand& hand, HaplyBoard& board, PtyBoard& terminal) {
+void obey(Shared& shared, BoardHand& hand, PortBoard& board, PtyBoard& terminal) {
     const unsigned ordered = shared.ordered.load();
     if (ordered != shared.begun.load()) {
         try {
@@ -70,12 +74,16 @@ void obey(Shared& shared, BoardHand& hand, HaplyBoard& board, PtyBoard& terminal
     }
     shared.plugged.store(terminal.plugged());
     if (const bool silent = shared.silent_wanted.load(); silent != shared.silent.load()) {
-        board.set_faults({.silent = silent});
+        board.hush(silent);
         shared.silent.store(silent);
+    }
+    if (const bool stop = shared.stop_wanted.load(); stop != shared.stop_pressed.load()) {
+        board.press_stop(stop);
+        shared.stop_pressed.store(stop);
     }
 }
 
-void tell(Shared& shared, const BoardHand& hand, const HaplyBoard& board) noexcept {
+void tell(Shared& shared, const BoardHand& hand, const PortBoard& board) noexcept {
     const Vec2 torque = board.torque();
     if (torque.x != shared.torque_1.load() || torque.y != shared.torque_2.load()) {
         ++shared.version;
@@ -84,7 +92,8 @@ void tell(Shared& shared, const BoardHand& hand, const HaplyBoard& board) noexce
         shared.since_ns.store(monotonic_ns());
         ++shared.version;
     }
-    const BoardLog& log = board.journal();
+    const auto* haply = dynamic_cast<const HaplyBoard*>(&board);
+    const BoardLog log = haply == nullptr ? BoardLog{} : haply->journal();
     const std::array<int, 9> counts{log.setups,         log.resets,  log.exchanges,
                                     log.desyncs,        log.unknown, log.missing,
                                     log.undefined_duty, log.id_0,    log.hot_resets};
@@ -98,20 +107,21 @@ void live(Shared& shared,
           pid_t owner,
           const Calibration& machine,
           const MakeHand& make_hand,
-          const std::string& link) {
+          const std::string& link,
+          MakeBoard make_board) {
     for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) {
         signal(number, SIG_IGN);  // a session that is interrupted still has to ramp its force out
     }
     run_like_a_board();
     const std::unique_ptr<BoardHand> hand = make_hand();
-    HaplyBoard board(*hand, machine.pantograph, *machine.haply);
-    PtyBoard terminal(board, link);
+    const std::unique_ptr<PortBoard> board = make_board(*hand, machine);
+    PtyBoard terminal(*board, link);
     terminal.path().copy(shared.path.data(), shared.path.size() - 1);
     shared.life.store(Shared::Life::running);
     while (!shared.quit.load() && getppid() == owner) {
         terminal.step(kStepUs);
-        tell(shared, *hand, board);
-        obey(shared, *hand, board, terminal);
+        tell(shared, *hand, *board);
+        obey(shared, *hand, *board, terminal);
     }
 }
 
@@ -124,12 +134,24 @@ void run_like_a_board() noexcept {
     sched_setscheduler(0, SCHED_FIFO, &board_like);  // where it is permitted
 }
 
-EmulatedBoard::EmulatedBoard(const Calibration& machine,
-                             const MakeHand& hand,
-                             const std::string& link) {
+std::unique_ptr<PortBoard> make_haply_board(BoardPlant& plant, const Calibration& machine) {
     if (!machine.haply) {
         throw std::invalid_argument("the emulated machine has no Haply board");
     }
+    return std::make_unique<HaplyBoard>(plant, machine.pantograph, *machine.haply);
+}
+
+std::unique_ptr<PortBoard> make_open_board(BoardPlant& plant, const Calibration& machine) {
+    if (!machine.board) {
+        throw std::invalid_argument("the emulated machine has no open board");
+    }
+    return std::make_unique<OpenBoard>(plant, machine.pantograph, *machine.board);
+}
+
+EmulatedBoard::EmulatedBoard(const Calibration& machine,
+                             const MakeHand& hand,
+                             const std::string& link,
+                             MakeBoard make_board) {
     void* memory =
         mmap(nullptr, sizeof(Shared), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0);
     if (memory == MAP_FAILED) {
@@ -140,7 +162,7 @@ EmulatedBoard::EmulatedBoard(const Calibration& machine,
     pid_ = fork();
     if (pid_ == 0) {
         try {
-            live(*shared_, owner, machine, hand, link);
+            live(*shared_, owner, machine, hand, link, make_board);
         } catch (const std::exception&) {
             shared_->life.store(Shared::Life::failed);
         }
@@ -149,9 +171,9 @@ EmulatedBoard::EmulatedBoard(const Calibration& machine,
     try {
         await([&] { return shared_->life.load() != Shared::Life::starting; }, "start");
         if (shared_->life.load() == Shared::Life::failed) {
-            throw std::runtime_error(
-                "the board emulator found no pseudo-terminal, or cannot make " +
-                (link.empty() ? "one" : link));
+            throw std::runtime_error("the board emulator found no pseudo-terminal, cannot make " +
+                                     (link.empty() ? "one" : link) +
+                                     ", or the machine has no such board");
         }
     } catch (...) {
         end();
@@ -230,6 +252,11 @@ bool EmulatedBoard::hand_is_done() const noexcept {
 void EmulatedBoard::plug(bool in) {
     shared_->plug_wanted.store(in);
     await([&] { return shared_->plugged.load() == in; }, in ? "come back" : "go away");
+}
+
+void EmulatedBoard::press_stop(bool pressed) {
+    shared_->stop_wanted.store(pressed);
+    await([&] { return shared_->stop_pressed.load() == pressed; }, "obey");
 }
 
 void EmulatedBoard::hush(bool silent) {

@@ -66,17 +66,28 @@ private:
 void run_like_a_board() noexcept;
 
 using MakeHand = std::function<std::unique_ptr<BoardHand>()>;
+/// Makes the board of a machine, whose motors and encoders hang on a plant.
+using MakeBoard = std::unique_ptr<PortBoard> (*)(BoardPlant&, const Calibration&);
+/// @throws std::invalid_argument without [haply]
+[[nodiscard]] std::unique_ptr<PortBoard> make_haply_board(BoardPlant& plant,
+                                                          const Calibration& machine);
+/// @throws std::invalid_argument without [board]
+[[nodiscard]] std::unique_ptr<PortBoard> make_open_board(BoardPlant& plant,
+                                                         const Calibration& machine);
 
 /// The board emulator as a process of its own on a pseudo-terminal: it outlives a host that is
 /// killed, and shows what its motors do. Make it before threads (it is forked without exec). It
 /// ends with this object, or with the process that made it.
 class EmulatedBoard {
 public:
-    /// @param machine  the calibration that is true of the emulated machine; has [haply]
+    /// @param machine  the calibration that is true of the emulated machine
     /// @param hand     makes the plant, in the new process
     /// @param link     see PtyBoard; needed for plug()
     /// @throws std::runtime_error if it does not start
-    EmulatedBoard(const Calibration& machine, const MakeHand& hand, const std::string& link = {});
+    EmulatedBoard(const Calibration& machine,
+                  const MakeHand& hand,
+                  const std::string& link = {},
+                  MakeBoard make_board = make_haply_board);
     EmulatedBoard(const EmulatedBoard&) = delete;
     EmulatedBoard& operator=(const EmulatedBoard&) = delete;
     ~EmulatedBoard();
@@ -93,7 +104,7 @@ public:
     [[nodiscard]] const std::string& path() const noexcept { return path_; }
     /// The motors as they are now.
     [[nodiscard]] Motors motors() const noexcept;
-    /// What has happened on the board since it began.
+    /// What has happened on a Haply board since it began.
     [[nodiscard]] BoardLog journal() const noexcept;
     /// Tells the hand to explore. Returns when it has begun.
     /// @throws std::invalid_argument if the start is out of reach
@@ -103,6 +114,8 @@ public:
     void plug(bool in);
     /// From now on the board answers nothing, or answers again.
     void hush(bool silent);
+    /// Somebody presses the emergency stop, or releases it.
+    void press_stop(bool pressed);
     [[nodiscard]] pid_t id() const noexcept { return pid_; }
 
     struct Shared;

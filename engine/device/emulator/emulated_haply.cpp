@@ -1,14 +1,25 @@
 #include "engine/device/emulator/emulated_haply.hpp"
 
+#include "engine/device/drivers/haply_line.hpp"
 #include "engine/device/drivers/serial_link.hpp"
+#include "engine/device/open/open_line.hpp"
 
 namespace palpate::engine {
-std::unique_ptr<HaplyDevice> open_haply(const std::string& path,
+
+std::unique_ptr<BoardDevice> open_haply(const std::string& path,
                                         const Calibration& calibration,
-                                        const HaplyTiming& timing,
+                                        const BoardTiming& timing,
                                         const GuardTiming& guard) {
-    return std::make_unique<HaplyDevice>(calibration, std::make_unique<SerialLink>(path),
-                                         std::make_unique<GuardProcess>(guard), timing);
+    return std::make_unique<BoardDevice>(calibration, std::make_unique<SerialLink>(path),
+                                         haply_line, std::make_unique<GuardProcess>(guard), timing);
+}
+
+std::unique_ptr<BoardDevice> open_board(const std::string& path,
+                                        const Calibration& calibration,
+                                        const BoardTiming& timing,
+                                        const GuardTiming& guard) {
+    return std::make_unique<BoardDevice>(calibration, std::make_unique<SerialLink>(path, true),
+                                         open_line, std::make_unique<GuardProcess>(guard), timing);
 }
 
 }  // namespace palpate::engine

@@ -3,17 +3,23 @@
 #include <memory>
 #include <string>
 
+#include "engine/device/drivers/board_device.hpp"
 #include "engine/device/drivers/guard_process.hpp"
-#include "engine/device/drivers/haply_device.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
 
 namespace palpate::engine {
 
 /// A port, its driver and its guard: what `--device haply:PATH` is.
-/// @throws as HaplyDevice
-[[nodiscard]] std::unique_ptr<HaplyDevice> open_haply(const std::string& path,
+/// @throws as BoardDevice
+[[nodiscard]] std::unique_ptr<BoardDevice> open_haply(const std::string& path,
                                                       const Calibration& calibration,
-                                                      const HaplyTiming& timing = {},
+                                                      const BoardTiming& timing = {},
+                                                      const GuardTiming& guard = {});
+
+/// The same of an open board: what `--device board:PATH` is.
+[[nodiscard]] std::unique_ptr<BoardDevice> open_board(const std::string& path,
+                                                      const Calibration& calibration,
+                                                      const BoardTiming& timing = {},
                                                       const GuardTiming& guard = {});
 
 /// An emulated board with a simulated hand on it, and the driver that speaks to it over a real
@@ -25,7 +31,7 @@ public:
     /// @param link  see PtyBoard; needed to unplug the board
     EmulatedHaply(const Calibration& calibration,
                   const MakeHand& hand,
-                  const HaplyTiming& timing = {},
+                  const BoardTiming& timing = {},
                   const GuardTiming& guard = {},
                   const std::string& link = {})
         : board_(calibration, hand, link),
@@ -38,13 +44,13 @@ public:
         device_->expect_move();
     }
     [[nodiscard]] bool hand_is_done() const noexcept { return board_.hand_is_done(); }
-    [[nodiscard]] HaplyDevice& device() noexcept { return *device_; }
-    [[nodiscard]] const HaplyDevice& device() const noexcept { return *device_; }
+    [[nodiscard]] BoardDevice& device() noexcept { return *device_; }
+    [[nodiscard]] const BoardDevice& device() const noexcept { return *device_; }
     [[nodiscard]] EmulatedBoard& board() noexcept { return board_; }
 
 private:
     EmulatedBoard board_;
-    std::unique_ptr<HaplyDevice> device_;
+    std::unique_ptr<BoardDevice> device_;
 };
 
 }  // namespace palpate::engine

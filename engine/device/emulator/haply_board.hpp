@@ -7,25 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "engine/device/calibration.hpp"
+#include "engine/device/emulator/port_board.hpp"
 
 namespace palpate::engine {
-
-/// What hangs on the board: motors and encoders of pivot 1 and pivot 2.
-class BoardPlant {
-public:
-    BoardPlant() = default;
-    BoardPlant(const BoardPlant&) = delete;
-    BoardPlant& operator=(const BoardPlant&) = delete;
-    virtual ~BoardPlant() = default;
-
-    /// What the motors get, N m, anticlockwise.
-    virtual void set_torque(const Vec2& newton_metres) noexcept = 0;
-    virtual void advance(double seconds) noexcept = 0;
-    [[nodiscard]] virtual JointAngles angles() const noexcept = 0;
-    /// A set-up is about to take the present pose for its offset.
-    virtual void before_set_up() noexcept {}
-};
 
 /// What can go wrong between a board and its host.
 struct BoardFaults {
@@ -52,8 +36,7 @@ struct BoardLog {
     int id_0 = 0;            ///< exchanges that reached ports which were not set up
 };
 
-/// The firmware of a Haply board as a machine of bytes, deterministic, on a clock that poll()
-/// drives. Written from the protocol's table; it does all that the firmware does wrong:
+/// The firmware of a Haply board. Written from the protocol's table; it does all that the firmware does wrong:
 ///
 /// - no framing: one command a poll, and bytes that are not there yet read as 0xFF;
 /// - no watchdog: a motor keeps its torque until the next exchange that reaches it;
@@ -65,37 +48,30 @@ struct BoardLog {
 /// are,
 ///   and leaks an encoder object each time;
 /// - torques are clamped at 0.123 N m and cut to 12 bits of duty.
-class HaplyBoard {
+class HaplyBoard : public PortBoard {
 public:
-    static constexpr double kPollPeriod = 50e-6;  ///< s
-
     /// @param plant    outlives the board
     /// @param machine  resolution of the encoders as they are
     /// @param wired    how motors and encoders are wired in truth, whatever a set-up says
     HaplyBoard(BoardPlant& plant, const PantographSpec& machine, const HaplyWiring& wired);
 
-    /// Bytes from the host.
-    void receive(std::span<const std::uint8_t> bytes);
-    /// 50 us pass: the plant moves, and one command is taken.
-    void poll();
-    /// 50 us pass while the bus is still at the rest of a command.
-    void pass();
-    /// Bytes to the host that are due. @return how many were put into `into`
-    std::size_t transmit(std::span<std::uint8_t> into);
-
-    /// The command at the front lacks bytes: a poll now would fill them with 0xFF.
-    [[nodiscard]] bool command_is_cut() const noexcept;
-    /// Bytes from the host wait to be taken.
-    [[nodiscard]] bool has_input() const noexcept { return !in_.empty(); }
-    /// What the motors get, pivot 1 and 2, N m, anticlockwise.
-    [[nodiscard]] Vec2 torque() const noexcept { return torque_; }
+    void receive(std::span<const std::uint8_t> bytes) override;
+    void poll() override;
+    void pass() override;
+    [[nodiscard]] std::size_t transmit(std::span<std::uint8_t> into) override;
+    /// A poll now would fill the missing bytes with 0xFF.
+    [[nodiscard]] bool command_is_cut() const noexcept override;
+    [[nodiscard]] bool has_input() const noexcept override { return !in_.empty(); }
+    [[nodiscard]] Vec2 torque() const noexcept override { return torque_; }
     [[nodiscard]] const BoardLog& journal() const noexcept { return log_; }
-    [[nodiscard]] double time() const noexcept { return static_cast<double>(polls_) * kPollPeriod; }
+    [[nodiscard]] double time() const noexcept override {
+        return static_cast<double>(polls_) * kPollPeriod;
+    }
 
+    void hush(bool silent) override { faults_ = {.silent = silent}; }
     void set_faults(const BoardFaults& faults) { faults_ = faults; }
     void set_sensor(double adc) noexcept { sensor_ = adc; }
-    /// Power off and on: nothing is set up, motors are off.
-    void power_cycle();
+    void power_cycle() override;
 
 private:
     static constexpr std::size_t kPorts = 4;

@@ -37,7 +37,7 @@ std::string target_of(const std::string& link) {
     return size > 0 ? std::string(target.data(), static_cast<std::size_t>(size)) : std::string();
 }
 
-bool take(int fd, HaplyBoard& board) {
+bool take(int fd, PortBoard& board) {
     std::array<std::uint8_t, 512> bytes{};
     const ssize_t got = read(fd, bytes.data(), bytes.size());
     if (got > 0) {
@@ -48,7 +48,7 @@ bool take(int fd, HaplyBoard& board) {
 
 }  // namespace
 
-PtyBoard::PtyBoard(HaplyBoard& board, std::string link) : board_(&board), link_(std::move(link)) {
+PtyBoard::PtyBoard(PortBoard& board, std::string link) : board_(&board), link_(std::move(link)) {
     open();
     start_ns_ = monotonic_ns() - static_cast<std::int64_t>(board.time() * 1e9);
 }
@@ -116,7 +116,7 @@ void PtyBoard::catch_up() {
     if (gap > 0.0) {
         start_ns_ += static_cast<std::int64_t>(gap * 1e9);
     }
-    while (board_->time() + HaplyBoard::kPollPeriod <= now - std::fmax(gap, 0.0)) {
+    while (board_->time() + PortBoard::kPollPeriod <= now - std::fmax(gap, 0.0)) {
         board_->pass();
     }
 }

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "engine/device/emulator/haply_board.hpp"
+#include "engine/device/emulator/port_board.hpp"
 
 namespace palpate::engine {
 
@@ -15,7 +15,7 @@ public:
     /// @param link   a symbolic link to the terminal, made anew at every plug(true) in place of an
     ///               older link, never of a file; empty: none
     /// @throws std::runtime_error if the system gives no terminal or the link cannot be made
-    PtyBoard(HaplyBoard& board, std::string link);
+    PtyBoard(PortBoard& board, std::string link);
     PtyBoard(const PtyBoard&) = delete;
     PtyBoard& operator=(const PtyBoard&) = delete;
     ~PtyBoard();
@@ -33,7 +33,7 @@ private:
     void close() noexcept;
     void catch_up();
 
-    HaplyBoard* board_;
+    PortBoard* board_;
     std::string link_;
     std::string terminal_;
     int master_ = -1;

@@ -1,4 +1,4 @@
-#include "engine/device/drivers/haply_device.hpp"
+#include "engine/device/drivers/board_device.hpp"
 
 #include <cmath>
 #include <cstdlib>
@@ -10,7 +10,6 @@
 namespace palpate::engine {
 namespace {
 
-constexpr std::int64_t kStale = 100 * kMillisecond;  ///< an answer from before a rest
 constexpr std::int64_t kFirstWait = 10 * kMillisecond;
 constexpr int kLastZeros = 5;
 constexpr std::size_t kTimed = 31;      ///< answers whose middle time is that of them all
@@ -20,14 +19,6 @@ constexpr int kStillCounts = 1;         ///< an encoder at rest may flicker by o
 
 std::int64_t nanoseconds(double seconds) noexcept {
     return static_cast<std::int64_t>(std::floor(seconds * 1e9 + 0.5));
-}
-
-const HaplyWiring& haply_wiring(const Calibration& calibration) {
-    if (!calibration.haply) {
-        throw std::invalid_argument("the calibration of " + calibration.pantograph.name +
-                                    " does not say how a Haply board is wired: add [haply]");
-    }
-    return *calibration.haply;
 }
 
 Pantograph::Counts home_counts(const Calibration& calibration) {
@@ -47,70 +38,62 @@ Pantograph::Counts home_counts(const Calibration& calibration) {
 
 }  // namespace
 
-HaplyDevice::HaplyDevice(const Calibration& calibration,
+BoardDevice::BoardDevice(const Calibration& calibration,
                          std::unique_ptr<ByteLink> link,
+                         MakeLine make_line,
                          std::unique_ptr<MotorGuard> guard,
-                         const HaplyTiming& timing)
+                         const BoardTiming& timing)
     : calibration_(calibration),
-      wiring_(haply_wiring(calibration)),
       pantograph_(calibration.pantograph),
       home_(home_counts(calibration)),
       timing_(timing),
       link_(std::move(link)),
       guard_(std::move(guard)),
-      line_(*link_, haply_setup(wiring_, calibration.pantograph)) {
+      line_(make_line(*link_, calibration)) {
     if (!open_board()) {
         throw std::runtime_error(trouble_);
     }
     bias_ = home_;
 }
 
-HaplyDevice::~HaplyDevice() {
-    if (line_.is_set_up() && !line_.silence()) {
-        static_cast<void>(line_.set_up());
-        line_.silence();
+BoardDevice::~BoardDevice() {
+    if (line_->is_set_up()) {
+        line_->part();
     }
     guard_->release();
     link_->close();
 }
 
-std::string HaplyDevice::name() const {
-    return "Haply " + calibration_.pantograph.name + " at " + link_->name();
+std::string BoardDevice::name() const {
+    return line_->kind() + " " + calibration_.pantograph.name + " at " + link_->name();
 }
 
-DeviceTraits HaplyDevice::traits() const noexcept {
+DeviceTraits BoardDevice::traits() const noexcept {
     return {.gives_force = true,
             .damping = calibration_.pantograph.damping,
             .delay_ticks = static_cast<double>(depth_),
             .motor_time = calibration_.pantograph.motor_time,
-            .keeps_force = true,
+            .holds_force = line_->holds_force(),
             .round_trip = round_trip_};
 }
 
 /// Port, guard and set-up; the position is lost.
-bool HaplyDevice::open_board() {
+bool BoardDevice::open_board() {
     guard_->release();  // its copy of a port that is gone would keep the port's name taken
-    line_.start_over();
+    line_->start_over();
     if (!link_->reopen()) {
         trouble_ = link_->trouble();
         return false;
     }
-    if (!guard_->watch(link_->descriptor(), line_.zero().view(), line_.introduction().view())) {
+    if (!guard_->watch(link_->descriptor(), line_->guard_packets())) {
         link_->close();
         trouble_ =
             "no guard process can be started, so nobody would switch the motors off if palpate "
             "died: end some programs and try again";
         return false;
     }
-    const auto answer = line_.set_up();
-    if (answer != HaplyLine::Answer::complete) {
-        trouble_ = answer == HaplyLine::Answer::garbage
-                     ? "what is at " + link_->name() +
-                           " answers, but not as a Haply board with id " +
-                           std::to_string(wiring_.id) + ": is it another device's port?"
-                     : "the board at " + link_->name() +
-                           " does not answer: is it a Haply board, and has it power? Unplug it, "
-                           "plug it in again";
+    if (line_->set_up() != BoardLine::Answer::complete) {
+        trouble_ = line_->refusal();
         return false;
     }
     ask_anew_ = true;
@@ -119,8 +102,8 @@ bool HaplyDevice::open_board() {
 
 /// How long answers take is part of what was promised of the device: a board that comes back must
 /// not be slower than it was.
-bool HaplyDevice::measure_answers() {
-    const auto trip = line_.round_trip(kTimed);
+bool BoardDevice::measure_answers() {
+    const auto trip = line_->round_trip(kTimed);
     if (!trip) {
         trouble_ = "the board at " + link_->name() +
                    " answers, then falls silent: check its power and cable";
@@ -144,50 +127,31 @@ bool HaplyDevice::measure_answers() {
     return true;
 }
 
-Pantograph::Counts HaplyDevice::raw_counts(const HaplyReply& reply) const noexcept {
-    Pantograph::Counts counts{};
-    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
-        const double turns = reply.angle_deg[wiring_.port[pivot] - 1U] / 360.0;
-        const double per_turn = calibration_.pantograph.axes[pivot].counts_per_turn;
-        counts[pivot] = static_cast<std::int32_t>(std::floor(turns * per_turn + 0.5));
-    }
-    return counts;
-}
-
-Reading HaplyDevice::take(const HaplyReply& reply) noexcept {
-    const Pantograph::Counts raw = raw_counts(reply);
+Reading BoardDevice::take(const BoardReply& reply) noexcept {
     Reading reading;
-    reading.counts = {raw[0] + bias_[0], raw[1] + bias_[1]};
+    reading.counts = {reply.counts[0] + bias_[0], reply.counts[1] + bias_[1]};
+    reading.grip = reply.grip;
     fix_ = pantograph_.locate(pantograph_.angles(reading.counts));
     if (fix_) {
         reading.hip = fix_->hip;
     } else {
         reading.fault = DeviceFault::unreachable;
     }
-    if (reply.sensor) {
-        reading.grip = *reply.sensor >= wiring_.grip_threshold ? Grip::held : Grip::released;
-    }
     return reading;
 }
 
-/// What came before a rest is old, so it is asked for once more. First the answers that may still
-/// be on their way are waited for: forgotten ones would come as answers to the new question.
-HaplyLine::Answer HaplyDevice::prime() noexcept {
-    if (line_.awaiting() && link_->now_ns() - line_.asked_ns() <= kStale) {
-        const auto answer = line_.hear(kFirstWait);
-        if (answer != HaplyLine::Answer::complete) {
-            return answer;
-        }
-        if (line_.awaiting()) {
-            return HaplyLine::Answer::pending;
-        }
+/// What came before a rest is old, so it is asked for once more.
+BoardLine::Answer BoardDevice::prime() noexcept {
+    applied_ = {};
+    const auto awake = line_->wake(kFirstWait);
+    ask_anew_ = awake == BoardLine::Answer::pending;
+    if (awake == BoardLine::Answer::complete) {
+        guard_->force_off();
     }
-    ask_anew_ = false;
-    line_.forget();
-    return send_zero() ? line_.hear(kFirstWait) : HaplyLine::Answer::lost;
+    return awake;
 }
 
-Reading HaplyDevice::read() noexcept {
+Reading BoardDevice::read() noexcept {
     if (fault_ == DeviceFault::none && guard_->tripped()) {
         fail(DeviceFault::silent);
     }
@@ -197,24 +161,27 @@ Reading HaplyDevice::read() noexcept {
     if (fault_ != DeviceFault::none) {
         return {.fault = fault_, .fresh = false};
     }
-    const bool rested =
-        ask_anew_ || !line_.awaiting() || link_->now_ns() - line_.owed_since_ns() > kStale;
+    const bool rested = ask_anew_ || !line_->awaiting() ||
+                        link_->now_ns() - line_->owed_since_ns() > BoardLine::kStale;
     const auto answer =
-        rested ? prime() : line_.hear(nanoseconds(timing_.patience * timing_.period), depth_ - 1);
+        rested ? prime() : line_->hear(nanoseconds(timing_.patience * timing_.period), depth_ - 1);
     switch (answer) {
-        case HaplyLine::Answer::complete:
-            last_ = take(line_.reply());
+        case BoardLine::Answer::complete:
+            last_ = take(line_->reply());
             return last_;
-        case HaplyLine::Answer::pending:
-            if (link_->now_ns() - line_.owed_since_ns() > nanoseconds(timing_.silence)) {
+        case BoardLine::Answer::pending:
+            if (link_->now_ns() - line_->owed_since_ns() > nanoseconds(timing_.silence)) {
                 fail(DeviceFault::silent);
             }
             break;
-        case HaplyLine::Answer::garbage:
+        case BoardLine::Answer::garbage:
             fail(DeviceFault::garbage);
             break;
-        case HaplyLine::Answer::lost:
+        case BoardLine::Answer::lost:
             fail(DeviceFault::lost);
+            break;
+        case BoardLine::Answer::stopped:
+            fail(DeviceFault::stopped);
             break;
     }
     Reading stale = last_;
@@ -225,16 +192,16 @@ Reading HaplyDevice::read() noexcept {
     return stale;
 }
 
-bool HaplyDevice::send_zero() noexcept {
+bool BoardDevice::send_zero() noexcept {
     applied_ = {};
-    const bool sent = line_.ask({0.0, 0.0});
+    const bool sent = line_->ask({0.0, 0.0});
     if (sent) {  // otherwise the guard stays on its toes
         guard_->force_off();
     }
     return sent;
 }
 
-void HaplyDevice::fail(DeviceFault fault) noexcept {
+void BoardDevice::fail(DeviceFault fault) noexcept {
     fault_ = fault;
     zeros_left_ = kLastZeros;
     if (fault !=
@@ -244,7 +211,7 @@ void HaplyDevice::fail(DeviceFault fault) noexcept {
 }
 
 /// A fault is latched: nothing but zero torque.
-Applied HaplyDevice::hold_off(const Vec2& force) noexcept {
+Applied BoardDevice::hold_off(const Vec2& force) noexcept {
     if (zeros_left_ > 0) {
         --zeros_left_;
         static_cast<void>(send_zero());
@@ -252,7 +219,7 @@ Applied HaplyDevice::hold_off(const Vec2& force) noexcept {
     return {.saturated = force != Vec2{}};
 }
 
-Applied HaplyDevice::write(const Vec2& force) noexcept {
+Applied BoardDevice::write(const Vec2& force) noexcept {
     if (fault_ != DeviceFault::none) {
         return hold_off(force);
     }
@@ -266,17 +233,14 @@ Applied HaplyDevice::write(const Vec2& force) noexcept {
         return {.saturated = force != Vec2{}};
     }
     guard_->force_on();
-    if (line_.owed() >= depth_) {  // no more questions than answers take periods: the torques stay
+    if (line_->full(depth_)) {  // no more questions than answers take periods: the torques stay
         return applied_;
     }
     if (guard_->tripped() || !guard_->alive()) {
         fail(guard_->tripped() ? DeviceFault::silent : DeviceFault::unguarded);
         return {.saturated = true};
     }
-    std::array<double, 2> by_port{};
-    by_port[wiring_.port[0] - 1U] = drive.torque.x;
-    by_port[wiring_.port[1] - 1U] = drive.torque.y;
-    if (!line_.ask(by_port)) {
+    if (!line_->ask({drive.torque.x, drive.torque.y})) {
         fail(DeviceFault::lost);
         return {.saturated = true};
     }
@@ -291,18 +255,17 @@ Applied HaplyDevice::write(const Vec2& force) noexcept {
     return applied_;
 }
 
-bool HaplyDevice::rests() {
+bool BoardDevice::rests() {
     Pantograph::Counts smallest{};
     Pantograph::Counts largest{};
     bool first = true;
     const std::int64_t end = link_->now_ns() + nanoseconds(timing_.still);
     while (link_->now_ns() < end) {
-        if (!line_.ask({0.0, 0.0}) ||
-            line_.hear(100 * kMillisecond) != HaplyLine::Answer::complete || line_.awaiting()) {
+        if (line_->probe(100 * kMillisecond) != BoardLine::Answer::complete || line_->awaiting()) {
             homeless_ = false;  // and back to the port
             return false;
         }
-        const Pantograph::Counts raw = raw_counts(line_.reply());
+        const Pantograph::Counts raw = line_->reply().counts;
         for (std::size_t i = 0; i < 2; ++i) {
             smallest[i] = first ? raw[i] : std::min(smallest[i], raw[i]);
             largest[i] = first ? raw[i] : std::max(largest[i], raw[i]);
@@ -317,20 +280,21 @@ bool HaplyDevice::rests() {
     return !first;
 }
 
-bool HaplyDevice::reconnect() {
+bool BoardDevice::reconnect() {
     if (fault_ == DeviceFault::none) {
         return true;
     }
     trouble_ = explained(fault_);
     const bool quiet =
-        !homeless_ && line_.silence();  // a link that is gone may still let it through
+        !homeless_ && line_->silence();  // a link that is gone may still let it through
     bool back = false;
     if (homeless_) {
         back = rests();
         homeless_ = homeless_ && !back;
+    } else if (fault_ == DeviceFault::stopped && quiet) {
+        back = line_->forgive() && guard_->watch(link_->descriptor(), line_->guard_packets());
     } else if (fault_ != DeviceFault::lost && quiet &&
-               guard_->watch(link_->descriptor(), line_.zero().view(),
-                             line_.introduction().view())) {
+               guard_->watch(link_->descriptor(), line_->guard_packets())) {
         back = true;
     } else if (open_board()) {
         homeless_ = true;
@@ -347,8 +311,11 @@ bool HaplyDevice::reconnect() {
     return back;
 }
 
-std::string HaplyDevice::explained(DeviceFault fault) const {
+std::string BoardDevice::explained(DeviceFault fault) const {
     const std::string board = "the board at " + link_->name();
+    if (std::string said = line_->complaint(); !said.empty() && fault != DeviceFault::unreachable) {
+        return said;
+    }
     switch (fault) {
         case DeviceFault::none:
         case DeviceFault::ended:
@@ -359,6 +326,8 @@ std::string HaplyDevice::explained(DeviceFault fault) const {
             return board + " stopped answering in time: check its power and cable";
         case DeviceFault::garbage:
             return board + " sent what cannot be: end other programs that use it, check the cable";
+        case DeviceFault::stopped:
+            return board + " has switched its motors off";
         case DeviceFault::unguarded:
             return "the guard process of the motors is gone: it is started again";
         case DeviceFault::unreachable:

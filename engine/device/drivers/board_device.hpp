@@ -5,45 +5,45 @@
 #include <string>
 
 #include "engine/device/device.hpp"
-#include "engine/device/drivers/haply_line.hpp"
+#include "engine/device/drivers/board_line.hpp"
 #include "engine/device/drivers/motor_guard.hpp"
 #include "engine/device/pantograph.hpp"
 
 namespace palpate::engine {
 
-/// How long a Haply driver waits, s.
-struct HaplyTiming {
+/// How long the driver of a board waits, s.
+struct BoardTiming {
     double period = 1e-3;    ///< between ticks
     double patience = 0.5;   ///< share of the period that read() waits for an answer that is due
     double silence = 0.020;  ///< without an answer for this long the board counts as silent
     double still = 1.0;      ///< the handle rests for this long before its pose is taken for home
 };
 
-/// A pantograph on a Haply board.
+/// A pantograph on a board that is asked once a tick, in whatever language.
 ///
-/// One exchange a tick: write() sends the torques, and a later read() collects the angles that the
-/// board measured when it took them. How long answers take is measured when the board is opened
-/// (traits().round_trip): d periods, rounded up, and so many questions are on their way at once. A
-/// reading is then d periods old (traits().delay_ticks), and there is a new one every tick. If an
-/// answer comes later than that, the reading is not fresh and the torques stay as they are, but zero
-/// torque is always sent. The first read() after a rest asks once more, with zero torque.
+/// write() sends the torques, and a later read() collects the counts that the board measured when it
+/// took them. How long answers take is measured when the board is opened (traits().round_trip): d
+/// periods, rounded up, and so many questions are on their way at once. A reading is then d periods old
+/// (traits().delay_ticks), and there is a new one every tick. If an answer comes later than that, the
+/// reading is not fresh. The first read() after a rest asks once more, without a torque.
 ///
 /// A fault is latched until reconnect(): from then on only zero torque is sent. No torque goes out
-/// before the board has answered an exchange after its set-up, nor without a guard. Every way out,
-/// the destructor's too, ends with zero torque, five times.
+/// before the board has answered after its set-up, nor without a guard. Every way out, the
+/// destructor's too, ends with the motors switched off.
 ///
 /// The board knows counts since its set-up and nothing else. The pose at set-up is taken for
 /// Calibration::home (without one, for count 0), so the handle must be there.
-class HaplyDevice : public Device {
+class BoardDevice : public Device {
 public:
     /// Opens the link, gives it to the guard and sets the board up with the handle at home.
-    /// @throws std::invalid_argument if the calibration does not describe a Haply board
+    /// @throws std::invalid_argument if the calibration does not describe such a board
     /// @throws std::runtime_error    if there is no port, no answer or no guard, with the remedy
-    HaplyDevice(const Calibration& calibration,
+    BoardDevice(const Calibration& calibration,
                 std::unique_ptr<ByteLink> link,
+                MakeLine make_line,
                 std::unique_ptr<MotorGuard> guard,
-                const HaplyTiming& timing = {});
-    ~HaplyDevice() override;
+                const BoardTiming& timing = {});
+    ~BoardDevice() override;
 
     [[nodiscard]] Reading read() noexcept override;
     Applied write(const Vec2& force) noexcept override;
@@ -56,7 +56,7 @@ public:
         return pantograph_.reading_error(hip);
     }
 
-    /// Zero torque first. If the board acknowledges it, its counts are still good and that is all.
+    /// Motors off first. If the board acknowledges it, its counts are still good and that is all.
     /// Otherwise the port is opened anew and the board set up again, which loses the position: then
     /// trouble() asks for the handle at home, and a later call takes the pose of a handle that
     /// rested.
@@ -72,23 +72,21 @@ private:
     [[nodiscard]] bool open_board();
     [[nodiscard]] bool measure_answers();
     [[nodiscard]] bool rests();
-    [[nodiscard]] HaplyLine::Answer prime() noexcept;
-    [[nodiscard]] Reading take(const HaplyReply& reply) noexcept;
-    [[nodiscard]] Pantograph::Counts raw_counts(const HaplyReply& reply) const noexcept;
+    [[nodiscard]] BoardLine::Answer prime() noexcept;
+    [[nodiscard]] Reading take(const BoardReply& reply) noexcept;
     void fail(DeviceFault fault) noexcept;
     [[nodiscard]] bool send_zero() noexcept;
     Applied hold_off(const Vec2& force) noexcept;
     [[nodiscard]] std::string explained(DeviceFault fault) const;
 
     Calibration calibration_;
-    HaplyWiring wiring_;
     Pantograph pantograph_;
     Pantograph::Counts home_{};  ///< counts with the handle at home
     Pantograph::Counts bias_{};  ///< counts minus those of the board
-    HaplyTiming timing_;
+    BoardTiming timing_;
     std::unique_ptr<ByteLink> link_;
     std::unique_ptr<MotorGuard> guard_;
-    HaplyLine line_;
+    std::unique_ptr<BoardLine> line_;
     std::string trouble_;
 
     DeviceFault fault_ = DeviceFault::none;  ///< latched

@@ -1,0 +1,159 @@
+#include "engine/device/emulator/open_board.hpp"
+
+#include <cmath>
+
+#include "engine/math/elementary.hpp"
+
+namespace palpate::engine {
+
+/// What the firmware asks of its chip, on the board that runs it.
+struct Platform {
+    [[nodiscard]] static OpenBoard& of(board* which) noexcept {
+        return *static_cast<OpenBoard*>(which->owner);
+    }
+    static void motors_off(board* which) noexcept {
+        of(which).enabled_ = false;
+        of(which).duty_ = {};
+        of(which).drive();
+    }
+    static void motors_on(board* which) noexcept { of(which).enabled_ = true; }
+    static void duty(board* which, std::uint8_t motor, std::int16_t duty) noexcept {
+        of(which).duty_[motor] = duty;
+        of(which).drive();
+    }
+    [[nodiscard]] static bool stop_pressed(board* which) noexcept {
+        return of(which).stop_pressed_;
+    }
+    static void sense(board* which, board_sense& sense) noexcept {
+        const OpenBoard& emulated = of(which);
+        const auto counts = emulated.true_counts();
+        sense.time_us = static_cast<std::uint32_t>(emulated.polls_ * 50);
+        for (std::size_t i = 0; i < 2; ++i) {
+            sense.count[i] = counts[i] - emulated.zero_[i];
+        }
+        sense.skipped_edge = emulated.skipped_;
+        sense.lost_bytes = false;
+    }
+    static void forget(board* which, bool zero) noexcept {
+        OpenBoard& emulated = of(which);
+        emulated.skipped_ = false;
+        if (zero) {
+            emulated.plant_->before_set_up();
+            emulated.zero_ = emulated.true_counts();
+        }
+    }
+};
+
+OpenBoard::OpenBoard(BoardPlant& plant, const PantographSpec& machine, const OpenWiring& wired)
+    : plant_(&plant), machine_(machine), wired_(wired) {
+    facts_.id = wired.id.value_or(0);
+    facts_.time_step = 50;
+    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        const Axis& axis = machine.axes[pivot];
+        const std::size_t channel = wired.channel[pivot] - 1U;
+        facts_.counts_per_turn[channel] =
+            static_cast<std::int32_t>(std::floor(axis.counts_per_turn + 0.5));
+        facts_.torque_full[channel] =
+            static_cast<std::int32_t>(std::floor(1e6 * axis.torque_limit + 0.5));
+    }
+    power_cycle();
+}
+
+void OpenBoard::power_cycle() {
+    facts_.reset_cause = 1;
+    in_.clear();
+    out_.clear();
+    board_begin(&board_, &facts_, this);
+    Platform::motors_off(&board_);
+    zero_ = true_counts();
+}
+
+std::array<std::int32_t, 2> OpenBoard::true_counts() const noexcept {
+    std::array<std::int32_t, 2> counts{};
+    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        const std::size_t channel = wired_.channel[pivot] - 1U;
+        const double turns = plant_->angles()[pivot] / (2.0 * kPi);
+        const auto count = static_cast<std::int32_t>(
+            std::floor(turns * machine_.axes[pivot].counts_per_turn + 0.5));
+        counts[channel] = wired_.encoder_clockwise[pivot] ? -count : count;
+    }
+    return counts;
+}
+
+Vec2 OpenBoard::torque() const noexcept {
+    constexpr auto kDuty = static_cast<double>(static_cast<int>(BOARD_DUTY));
+    Vec2 torque{};
+    for (std::size_t pivot = 0; enabled_ && pivot < 2; ++pivot) {
+        const std::size_t channel = wired_.channel[pivot] - 1U;
+        const double given = 1e-6 * facts_.torque_full[channel] * duty_[channel] / kDuty;
+        (pivot == 0 ? torque.x : torque.y) = wired_.motor_clockwise[pivot] ? -given : given;
+    }
+    return torque;
+}
+
+void OpenBoard::drive() noexcept {
+    plant_->set_torque(torque());
+}
+
+void OpenBoard::receive(std::span<const std::uint8_t> bytes) {
+    in_.insert(in_.end(), bytes.begin(), bytes.end());
+}
+
+void OpenBoard::pass() {
+    constexpr std::int64_t kTick = 20;  // polls
+    ++polls_;
+    plant_->advance(kPollPeriod);
+    if (polls_ % kTick == 0) {
+        board_tick(&board_);
+    }
+}
+
+/// Up to the end of a frame that is answered.
+void OpenBoard::poll() {
+    pass();
+    std::array<std::uint8_t, BOARD_FRAME> answer{};
+    std::uint8_t size = 0;
+    while (size == 0 && !in_.empty()) {
+        size = board_take(&board_, in_.front(), answer.data());
+        in_.pop_front();
+    }
+    const auto due = polls_ + static_cast<std::int64_t>(delay_ / kPollPeriod);
+    for (std::size_t i = 0; i < size && !silent_; ++i) {
+        out_.push_back({due, answer[i]});
+    }
+}
+
+std::size_t OpenBoard::transmit(std::span<std::uint8_t> into) {
+    std::size_t sent = 0;
+    while (sent < into.size() && !out_.empty() && out_.front().poll <= polls_) {
+        into[sent++] = out_.front().byte;
+        out_.pop_front();
+    }
+    return sent;
+}
+
+}  // namespace palpate::engine
+
+// What the firmware calls.
+std::uint8_t platform_lock() {
+    return 0;
+}
+void platform_unlock(std::uint8_t /*was*/) {}
+void platform_motors_off(board* which) {
+    palpate::engine::Platform::motors_off(which);
+}
+void platform_motors_on(board* which) {
+    palpate::engine::Platform::motors_on(which);
+}
+void platform_duty(board* which, std::uint8_t motor, std::int16_t duty) {
+    palpate::engine::Platform::duty(which, motor, duty);
+}
+bool platform_stop_pressed(board* which) {
+    return palpate::engine::Platform::stop_pressed(which);
+}
+void platform_sense(board* which, board_sense* sense) {
+    palpate::engine::Platform::sense(which, *sense);
+}
+void platform_forget(board* which, bool zero) {
+    palpate::engine::Platform::forget(which, zero);
+}

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <optional>
+
+#include "engine/device/emulator/port_board.hpp"
+#include "engine/device/firmware/board.h"
+
+namespace palpate::engine {
+
+/// The open board's own firmware, compiled for this machine, on emulated pins. Its answers go out at once;
+/// commands that come together are taken one after the other.
+class OpenBoard : public PortBoard {
+public:
+    /// @param plant  outlives the board
+    /// @param machine  counts a turn and torque limits are those that the firmware was built for
+    /// @param wired    how motors and encoders are wired in truth
+    OpenBoard(BoardPlant& plant, const PantographSpec& machine, const OpenWiring& wired);
+
+    void receive(std::span<const std::uint8_t> bytes) override;
+    void poll() override;
+    void pass() override;
+    [[nodiscard]] std::size_t transmit(std::span<std::uint8_t> into) override;
+    [[nodiscard]] bool has_input() const noexcept override { return !in_.empty(); }
+    [[nodiscard]] double time() const noexcept override {
+        return static_cast<double>(polls_) * kPollPeriod;
+    }
+    void power_cycle() override;
+
+    void press_stop(bool pressed) noexcept override { stop_pressed_ = pressed; }
+    /// s from a command to its answer.
+    void delay_answers(double seconds) noexcept { delay_ = seconds; }
+    void hush(bool silent) noexcept override { silent_ = silent; }
+    /// An encoder misses an edge.
+    void skip_edge() noexcept { skipped_ = true; }
+
+    /// The drivers' enable line is high.
+    [[nodiscard]] bool enabled() const noexcept { return enabled_; }
+    [[nodiscard]] Vec2 torque() const noexcept override;
+    [[nodiscard]] int state() const noexcept { return board_.state; }
+
+private:
+    friend struct Platform;
+
+    [[nodiscard]] std::array<std::int32_t, 2> true_counts() const noexcept;
+    void drive() noexcept;
+
+    BoardPlant* plant_;
+    PantographSpec machine_;
+    OpenWiring wired_;
+    board_facts facts_{};
+    board board_{};
+    bool stop_pressed_ = false;
+    bool silent_ = false;
+    bool skipped_ = false;
+    bool enabled_ = false;
+    double delay_ = 0.0;
+    std::array<std::int16_t, 2> duty_{};  ///< by channel
+    std::array<std::int32_t, 2> zero_{};  ///< true counts at the last set-up, by channel
+    std::deque<std::uint8_t> in_{};
+    struct Due {
+        std::int64_t poll = 0;
+        std::uint8_t byte = 0;
+    };
+    std::deque<Due> out_{};
+    std::int64_t polls_ = 0;
+};
+
+}  // namespace palpate::engine

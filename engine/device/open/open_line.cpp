@@ -1,0 +1,383 @@
+#include "engine/device/open/open_line.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::engine {
+namespace {
+
+using Type = OpenType;
+
+constexpr std::int64_t kHelloEvery = 100 * kMillisecond;
+constexpr int kHellos =
+    30;  ///< opening the port resets many boards, whose boot loader takes seconds
+constexpr std::int64_t kPatience = 100 * kMillisecond;  ///< for an answer between trials
+constexpr std::int64_t kLook = 200 * kMillisecond;
+constexpr int kLooks = 3;
+constexpr std::int64_t kLookEvery = 10 * kMillisecond;
+constexpr double kClock = 0.01;  ///< that the clocks may differ by
+constexpr int kStillCounts = 1;  ///< an encoder at rest may flicker by one
+constexpr double kMicro = 1e6;
+constexpr double kJump = 0.3;  ///< rad: no joint turns so far between two answers
+constexpr int kDisarms = 3;
+constexpr std::array<std::uint8_t, 3> kDisarmed{0x02, 0x90, 0x01};  // STATE with the guard's number
+constexpr std::size_t kStateFrame = 22;  ///< bytes of its frame at least, without zeros
+
+/// Any number that the board had from nobody else.
+std::uint16_t new_token(std::int64_t now_ns) noexcept {
+    auto bits = static_cast<std::uint64_t>(now_ns) * 0x9E3779B97F4A7C15U;
+    bits ^= bits >> 29U;
+    const auto token = static_cast<std::uint16_t>(bits >> 16U);
+    return token == 0 ? std::uint16_t{1} : token;
+}
+
+}  // namespace
+
+OpenLine::OpenLine(ByteLink& link, const OpenWiring& wiring, const PantographSpec& pantograph)
+    : BoardLine(link), wiring_(wiring), disarm_(open_frame(open_bare(Type::disarm, kGuardSeq))) {
+    const auto [one, other] = wiring.channel;
+    if (!((one == 1 && other == 2) || (one == 2 && other == 1))) {
+        throw std::invalid_argument("the open board's channels of pivots 1 and 2 are " +
+                                    std::to_string(one) + " and " + std::to_string(other) +
+                                    ": use 1 and 2 in either order");
+    }
+    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        const Axis& axis = pantograph.axes[pivot];
+        const std::size_t channel = wiring.channel[pivot] - 1U;
+        counts_per_turn_[channel] = axis.counts_per_turn;
+        limit_[channel] = static_cast<std::int32_t>(std::floor(kMicro * axis.torque_limit + 0.5));
+    }
+}
+
+std::unique_ptr<BoardLine> open_line(ByteLink& link, const Calibration& calibration) {
+    if (!calibration.board) {
+        throw std::invalid_argument("the calibration of " + calibration.pantograph.name +
+                                    " does not say how an open board is wired: add [board]");
+    }
+    return std::make_unique<OpenLine>(link, *calibration.board, calibration.pantograph);
+}
+
+std::uint16_t OpenLine::next_seq() noexcept {
+    ++seq_;
+    if (seq_ == kGuardSeq) {
+        ++seq_;
+    }
+    return seq_;
+}
+
+bool OpenLine::send(const OpenBytes& body) noexcept {
+    asked_ns_ = link_->now_ns();
+    return link_->send(open_frame(body).view());
+}
+
+/// What was asked before is not waited for any more.
+void OpenLine::forget() noexcept {
+    heard_ = seq_;
+    owed_ = 0;
+}
+
+void OpenLine::start_over() noexcept {
+    set_up_ = false;
+    reported_ = false;
+    lost_ = false;
+    came_at_ = came_size_ = 0;
+    reader_.start_over();
+    forget();
+}
+
+/// The next whole answer, whatever it answers.
+std::optional<OpenAnswer> OpenLine::next_answer(std::int64_t wait_ns) noexcept {
+    const std::int64_t deadline = link_->now_ns() + wait_ns;
+    while (!lost_) {
+        while (came_at_ < came_size_) {
+            if (const auto answer = read_open(reader_.take(came_[came_at_++]))) {
+                return answer;
+            }
+        }
+        const std::ptrdiff_t got =
+            link_->receive(came_, std::max<std::int64_t>(deadline - link_->now_ns(), 0));
+        lost_ = got < 0;
+        came_at_ = 0;
+        came_size_ = got > 0 ? static_cast<std::size_t>(got) : 0;
+        noise_ = noise_ || got > 0;
+        if (got == 0) {
+            break;
+        }
+    }
+    return std::nullopt;
+}
+
+/// A question and its answer; what answers older questions is dropped.
+std::optional<OpenAnswer> OpenLine::call(const OpenBytes& body, std::int64_t wait_ns) noexcept {
+    forget();
+    if (!send(body)) {
+        lost_ = true;
+        return std::nullopt;
+    }
+    const std::int64_t deadline = link_->now_ns() + wait_ns;
+    while (auto answer = next_answer(deadline - link_->now_ns())) {
+        if (answer->seq == seq_) {
+            heard_ = seq_;
+            return answer;
+        }
+    }
+    return std::nullopt;
+}
+
+OpenLine::Answer OpenLine::fail(Problem problem, Answer answer) noexcept {
+    problem_ = problem;
+    return answer;
+}
+
+/// Counts of a report, of pivots and in their sense; whether they can be.
+OpenLine::Answer OpenLine::take(const OpenReport& report) noexcept {
+    if (report.state == OpenState::boot || report.state == OpenState::identified) {
+        return fail(Problem::was_reset, Answer::lost);
+    }
+    if ((report.flags & kOpenStopPressed) != 0) {
+        return fail(Problem::stop_pressed, Answer::stopped);
+    }
+    if ((report.flags & kOpenSkippedEdge) != 0) {
+        return fail(Problem::skipped_edge, Answer::lost);
+    }
+    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        const std::size_t channel = wiring_.channel[pivot] - 1U;
+        const std::int32_t count = report.counts[channel];
+        reply_.counts[pivot] = wiring_.encoder_clockwise[pivot] ? -count : count;
+    }
+    report_ = report;
+    reported_ = true;
+    return Answer::complete;
+}
+
+OpenLine::Answer OpenLine::probe(std::int64_t wait_ns) noexcept {
+    const auto answer = call(open_bare(Type::peek, next_seq()), wait_ns);
+    if (!answer || answer->type != Type::state) {
+        return lost_ ? Answer::lost : Answer::pending;
+    }
+    return take(answer->report);
+}
+
+bool OpenLine::silence() noexcept {
+    if (!set_up_) {
+        return false;
+    }
+    static_cast<void>(send(open_torque(next_seq(), {})));
+    forget();
+    for (int i = 0; i < kDisarms; ++i) {
+        static_cast<void>(link_->send(disarm_.view()));
+        link_->pause(kMillisecond);
+    }
+    const std::int64_t deadline = link_->now_ns() + kPatience;
+    while (const auto answer = next_answer(deadline - link_->now_ns())) {
+        if (answer->type == Type::state && answer->seq == kGuardSeq) {
+            const OpenState state =
+                answer->report.state;  // a board that was reset has to begin anew
+            return state == OpenState::configured || state == OpenState::stopped;
+        }
+    }
+    return false;
+}
+
+bool OpenLine::forgive() noexcept {
+    const auto answer = call(open_token(Type::clear, next_seq(), config_.token), kPatience);
+    const bool good = answer && answer->type == Type::state;
+    // The report was measured before it was forgiven: look again.
+    if (!good || probe(kPatience) != Answer::complete) {
+        return false;
+    }
+    problem_ = Problem::none;
+    return true;
+}
+
+OpenLine::Answer OpenLine::wake(std::int64_t wait_ns) noexcept {
+    if (!waking_) {
+        owed_since_ns_ = link_->now_ns();
+    }
+    waking_ = true;
+    Answer answer = probe(wait_ns);
+    if (answer == Answer::complete && report_.state == OpenState::stopped) {
+        const auto cleared = call(open_token(Type::clear, next_seq(), config_.token), wait_ns);
+        answer = cleared ? probe(wait_ns) : Answer::pending;
+    }
+    if (answer == Answer::complete && report_.state == OpenState::configured) {
+        const auto armed = call(open_token(Type::arm, next_seq(), config_.token), wait_ns);
+        answer = armed ? probe(wait_ns) : Answer::pending;
+    }
+    if (answer == Answer::complete && report_.state != OpenState::armed) {
+        answer = fail(Problem::watchdog_fired, Answer::stopped);
+    }
+    waking_ = answer == Answer::pending;
+    return lost_ ? Answer::lost : answer;
+}
+
+bool OpenLine::ask(const std::array<double, 2>& torque) noexcept {
+    std::array<std::int32_t, 2> wanted{};
+    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        const std::size_t channel = wiring_.channel[pivot] - 1U;
+        const double micro =
+            kMicro * (wiring_.motor_clockwise[pivot] ? -torque[pivot] : torque[pivot]);
+        if (!std::isfinite(micro)) {
+            return false;
+        }
+        const double most = limit_[channel];
+        wanted[channel] =
+            static_cast<std::int32_t>(std::floor(std::fmin(std::fmax(micro, -most), most) + 0.5));
+    }
+    if (!set_up_ || !send(open_torque(next_seq(), wanted))) {
+        return false;
+    }
+    if (owed_ == 0) {
+        owed_since_ns_ = asked_ns_;
+    }
+    ++owed_;
+    return true;
+}
+
+OpenLine::Answer OpenLine::hear(std::int64_t wait_ns, std::size_t leave) noexcept {
+    const std::int64_t deadline = link_->now_ns() + wait_ns;
+    while (owed_ > 0) {
+        const auto answer = next_answer(owed_ > leave ? deadline - link_->now_ns() : 0);
+        if (!answer) {
+            break;
+        }
+        const auto behind = static_cast<std::uint16_t>(seq_ - answer->seq);
+        if (answer->type != Type::state || behind >= owed_) {
+            continue;  // an old one: a cut frame may be completed by the zero of the next
+        }
+        const BoardReply before = reply_;
+        const std::uint32_t passed = answer->report.time_us - report_.time_us;
+        const Answer taken = take(answer->report);
+        if (taken != Answer::complete) {
+            return taken;
+        }
+        if (report_.state != OpenState::armed) {
+            return fail(Problem::watchdog_fired, Answer::stopped);
+        }
+        for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+            const double turned = std::fabs(static_cast<double>(reply_.counts[pivot]) -
+                                            static_cast<double>(before.counts[pivot]));
+            const double per_turn = counts_per_turn_[wiring_.channel[pivot] - 1U];
+            if (2.0 * kPi * turned > kJump * per_turn || passed == 0) {
+                return fail(Problem::jump, Answer::garbage);
+            }
+        }
+        owed_ = behind;
+        owed_since_ns_ = link_->now_ns();
+    }
+    if (lost_) {
+        return Answer::lost;
+    }
+    return owed_ <= leave ? Answer::complete : Answer::pending;
+}
+
+GuardPackets OpenLine::guard_packets() const noexcept {
+    return {.zero = disarm_.view(), .setup = {}, .answer = kDisarmed, .answer_size = kStateFrame};
+}
+
+bool OpenLine::greet() noexcept {
+    constexpr std::array<std::uint8_t, 2> kZeros{};
+    noise_ = false;
+    reader_.start_over();
+    if (!link_->send(kZeros)) {
+        lost_ = true;
+    }
+    for (int i = 0; i < kHellos && !lost_; ++i) {
+        const auto answer = call(open_hello(next_seq()), kHelloEvery);
+        if (answer && (answer->type == Type::ident || answer->type == Type::nak)) {
+            ident_ = answer->ident;  // of a NAK: version 0, which is none
+            return true;
+        }
+    }
+    return false;
+}
+
+/// Is it the board of the calibration?
+OpenLine::Problem OpenLine::wrong_board() const noexcept {
+    const double watchdog_ms = 1e3 * wiring_.watchdog;
+    if (ident_.major != kOpenMajor) {
+        return Problem::version;
+    }
+    if (wiring_.id && *wiring_.id != ident_.id) {
+        return Problem::id;
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+        if (std::floor(counts_per_turn_[i] + 0.5) != ident_.counts_per_turn[i]) {
+            return Problem::counts;
+        }
+        if (ident_.torque_full[i] < limit_[i]) {
+            return Problem::torque;
+        }
+    }
+    if (!(watchdog_ms >= ident_.watchdog_min && watchdog_ms <= ident_.watchdog_max)) {
+        return Problem::watchdog;
+    }
+    return Problem::none;
+}
+
+/// Limits and watchdog, which the board repeats to the byte. A host that died may have left it armed.
+OpenLine::Problem OpenLine::agree() noexcept {
+    static_cast<void>(link_->send(disarm_.view()));
+    config_ = {.token = new_token(link_->now_ns()),
+               .watchdog_ms = static_cast<std::uint8_t>(std::floor(1e3 * wiring_.watchdog + 0.5)),
+               .zero_counts = true,
+               .limit = limit_};
+    const auto answer = call(open_config(next_seq(), config_), kPatience);
+    const bool same = answer && answer->type == Type::configured && answer->config == config_;
+    return same ? Problem::none : Problem::config;
+}
+
+/// The board's clock runs as the host's does, within what the way of the questions leaves open.
+OpenLine::Problem OpenLine::look_once() noexcept {
+    if (probe(kPatience) != Answer::complete) {
+        return problem_ == Problem::none ? Problem::silent : problem_;
+    }
+    const OpenReport first = report_;
+    const std::int64_t first_asked = asked_ns_;
+    const std::int64_t first_heard = link_->now_ns();
+    while (link_->now_ns() - first_asked < kLook) {
+        link_->pause(kLookEvery);
+        if (probe(kPatience) != Answer::complete) {
+            return problem_ == Problem::none ? Problem::silent : problem_;
+        }
+        for (std::size_t i = 0; i < 2; ++i) {
+            if (std::abs(report_.counts[i] - first.counts[i]) > kStillCounts) {
+                return Problem::moves;
+            }
+        }
+    }
+    const double passed = 1e3 * static_cast<double>(report_.time_us - first.time_us);
+    const auto least = static_cast<double>(asked_ns_ - first_heard);
+    const auto most = static_cast<double>(link_->now_ns() - first_asked);
+    const bool right = passed >= (1.0 - kClock) * least && passed <= (1.0 + kClock) * most;
+    return right ? Problem::none : Problem::clock;
+}
+
+OpenLine::Problem OpenLine::look() noexcept {
+    Problem found = Problem::clock;
+    for (int i = 0; i < kLooks && found == Problem::clock; ++i) {
+        found = look_once();
+    }
+    return found;
+}
+
+OpenLine::Answer OpenLine::set_up() noexcept {
+    problem_ = Problem::none;
+    Problem found = Problem::silent;
+    if (greet()) {
+        found = wrong_board();
+        if (found == Problem::none) {
+            found = agree();
+        }
+        if (found == Problem::none) {
+            found = look();
+        }
+    } else if (noise_) {
+        found = Problem::other_device;
+    }
+    set_up_ = found == Problem::none;
+    waking_ = false;
+    return fail(found, set_up_ ? Answer::complete : lost_ ? Answer::lost : Answer::garbage);
+}
+
+}  // namespace palpate::engine

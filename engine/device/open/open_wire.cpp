@@ -1,0 +1,211 @@
+#include "engine/device/open/open_wire.hpp"
+
+namespace palpate::engine {
+namespace {
+
+constexpr std::uint16_t kPolynomial = 0x8408;  // 0x1021, reflected
+constexpr std::size_t kHead = 3;
+constexpr std::size_t kCrc = 2;
+constexpr std::size_t kIdentSize = 29;
+constexpr std::size_t kConfigSize = 12;
+constexpr std::size_t kReportSize = 16;
+constexpr std::size_t kNakSize = 2;
+
+class Writer {
+public:
+    Writer(OpenType type, std::uint16_t seq) noexcept {
+        u8(static_cast<std::uint8_t>(type));
+        u16(seq);
+    }
+    void u8(std::uint8_t value) noexcept { out_.bytes[out_.size++] = value; }
+    void u16(std::uint16_t value) noexcept {
+        u8(static_cast<std::uint8_t>(value));
+        u8(static_cast<std::uint8_t>(value >> 8U));
+    }
+    void i32(std::int32_t value) noexcept {
+        const auto bits = static_cast<std::uint32_t>(value);
+        u16(static_cast<std::uint16_t>(bits));
+        u16(static_cast<std::uint16_t>(bits >> 16U));
+    }
+    [[nodiscard]] OpenBytes done() noexcept {
+        u16(open_crc(out_.view()));
+        return out_;
+    }
+
+private:
+    OpenBytes out_;
+};
+
+class Cursor {
+public:
+    explicit Cursor(std::span<const std::uint8_t> bytes) noexcept : bytes_(bytes) {}
+    [[nodiscard]] std::uint8_t u8() noexcept { return bytes_[at_++]; }
+    [[nodiscard]] std::uint16_t u16() noexcept {
+        const std::uint8_t low = u8();
+        return static_cast<std::uint16_t>(low | u8() << 8U);
+    }
+    [[nodiscard]] std::uint32_t u32() noexcept {
+        const std::uint32_t low = u16();
+        return low | std::uint32_t{u16()} << 16U;
+    }
+    [[nodiscard]] std::array<std::int32_t, 2> two() noexcept {
+        const auto first = static_cast<std::int32_t>(u32());
+        return {first, static_cast<std::int32_t>(u32())};
+    }
+
+private:
+    std::span<const std::uint8_t> bytes_;
+    std::size_t at_ = 0;
+};
+
+OpenIdent read_ident(Cursor& in) noexcept {
+    OpenIdent ident;
+    ident.major = in.u8();
+    ident.minor = in.u8();
+    ident.firmware = in.u16();
+    ident.id = in.u32();
+    ident.counts_per_turn = in.two();
+    ident.torque_full = in.two();
+    ident.watchdog_min = in.u8();
+    ident.watchdog_max = in.u8();
+    ident.reset_cause = in.u8();
+    ident.time_step = in.u8();
+    ident.state = static_cast<OpenState>(in.u8());
+    return ident;
+}
+
+OpenConfig read_config(Cursor& in) noexcept {
+    OpenConfig config;
+    config.token = in.u16();
+    config.watchdog_ms = in.u8();
+    config.zero_counts = in.u8() == 1;
+    config.limit = in.two();
+    return config;
+}
+
+OpenReport read_report(Cursor& in) noexcept {
+    OpenReport report;
+    report.state = static_cast<OpenState>(in.u8());
+    report.flags = in.u16();
+    report.time_us = in.u32();
+    report.counts = in.two();
+    report.bad_frames = in.u8();
+    return report;
+}
+
+}  // namespace
+
+std::uint16_t open_crc(std::span<const std::uint8_t> bytes) noexcept {
+    std::uint32_t crc = 0xFFFF;
+    for (const std::uint8_t byte : bytes) {
+        crc ^= byte;
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = (crc & 1U) != 0 ? crc >> 1U ^ kPolynomial : crc >> 1U;
+        }
+    }
+    return static_cast<std::uint16_t>(crc ^ 0xFFFFU);
+}
+
+OpenBytes open_hello(std::uint16_t seq) noexcept {
+    Writer out(OpenType::hello, seq);
+    out.u8(kOpenMajor);
+    out.u8(0);
+    return out.done();
+}
+
+OpenBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept {
+    Writer out(OpenType::config, seq);
+    out.u16(config.token);
+    out.u8(config.watchdog_ms);
+    out.u8(static_cast<std::uint8_t>(config.zero_counts ? 1 : 0));
+    out.i32(config.limit[0]);
+    out.i32(config.limit[1]);
+    return out.done();
+}
+
+OpenBytes open_token(OpenType type, std::uint16_t seq, std::uint16_t token) noexcept {
+    Writer out(type, seq);
+    out.u16(token);
+    return out.done();
+}
+
+OpenBytes open_bare(OpenType type, std::uint16_t seq) noexcept {
+    return Writer(type, seq).done();
+}
+
+OpenBytes open_torque(std::uint16_t seq, const std::array<std::int32_t, 2>& torque) noexcept {
+    Writer out(OpenType::torque, seq);
+    out.i32(torque[0]);
+    out.i32(torque[1]);
+    return out.done();
+}
+
+/// Bodies are shorter than a block of COBS: no block is full.
+OpenBytes open_frame(const OpenBytes& body) noexcept {
+    OpenBytes frame;
+    std::size_t code = 1;
+    frame.size = 2;
+    for (const std::uint8_t byte : body.view()) {
+        if (byte != 0) {
+            frame.bytes[frame.size++] = byte;
+            continue;
+        }
+        frame.bytes[code] = static_cast<std::uint8_t>(frame.size - code);
+        code = frame.size++;
+    }
+    frame.bytes[code] = static_cast<std::uint8_t>(frame.size - code);
+    frame.bytes[frame.size++] = 0;
+    return frame;
+}
+
+std::optional<OpenAnswer> read_open(std::span<const std::uint8_t> body) noexcept {
+    if (body.size() < kHead + kCrc || body.size() > kOpenBody) {
+        return std::nullopt;
+    }
+    const std::size_t payload = body.size() - kHead - kCrc;
+    const std::uint16_t crc = open_crc(body.first(body.size() - kCrc));
+    if (body[body.size() - 2] != (crc & 0xFFU) || body[body.size() - 1] != crc >> 8U) {
+        return std::nullopt;
+    }
+    Cursor in(body);
+    OpenAnswer answer;
+    answer.type = static_cast<OpenType>(in.u8());
+    answer.seq = in.u16();
+    if (answer.type == OpenType::ident && payload == kIdentSize) {
+        answer.ident = read_ident(in);
+    } else if (answer.type == OpenType::configured && payload == kConfigSize) {
+        answer.config = read_config(in);
+    } else if (answer.type == OpenType::state && payload == kReportSize) {
+        answer.report = read_report(in);
+    } else if (answer.type == OpenType::nak && payload == kNakSize) {
+        static_cast<void>(in.u8());
+        answer.why = in.u8();
+    } else {
+        return std::nullopt;
+    }
+    return answer;
+}
+
+std::span<const std::uint8_t> OpenReader::take(std::uint8_t byte) noexcept {
+    if (byte == 0) {
+        const bool whole = begun_ && !spoilt_ && left_ == 0;
+        const std::size_t size = whole ? size_ : 0;
+        size_ = 0;
+        left_ = 0;
+        begun_ = spoilt_ = false;
+        return {body_.data(), size};
+    }
+    const bool code = left_ == 0;
+    if (!code || begun_) {  // a code byte stands for the zero before it
+        if (size_ == body_.size()) {
+            spoilt_ = true;
+        } else {
+            body_[size_++] = code ? std::uint8_t{0} : byte;
+        }
+    }
+    left_ = static_cast<std::uint8_t>((code ? byte : left_) - 1);
+    begun_ = true;
+    return {};
+}
+
+}  // namespace palpate::engine

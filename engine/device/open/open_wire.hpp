@@ -1,0 +1,138 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+/// The wire of the open board, host's side. Little-endian; a body is type u8, seq u16, payload, crc u16;
+/// on a serial line a frame is 00, COBS(body), 00. The board's own side is engine/device/firmware.
+namespace palpate::engine {
+
+inline constexpr std::uint8_t kOpenMajor = 1;
+inline constexpr std::size_t kOpenBody = 48;              ///< bytes at most
+inline constexpr std::size_t kOpenFrame = kOpenBody + 4;  ///< with code bytes and zeros
+inline constexpr std::uint16_t kGuardSeq = 0;  ///< of a guard's DISARM, and of no other question
+
+enum class OpenType : std::uint8_t {
+    hello = 0x01,
+    config = 0x02,
+    arm = 0x03,
+    disarm = 0x04,
+    clear = 0x05,
+    torque = 0x10,
+    peek = 0x11,
+    ident = 0x81,
+    configured = 0x82,
+    state = 0x90,
+    nak = 0xFF,
+};
+
+enum class OpenState : std::uint8_t { boot, identified, configured, armed, stopped };
+
+/// Bits of the flags in a STATE.
+enum OpenFlag : std::uint16_t {
+    kOpenStopPressed = 1U << 0U,  ///< since the last CLEAR or CONFIG
+    kOpenWatchdog = 1U << 1U,
+    kOpenSkippedEdge = 1U << 5U,
+    kOpenLostBytes = 1U << 6U,
+    kOpenWasHung = 1U << 7U,
+};
+
+/// Bytes of a packet.
+struct OpenBytes {
+    std::array<std::uint8_t, kOpenFrame> bytes{};
+    std::size_t size = 0;
+
+    [[nodiscard]] std::span<const std::uint8_t> view() const noexcept {
+        return {bytes.data(), size};
+    }
+};
+
+/// What a board says it is.
+struct OpenIdent {
+    std::uint8_t major = 0;
+    std::uint8_t minor = 0;
+    std::uint16_t firmware = 0;
+    std::uint32_t id = 0;
+    std::array<std::int32_t, 2> counts_per_turn{};
+    std::array<std::int32_t, 2> torque_full{};  ///< uN m at full duty
+    std::uint8_t watchdog_min = 0;              ///< ms
+    std::uint8_t watchdog_max = 0;
+    std::uint8_t reset_cause = 0;
+    std::uint8_t time_step = 0;  ///< us
+    OpenState state = OpenState::boot;
+};
+
+/// What a host asks for at the opening; the board answers with the same bytes.
+struct OpenConfig {
+    std::uint16_t token = 0;        ///< not 0
+    std::uint8_t watchdog_ms = 20;  ///< without a torque the motors go off after so long
+    bool zero_counts = false;
+    std::array<std::int32_t, 2> limit{};  ///< uN m
+
+    friend bool operator==(const OpenConfig&, const OpenConfig&) = default;
+};
+
+/// How a board is and what it measured.
+struct OpenReport {
+    OpenState state = OpenState::boot;
+    std::uint16_t flags = 0;
+    std::uint32_t time_us = 0;  ///< wraps after 71.6 minutes
+    std::array<std::int32_t, 2> counts{};
+    std::uint8_t bad_frames = 0;
+};
+
+/// An answer, whatever it is.
+struct OpenAnswer {
+    OpenType type = OpenType::nak;
+    std::uint16_t seq = 0;
+    OpenIdent ident{};
+    OpenConfig config{};
+    OpenReport report{};
+    std::uint8_t why =
+        0;  ///< of a NAK: 1 version, 2 state, 3 value, 4 stop pressed, 5 token, 6 type
+};
+
+/// CRC-16/X-25 of `bytes`: 0x906E of "123456789".
+[[nodiscard]] std::uint16_t open_crc(std::span<const std::uint8_t> bytes) noexcept;
+
+/// Bodies, CRC included.
+[[nodiscard]] OpenBytes open_hello(std::uint16_t seq) noexcept;
+[[nodiscard]] OpenBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept;
+/// @param type  arm or clear
+[[nodiscard]] OpenBytes open_token(OpenType type, std::uint16_t seq, std::uint16_t token) noexcept;
+/// @param type  disarm or peek
+[[nodiscard]] OpenBytes open_bare(OpenType type, std::uint16_t seq) noexcept;
+/// @param torque  uN m
+[[nodiscard]] OpenBytes open_torque(std::uint16_t seq,
+                                    const std::array<std::int32_t, 2>& torque) noexcept;
+
+/// A body as it goes over a serial line.
+[[nodiscard]] OpenBytes open_frame(const OpenBytes& body) noexcept;
+
+/// What a body with a right CRC says; none for another one, an unknown type or a wrong length.
+[[nodiscard]] std::optional<OpenAnswer> read_open(std::span<const std::uint8_t> body) noexcept;
+
+/// Finds bodies in the bytes of a serial line.
+class OpenReader {
+public:
+    /// @return the body that ends with this byte, which is no body unless its CRC says so; empty: none ends
+    ///         here. Good until the next call
+    [[nodiscard]] std::span<const std::uint8_t> take(std::uint8_t byte) noexcept;
+    /// From now on bytes up to the next zero are dropped.
+    void start_over() noexcept {
+        *this = {};
+        spoilt_ = true;
+    }
+
+private:
+    std::array<std::uint8_t, kOpenBody> body_{};
+    std::size_t size_ = 0;
+    std::uint8_t left_ = 0;  ///< bytes until the next code byte
+    bool begun_ = false;
+    bool spoilt_ = false;
+};
+
+}  // namespace palpate::engine

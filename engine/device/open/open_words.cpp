@@ -1,0 +1,89 @@
+#include <cmath>
+
+#include "engine/base/text.hpp"
+#include "engine/device/open/open_line.hpp"
+
+// What the line of an open board says of it to people.
+namespace palpate::engine {
+namespace {
+
+std::string two(const std::array<std::int32_t, 2>& numbers) {
+    return std::to_string(numbers[0]) + " and " + std::to_string(numbers[1]);
+}
+
+}  // namespace
+
+std::string OpenLine::refusal() const {
+    const std::string board = "the board at " + link_->name();
+    const auto counts = [&](std::size_t channel) {
+        return static_cast<std::int32_t>(std::floor(counts_per_turn_[channel] + 0.5));
+    };
+    const std::array<std::int32_t, 2> asked{counts(0), counts(1)};
+    switch (problem_) {
+        case Problem::version:
+            return board + " speaks version " + std::to_string(ident_.major) +
+                   " of the open board's protocol, and palpate version " +
+                   std::to_string(kOpenMajor) + ": flash the firmware that comes with palpate";
+        case Problem::id:
+            return board + " has the id " + std::to_string(ident_.id) +
+                   ", and the calibration is of the board " + std::to_string(*wiring_.id) +
+                   ": plug that one in, or calibrate this one";
+        case Problem::counts:
+            return board + " was flashed for " + two(ident_.counts_per_turn) +
+                   " counts a turn, and the calibration says " + two(asked) +
+                   ": correct counts_per_turn, or flash it with COUNTS_1 and COUNTS_2 of these";
+        case Problem::torque:
+            return board + " gives " + two(ident_.torque_full) +
+                   " uN m at most, less than the calibration's torque_limit_mn_m: lower that";
+        case Problem::watchdog:
+            return board + " has a watchdog of " + std::to_string(ident_.watchdog_min) + " to " +
+                   std::to_string(ident_.watchdog_max) +
+                   " ms: give watchdog_ms within that in the calibration";
+        case Problem::config:
+            return board +
+                   " did not take its limits as they were sent: flash the firmware that "
+                   "comes with palpate, and use a shorter cable";
+        case Problem::clock:
+            return "the clock of " + board +
+                   " runs wrong: its crystal must have 16 MHz, and this machine must not be busy";
+        case Problem::moves:
+            return "the handle on " + board + " moves: let it rest at home, and try again";
+        case Problem::silent:
+        case Problem::none:
+            return board +
+                   " does not answer at 1,000,000 baud: is it an open board, and has it "
+                   "power? Unplug it, plug it in again";
+        case Problem::other_device:
+            return "what is at " + link_->name() +
+                   " answers, but not as an open board: is it another device's port?";
+        default:
+            return complaint();
+    }
+}
+
+std::string OpenLine::complaint() const {
+    const std::string board = "the board at " + link_->name();
+    switch (problem_) {
+        case Problem::stop_pressed:
+            return "the emergency stop of " + board +
+                   " was pressed, or its wire is broken: release it when it is safe";
+        case Problem::was_reset:
+            return board +
+                   " was reset, or its power failed: check power, cable and the motors' "
+                   "current";
+        case Problem::watchdog_fired:
+            return board + " has switched its motors off, since no torque came for " +
+                   number_text(1e3 * wiring_.watchdog) +
+                   " ms: close other programs on this machine, or check the cable";
+        case Problem::skipped_edge:
+            return "an encoder of " + board +
+                   " skipped an edge, so that where the handle is is lost: check its cable, and "
+                   "move more slowly";
+        case Problem::jump:
+            return board + " sent what cannot be: check the encoders' cables";
+        default:
+            return {};
+    }
+}
+
+}  // namespace palpate::engine

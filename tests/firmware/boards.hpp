@@ -1,0 +1,140 @@
+#pragma once
+
+#include <cstdlib>
+#include <memory>
+
+#include "engine/device/emulator/open_board.hpp"
+#include "engine/device/open/open_wire.hpp"
+#include "tests/support/emulated_machine.hpp"
+#include "tests/support/guided_hand.hpp"
+
+#if defined(PALPATE_FIRMWARE_328P)
+#include "tests/firmware/sim_board.hpp"
+#endif
+
+namespace palpate::tests {
+
+/// The machine that the firmware is built for.
+inline engine::Calibration open_machine() {
+    engine::Calibration machine = emulated_calibration("gen3");
+    machine.haply.reset();
+    machine.board = engine::OpenWiring{};
+    return machine;
+}
+
+/// The firmware's portable part on this machine's processor.
+struct OnHost {
+    using Board = engine::OpenBoard;
+    static Board make(engine::BoardPlant& plant, const engine::Calibration& machine) {
+        return Board(plant, machine.pantograph, *machine.board);
+    }
+};
+
+#if defined(PALPATE_FIRMWARE_328P)
+/// A mutant may stand in for the firmware.
+inline std::string firmware_or(const char* elf) {
+    const char* other = std::getenv("PALPATE_FIRMWARE");
+    return other == nullptr ? elf : other;
+}
+
+/// The whole firmware on an ATmega328P in simavr.
+struct On328p {
+    using Board = SimBoard;
+    static Board make(engine::BoardPlant& plant, const engine::Calibration& machine) {
+        return Board(plant, machine.pantograph, *machine.board, kAtmega328p,
+                     firmware_or(PALPATE_FIRMWARE_328P));
+    }
+};
+
+/// The same on an ATmega2560.
+struct On2560 {
+    using Board = SimBoard;
+    static Board make(engine::BoardPlant& plant, const engine::Calibration& machine) {
+        return Board(plant, machine.pantograph, *machine.board, kAtmega2560, PALPATE_FIRMWARE_2560);
+    }
+};
+#endif
+
+/// A host that says what it likes to a board, and hears every answer.
+template <class On>
+struct Talk {
+    explicit Talk(const engine::Calibration& of = open_machine()) : machine(of) { pass_ms(20); }
+
+    engine::Calibration machine;
+    GuidedHand plant{machine};
+    typename On::Board board = On::make(plant, machine);
+    std::uint16_t seq = 0;
+    static constexpr std::uint16_t kToken = 0x1234;
+
+    void pass_ms(double ms) {
+        const double end = board.time() + 1e-3 * ms;
+        while (board.time() < end - 1e-9) {
+            board.poll();
+            hear();
+        }
+    }
+    void send(std::span<const std::uint8_t> bytes) { board.receive(bytes); }
+    /// Sends a body and waits for its answer. @return none: there was none within 3 ms
+    std::optional<engine::OpenAnswer> ask(const engine::OpenBytes& body) {
+        answers.clear();
+        send(engine::open_frame(body).view());
+        for (int i = 0; i < 60 && answers.empty(); ++i) {
+            board.poll();
+            hear();
+        }
+        return answers.empty() ? std::nullopt : std::optional(answers.front());
+    }
+    std::optional<engine::OpenAnswer> hello() { return ask(engine::open_hello(++seq)); }
+    std::optional<engine::OpenAnswer> config(const engine::OpenConfig& config) {
+        return ask(engine::open_config(++seq, config));
+    }
+    std::optional<engine::OpenAnswer> arm(std::uint16_t token = kToken) {
+        return ask(engine::open_token(engine::OpenType::arm, ++seq, token));
+    }
+    std::optional<engine::OpenAnswer> clear(std::uint16_t token = kToken) {
+        return ask(engine::open_token(engine::OpenType::clear, ++seq, token));
+    }
+    std::optional<engine::OpenAnswer> disarm() {
+        return ask(engine::open_bare(engine::OpenType::disarm, engine::kGuardSeq));
+    }
+    engine::OpenReport peek() {
+        const auto answer = ask(engine::open_bare(engine::OpenType::peek, ++seq));
+        return answer && answer->type == engine::OpenType::state ? answer->report
+                                                                 : engine::OpenReport{};
+    }
+    std::optional<engine::OpenAnswer> torque(std::int32_t one, std::int32_t two) {
+        return ask(engine::open_torque(++seq, {one, two}));
+    }
+    /// Up to the state with motors on.
+    void make_ready(std::uint8_t watchdog_ms = 20, std::int32_t limit = 123000) {
+        hello();
+        config({.token = kToken, .watchdog_ms = watchdog_ms, .limit = {limit, limit}});
+        arm();
+    }
+    /// ms until the enable line is low, at a step of 50 us; at most `most`.
+    double until_off(double most) {
+        const double begin = board.time();
+        while (board.enabled() && board.time() - begin < 1e-3 * most) {
+            board.poll();
+            hear();
+        }
+        return 1e3 * (board.time() - begin);
+    }
+
+    std::vector<engine::OpenAnswer> answers;
+
+private:
+    void hear() {
+        std::array<std::uint8_t, 256> bytes{};
+        const std::size_t got = board.transmit(bytes);
+        for (std::size_t i = 0; i < got; ++i) {
+            if (const auto answer = engine::read_open(reader_.take(bytes[i]))) {
+                answers.push_back(*answer);
+            }
+        }
+    }
+
+    engine::OpenReader reader_;
+};
+
+}  // namespace palpate::tests

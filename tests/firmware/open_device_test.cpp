@@ -1,0 +1,391 @@
+#include <cmath>
+
+#include "engine/commissioning/commissioning.hpp"
+#include "engine/device/drivers/board_device.hpp"
+#include "engine/device/emulator/free_handle.hpp"
+#include "engine/device/open/open_line.hpp"
+#include "tests/firmware/boards.hpp"
+#include "tests/support/board_link.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/scripted_guard.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+// The driver of `--device board:PORT` in lockstep with the firmware: one clock, the board's.
+#if defined(PALPATE_FIRMWARE_328P)
+#define BOARDS OnHost, On328p
+#else
+#define BOARDS OnHost
+#endif
+
+namespace {
+
+template <class On>
+struct Desk {
+    /// @param machine  the truth   @param told  what the calibration says of it
+    explicit Desk(const Calibration& machine = open_machine(),
+                  const std::optional<Calibration>& says = std::nullopt)
+        : told(says.value_or(machine)), truth(machine) {}
+
+    Calibration told;
+    Calibration truth;
+    GuidedHand plant{truth};
+    typename On::Board board = On::make(plant, truth);
+    BoardCable cable{board};
+    ScriptedGuard::Script guard;
+    std::unique_ptr<BoardDevice> device;
+
+    void open(const BoardTiming& timing = {.still = 0.05}) {
+        device = std::make_unique<BoardDevice>(told, std::make_unique<BoardLink>(cable), open_line,
+                                               std::make_unique<ScriptedGuard>(guard), timing);
+    }
+    Reading tick(const Vec2& force) {
+        const Reading reading = device->read();
+        device->write(force);
+        next_ = std::max(next_ + 1'000'000, cable.now_ns());
+        cable.pass(std::max<std::int64_t>(next_ - cable.now_ns(), 100'000));
+        return reading;
+    }
+    Reading ticks(const Vec2& force, int number) {
+        Reading reading;
+        for (int i = 0; i < number; ++i) {
+            reading = tick(force);
+        }
+        return reading;
+    }
+
+private:
+    std::int64_t next_ = 0;
+};
+
+constexpr Vec2 kPress{0.3, -0.4};
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("over an open board HIP follows the hand and the motors the force",
+                   "[open][law]",
+                   BOARDS) {
+    Calibration machine = open_machine();
+    machine.board->channel = {2, 1};
+    machine.board->motor_clockwise = {false, true};
+    machine.board->encoder_clockwise = {true, false};
+    Desk<TestType> desk(machine);
+    desk.open();
+    const DeviceTraits traits = desk.device->traits();
+    CHECK(traits.delay_ticks == 1.0);
+    CHECK(traits.holds_force == 0.020);
+    CHECK(traits.round_trip < 0.7e-3);
+    CHECK_FALSE(desk.board.enabled());
+    const Pantograph pantograph(machine.pantograph);
+    Random random(19);
+    Vec2 led = *machine.home;
+    int fresh = 0;
+    for (int i = 0; i < 300; ++i) {
+        const Vec2 force{random.in(-0.5, 0.5), random.in(-0.5, 0.5)};
+        const Vec2 before = led;
+        led += Vec2{random.in(-2e-4, 2e-4), random.in(-2e-4, 2e-4)};
+        desk.plant.lead(led);
+        const Reading reading = desk.tick(force);
+        REQUIRE(reading.ok());
+        if (i < 3) {
+            continue;
+        }
+        fresh += reading.fresh ? 1 : 0;
+        CHECK(glm::length(reading.hip - before) < 3e-4);
+        const auto fix = pantograph.locate(pantograph.angles(reading.counts));
+        const Vec2 wanted = pantograph.drive(*fix, force).torque;
+        CHECK(std::fabs(desk.board.torque().x - wanted.x) < 160e-6);
+        CHECK(std::fabs(desk.board.torque().y - wanted.y) < 160e-6);
+    }
+    CHECK(fresh == 297);
+    desk.device.reset();
+    CHECK_FALSE(desk.board.enabled());
+    CHECK(desk.guard.releases > 0);
+}
+
+TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the remedy",
+                   "[open][law]",
+                   BOARDS) {
+    const Calibration truth = open_machine();
+    const auto refused = [&](const Calibration& told, const std::string& why) {
+        Desk<TestType> desk(truth, told);
+        CHECK_THROWS_WITH(desk.open(), ContainsSubstring(why));
+        CHECK_FALSE(desk.board.enabled());
+    };
+    Calibration told = truth;
+    told.pantograph.axes[1].counts_per_turn = 4881.0;
+    refused(told,
+            "was flashed for 4880 and 4880 counts a turn, and the calibration says 4880 and "
+            "4881: correct");
+    told = truth;
+    told.pantograph.axes[0].torque_limit = 0.124;
+    refused(told, "less than the calibration's torque_limit_mn_m");
+    told = truth;
+    told.board->id = 7;
+    refused(told, "has the id 0, and the calibration is of the board 7");
+    told = truth;
+    told.board.reset();
+    refused(told, "does not say how an open board is wired: add [board]");
+    {
+        Desk<TestType> desk;
+        desk.board.press_stop(true);
+        CHECK_THROWS_WITH(desk.open(),
+                          ContainsSubstring("emergency stop") && ContainsSubstring("release it"));
+        desk.board.press_stop(false);
+        desk.open();
+        CHECK(desk.ticks(kPress, 5).ok());
+    }
+    Desk<TestType> unguarded;
+    unguarded.guard.there = false;
+    CHECK_THROWS_WITH(unguarded.open(), ContainsSubstring("no guard process"));
+}
+
+TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released and forgiven",
+                   "[open][law]",
+                   BOARDS) {
+    Desk<TestType> desk;
+    desk.open();
+    REQUIRE(desk.ticks(kPress, 20).ok());
+    CHECK(desk.board.enabled());
+    desk.board.press_stop(true);
+    desk.ticks(kPress, 2);
+    CHECK_FALSE(desk.board.enabled());
+    CHECK(desk.ticks(kPress, 2).fault == DeviceFault::stopped);
+    CHECK_THAT(desk.device->trouble(), ContainsSubstring("emergency stop"));
+    CHECK_FALSE(desk.device->reconnect());
+    CHECK_THAT(desk.device->trouble(), ContainsSubstring("release it when it is safe"));
+    desk.board.press_stop(false);
+    desk.ticks(kPress, 20);
+    CHECK_FALSE(desk.board.enabled());  // nothing by itself
+    CHECK(desk.device->reconnect());
+    CHECK(desk.device->trouble().empty());
+    CHECK(desk.ticks(kPress, 5).ok());
+    CHECK(desk.board.enabled());
+    CHECK(desk.board.torque() != Vec2{});
+}
+
+TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten",
+                   "[open][law]",
+                   BOARDS) {
+    Desk<TestType> desk;
+    desk.open();
+    REQUIRE(desk.ticks(kPress, 5).ok());
+    desk.ticks({}, 5);
+    desk.board.press_stop(true);
+    desk.cable.pass(300'000'000);
+    desk.board.press_stop(false);
+    desk.cable.pass(300'000'000);
+    CHECK(desk.tick(kPress).fault == DeviceFault::stopped);
+    CHECK_FALSE(desk.board.enabled());
+    CHECK(desk.device->reconnect());
+    CHECK(desk.ticks(kPress, 5).ok());
+}
+
+TEMPLATE_TEST_CASE(
+    "a host that stalls with the force on finds its motors off, and a rest is no stall",
+    "[open][law]",
+    BOARDS) {
+    Desk<TestType> desk;
+    desk.open();
+    REQUIRE(desk.ticks(kPress, 20).ok());
+    desk.ticks({}, 2);
+    desk.cable.pass(1'000'000'000);  // a rest: the board has stopped by itself
+    CHECK_FALSE(desk.board.enabled());
+    REQUIRE(desk.ticks(kPress, 20).ok());
+    CHECK(desk.board.torque() != Vec2{});
+    desk.cable.pass(21'000'000);
+    CHECK_FALSE(desk.board.enabled());
+    CHECK(desk.ticks(kPress, 4).fault == DeviceFault::stopped);
+    CHECK_THAT(desk.device->trouble(), ContainsSubstring("no torque came for 20 ms"));
+    CHECK(desk.device->reconnect());
+    CHECK(desk.ticks(kPress, 5).ok());
+}
+
+TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was",
+                   "[open][law]",
+                   BOARDS) {
+    Desk<TestType> desk;
+    desk.open();
+    REQUIRE(desk.ticks(kPress, 30).ok());
+    desk.board.power_cycle();
+    const bool at_once = GENERATE(true, false);
+    desk.cable.pass(at_once ? 3'000'000 : 25'000'000);
+    const DeviceFault fault = desk.ticks(kPress, 3).fault;
+    CHECK(fault == (at_once ? DeviceFault::lost : DeviceFault::silent));
+    CHECK_FALSE(desk.board.enabled());
+    CHECK_THAT(desk.device->trouble(),
+               ContainsSubstring(at_once ? "was reset, or its power failed" : "stopped answering"));
+    CHECK_FALSE(desk.device->reconnect());
+    CHECK_THAT(desk.device->trouble(), ContainsSubstring("put the handle at its home pose"));
+    desk.plant.lead(*desk.truth.home);
+    desk.cable.pass(20'000'000);
+    CHECK(desk.device->reconnect());
+    const Reading reading = desk.ticks(kPress, 5);
+    CHECK(reading.ok());
+    CHECK(glm::length(reading.hip - *desk.truth.home) < 3e-4);
+}
+
+TEMPLATE_TEST_CASE("a cable pulled with the force on has its motors off, and comes back",
+                   "[open][law]",
+                   BOARDS) {
+    Desk<TestType> desk;
+    desk.open();
+    REQUIRE(desk.ticks(kPress, 20).ok());
+    desk.cable.plug(false);
+    CHECK(desk.ticks(kPress, 3).fault == DeviceFault::lost);
+    CHECK_FALSE(desk.board.enabled());
+    CHECK_FALSE(desk.device->reconnect());
+    CHECK_THAT(desk.device->trouble(), ContainsSubstring("plug it in"));
+    desk.cable.plug(true);
+    CHECK_FALSE(desk.device->reconnect());
+    CHECK(desk.device->reconnect());
+    CHECK(desk.ticks(kPress, 5).ok());
+    CHECK(desk.board.enabled());
+}
+
+TEST_CASE("answers that are lost now and then make a reading old, and no fault", "[open][law]") {
+    Desk<OnHost> desk;
+    desk.open();
+    Random random(23);
+    int stale = 0;
+    for (int i = 0; i < 2000; ++i) {
+        desk.board.hush(random.below(20) == 0);
+        const Reading reading = desk.tick(kPress);
+        REQUIRE(reading.ok());
+        stale += reading.fresh ? 0 : 1;
+        CHECK((i < 5 || desk.board.enabled()));
+    }
+    CHECK(stale > 40);
+    CHECK(stale < 250);
+    desk.board.hush(true);
+    CHECK(desk.ticks(kPress, 30).fault == DeviceFault::silent);
+    desk.ticks({}, 30);
+    CHECK_FALSE(desk.board.enabled());
+}
+
+TEST_CASE("an encoder that skipped an edge ends the force until the handle was at home",
+          "[open][law]") {
+    Desk<OnHost> desk;
+    desk.open();
+    REQUIRE(desk.ticks(kPress, 10).ok());
+    desk.board.skip_edge();
+    CHECK(desk.ticks(kPress, 3).fault == DeviceFault::lost);
+    CHECK_THAT(desk.device->trouble(), ContainsSubstring("skipped an edge"));
+    CHECK_FALSE(desk.device->reconnect());
+    CHECK_THAT(desk.device->trouble(), ContainsSubstring("home pose"));
+    CHECK(desk.device->reconnect());
+    CHECK(desk.ticks(kPress, 5).ok());
+}
+
+TEST_CASE("a joint that jumps between two answers ends the force", "[open][law]") {
+    Desk<OnHost> desk;
+    desk.open();
+    REQUIRE(desk.ticks(kPress, 10).ok());
+    desk.plant.lead({0.04, 0.05});
+    CHECK(desk.ticks(kPress, 3).fault == DeviceFault::garbage);
+}
+
+TEST_CASE("a handle that moves while the board is opened is refused", "[open][law]") {
+    class Moving : public GuidedHand {
+    public:
+        using GuidedHand::GuidedHand;
+        void advance(double seconds) noexcept override {
+            time_ += seconds;
+            lead({0.02 * time_, 0.06});
+        }
+
+    private:
+        double time_ = 0.0;
+    };
+    const Calibration machine = open_machine();
+    Moving plant(machine);
+    OpenBoard board(plant, machine.pantograph, *machine.board);
+    BoardCable cable(board);
+    ScriptedGuard::Script guard;
+    CHECK_THROWS_WITH(BoardDevice(machine, std::make_unique<BoardLink>(cable), open_line,
+                                  std::make_unique<ScriptedGuard>(guard)),
+                      ContainsSubstring("moves: let it rest at home"));
+}
+
+TEST_CASE("a port where something else speaks is told from one where nobody does", "[open]") {
+    const Calibration machine = open_machine();
+    Calibration haply = emulated_calibration("gen3");
+    GuidedHand plant(haply);
+    HaplyBoard other(plant, haply.pantograph, *haply.haply);
+    BoardCable cable(other);
+    ScriptedGuard::Script guard;
+    CHECK_THROWS_WITH(BoardDevice(machine, std::make_unique<BoardLink>(cable), open_line,
+                                  std::make_unique<ScriptedGuard>(guard)),
+                      ContainsSubstring("open board"));
+    Desk<OnHost> silent;
+    silent.board.hush(true);
+    CHECK_THROWS_WITH(silent.open(), ContainsSubstring("does not answer at 1,000,000 baud"));
+}
+
+TEMPLATE_TEST_CASE("an open board is commissioned, and every miswiring of it is found",
+                   "[open][commission][law]",
+                   BOARDS) {
+    struct Case {
+        std::array<std::uint8_t, 2> channel{1, 2};
+        std::array<bool, 2> motor{};
+        std::array<bool, 2> encoder{};
+        double strength = 1.0;
+        const char* found;
+    };
+    const std::vector<Case> cases{
+        {.found = ""},
+        {.motor = {true, false}, .found = "motor 1 is reversed"},
+        {.motor = {true, true}, .found = "motor 1 is reversed, motor 2 is reversed"},
+        {.encoder = {false, true}, .found = "encoder 2"},
+        {.channel = {2, 1}, .found = "swapped"},
+        {.strength = 2.0, .found = "too strong"},
+    };
+    const auto number = GENERATE(range(0, 6));
+    const Case& wrong = cases[static_cast<std::size_t>(number)];
+    if (number > 1 && !std::is_same_v<TestType, OnHost>) {
+        return;  // the same firmware: once right and once wrong on the chip itself
+    }
+    CAPTURE(wrong.found);
+    Calibration machine = open_machine();
+    PlantModel plant;
+    plant.machine = machine.pantograph;
+    plant.inertia /= wrong.strength;
+    plant.damping /= wrong.strength;
+    plant.coulomb /= wrong.strength;
+    plant.handle_mass /= wrong.strength;
+    FreeHandle handle(plant, *machine.home);
+    Calibration truth = machine;
+    truth.board->channel = wrong.channel;
+    truth.board->motor_clockwise = wrong.motor;
+    truth.board->encoder_clockwise = wrong.encoder;
+    auto board = TestType::make(handle, truth);
+    BoardCable cable(board);
+    ScriptedGuard::Script guard;
+    BoardDevice device(machine, std::make_unique<BoardLink>(cable), open_line,
+                       std::make_unique<ScriptedGuard>(guard));
+    const Commissioned done = commission(
+        device, machine.pantograph, commissioning_places(machine.pantograph, *machine.home), 0.060,
+        {.bring =
+             [&](const Vec2& place) {
+                 handle.bring(place);
+                 cable.pass(200'000'000);
+                 return true;
+             },
+         .wait =
+             [&, next = std::int64_t{0}]() mutable {
+                 next = std::max(next + 1'000'000, cable.now_ns());
+                 cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+             },
+         .period = 1e-3});
+    CAPTURE(done.refused);
+    CHECK(done.refused.empty() == (number == 0));
+    CHECK_THAT(done.refused, ContainsSubstring(wrong.found));
+    if (number == 0) {
+        CHECK(done.record.dynamics.handle_mass == Approx(plant.handle_mass).epsilon(0.1));
+        CHECK(done.record.round_trip > 0.0);
+    }
+    CHECK_FALSE(guard.force);
+}

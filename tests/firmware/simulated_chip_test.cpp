@@ -1,0 +1,144 @@
+#include <algorithm>
+
+#include "tests/firmware/boards.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+
+// What only the chip itself can show: its own watchdog, its load, its times.
+
+namespace {
+
+constexpr double kStill = 1e-9;  // counts/s: it stays where it is
+
+/// One torque a millisecond for `ms`. @return times until the answers, ms
+template <class On>
+std::vector<double> talk_at_1_khz(Talk<On>& talk, int ms) {
+    std::vector<double> took;
+    for (int i = 0; i < ms; ++i) {
+        const double begin = talk.board.time();
+        if (talk.torque(60000, -60000)) {
+            took.push_back(1e3 * (talk.board.time() - begin));
+        }
+        talk.pass_ms(std::max(0.05, 1.0 - 1e3 * (talk.board.time() - begin)));
+    }
+    std::sort(took.begin(), took.end());
+    return took;
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("a program that hangs has its motors off within 17 ms, whatever hangs",
+                   "[firmware][law]",
+                   On328p,
+                   On2560) {
+    const bool interrupts = GENERATE(false, true);
+    Talk<TestType> talk;
+    talk.make_ready(50);
+    talk.torque(60000, 60000);
+    talk.board.hang(interrupts);
+    CHECK(talk.until_off(60.0) <= 17.0);
+    CHECK(talk.board.torque() == Vec2{});
+    talk.pass_ms(100);
+    CHECK(talk.board.resets() > 0);
+    CHECK_FALSE(talk.board.enabled());
+}
+
+TEMPLATE_TEST_CASE("the host's watchdog is there while the program's loop hangs",
+                   "[firmware][law]",
+                   On328p,
+                   On2560) {
+    Talk<TestType> talk;
+    talk.make_ready(10);
+    talk.torque(60000, 60000);
+    talk.board.hang(true);
+    CHECK(talk.until_off(60.0) <= 10.1);
+    CHECK(talk.board.resets() == 0);
+}
+
+TEMPLATE_TEST_CASE("at the fastest that encoders may turn no count, byte or answer is lost",
+                   "[firmware][law]",
+                   On328p,
+                   On2560) {
+    Talk<TestType> talk;
+    talk.make_ready(50);
+    const OpenReport first = talk.peek();
+    const std::array<std::int64_t, 2> before{talk.board.edges(0), talk.board.edges(1)};
+    talk.board.spin(0, 40000.0);
+    talk.board.spin(1, -40000.0);
+    const std::vector<double> took = talk_at_1_khz(talk, 200);
+    talk.board.spin(0, kStill);
+    talk.board.spin(1, kStill);
+    talk.pass_ms(1);
+    const OpenReport last = talk.peek();
+    CHECK(took.size() == 200);
+    CHECK(took.back() < 1.0);
+    for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(last.counts[i] - first.counts[i] == talk.board.edges(i) - before[i]);
+    }
+    CHECK(std::abs(talk.board.edges(0) - before[0]) > 7000);
+    CHECK((last.flags & (kOpenSkippedEdge | kOpenLostBytes)) == 0);
+    CHECK(last.bad_frames == 0);
+}
+
+TEMPLATE_TEST_CASE("encoders that turn too fast are told, or the motors are off",
+                   "[firmware][law]",
+                   On328p,
+                   On2560) {
+    Talk<TestType> talk;
+    talk.make_ready(20);
+    talk.torque(60000, 60000);
+    const std::array<std::int64_t, 2> before{talk.board.edges(0), talk.board.edges(1)};
+    const OpenReport first = talk.peek();
+    talk.board.spin(0, 100000.0);
+    talk.board.spin(1, 100000.0);
+    talk.pass_ms(100);
+    talk.board.spin(0, kStill);
+    talk.board.spin(1, kStill);
+    talk.pass_ms(20);
+    const OpenReport last = talk.peek();
+    const bool right = last.counts[0] - first.counts[0] == talk.board.edges(0) - before[0] &&
+                       last.counts[1] - first.counts[1] == talk.board.edges(1) - before[1];
+    CHECK((right || (last.flags & kOpenSkippedEdge) != 0 || last.state == OpenState::boot));
+    CHECK_FALSE(talk.board.enabled());
+}
+
+// Not a law: the numbers that the manual tells. palpate_test_firmware "[numbers]"
+TEMPLATE_TEST_CASE("numbers of the chip", "[.][numbers]", On328p, On2560) {
+    std::vector<double> watchdog;
+    std::vector<double> stop;
+    Random random(17);
+    for (int i = 0; i < 200; ++i) {
+        Talk<TestType> talk;
+        talk.make_ready(20);
+        talk.pass_ms(random.in(0.0, 1.0));
+        talk.send(open_frame(open_torque(++talk.seq, {60000, 60000})).view());
+        talk.pass_ms(0.15);
+        watchdog.push_back(talk.until_off(60.0));
+        Talk<TestType> other;
+        other.make_ready(20);
+        other.pass_ms(random.in(0.0, 1.0));
+        other.board.press_stop(true);
+        stop.push_back(other.until_off(60.0));
+    }
+    const auto ends = std::minmax_element(watchdog.begin(), watchdog.end());
+    const auto stops = std::minmax_element(stop.begin(), stop.end());
+    WARN("watchdog of 20 ms: " << *ends.first << " to " << *ends.second << " ms; stop: "
+                               << *stops.first << " to " << *stops.second << " ms");
+    for (const double speed : {0.0, 25000.0, 40000.0, 50000.0}) {
+        Talk<TestType> talk;
+        talk.make_ready(50);
+        talk.board.spin(0, speed);
+        talk.board.spin(1, speed);
+        const std::uint64_t cycles = talk.board.cycles();
+        const std::uint64_t slept = talk.board.slept();
+        const auto took = talk_at_1_khz(talk, 300);
+        const double load = 1.0 - static_cast<double>(talk.board.slept() - slept) /
+                                      static_cast<double>(talk.board.cycles() - cycles);
+        WARN(speed << " counts/s each: load " << 100.0 * load << " %, answers after "
+                   << took[took.size() / 2] << " to " << took.back() << " ms, " << took.size()
+                   << " of 300");
+    }
+}

@@ -1,0 +1,88 @@
+#include <csignal>
+#include <filesystem>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/pressed_desk.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::StartsWith;
+using tests::eventually;
+using tests::Finished;
+using tests::palpate_command;
+using tests::palpate_program;
+using tests::PressedDesk;
+using tests::PressingHand;
+using tests::Process;
+using tests::TemporaryFolder;
+
+// The shipped program on an open board: its firmware behind a pseudo-terminal.
+
+TEST_CASE(
+    "an emergency stop in a trial is kept with its cause, and the session goes on once it is "
+    "released",
+    "[window][open][safety][law]") {
+    PressedDesk desk(PressingHand::Does::presses, {}, true);
+    REQUIRE(desk.feel());
+    desk.board.press_stop(true);
+    CHECK(desk.force_ends());
+    CHECK(desk.waits_for_fault("device_stopped"));
+    desk.session->wait_for_screen("trouble");
+    CHECK(desk.stays_off());
+    desk.board.press_stop(false);
+    CHECK(desk.stays_off());  // nothing by itself
+    CHECK(desk.feel());
+
+    // Both who could switch the motors off are killed together: the board does it.
+    const pid_t guard = desk.guard();
+    REQUIRE(guard > 0);
+    kill(guard, SIGSTOP);
+    kill(desk.session->program().id(), SIGKILL);
+    kill(guard, SIGKILL);
+    CHECK(desk.force_ends());
+    CHECK(desk.stays_off());
+}
+
+TEST_CASE("a cable that is pulled with the force on ends it, and the session waits for the board",
+          "[window][open][safety][law]") {
+    PressedDesk desk(PressingHand::Does::presses, {}, true);
+    REQUIRE(desk.feel());
+    desk.board.plug(false);
+    CHECK(desk.force_ends());
+    CHECK(desk.waits_for_fault("device_lost"));
+    desk.session->wait_for_screen("trouble");
+    desk.board.plug(true);
+    CHECK(desk.feel());
+}
+
+TEST_CASE("the doctor and calibrate take an open board, and say what is wrong with another one",
+          "[laws][open][doctor]") {
+    const TemporaryFolder folder;
+    const std::string link = folder.file("board");
+    const auto doctor = [&](const std::string& calibration) {
+        const std::string out =
+            palpate_command({"doctor", "--device", "board:" + link, "--calibration", calibration,
+                             "--seconds", "0.05", "--json", "--db", folder.file("d.sqlite")})
+                .out;
+        return out.substr(0, out.find("kinematics"));
+    };
+    CHECK_THAT(doctor("2diy_gen3"), ContainsSubstring("is the board plugged in"));
+    const Process emulator({palpate_program(), "haply-emulator", "--open", "--link", link});
+    REQUIRE(eventually([&] { return std::filesystem::exists(link); }));
+    std::string said;
+    for (int i = 0; i < 20 && said.find("\"ok\"") == std::string::npos; ++i) {
+        said = doctor("2diy_gen3");  // a busy machine may leave the board without its turn
+    }
+    CHECK_THAT(said, ContainsSubstring("\"ok\"") &&
+                         ContainsSubstring("its own watchdog stops it after 20 ms"));
+    CHECK_THAT(doctor("2diy_gen2"), ContainsSubstring("add [board]"));
+    std::string other = tests::text_of(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
+    const std::size_t gen3 = other.find("name = \"2diy_gen3\"");
+    other = "format = 1\n[[pantograph]]\n" +
+            other.substr(gen3, other.find("[[pantograph]]", gen3) - gen3);
+    other.replace(other.find("counts_per_turn = 4880"), 22, "counts_per_turn = 4900");
+    std::ofstream(folder.file("other.toml")) << other;
+    CHECK_THAT(doctor(folder.file("other.toml")),
+               ContainsSubstring("was flashed for 4880 and 4880 counts a turn"));
+}
