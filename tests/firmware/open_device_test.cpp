@@ -378,6 +378,7 @@ TEMPLATE_TEST_CASE("an open board is commissioned, and every miswiring of it is 
              [&, next = std::int64_t{0}]() mutable {
                  next = std::max(next + 1'000'000, cable.now_ns());
                  cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+                 return true;
              },
          .period = 1e-3});
     CAPTURE(done.refused);
