@@ -40,10 +40,9 @@ int number(const std::string& text, const std::string& name) {
 }
 
 /// ms from the signal to zero torque at the board, for each kill.
-std::vector<double> delays(const EmulatedBoard& board,
-                           const Calibration& machine,
-                           int kills,
-                           int signal) {
+/// @param both  palpate's guard is killed a moment before: only the board itself is left
+std::vector<double> delays(
+    const EmulatedBoard& board, const Calibration& machine, int kills, int signal, bool both) {
     std::vector<double> ms;
     tests::Random random(1);
     for (int i = 0; i < kills; ++i) {
@@ -55,6 +54,9 @@ std::vector<double> delays(const EmulatedBoard& board,
             tests::wait_a_little();
         }
         const std::int64_t start = now_ns();
+        if (both) {
+            kill(presser.guard(), SIGKILL);
+        }
         presser.signal(signal);
         if (!tests::eventually([&] { return board.motors().off(); })) {
             throw std::runtime_error("the motors stayed on");
@@ -110,15 +112,26 @@ int guard_command(const std::vector<std::string>& arguments) {
     if (csv.is_open()) {
         csv << "machine,end,kills,p50_ms,p99_ms,worst_ms\n";
     }
-    const Calibration machine_calibration = tests::emulated_calibration();
-    const EmulatedBoard board(machine_calibration, [&] {
-        return std::make_unique<tests::GuidedHand>(machine_calibration);
-    });
+    const Calibration haply = tests::emulated_calibration();
+    const Calibration open = tests::open_machine();
+    const auto hand = [&] {
+        return std::make_unique<tests::GuidedHand>(haply);
+    };
+    const EmulatedBoard haply_board(haply, hand);
+    const EmulatedBoard open_board(open, hand, {}, make_open_board);
     std::cout << machine() << "\nfrom a signal to zero torque at an emulated board, ms\n";
     std::printf("%-34s %7s %9s %9s %9s\n", "palpate", "times", "p50", "p99", "worst");
-    for (const auto& [name, signal] :
-         {std::pair{"killed (kill -9)", SIGKILL}, std::pair{"stopped with the force on", SIGSTOP},
-          std::pair{"killed, in its window", 0}}) {
+    struct End {
+        const char* name;
+        int signal;
+        bool open = false;
+        bool both = false;
+    };
+    for (const auto& [name, signal, is_open, both] :
+         {End{"killed (kill -9)", SIGKILL}, End{"stopped with the force on", SIGSTOP},
+          End{"open board: killed", SIGKILL, true},
+          End{"open board: killed with its guard", SIGKILL, true, true},
+          End{"killed, in its window", 0}}) {
         std::cout.flush();
         std::fflush(stdout);
         if (signal == 0 && !kWindow) {
@@ -127,7 +140,8 @@ int guard_command(const std::vector<std::string>& arguments) {
         }
         const std::vector<double> ms = signal == 0
                                          ? windowed_delays(kills)
-                                         : delays(board, machine_calibration, kills, signal);
+                                         : delays(is_open ? open_board : haply_board,
+                                                  is_open ? open : haply, kills, signal, both);
         const auto at = [&](double share) {
             return ms[static_cast<std::size_t>(share * static_cast<double>(ms.size() - 1))];
         };

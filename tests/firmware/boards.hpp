@@ -14,14 +14,6 @@
 
 namespace palpate::tests {
 
-/// The machine that the firmware is built for.
-inline engine::Calibration open_machine() {
-    engine::Calibration machine = emulated_calibration("gen3");
-    machine.haply.reset();
-    machine.board = engine::OpenWiring{};
-    return machine;
-}
-
 /// The firmware's portable part on this machine's processor.
 struct OnHost {
     using Board = engine::OpenBoard;

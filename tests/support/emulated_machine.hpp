@@ -69,4 +69,12 @@ inline engine::Calibration emulated_calibration(std::string_view preset = "gen3"
     throw std::invalid_argument("no such machine: " + std::string(preset));
 }
 
+/// The third of them on an open board, whose firmware is built for it.
+inline engine::Calibration open_machine() {
+    engine::Calibration machine = emulated_calibration("gen3");
+    machine.haply.reset();
+    machine.board = engine::OpenWiring{};
+    return machine;
+}
+
 }  // namespace palpate::tests

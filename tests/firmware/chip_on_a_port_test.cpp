@@ -1,0 +1,76 @@
+#include <csignal>
+
+#include "engine/device/emulator/emulated_board.hpp"
+#include "tests/firmware/boards.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/presser.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+// The very binary behind a pseudo-terminal in real time, and real processes before it. Nothing is asserted
+// about time.
+
+namespace {
+
+std::unique_ptr<PortBoard> simulated_chip(BoardPlant& plant, const Calibration& machine) {
+    return std::make_unique<SimBoard>(plant, machine.pantograph, *machine.board, kAtmega328p,
+                                      PALPATE_FIRMWARE_328P);
+}
+
+struct Port {
+    Calibration machine = open_machine();
+    EmulatedBoard board{
+        machine, [this] { return std::make_unique<GuidedHand>(machine); }, {}, simulated_chip};
+};
+
+/// A process that presses, at last: a busy machine may have the board stop before anybody saw it.
+std::unique_ptr<Presser> pressing(const Port& port) {
+    for (int attempt = 0; attempt < 20; ++attempt) {
+        auto presser = std::make_unique<Presser>(port.board.path(), port.machine, Vec2{0.4, -0.5});
+        const bool over =
+            eventually([&] { return !port.board.motors().off() || presser->fault() != 0; });
+        if (over && presser->fault() == 0) {
+            return presser;
+        }
+    }
+    throw std::runtime_error("nothing ever pressed");
+}
+
+}  // namespace
+
+TEST_CASE("the shipped program takes the chip itself on a port", "[open][doctor]") {
+    const Port port;
+    const TemporaryFolder folder;
+    std::string said;
+    for (int i = 0; i < 20 && said.find("ok    device") != 0; ++i) {
+        said = palpate_command({"doctor", "--device", "board:" + port.board.path(), "--calibration",
+                                "2diy_gen3", "--seconds", "0.05", "--db", folder.file("d.sqlite")})
+                   .out;
+    }
+    CAPTURE(said);
+    CHECK(said.find("ok    device") == 0);
+    CHECK_THAT(said, ContainsSubstring("own watchdog stops it"));
+    CHECK(port.board.motors().off());
+}
+
+TEST_CASE("killed with the force on, with or without its guard, palpate leaves a board that stops",
+          "[open][guard][law]") {
+    const bool both = GENERATE(false, true);
+    CAPTURE(both);
+    const Port port;
+    const auto presser = pressing(port);
+    const pid_t guard = presser->guard();
+    if (both) {
+        kill(guard, SIGKILL);
+    }
+    presser->signal(SIGKILL);
+    presser->reap();
+    CHECK(eventually([&] { return port.board.motors().off(); }));
+    for (int i = 0; i < 100; ++i) {
+        wait_a_little();
+        REQUIRE(port.board.motors().off());
+    }
+}
