@@ -320,6 +320,8 @@ TEST_CASE("a port where something else speaks is told from one where nobody does
     CHECK_THROWS_WITH(BoardDevice(machine, std::make_unique<BoardLink>(cable), open_line,
                                   std::make_unique<ScriptedGuard>(guard)),
                       ContainsSubstring("open board"));
+    CHECK(other.journal().exchanges == 0);  // what it took our greeting for turned no motor
+    CHECK(other.torque() == Vec2{});
     Desk<OnHost> silent;
     silent.board.hush(true);
     CHECK_THROWS_WITH(silent.open(), ContainsSubstring("does not answer at 1,000,000 baud"));

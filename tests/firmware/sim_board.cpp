@@ -19,6 +19,13 @@
 
 #include "engine/math/elementary.hpp"
 
+#if defined(__SANITIZE_ADDRESS__)
+/// What simavr never frees is not ours.
+extern "C" const char* __lsan_default_suppressions() {
+    return "leak:libsimavr\n";
+}
+#endif
+
 namespace palpate::tests {
 namespace {
 

@@ -46,6 +46,35 @@ TEMPLATE_TEST_CASE("a program that hangs has its motors off within 17 ms, whatev
     CHECK_FALSE(talk.board.enabled());
 }
 
+TEMPLATE_TEST_CASE("a torque that comes with the tick that stops the motors does not start them",
+                   "[firmware][law]",
+                   On328p,
+                   On2560) {
+    Talk<TestType> talk;
+    talk.hello();
+    int stopped = 0;
+    for (int i = 0; i < 120; ++i) {  // 10 us apart, over more than a tick
+        talk.config({.token = 0x1234, .watchdog_ms = 5, .limit = {123000, 123000}});
+        talk.arm();
+        talk.torque(60000, 60000);
+        talk.pass_ms(3.0);
+        const std::vector<std::uint8_t> zeros(static_cast<std::size_t>(i), 0);
+        talk.send(zeros);
+        talk.send(open_frame(open_torque(++talk.seq, {90000, 90000})).view());
+        talk.pass_ms(2.5);
+        stopped += talk.board.enabled() ? 0 : 1;
+        if (!talk.board.enabled()) {
+            CHECK_FALSE(talk.board.driven(0));
+            CHECK_FALSE(talk.board.driven(1));
+        }
+        talk.disarm();
+        CHECK_FALSE(talk.board.enabled());
+        CHECK_FALSE(talk.board.driven(0));
+    }
+    CHECK(stopped > 10);
+    CHECK(stopped < 110);
+}
+
 TEMPLATE_TEST_CASE("the host's watchdog is there while the program's loop hangs",
                    "[firmware][law]",
                    On328p,

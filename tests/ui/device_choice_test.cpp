@@ -20,10 +20,12 @@ TEST_CASE("a device is read as it is written, also a replay of a file with colon
     const DeviceChoice board = parse_device("haply:/dev/ttyACM0");
     CHECK(board.kind == DeviceChoice::Kind::haply);
     CHECK(board.file == "/dev/ttyACM0");
+    CHECK(parse_device("board:/dev/ttyUSB0").kind == DeviceChoice::Kind::board);
+    CHECK(parse_device("board:/dev/ttyUSB0").file == "/dev/ttyUSB0");
     CHECK(parse_device("comedi:/dev/comedi0").kind == DeviceChoice::Kind::comedi);
     CHECK(parse_device("comedi:/dev/comedi0").file == "/dev/comedi0");
-    for (const char* wrong :
-         {"", "simulated", "replay", "replay:", "haply", "haply:", "haplyX:/dev/x", "comedi:"}) {
+    for (const char* wrong : {"", "simulated", "replay", "replay:", "haply",
+                              "haply:", "haplyX:/dev/x", "board:", "comedi:"}) {
         CHECK_THROWS_WITH(parse_device(wrong),
                           ContainsSubstring(wrong) && ContainsSubstring(std::string(kDeviceWords)));
     }
@@ -34,10 +36,11 @@ TEST_CASE("a study that asks for a device fits that one alone, and one that asks
     using Kind = DeviceChoice::Kind;
     using palpate::protocols::DeviceClass;
     for (const Kind kind : {Kind::simulated, Kind::mouse, Kind::replay, Kind::haply,
-                            Kind::haply_emulator, Kind::comedi}) {
+                            Kind::haply_emulator, Kind::board, Kind::comedi}) {
         CHECK(fits(DeviceClass::any, kind));
         CHECK(fits(DeviceClass::haply, kind) == (kind == Kind::haply));
         CHECK(fits(DeviceClass::comedi, kind) == (kind == Kind::comedi));
+        CHECK(fits(DeviceClass::board, kind) == (kind == Kind::board));
         CHECK(fits(DeviceClass::mouse, kind) == (kind == Kind::mouse));
     }
 }
