@@ -185,11 +185,12 @@ void PieceTree<D>::offer(const Vec<D>& h,
                          std::size_t span,
                          double u,
                          Foot<D>& best) const noexcept {
-    const Vec<D> point = spans_[span].at(u).point;
-    const Vec<D> gap = point - h;
+    const RationalBezier<D>& curve = spans_[span];
+    const Vec<D> point = curve.local_at(u, 1.0 - u).point;
+    const Vec<D> gap = point - (h - curve.origin());
     const double distance2 = glm::dot(gap, gap);
     if (distance2 < best.distance2) {
-        best = {span, u, point, distance2};
+        best = {span, u, curve.origin() + point, distance2};
     }
 }
 
@@ -210,11 +211,12 @@ void PieceTree<D>::offer_root(const Vec<D>& h,
         hi = 1.0 - lo;
         lo = low;
     }
+    const Vec<D> local = h - curve.origin();
     const auto jet_at = [&curve, from_end](double s) {
         if (!from_end) {
-            return curve.at(s);
+            return curve.local_at(s, 1.0 - s);
         }
-        Jet<D> jet = curve.at_from_end(s);
+        Jet<D> jet = curve.local_at(1.0 - s, s);
         jet.first = -jet.first;
         return jet;
     };
@@ -223,7 +225,7 @@ void PieceTree<D>::offer_root(const Vec<D>& h,
     double s = guess > lo + margin && guess < hi - margin ? guess : 0.5 * (lo + hi);
     Jet<D> jet = jet_at(s);
     for (int i = 0; i < kMaxSteps; ++i) {
-        const Vec<D> gap = jet.point - h;
+        const Vec<D> gap = jet.point - local;
         const double g = glm::dot(gap, jet.first);
         const double slope = glm::dot(jet.first, jet.first) + glm::dot(gap, jet.second);
         (g < 0.0 ? lo : hi) = s;
@@ -241,10 +243,10 @@ void PieceTree<D>::offer_root(const Vec<D>& h,
             break;
         }
     }
-    const Vec<D> gap = jet.point - h;
+    const Vec<D> gap = jet.point - local;
     const double distance2 = glm::dot(gap, gap);
     if (distance2 < best.distance2) {
-        best = {span, from_end ? 1.0 - s : s, jet.point, distance2};
+        best = {span, from_end ? 1.0 - s : s, curve.origin() + jet.point, distance2};
     }
 }
 
@@ -286,8 +288,9 @@ template <int D>
 void PieceTree<D>::offer_flat(
     const Vec<D>& h, std::size_t span, double lo, double hi, Foot<D>& best) const noexcept {
     constexpr double kGolden = 0.6180339887498949;
+    const Vec<D> local = h - spans_[span].origin();
     const auto distance2 = [&](double u) {
-        const Vec<D> gap = spans_[span].at(u).point - h;
+        const Vec<D> gap = spans_[span].local_at(u, 1.0 - u).point - local;
         return glm::dot(gap, gap);
     };
     offer(h, span, lo, best);

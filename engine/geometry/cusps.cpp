@@ -157,10 +157,10 @@ RationalBezier<2> stretch_of(const RationalBezier<2>& curve, double lo, double h
     std::vector<Vec2> apart;
     std::vector<double> weights;
     for (const Vec3& p : points) {
-        apart.push_back(curve.origin() + Vec2{p.x, p.y} / p.z);
+        apart.push_back(Vec2{p.x, p.y} / p.z);
         weights.push_back(p.z);
     }
-    return {apart, weights};
+    return {apart, weights, curve.origin()};
 }
 
 Vec2 end_tangent(const RationalBezier<2>& curve, bool end) noexcept {

@@ -46,10 +46,10 @@ NurbsCurve<D>::NurbsCurve(int degree,
         std::vector<Vec<D>> p = vector.bezier_points(i, std::span<const Vec<D>>(weighted));
         const std::vector<double> v = vector.bezier_points(i, std::span<const double>(w));
         for (std::size_t k = 0; k < p.size(); ++k) {
-            p[k] = origin + p[k] / v[k];
+            p[k] /= v[k];
         }
         spans_.push_back(
-            {RationalBezier<D>(p, v), vector.intervals()[i].lo, vector.intervals()[i].hi});
+            {RationalBezier<D>(p, v, origin), vector.intervals()[i].lo, vector.intervals()[i].hi});
     }
 }
 
@@ -88,10 +88,11 @@ BalancedSpan<D> balanced(const RationalBezier<D>& curve) {
     for (std::size_t i = 0; i <= last; ++i) {
         // r^(n-i), shifted so that no weight leaves its range
         const int shift = step * (n - static_cast<int>(i)) - step * n / 2;
-        points.push_back(curve.point(i));
+        points.push_back(curve.local_point(i));
         weights.push_back(std::ldexp(curve.weight(i), shift));
     }
-    return {.curve = RationalBezier<D>(points, weights), .name = {.ratio = std::ldexp(1.0, step)}};
+    return {.curve = RationalBezier<D>(points, weights, curve.origin()),
+            .name = {.ratio = std::ldexp(1.0, step)}};
 }
 
 template <int D>

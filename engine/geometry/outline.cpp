@@ -57,7 +57,7 @@ std::optional<RationalBezier<2>> settled(const RationalBezier<2>& span) {
     std::vector<Vec2> points;
     std::vector<double> weights;
     for (std::size_t i = 0; i <= static_cast<std::size_t>(span.degree()); ++i) {
-        points.push_back(span.point(i));
+        points.push_back(span.local_point(i));
         weights.push_back(span.weight(i));
     }
     bool moved = false;
@@ -69,7 +69,7 @@ std::optional<RationalBezier<2>> settled(const RationalBezier<2>& span) {
     };
     settle(points.begin(), points.end());
     settle(points.rbegin(), points.rend());
-    return moved ? RationalBezier<2>(points, weights) : span;
+    return moved ? RationalBezier<2>(points, weights, span.origin()) : span;
 }
 
 std::string name_text(const SpanName& name) {
@@ -151,24 +151,25 @@ void Outline::add_segment(const NurbsCurve<2>& curve, std::size_t index) {
                                     " segments: join some as spans of one NURBS");
     }
     const std::size_t first = spans_.size();
-    const auto add = [this](const RationalBezier<2>& span, const SpanName& name) {
-        if (const auto moving = settled(span)) {
+    const auto add = [this](const std::optional<RationalBezier<2>>& moving, const SpanName& name) {
+        if (moving) {
             spans_.push_back(*moving);
             names_.push_back(name);
         }
     };
     for (const auto& [span, name] : balanced_spans(curve, index)) {
-        const std::vector<double> cusps =
-            glm::length(span.box().size()) > 0.0 ? cusps_of(span) : std::vector<double>{};
+        const std::optional<RationalBezier<2>> whole = settled(span);
+        const std::vector<double> cusps = whole ? cusps_of(*whole) : std::vector<double>{};
         if (cusps.empty()) {
-            add(span, name);
+            add(whole, name);
             continue;
         }
         double from = 0.0;
         for (std::size_t i = 0; i <= cusps.size(); ++i) {
             const double to = i < cusps.size() ? cusps[i] : 1.0;
-            const BalancedSpan<2> part = balanced(stretch_of(span, from, to));
-            add(part.curve, {index, name.parameter(from), name.parameter(to), part.name.ratio});
+            const BalancedSpan<2> part = balanced(stretch_of(*whole, from, to));
+            add(settled(part.curve),
+                {index, name.parameter(from), name.parameter(to), part.name.ratio});
             from = to;
         }
     }

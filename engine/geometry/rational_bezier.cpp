@@ -25,7 +25,9 @@ void check_control_point(const Vec<D>& point, double weight, std::size_t index) 
 }
 
 template <int D>
-RationalBezier<D>::RationalBezier(std::span<const Vec<D>> points, std::span<const double> weights) {
+RationalBezier<D>::RationalBezier(std::span<const Vec<D>> points,
+                                  std::span<const double> weights,
+                                  const Vec<D>& about) {
     if (points.size() < 2 || points.size() > kMaxDegree + 1) {
         throw std::invalid_argument("a Bezier span has 2 to " + std::to_string(kMaxDegree + 1) +
                                     " control points, not " + std::to_string(points.size()));
@@ -36,15 +38,16 @@ RationalBezier<D>::RationalBezier(std::span<const Vec<D>> points, std::span<cons
             ", not " + std::to_string(weights.size()));
     }
     for (std::size_t i = 0; i < points.size(); ++i) {
-        check_control_point<D>(points[i], weights[i], i);
+        local_[i] = about + points[i];
+        check_control_point<D>(local_[i], weights[i], i);
     }
     degree_ = static_cast<int>(points.size()) - 1;
-    box_ = box_of<D>(points);
+    box_ = box_of<D>(std::span(local_.data(), points.size()));
     origin_ = box_.middle();
     polynomial_ = std::all_of(weights.begin(), weights.end(),
                               [&weights](double w) { return w == weights[0]; });
     for (std::size_t i = 0; i < points.size(); ++i) {
-        local_[i] = points[i] - origin_;
+        local_[i] = points[i] - (origin_ - about);
         weights_[i] = polynomial_ ? 1.0 : weights[i];
         weighted_[i] = weights_[i] * local_[i];
     }
@@ -97,10 +100,9 @@ Jet<D> RationalBezier<D>::cut(double u, double v) const noexcept {
     const double inverse = 1.0 / (v * wa + u * wb);
     const double slope = n * (wb - wa);
     Jet<D> jet;
-    const Vec<D> local = (v * a + u * b) * inverse;
-    jet.point = origin_ + local;
-    jet.first = (n * (b - a) - slope * local) * inverse;
-    jet.second = (curl - (2.0 * slope) * jet.first - wcurl * local) * inverse;
+    jet.point = (v * a + u * b) * inverse;
+    jet.first = (n * (b - a) - slope * jet.point) * inverse;
+    jet.second = (curl - (2.0 * slope) * jet.first - wcurl * jet.point) * inverse;
     return jet;
 }
 

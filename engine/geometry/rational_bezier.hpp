@@ -64,8 +64,11 @@ class RationalBezier {
 public:
     /// @param points   degree + 1 control points, m, finite
     /// @param weights  as many, each finite and > 0
+    /// @param about    what the points are relative to, m: far away they keep their digits
     /// @throws std::invalid_argument naming what is wrong, the value and the remedy
-    RationalBezier(std::span<const Vec<D>> points, std::span<const double> weights);
+    RationalBezier(std::span<const Vec<D>> points,
+                   std::span<const double> weights,
+                   const Vec<D>& about = Vec<D>{});
 
     /// 1 to kMaxDegree.
     [[nodiscard]] int degree() const noexcept { return degree_; }
@@ -80,14 +83,18 @@ public:
     [[nodiscard]] const Vec<D>& local_point(std::size_t i) const noexcept { return local_[i]; }
 
     /// C, C' and C'' at u; u is not clamped.
-    [[nodiscard]] Jet<D> at(double u) const noexcept {
-        return horner_ ? by_horner(u) : by_corner_cutting(u, 1.0 - u);
-    }
+    [[nodiscard]] Jet<D> at(double u) const noexcept { return at(u, 1.0 - u); }
     /// The same at u = 1 - v, for v near 0: beside a heavy last control point one bit of u may be
     /// 1e-10 of the size, while v has all its digits.
     [[nodiscard]] Jet<D> at_from_end(double v) const noexcept { return at(1.0 - v, v); }
     /// The same for u + v = 1, each with all its digits.
     [[nodiscard]] Jet<D> at(double u, double v) const noexcept {
+        Jet<D> jet = local_at(u, v);
+        jet.point = origin_ + jet.point;
+        return jet;
+    }
+    /// The same with C relative to origin(): far from the world's origin it has more digits.
+    [[nodiscard]] Jet<D> local_at(double u, double v) const noexcept {
         return horner_ ? by_horner(u) : by_corner_cutting(u, v);
     }
 
@@ -95,7 +102,7 @@ private:
     [[nodiscard]] Jet<D> by_horner(double u) const noexcept {
         const auto& c = power_;
         Jet<D> jet;
-        jet.point = origin_ + (c[0] + u * (c[1] + u * (c[2] + u * c[3])));
+        jet.point = c[0] + u * (c[1] + u * (c[2] + u * c[3]));
         jet.first = c[1] + u * (2.0 * c[2] + (3.0 * u) * c[3]);
         jet.second = 2.0 * c[2] + (6.0 * u) * c[3];
         return jet;
