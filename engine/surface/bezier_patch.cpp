@@ -9,6 +9,9 @@
 namespace palpate::engine {
 namespace {
 
+/// What loops of any length cost against those of a known one, measured.
+constexpr Work kUnrolled = 3;
+
 constexpr std::size_t kMaxPoints = kMaxDegree + 1;
 
 template <int N>
@@ -261,6 +264,9 @@ BezierPatch::BezierPatch(int degree_u, int degree_v, std::span<const Quad> net, 
                                                  : Method::any;
         if (method_ == Method::bicubic) {
             prepared_ = with_differences(net_);
+        }
+        if (method_ == Method::any) {
+            work_ *= kUnrolled;
         }
         return;
     }

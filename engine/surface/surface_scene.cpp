@@ -96,7 +96,9 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     const double mu = HasFriction ? coefficient(friction, state.theta) : 0.0;
     const Vec3 h = hip - surface().origin();
     // Without friction the GO is the local foot: mostly the closest point, already found.
-    const bool known = !HasFriction && looks && feet_.same_bowl(state.track, state.place);
+    // One that lies outside may be on the other side of a sheet that lies on itself.
+    const bool known =
+        !HasFriction && looks && state.seen.inside && feet_.same_bowl(state.track, state.place);
     const SurfacePlace from = known ? state.seen.place : state.place;
     const SurfaceSlide slide = slide_on_surface<HasFriction>(surface(), from, h, mu);
     const bool slipped = slide.slid > 0.0 || (known && apart(state.place, from));

@@ -54,9 +54,15 @@ private:
             const double fall = s.r2 - next.r2;
             // Lower by more than rounding, or as low and much nearer to the cone.
             if (fall > noise || (fall >= -noise && left(at, step, next) <= 0.5 * at.excess)) {
-                last_ = step.length;
-                trust_ = tried || trust_ < 1e299 ? 3.0 * length : trust_;
-                return over(at, next, step) ? close_in(at, step, next) : next;
+                const SurfaceSpot end = over(at, next, step) ? close_in(at, step, next) : next;
+                if (s.r2 - end.r2 >= -noise) {  // not so where the cone lies behind a rise
+                    last_ = step.length;
+                    trust_ = tried || trust_ < 1e299 ? 3.0 * length : trust_;
+                    return end;
+                }
+                tried = true;
+                length = 0.25 * std::min(length, step.length);
+                continue;
             }
             if (fall >= -noise && length >= trust_ && length < whole) {
                 length = whole;  // too careful to see anything

@@ -99,12 +99,13 @@ TEST_CASE("every tick of random hands over random surfaces holds every law",
 TEST_CASE("surfaces on which the god-object was once left outside of its cone hold every law",
           "[stress][surface][law]") {
     // Found by palpate_stress: narrow valleys next to centres of curvature, borders met at a slant,
-    // poles, sheets that fold back, lie on themselves or run away, weights of 1e-3 to 1e3.
+    // poles, sheets that fold back, lie on themselves or run away, rises before the cone, weights of 1e-3 to 1e3.
     Tally tally;
     for (const std::uint64_t seed : {72U, 91U, 131U, 221U, 350U, 352U, 441U, 554U, 561U}) {
         check_surface(seed, Mood::gentle, tally);
     }
-    for (const std::uint64_t seed : {20U, 25U, 59U, 82U, 117U, 127U, 167U, 187U, 239U, 348U}) {
+    for (const std::uint64_t seed :
+         {20U, 25U, 59U, 82U, 117U, 127U, 167U, 187U, 239U, 348U, 4023U, 4733U}) {
         check_surface(seed, Mood::wild, tally);
     }
 }

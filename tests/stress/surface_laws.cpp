@@ -15,6 +15,7 @@ using tests::Long3;
 using tests::LongJet;
 using tests::minus;
 using tests::operator*;
+using tests::operator+;
 
 constexpr double kSameLength = 1e-12;
 
@@ -122,7 +123,25 @@ bool SurfaceLaws::held_for_a_reason(const Tick& now) const {
     if (near(d.knots_u, c.go_u) || near(d.knots_v, c.go_v)) {
         return true;
     }
-    return singular(c);
+    return singular(c) || step_bends(now);
+}
+
+/// Where the tangents are nearly one: Newton's step to the foot bends as much as it leads, so that what is
+/// left along the surface is no measure of how far it is.
+bool SurfaceLaws::step_bends(const Tick& now) const {
+    const LongJet j = oracle_.jet(now.contact.go_u, now.contact.go_v);
+    const Long3 r = minus(j.s, now.h);
+    const long double uu = inner(j.su, j.su) + inner(r, j.suu);
+    const long double uv = inner(j.su, j.sv) + inner(r, j.suv);
+    const long double vv = inner(j.sv, j.sv) + inner(r, j.svv);
+    const long double a = inner(r, j.su);
+    const long double b = inner(r, j.sv);
+    const long double det = uu * vv - uv * uv;
+    const long double du = (uv * b - vv * a) / det;
+    const long double dv = (uv * a - uu * b) / det;
+    const Long3 leads = du * j.su + dv * j.sv;
+    const Long3 bends = 0.5L * du * du * j.suu + du * dv * j.suv + 0.5L * dv * dv * j.svv;
+    return length(bends) >= 0.1 * length(leads);
 }
 
 /// Where the tangents vanish, or are one, the normal is a limit and hangs on rounding.

@@ -37,6 +37,7 @@ private:
     void check_energy(const Tick& now);
     [[nodiscard]] bool singular(const engine::SurfaceContact& c) const;
     [[nodiscard]] bool held_for_a_reason(const Tick& now) const;
+    [[nodiscard]] bool step_bends(const Tick& now) const;
 
     const engine::SurfaceScene* scene_;
     tests::SurfaceOracle oracle_;
