@@ -5,6 +5,7 @@
 
 #include "engine/geometry/cusps.hpp"
 #include "engine/math/elementary.hpp"
+#include "engine/math/twice.hpp"
 
 namespace palpate::engine {
 
@@ -45,10 +46,16 @@ bool on_vertex(const Seam& vertex, const Vec2& h, const Foot<2>& foot) noexcept 
            as_near(vertex.point, h, foot);
 }
 
-/// h lies past the open end of a curve, where all is outside.
+/// h lies past the open end of a curve, where all is outside. Without rounding, as a foot beside the
+/// end is found to more than the last digit of h.
 bool beyond_end(const RationalBezier<2>& span, bool at_last, const Vec2& h) noexcept {
-    const Vec2 gap = h - span.point(at_last ? static_cast<std::size_t>(span.degree()) : 0);
-    const double along = glm::dot(gap, end_tangent(span, at_last));
+    const auto last = static_cast<std::size_t>(span.degree());
+    const Vec2& end = span.local_point(at_last ? last : 0);
+    const Vec2 leg = end_leg(span, at_last);
+    const auto gap = [&](int k) {
+        return exact_sum(h[k], -span.origin()[k]) - end[k];
+    };
+    const double along = head(gap(0) * leg.x + gap(1) * leg.y);
     return at_last ? along >= 0.0 : along <= 0.0;
 }
 
@@ -103,7 +110,7 @@ ClosestPoint OutlineFeet::named(const Vec2& h,
         if (seam && (at_end || on_vertex(outline_->seams()[*seam], h, foot))) {
             return at_seam(*seam, h);
         }
-        if (at_end || (!seam && beyond_end(outline_->spans()[foot.span], forward, h))) {
+        if (!seam && beyond_end(outline_->spans()[foot.span], forward, h)) {
             return result;
         }
     }

@@ -163,18 +163,22 @@ RationalBezier<2> stretch_of(const RationalBezier<2>& curve, double lo, double h
     return {apart, weights, curve.origin()};
 }
 
-Vec2 end_tangent(const RationalBezier<2>& curve, bool end) noexcept {
+Vec2 end_leg(const RationalBezier<2>& curve, bool end) noexcept {
     const auto n = static_cast<std::size_t>(curve.degree());
     const double same = kSamePoint * glm::length(curve.box().size());
     const Vec2 here = curve.local_point(end ? n : 0);
     for (std::size_t i = 1; i <= n; ++i) {
         const Vec2 leg = end ? here - curve.local_point(n - i) : curve.local_point(i) - here;
-        const double length = glm::length(leg);
-        if (length > same) {
-            return leg / length;
+        if (glm::length(leg) > same) {
+            return leg;
         }
     }
     return {1.0, 0.0};
+}
+
+Vec2 end_tangent(const RationalBezier<2>& curve, bool end) noexcept {
+    const Vec2 leg = end_leg(curve, end);
+    return leg / glm::length(leg);
 }
 
 }  // namespace palpate::engine

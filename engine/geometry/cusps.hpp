@@ -14,8 +14,10 @@ namespace palpate::engine {
 /// The stretch [lo, hi] of a span as a span of its own (Piegl & Tiller, The NURBS Book, 5.4).
 [[nodiscard]] RationalBezier<2> stretch_of(const RationalBezier<2>& curve, double lo, double hi);
 
-/// Unit tangent at the start (`end` false) or at the end, in the direction of travel: where C' = 0
-/// its limit, the direction to the first control point that lies apart.
+/// Along the tangent at the start (`end` false) or at the end, in the direction of travel, m: from
+/// or to the first control point that lies apart, also where C' = 0.
+[[nodiscard]] Vec2 end_leg(const RationalBezier<2>& curve, bool end) noexcept;
+/// The unit tangent there.
 [[nodiscard]] Vec2 end_tangent(const RationalBezier<2>& curve, bool end) noexcept;
 
 }  // namespace palpate::engine

@@ -45,8 +45,10 @@ NurbsCurve<D>::NurbsCurve(int degree,
     for (std::size_t i = 0; i < vector.intervals().size(); ++i) {
         std::vector<Vec<D>> p = vector.bezier_points(i, std::span<const Vec<D>>(weighted));
         const std::vector<double> v = vector.bezier_points(i, std::span<const double>(w));
+        const std::size_t first = vector.intervals()[i].knot - static_cast<std::size_t>(degree);
         for (std::size_t k = 0; k < p.size(); ++k) {
-            p[k] /= v[k];
+            const std::size_t own = first + k;  // one of the curve's own keeps its last bit
+            p[k] = p[k] == weighted[own] && v[k] == w[own] ? points[own] - origin : p[k] / v[k];
         }
         spans_.push_back(
             {RationalBezier<D>(p, v, origin), vector.intervals()[i].lo, vector.intervals()[i].hi});

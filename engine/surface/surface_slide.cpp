@@ -283,7 +283,7 @@ private:
                 .slid = slid,
                 .outside_cone = outside,
                 .in_crease = outside && at.way == Way::held && ground_.enclosed(s.place),
-                .settled = !outside || at.way == Way::held || foot_};
+                .settled = !tired() && (!outside || at.way == Way::held || foot_)};
     }
 
     /// Newton's steps have come to where rounding decides, or soon will.

@@ -16,7 +16,7 @@ struct SurfaceSlide {
     double slid = 0.0;           ///< way of the GO, m: sum of chords
     bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
     bool in_crease = false;      ///< in a concave crease, whose sides carry together
-    bool settled = true;         ///< false: the work limit ended the walk outside of the cone
+    bool settled = true;  ///< false: the work limit ended the walk, mostly outside of the cone
 };
 
 /// Lets the god-object go down |r|, r = HIP - GO, until r fits the friction cone of its own normal:

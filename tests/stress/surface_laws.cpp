@@ -226,7 +226,8 @@ void SurfaceLaws::check_walk(const Tick& now,
         check("inside its cone the god-object stays", way, same_);
     }
     const bool same_patch = before.place.i == after.place.i && before.place.j == after.place.j;
-    if (same_patch && c.mode != Mode::stuck && !c.outside_cone && !held_for_a_reason(now)) {
+    if (same_patch && c.mode != Mode::stuck && !c.outside_cone && c.settled &&
+        !held_for_a_reason(now)) {
         const double k = scene_->spec().contact.stiffness;
         check("a slip ends on the edge of the cone", c.mu * c.normal_force,
               c.tangential_force + 1e3 * k * same_);
