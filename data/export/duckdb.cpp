@@ -4,8 +4,9 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
+
+#include "engine/base/shared_library.hpp"
 
 namespace palpate::data {
 
@@ -14,40 +15,43 @@ struct DuckDb::Result {
     std::uint64_t own[6] = {};
 };
 
-template <class Function>
-Function DuckDb::find(const char* name) {
-    void* found = dlsym(library_, name);
-    if (found == nullptr) {
+namespace {
+
+SharedLibrary::Symbol needed(const SharedLibrary& library, const char* name) {
+    const SharedLibrary::Symbol found = library.find(name);
+    if (found.place == nullptr) {
         throw std::invalid_argument(fmt::format(
             "what PALPATE_DUCKDB names has no {}: set it to libduckdb.so, version 1", name));
     }
-    return reinterpret_cast<Function>(found);
+    return found;
 }
+
+}  // namespace
 
 DuckDb::DuckDb() {
     const char* named = std::getenv("PALPATE_DUCKDB");
     const std::string name = named != nullptr && *named != '\0' ? named : "libduckdb.so";
-    library_ = dlopen(name.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (library_ == nullptr) {
+    const SharedLibrary library(name);
+    if (!library.loaded()) {
         throw std::invalid_argument(fmt::format(
             "Parquet needs DuckDB's library, and {} could not be loaded: get libduckdb.so "
             "(duckdb.org; npm install @duckdb/node-bindings-linux-x64 brings one) and set "
             "PALPATE_DUCKDB to its path, or export csv",
             name));
     }
-    const auto open = find<int (*)(const char*, void**)>("duckdb_open");
-    const auto connect = find<int (*)(void*, void**)>("duckdb_connect");
-    query_ = find<int (*)(void*, const char*, Result*)>("duckdb_query");
-    error_ = find<const char* (*)(Result*)>("duckdb_result_error");
-    destroy_ = find<void (*)(Result*)>("duckdb_destroy_result");
-    disconnect_ = find<void (*)(void**)>("duckdb_disconnect");
-    close_ = find<void (*)(void**)>("duckdb_close");
+    int (*const open)(const char*, void**) = needed(library, "duckdb_open");
+    int (*const connect)(void*, void**) = needed(library, "duckdb_connect");
+    query_ = needed(library, "duckdb_query");
+    error_ = needed(library, "duckdb_result_error");
+    destroy_ = needed(library, "duckdb_destroy_result");
+    disconnect_ = needed(library, "duckdb_disconnect");
+    close_ = needed(library, "duckdb_close");
     if (open(nullptr, &database_) != 0 || connect(database_, &connection_) != 0) {
         throw std::runtime_error("DuckDB could not be opened");
     }
 }
 
-DuckDb::~DuckDb() {  // the library itself stays: its threads may still end
+DuckDb::~DuckDb() {
     disconnect_(&connection_);
     close_(&database_);
 }

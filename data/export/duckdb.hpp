@@ -19,10 +19,7 @@ public:
 
 private:
     struct Result;
-    template <class Function>
-    Function find(const char* name);
 
-    void* library_ = nullptr;
     void* database_ = nullptr;
     void* connection_ = nullptr;
     int (*query_)(void*, const char*, Result*) = nullptr;

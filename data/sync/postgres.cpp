@@ -5,15 +5,85 @@
 #include <cstring>
 
 #include <fmt/format.h>
-#include <libpq-fe.h>
 
+#include "engine/base/shared_library.hpp"
 #include "data/export/number_text.hpp"
 
 namespace palpate::data {
 namespace {
 
+using Oid = unsigned;
 constexpr Oid kBytea = 17;
 
+// Of libpq-fe.h; values of its enumerations never change.
+struct PGconn;
+struct PGresult;
+constexpr int kConnectionOk = 0;
+constexpr int kCommandOk = 1;
+constexpr int kTuplesOk = 2;
+constexpr int kPipelineSync = 10;
+constexpr int kPipelineAborted = 11;
+
+/// libpq, PostgreSQL's C library (https://www.postgresql.org/docs/current/libpq.html), loaded when the first
+/// server is asked for: it brings twenty libraries, and no other command needs one of them.
+class Libpq {
+public:
+    /// @throws std::invalid_argument if it is not installed: what to install
+    [[nodiscard]] static const Libpq& get() {
+        static const Libpq libpq;
+        return libpq;
+    }
+
+private:
+    SharedLibrary library_{"libpq.so.5"};
+
+    [[nodiscard]] SharedLibrary::Symbol needed(const char* name) const {
+        const SharedLibrary::Symbol found = library_.find(name);
+        if (found.place == nullptr) {
+            throw std::invalid_argument(
+                "palpate push needs PostgreSQL's library, libpq.so.5 of version 14 or later: "
+                "install "
+                "libpq5, and push again");
+        }
+        return found;
+    }
+
+public:
+    void (*clear)(PGresult*) = needed("PQclear");
+    char* (*cmd_tuples)(PGresult*) = needed("PQcmdTuples");
+    PGconn* (*connect)(const char*) = needed("PQconnectdb");
+    void (*conninfo_free)(void*) = needed("PQconninfoFree");
+    void* (*conninfo_parse)(const char*, char**) = needed("PQconninfoParse");
+    int (*enter_pipeline_mode)(PGconn*) = needed("PQenterPipelineMode");
+    char* (*error_message)(const PGconn*) = needed("PQerrorMessage");
+    PGresult* (*exec)(PGconn*, const char*) = needed("PQexec");
+    PGresult* (*exec_params)(
+        PGconn*, const char*, int, const Oid*, const char* const*, const int*, const int*, int) =
+        needed("PQexecParams");
+    int (*exit_pipeline_mode)(PGconn*) = needed("PQexitPipelineMode");
+    void (*finish)(PGconn*) = needed("PQfinish");
+    PGresult* (*get_result)(PGconn*) = needed("PQgetResult");
+    int (*is_null)(const PGresult*, int, int) = needed("PQgetisnull");
+    char* (*value)(const PGresult*, int, int) = needed("PQgetvalue");
+    char* (*host)(const PGconn*) = needed("PQhost");
+    int (*columns)(const PGresult*) = needed("PQnfields");
+    int (*rows)(const PGresult*) = needed("PQntuples");
+    char* (*password)(const PGconn*) = needed("PQpass");
+    int (*pipeline_sync)(PGconn*) = needed("PQpipelineSync");
+    char* (*result_error_message)(const PGresult*) = needed("PQresultErrorMessage");
+    int (*result_status)(const PGresult*) = needed("PQresultStatus");
+    int (*send_query_params)(
+        PGconn*, const char*, int, const Oid*, const char* const*, const int*, const int*, int) =
+        needed("PQsendQueryParams");
+    void* (*set_notice_processor)(PGconn*,
+                                  void (*)(void*, const char*),
+                                  void*) = needed("PQsetNoticeProcessor");
+    int (*status)(const PGconn*) = needed("PQstatus");
+};
+
+const Libpq& pq() {
+    return Libpq::get();
+}
 PGconn* of(void* connection) {
     return static_cast<PGconn*>(connection);
 }
@@ -23,11 +93,11 @@ public:
     explicit Result(PGresult* result) : result_(result) {}
     Result(const Result&) = delete;
     Result& operator=(const Result&) = delete;
-    ~Result() { PQclear(result_); }
+    ~Result() { pq().clear(result_); }
     [[nodiscard]] PGresult* get() const { return result_; }
     [[nodiscard]] bool good() const {
-        const ExecStatusType status = PQresultStatus(result_);
-        return status == PGRES_COMMAND_OK || status == PGRES_TUPLES_OK;
+        const int status = pq().result_status(result_);
+        return status == kCommandOk || status == kTuplesOk;
     }
 
 private:
@@ -44,9 +114,9 @@ struct Parameters {
 /// A wrong URL is not repeated, by libpq neither: its words could hold the password.
 void require_url(const std::string& url) {
     const bool ours = url.starts_with("postgresql://") || url.starts_with("postgres://");
-    PQconninfoOption* parsed = ours ? PQconninfoParse(url.c_str(), nullptr) : nullptr;
+    void* parsed = ours ? pq().conninfo_parse(url.c_str(), nullptr) : nullptr;
     const bool good = parsed != nullptr;
-    PQconninfoFree(parsed);
+    pq().conninfo_free(parsed);
     if (!good) {
         throw std::invalid_argument(
             "--to is no URL of a PostgreSQL server: give postgresql://USER@HOST/DATABASE, signs "
@@ -79,28 +149,28 @@ PostgresRow& PostgresRow::bytes(std::span<const std::byte> value) {
 
 Postgres::Postgres(const std::string& url) {
     require_url(url);
-    connection_ = PQconnectdb(url.c_str());
-    if (PQstatus(of(connection_)) != CONNECTION_OK) {
+    connection_ = pq().connect(url.c_str());
+    if (pq().status(of(connection_)) != kConnectionOk) {
         try {
-            fail("connecting", PQerrorMessage(of(connection_)));
+            fail("connecting", pq().error_message(of(connection_)));
         } catch (...) {
-            PQfinish(of(connection_));
+            pq().finish(of(connection_));
             throw;
         }
     }
     // What the server remarks would go to standard error as it comes; what fails is thrown.
-    PQsetNoticeProcessor(
+    pq().set_notice_processor(
         of(connection_), [](void*, const char*) {}, nullptr);
     run("SET client_min_messages = warning; SET client_encoding = 'UTF8'");
 }
 
 Postgres::~Postgres() {
-    PQfinish(of(connection_));
+    pq().finish(of(connection_));
 }
 
 void Postgres::fail(std::string_view doing, const char* words) const {
     std::string said = words;
-    const char* password = PQpass(of(connection_));
+    const char* password = pq().password(of(connection_));
     for (std::size_t at = 0; password != nullptr && *password != '\0' &&
                              (at = said.find(password)) != std::string::npos;) {
         said.replace(at, std::strlen(password), "...");
@@ -115,15 +185,15 @@ void Postgres::fail(std::string_view doing, const char* words) const {
         const std::size_t end = std::min(said.find_first_not_of("\n\t", at), said.size());
         said.replace(at, end - at, "; ");
     }
-    const char* host = PQhost(of(connection_));
+    const char* host = pq().host(of(connection_));
     throw PostgresError(fmt::format("PostgreSQL at {}: {} failed: {}",
                                     host == nullptr || *host == '\0' ? "?" : host, doing, said));
 }
 
 void Postgres::run(const std::string& sql) {
-    const Result result(PQexec(of(connection_), sql.c_str()));
+    const Result result(pq().exec(of(connection_), sql.c_str()));
     if (!result.good()) {
-        fail("a statement", PQerrorMessage(of(connection_)));
+        fail("a statement", pq().error_message(of(connection_)));
     }
 }
 
@@ -144,20 +214,20 @@ Parameters parameters_of(const Values& values) {
 std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::string& sql,
                                                                     const PostgresRow& row) {
     const Parameters all = parameters_of(row.values_);
-    const Result result(PQexecParams(of(connection_), sql.c_str(),
-                                     static_cast<int>(all.values.size()), all.types.data(),
-                                     all.values.data(), all.lengths.data(), all.formats.data(), 0));
+    const Result result(pq().exec_params(
+        of(connection_), sql.c_str(), static_cast<int>(all.values.size()), all.types.data(),
+        all.values.data(), all.lengths.data(), all.formats.data(), 0));
     if (!result.good()) {
-        fail("a query", PQerrorMessage(of(connection_)));
+        fail("a query", pq().error_message(of(connection_)));
     }
     std::vector<std::vector<std::optional<std::string>>> found;
-    for (int line = 0; line < PQntuples(result.get()); ++line) {
+    for (int line = 0; line < pq().rows(result.get()); ++line) {
         auto& values = found.emplace_back();
-        for (int column = 0; column < PQnfields(result.get()); ++column) {
-            const bool null = PQgetisnull(result.get(), line, column) != 0;
+        for (int column = 0; column < pq().columns(result.get()); ++column) {
+            const bool null = pq().is_null(result.get(), line, column) != 0;
             values.push_back(
                 null ? std::nullopt
-                     : std::optional<std::string>(PQgetvalue(result.get(), line, column)));
+                     : std::optional<std::string>(pq().value(result.get(), line, column)));
         }
     }
     return found;
@@ -165,11 +235,11 @@ std::vector<std::vector<std::optional<std::string>>> Postgres::rows(const std::s
 
 void Postgres::send(const std::string& sql, const PostgresRow& row) {
     const Parameters all = parameters_of(row.values_);
-    if ((waiting_ == 0 && PQenterPipelineMode(of(connection_)) == 0) ||
-        PQsendQueryParams(of(connection_), sql.c_str(), static_cast<int>(all.values.size()),
-                          all.types.data(), all.values.data(), all.lengths.data(),
-                          all.formats.data(), 0) == 0) {
-        fail("sending rows", PQerrorMessage(of(connection_)));
+    if ((waiting_ == 0 && pq().enter_pipeline_mode(of(connection_)) == 0) ||
+        pq().send_query_params(of(connection_), sql.c_str(), static_cast<int>(all.values.size()),
+                               all.types.data(), all.values.data(), all.lengths.data(),
+                               all.formats.data(), 0) == 0) {
+        fail("sending rows", pq().error_message(of(connection_)));
     }
     ++waiting_;
 }
@@ -179,36 +249,36 @@ std::int64_t Postgres::flush() {
         return 0;
     }
     // Without BEGIN, all statements up to a sync are one transaction.
-    if (PQpipelineSync(of(connection_)) == 0) {
-        fail("sending rows", PQerrorMessage(of(connection_)));
+    if (pq().pipeline_sync(of(connection_)) == 0) {
+        fail("sending rows", pq().error_message(of(connection_)));
     }
     std::int64_t added = 0;
     std::string wrong;
     bool ended = false;
     for (bool synced = false; !synced;) {
-        PGresult* next = PQgetResult(of(connection_));
+        PGresult* next = pq().get_result(of(connection_));
         if (next == nullptr) {
             // The end of a statement's results. Twice in a row nothing is left to wait for, and the sync did
             // not come: the server is gone, whatever PQstatus says.
-            if (ended || PQstatus(of(connection_)) != CONNECTION_OK) {
+            if (ended || pq().status(of(connection_)) != kConnectionOk) {
                 fail("sending rows",
-                     wrong.empty() ? PQerrorMessage(of(connection_)) : wrong.c_str());
+                     wrong.empty() ? pq().error_message(of(connection_)) : wrong.c_str());
             }
             ended = true;
             continue;
         }
         ended = false;
         const Result result(next);
-        const ExecStatusType status = PQresultStatus(next);
-        synced = status == PGRES_PIPELINE_SYNC;
-        if (status == PGRES_COMMAND_OK) {
-            added += std::atoll(PQcmdTuples(next));
-        } else if (!synced && status != PGRES_PIPELINE_ABORTED && wrong.empty()) {
-            wrong = PQresultErrorMessage(next);
+        const int status = pq().result_status(next);
+        synced = status == kPipelineSync;
+        if (status == kCommandOk) {
+            added += std::atoll(pq().cmd_tuples(next));
+        } else if (!synced && status != kPipelineAborted && wrong.empty()) {
+            wrong = pq().result_error_message(next);
         }
     }
     waiting_ = 0;
-    PQexitPipelineMode(of(connection_));
+    pq().exit_pipeline_mode(of(connection_));
     if (!wrong.empty()) {
         fail("adding rows", wrong.c_str());
     }

@@ -40,7 +40,7 @@ private:
 class Postgres {
 public:
     /// @param url  postgresql://...; TLS and all else as libpq's documentation of connection URIs says
-    /// @throws std::invalid_argument if it is no such URL, or this palpate was built without libpq
+    /// @throws std::invalid_argument if it is no such URL, or libpq is not installed
     /// @throws PostgresError if nobody answers there
     explicit Postgres(const std::string& url);
     Postgres(const Postgres&) = delete;
