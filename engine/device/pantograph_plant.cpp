@@ -11,9 +11,9 @@
 namespace palpate::engine {
 namespace {
 
-/// s. A whole part of the periods at 1, 2, 5 and 10 kHz; the error of a step is that of a hand of 10
-/// Hz, (2 pi 10 Hz 100 us)^2 / 12 = 3e-6 of the motion.
-constexpr double kSubStep = 100e-6;
+/// s. A whole part of the periods at 1, 2 and 4 kHz; the error of a step is that of a hand of 10 Hz,
+/// (2 pi 10 Hz 250 us)^2 / 12 = 2e-5 of the motion.
+constexpr double kSubStep = 250e-6;
 constexpr double kLongestAdvance = 1.0;  ///< s
 
 /// exp(-x) for x >= 0 from + - * / alone: Taylor for x / 2^k <= 1/16, then k squarings. 1e-14.

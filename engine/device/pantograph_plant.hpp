@@ -35,10 +35,10 @@ struct PlantModel {
 ///
 /// exact for driven links of inertia I and a point mass m at the handle; c is the handle's
 /// acceleration at q'' = 0, from the second derivative of the links' lengths. Sub-steps of at most
-/// 100 us: half a drift, a kick, half a drift. The kick takes damping by the trapezoidal rule, c by
+/// 250 us: half a drift, a kick, half a drift. The kick takes damping by the trapezoidal rule, c by
 /// Kahan's, and dry friction implicitly: a joint that the other torques cannot break loose stands
 /// still exactly. The current is exact. Second order, and the same numbers at every tick rate of
-/// which 100 us is a whole part. Deterministic to the bit.
+/// which 250 us is a whole part. Deterministic to the bit.
 class PantographPlant {
 public:
     /// Holds the handle at the start of the default exploration.

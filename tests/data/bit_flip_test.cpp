@@ -80,7 +80,7 @@ TEST_CASE(
     int wrong = 0;
     int noticed = 0;
     int harmless = 0;
-    for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    for (std::uint64_t seed = 0; seed < 300; ++seed) {
         tests::Random random(seed);
         std::string damaged = bytes;
         auto& byte =
@@ -105,8 +105,8 @@ TEST_CASE(
     }
     CAPTURE(noticed, harmless);
     CHECK(wrong == 0);
-    CHECK(noticed + harmless == 500);
-    CHECK(noticed > 100);
+    CHECK(noticed + harmless == 300);
+    CHECK(noticed > 60);
     CHECK(harmless > 0);
 }
 

@@ -156,7 +156,7 @@ TEST_CASE("the plant moves as Lagrange's equation says", "[plant][law]") {
         }
         CHECK_FALSE(plant.lost());
         CHECK(moved > 0.02);
-        CHECK(worst < 4e-5 * moved);
+        CHECK(worst < 1e-4 * moved);
     }
 }
 
@@ -256,11 +256,11 @@ TEST_CASE("the current follows its command as exp(-t / tau), however time is cut
     }
 }
 
-TEST_CASE("the plant is the same machine at 1, 2, 5 and 10 kHz", "[plant][law]") {
+TEST_CASE("the plant is the same machine at 1, 2 and 4 kHz", "[plant][law]") {
     PantographPlant slow({});
     slow.begin({.start = {0.0, 0.060}, .press_depth = 0.002});
     PantographPlant fast = slow;
-    const int cuts = GENERATE(2, 5, 10);
+    const int cuts = GENERATE(2, 4);
     double worst = 0.0;
     for (int tick = 0; tick < 3000; ++tick) {
         const Vec2 torque{0.02 * ((tick / 50) % 3 - 1), 0.03 * ((tick / 70) % 2)};
@@ -274,7 +274,7 @@ TEST_CASE("the plant is the same machine at 1, 2, 5 and 10 kHz", "[plant][law]")
                           std::fabs(slow.angles()[1] - fast.angles()[1])});
     }
     CHECK_FALSE(slow.lost());
-    CHECK(worst < 1e-10);  // cut elsewhere than at 100 us it would be 6e-5
+    CHECK(worst < 1e-10);  // cut elsewhere than at 250 us it would be 1e-4
 }
 
 TEST_CASE("whatever is commanded, the plant stays finite and within its torque limit",

@@ -316,7 +316,7 @@ void run(std::uint64_t seed, Tally& tally) {
     loop.begin(scene);
 
     const int bad_before = tally.broken();
-    const int ticks = static_cast<int>((strong ? 8.0 : 0.3) / period);
+    const int ticks = static_cast<int>((strong ? 3.0 : 0.3) / period);
     Trip trip = Trip::none;
     int after = 0;
     bool latched = true;

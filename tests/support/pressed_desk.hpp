@@ -56,16 +56,23 @@ struct PressedDesk {
     /// Holds Space until there is force. A busy machine may end it for another reason: then once more.
     /// @return false if there never was any
     [[nodiscard]] bool feel() {
-        return eventually([&] {
+        for (int tries = 0; tries < 40 && board.motors().off(); ++tries) {
             if (session->screen_name() != "explore") {
-                session->hand().release("space");
-                session->hand().press("space");
+                press_anew();
             }
             for (int i = 0; i < 500 && board.motors().off(); ++i) {
                 wait_a_little();
             }
-            return !board.motors().off();
-        });
+        }
+        return !board.motors().off();
+    }
+    /// Lets go of Space and presses it again: not at once, or SDL takes both for the key's own repetition.
+    void press_anew() {
+        session->hand().release("space");
+        for (int i = 0; i < 20; ++i) {
+            wait_a_little();
+        }
+        session->hand().press("space");
     }
     /// Goes on after faults of a busy machine until one has this cause.
     [[nodiscard]] bool faults_of(const std::string& cause) {
@@ -75,8 +82,7 @@ struct PressedDesk {
             }
             const std::string screen = session->screen_name();
             if (screen == "trouble" || screen == "ready") {
-                session->hand().release("space");
-                session->hand().press("space");
+                press_anew();
             } else if (screen != "explore") {
                 session->hand().key(screen == "question" ? "1" : "space");
             }
