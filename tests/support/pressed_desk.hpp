@@ -56,7 +56,7 @@ struct PressedDesk {
     /// Holds Space until there is force. A busy machine may end it for another reason: then once more.
     /// @return false if there never was any
     [[nodiscard]] bool feel() {
-        for (int tries = 0; tries < 40 && board.motors().off(); ++tries) {
+        for (int tries = 0; tries < 80 && board.motors().off(); ++tries) {
             if (session->screen_name() != "explore") {
                 press_anew();
             }

@@ -16,7 +16,7 @@ public:
         buzzes,     ///< the same, with 3.5 mm of swing at 18 Hz
         runs_away,  ///< comes slowly, and at 8 mm goes deeper at 0.25 m/s; again and again
     };
-    static constexpr double kRest = 1.5;  ///< s at home
+    static constexpr double kRest = 3.0;  ///< s at home; a reconnection looks for one of rest
 
     PressingHand(const engine::Calibration& machine, Does does)
         : pantograph_(machine.pantograph), does_(does) {
