@@ -93,8 +93,13 @@ void operate(TypedTo& operated, FreeBoard& board, const std::string& seen = "no 
 
 /// A busy machine left the board, or the program, without its turn.
 bool starved(const std::string& error) {
-    return error.find("stopped answering") != std::string::npos ||
-           error.find("switched its motors off") != std::string::npos;
+    for (const char* said : {"stopped answering", "switched its motors off", "falls silent",
+                             "runs wrong", "does not answer", "too long for a force"}) {
+        if (error.find(said) != std::string::npos) {
+            return true;
+        }
+    }
+    return false;
 }
 
 /// What a command comes to that the operator at the desk sees through. A busy machine may leave the board
