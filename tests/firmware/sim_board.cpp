@@ -21,7 +21,7 @@
 
 #if defined(__SANITIZE_ADDRESS__)
 /// What simavr never frees is not ours.
-extern "C" const char* __lsan_default_suppressions() {
+extern "C" [[gnu::visibility("default")]] const char* __lsan_default_suppressions() {
     return "leak:libsimavr\n";
 }
 #endif
