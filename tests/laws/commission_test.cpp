@@ -6,6 +6,7 @@
 #include "tests/support/presser.hpp"
 #include "tests/support/rig_file.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/udp_port.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -53,21 +54,27 @@ void a_moment() {
 class FreeBoard {
 public:
     explicit FreeBoard(const TemporaryFolder& folder, const std::string& words = "")
-        : link_(folder.file("board")),
-          device_(words.find("--open") == std::string::npos ? "haply:" : "board:"),
-          emulator_(folder, "hand", "haply-emulator --free --link '" + link_ + "' " + words) {
+        : word_("haply:" + folder.file("board")),
+          emulator_(folder,
+                    "hand",
+                    "haply-emulator --free --link '" + folder.file("board") + "' " + words) {
         emulator_.type("");
-        REQUIRE(eventually([&] { return std::filesystem::exists(link_); }));
+        REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
     }
-    [[nodiscard]] std::string word() const { return device_ + link_; }
+    /// The example of a device that is a program, at a UDP port.
+    FreeBoard(const TemporaryFolder& folder, std::uint16_t port)
+        : word_("board:udp:127.0.0.1:" + std::to_string(port)),
+          emulator_(folder, "hand", std::to_string(port), {}, PALPATE_UDP_DEVICE) {
+        emulator_.type("");
+    }
+    [[nodiscard]] std::string word() const { return word_; }
     void bring(const std::string& place) {
         emulator_.type(place);
         a_moment();
     }
 
 private:
-    std::string link_;
-    std::string device_;
+    std::string word_;
     TypedTo emulator_;
 };
 
@@ -204,9 +211,7 @@ TEST_CASE(
 TEST_CASE("a free handle on a board is commissioned over its port by an operator who brings it",
           "[commission][haply][law]") {
     const TemporaryFolder folder;
-    const std::string kind = GENERATE("", "--open");
-    CAPTURE(kind);
-    FreeBoard board(folder, kind);
+    FreeBoard board(folder);
     const Finished end =
         operated(folder, board,
                  "commission --device " + board.word() + " -o '" + folder.file("new.toml") + "'");
@@ -218,6 +223,29 @@ TEST_CASE("a free handle on a board is commissioned over its port by an operator
     CHECK(rig.record->dynamics.handle_mass == Approx(true_plant.handle_mass).epsilon(0.25));
     CHECK(rig.record->round_trip > 0.0);
     CHECK(rig.record->stiffness > 0.0);
+}
+
+TEST_CASE("the example of a device behind UDP is commissioned as a board is, and needs its record",
+          "[commission][open][law]") {
+    const TemporaryFolder folder;
+    const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
+    FreeBoard device(folder, tests::free_udp_port());
+    const Finished end =
+        operated(folder, device,
+                 "commission --device " + device.word() + " --calibration '" + calibration +
+                     "' --handle-g 100 -o '" + folder.file("rig.toml") + "'",
+                 "0,0");
+    CAPTURE(end.out, end.error);
+    REQUIRE(end.code == 0);
+    const protocols::RigFile rig = protocols::load_rig(folder.file("rig.toml"));
+    REQUIRE(rig.record);
+    CHECK(rig.record->dynamics.handle_mass == Approx(0.1).epsilon(0.15));
+    const Finished moved = operated(
+        folder, device,
+        run_words(folder, device.word()) + " --calibration '" + calibration + "' --handle-free",
+        "0,0");
+    CHECK(moved.code == 2);
+    CHECK_THAT(moved.error, ContainsSubstring("nobody proved how --device board:udp:"));
 }
 
 TEST_CASE("a board with a motor reversed is refused by commission, and by the opening of a session",

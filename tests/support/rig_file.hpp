@@ -58,10 +58,11 @@ public:
     TypedTo(const TemporaryFolder& folder,
             const std::string& name,
             const std::string& words,
-            const std::vector<std::string>& environment = {})
+            const std::vector<std::string>& environment = {},
+            const std::string& program = palpate_program())
         : pipe_(folder.file(name)) {
-        std::string command = "mkfifo '" + pipe_ + "' && exec '" + palpate_program() + "' " +
-                              words + " <> '" + pipe_ + "'";
+        std::string command =
+            "mkfifo '" + pipe_ + "' && exec '" + program + "' " + words + " <> '" + pipe_ + "'";
         program_ =
             std::make_unique<Process>(std::vector<std::string>{"sh", "-c", command}, environment);
     }

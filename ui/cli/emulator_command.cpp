@@ -15,6 +15,7 @@
 #include "engine/device/emulator/haply_board.hpp"
 #include "engine/device/emulator/open_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
+#include "engine/device/emulator/udp_board.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/calibration_device.hpp"
@@ -29,6 +30,7 @@ struct EmulatorOptions {
     std::string preset = "2diy_gen3";  ///< a calibration file, or the name of a shipped machine
     double delay_ms = 0.0;             ///< from a packet to its answer
     bool open = false;                 ///< an open board instead
+    std::optional<std::int64_t> udp;   ///< its UDP port instead of a terminal; 0: any
     bool free = false;                 ///< nobody holds the handle
     std::string at;                    ///< where it rests then; empty: at home
 };
@@ -48,6 +50,13 @@ void declare(CommandWords& words, EmulatorOptions& options) {
         .with_default();
     words.add("--open", options.open,
               "An open board's firmware instead of a Haply board, for --device board:LINK");
+    words
+        .add("--udp", options.udp,
+             "The open board behind this UDP port of this machine, 0 for any that is free; what "
+             "it prints stands behind --device board:")
+        .within(0, 65535)
+        .needs("--open")
+        .excludes("--link");
     words.add(
         "--free", options.free,
         "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
@@ -81,36 +90,40 @@ private:
     bool open_ = true;
 };
 
-std::unique_ptr<engine::PortBoard> make_board(const EmulatorOptions& options,
-                                              const engine::Calibration& machine,
-                                              engine::BoardPlant& plant) {
-    const double delay = 1e-3 * options.delay_ms;
-    if (options.open) {
-        auto board = std::make_unique<engine::OpenBoard>(plant, machine.pantograph, *machine.board);
-        board->delay_answers(delay);
-        return board;
+/// A board behind its port lives until somebody interrupts it.
+/// @param heed  called between its steps
+template <class Port>
+void serve(Port& port, bool delayed, const std::function<void()>& heed) {
+    catch_signals();
+    engine::run_like_a_board();
+    fmt::print("{}\n", port.path());
+    std::fflush(stdout);
+    while (!interrupted()) {
+        port.step(delayed ? kDelayStepUs : kStepUs);
+        heed();
     }
-    auto board = std::make_unique<engine::HaplyBoard>(plant, machine.pantograph, *machine.haply);
-    board->set_faults({.delay = delay});
-    return board;
 }
 
-/// The board with whatever hangs on it lives until somebody interrupts it.
-/// @param heed  called between its steps
+/// The board with whatever hangs on it.
 void live(const EmulatorOptions& options,
           const engine::Calibration& machine,
           engine::BoardPlant& plant,
           const std::function<void()>& heed) {
-    const auto board = make_board(options, machine, plant);
-    catch_signals();
-    engine::run_like_a_board();
-    engine::PtyBoard terminal(*board, options.link);
-    fmt::print("{}\n", terminal.path());
-    std::fflush(stdout);
-    while (!interrupted()) {
-        terminal.step(options.delay_ms > 0.0 ? kDelayStepUs : kStepUs);
-        heed();
+    const double delay = 1e-3 * options.delay_ms;
+    if (!options.open) {
+        engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
+        board.set_faults({.delay = delay});
+        engine::PtyBoard terminal(board, options.link);
+        return serve(terminal, delay > 0.0, heed);
     }
+    engine::OpenBoard board(plant, machine.pantograph, *machine.board);
+    board.delay_answers(delay);
+    if (options.udp) {
+        engine::UdpBoard port(board, static_cast<std::uint16_t>(*options.udp));
+        return serve(port, delay > 0.0, heed);
+    }
+    engine::PtyBoard terminal(board, options.link);
+    serve(terminal, delay > 0.0, heed);
 }
 
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
@@ -158,8 +171,9 @@ int run(const EmulatorOptions& options) {
 Command emulator_command() {
     return make_command<EmulatorOptions>(
         "haply-emulator",
-        "A Haply or an open board that is not there, on a pseudo-terminal, until Ctrl-C", declare,
-        run);
+        "A Haply or an open board that is not there, on a pseudo-terminal or a UDP port, until "
+        "Ctrl-C",
+        declare, run);
 }
 
 }  // namespace palpate::ui

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "engine/device/drivers/udp_link.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -56,6 +57,9 @@ DeviceChoice parse_device(std::string_view text) {
         return {.kind = Kind::haply, .file = *std::move(port)};
     }
     if (auto port = after(text, "board")) {
+        if (port->starts_with(engine::kUdp)) {
+            static_cast<void>(engine::udp_address(*port));  // throws before anything is made
+        }
         return {.kind = Kind::board, .file = *std::move(port)};
     }
     if (auto file = after(text, "comedi")) {

@@ -21,13 +21,12 @@ struct DeviceChoice {
         comedi
     } kind = Kind::simulated;
     std::string
-        file;  ///< replay: the database; haply, board: the serial port; comedi: the card's file
+        file;  ///< replay: the database; haply, board: the port, board also udp:HOST:PORT; comedi: the card's file
     std::optional<std::int64_t> trial{};  ///< replay: trial id; none: the file's trials in turn
 };
 
-/// `sim`, `mouse`, `replay:FILE`, `replay:FILE:TRIAL`, `haply:PORT`, `haply-emulator`, `board:PORT`, `comedi:FILE`.
-/// A
-/// replay's FILE may hold colons: only a last part that is a number is a trial.
+/// `sim`, `mouse`, `replay:FILE`, `replay:FILE:TRIAL`, `haply:PORT`, `haply-emulator`, `board:PORT`,
+/// `board:udp:HOST:PORT`, `comedi:FILE`. A replay's FILE may hold colons: only a last part that is a number is a trial.
 /// @throws std::invalid_argument naming the value and the choices
 [[nodiscard]] DeviceChoice parse_device(std::string_view text);
 
@@ -43,7 +42,8 @@ struct DeviceChoice {
 
 /// For --help and for errors.
 inline constexpr std::string_view kDeviceWords =
-    "sim, mouse, haply:PORT, haply-emulator, board:PORT, comedi:FILE, or replay:FILE[:TRIAL]";
+    "sim, mouse, haply:PORT, haply-emulator, board:PORT, board:udp:HOST:PORT, comedi:FILE, or "
+    "replay:FILE[:TRIAL]";
 
 /// Help for --calibration.
 inline constexpr std::string_view kCalibrationWords =

@@ -321,7 +321,9 @@ std::string BoardDevice::explained(DeviceFault fault) const {
         case DeviceFault::ended:
             return {};
         case DeviceFault::lost:
-            return board + " is gone: plug it in again and check its power";
+            return board + (link_->keeps_packets()
+                                ? " is gone: start its program again and check the cable"
+                                : " is gone: plug it in again and check its power");
         case DeviceFault::silent:
             return board + " stopped answering in time: check its power and cable";
         case DeviceFault::garbage:

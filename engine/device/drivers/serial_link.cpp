@@ -1,30 +1,16 @@
 #include "engine/device/drivers/serial_link.hpp"
 
-#include <array>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 
 #include <fcntl.h>
 #include <linux/serial.h>
-#include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
 #include <termios.h>
 #include <unistd.h>
 
-#include "engine/base/clock.hpp"
-
 namespace palpate::engine {
-namespace {
-
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-timespec span_of(std::int64_t ns) noexcept {
-    return {.tv_sec = ns / kSecond, .tv_nsec = ns % kSecond};
-}
-
-}  // namespace
 
 std::string port_trouble(const std::string& path, int error) {
     switch (error) {
@@ -39,8 +25,9 @@ std::string port_trouble(const std::string& path, int error) {
         case EACCES:
         case EPERM:
             return "no permission to use " + path +
-                   ": join the group that owns it (`sudo usermod -aG dialout $USER`) and log in "
-                   "again";
+                   ": join the group palpate that the Debian package makes (`sudo usermod -aG "
+                   "palpate $USER`), or the port's own (`sudo usermod -aG dialout $USER`), and log "
+                   "in again";
         case EBUSY:
         case EWOULDBLOCK:
             return path + " is in use by another program: end that one (`fuser -v " + path +
@@ -114,41 +101,8 @@ bool SerialLink::send(std::span<const std::uint8_t> packet) noexcept {
     return sent == static_cast<ssize_t>(packet.size());
 }
 
-std::ptrdiff_t SerialLink::receive(std::span<std::uint8_t> into, std::int64_t wait_ns) noexcept {
-    const std::int64_t deadline = now_ns() + wait_ns;
-    while (true) {
-        const ssize_t got = ::read(port_, into.data(), into.size());
-        if (got > 0) {
-            return got;
-        }
-        if (got == 0 || (errno != EAGAIN && errno != EINTR)) {
-            return -1;
-        }
-        const std::int64_t left = deadline - now_ns();
-        if (left <= 0) {
-            return 0;
-        }
-        pollfd port{.fd = port_, .events = POLLIN, .revents = 0};
-        const timespec patience = span_of(left);
-        if (ppoll(&port, 1, &patience, nullptr) < 0 && errno != EINTR) {
-            return -1;
-        }
-    }
-}
-
-void SerialLink::drain() noexcept {
-    std::array<std::uint8_t, 256> old{};
-    for (int i = 0; i < 64 && receive(old, 0) > 0; ++i) {
-    }
-}
-
-void SerialLink::pause(std::int64_t ns) noexcept {
-    const timespec while_long = span_of(ns);
-    clock_nanosleep(CLOCK_MONOTONIC, 0, &while_long, nullptr);
-}
-
-std::int64_t SerialLink::now_ns() const noexcept {
-    return monotonic_ns();
+bool SerialLink::is_gone(std::ptrdiff_t got, int error) const noexcept {
+    return got == 0 || (error != EAGAIN && error != EINTR);
 }
 
 }  // namespace palpate::engine

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/device/drivers/byte_link.hpp"
+#include "engine/device/drivers/descriptor_link.hpp"
 
 namespace palpate::engine {
 
@@ -10,7 +10,7 @@ namespace palpate::engine {
 ///
 /// A packet is one write(2). Less than the whole packet written means that the board would misread
 /// what follows: the link counts as lost.
-class SerialLink : public ByteLink {
+class SerialLink : public DescriptorLink {
 public:
     /// Does not open it yet: reopen() does.
     /// @param megabaud  1,000,000 baud, for an open board
@@ -19,24 +19,17 @@ public:
     ~SerialLink() override { SerialLink::close(); }
 
     [[nodiscard]] bool send(std::span<const std::uint8_t> packet) noexcept override;
-    [[nodiscard]] std::ptrdiff_t receive(std::span<std::uint8_t> into,
-                                         std::int64_t wait_ns) noexcept override;
-    void drain() noexcept override;
-    void pause(std::int64_t ns) noexcept override;
-    [[nodiscard]] std::int64_t now_ns() const noexcept override;
     [[nodiscard]] bool reopen() override;
     void close() noexcept override;
-    [[nodiscard]] std::string trouble() const override { return trouble_; }
     [[nodiscard]] std::string name() const override { return path_; }
-    [[nodiscard]] int descriptor() const noexcept override { return port_; }
 
 private:
     [[nodiscard]] int configure() const noexcept;
 
+    [[nodiscard]] bool is_gone(std::ptrdiff_t got, int error) const noexcept override;
+
     std::string path_;
     bool megabaud_;
-    std::string trouble_;
-    int port_ = -1;
 };
 
 /// Why a port could not be opened, as a sentence with the remedy.

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cerrno>
-#include <cmath>
 #include <ctime>
 #include <stdexcept>
 
@@ -13,13 +12,9 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "engine/base/clock.hpp"
-
 namespace palpate::engine {
 namespace {
 
-/// A board that was kept from running for longer (a stopped process) has not lived meanwhile.
-constexpr double kLongestGap = 0.05;  ///< s
 /// After this long the rest of a cut command does not come.
 constexpr int kRestMs = 1;
 constexpr int kMaxCommands = 64;  ///< a step
@@ -48,9 +43,9 @@ bool take(int fd, PortBoard& board) {
 
 }  // namespace
 
-PtyBoard::PtyBoard(PortBoard& board, std::string link) : board_(&board), link_(std::move(link)) {
+PtyBoard::PtyBoard(PortBoard& board, std::string link)
+    : board_(&board), link_(std::move(link)), pace_(board) {
     open();
-    start_ns_ = monotonic_ns() - static_cast<std::int64_t>(board.time() * 1e9);
 }
 
 PtyBoard::~PtyBoard() {
@@ -110,26 +105,15 @@ void PtyBoard::plug(bool in) {
     }
 }
 
-void PtyBoard::catch_up() {
-    const double now = static_cast<double>(monotonic_ns() - start_ns_) * 1e-9;
-    const double gap = now - board_->time() - kLongestGap;
-    if (gap > 0.0) {
-        start_ns_ += static_cast<std::int64_t>(gap * 1e9);
-    }
-    while (board_->time() + PortBoard::kPollPeriod <= now - std::fmax(gap, 0.0)) {
-        board_->pass();
-    }
-}
-
 void PtyBoard::step(int wait_us) {
     if (master_ < 0) {
         poll(nullptr, 0, 1);
-        catch_up();
+        pace_.catch_up();
         return;
     }
     const bool something =
         readable(master_, std::int64_t{wait_us} * 1000) && take(master_, *board_);
-    catch_up();
+    pace_.catch_up();
     for (int i = 0; something && board_->has_input() && i < kMaxCommands; ++i) {
         while (board_->command_is_cut() && readable(master_, kRestMs * 1'000'000) &&
                take(master_, *board_)) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <string>
 
+#include "engine/device/emulator/board_pace.hpp"
 #include "engine/device/emulator/port_board.hpp"
 
 namespace palpate::engine {
@@ -31,14 +32,13 @@ public:
 private:
     void open();
     void close() noexcept;
-    void catch_up();
 
     PortBoard* board_;
     std::string link_;
     std::string terminal_;
     int master_ = -1;
     int slave_ = -1;  ///< held open: without a host the master would report a hang-up for ever
-    std::int64_t start_ns_ = 0;  ///< when the board's time was 0
+    BoardPace pace_;
 };
 
 }  // namespace palpate::engine

@@ -416,3 +416,25 @@ uint8_t board_take(struct board *board, uint8_t byte, uint8_t answer[BOARD_FRAME
     board->spoilt = 0;
     return size;
 }
+
+uint8_t board_datagram(struct board *board, const uint8_t *body, uint8_t size, uint8_t answer[BOARD_BODY])
+{
+    uint8_t frame[BOARD_FRAME];
+    uint8_t count = 0;
+    for (uint8_t i = 0; i < size; ++i) {
+        keep(board, body[i]);
+    }
+    const uint8_t end = end_of_frame(board, frame);
+    board->size = 0;
+    board->spoilt = 0;
+    for (uint8_t at = 1; at + 1 < end;) { /* out of its frame again */
+        const uint8_t next = (uint8_t)(at + frame[at]);
+        while (++at < next) {
+            answer[count++] = frame[at];
+        }
+        if (at + 1 < end) {
+            answer[count++] = 0;
+        }
+    }
+    return count;
+}

@@ -93,6 +93,10 @@ void board_begin(struct board *board, const struct board_facts *facts, void *own
 /* One byte from the host. Returns how many bytes of `answer` are to be sent, 0 for none. */
 uint8_t board_take(struct board *board, uint8_t byte, uint8_t answer[BOARD_FRAME]);
 
+/* One datagram, which is a body without a frame; so is the answer, of as many bytes as it returns. For a device that is
+ * a program and not a chip. */
+uint8_t board_datagram(struct board *board, const uint8_t *body, uint8_t size, uint8_t answer[BOARD_BODY]);
+
 /* Every millisecond, from an interrupt. */
 void board_tick(struct board *board);
 

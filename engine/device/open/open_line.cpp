@@ -9,8 +9,7 @@ namespace {
 using Type = OpenType;
 
 constexpr std::int64_t kHelloEvery = 100 * kMillisecond;
-constexpr int kHellos =
-    30;  ///< opening the port resets many boards, whose boot loader takes seconds
+constexpr int kHellos = 30;  ///< opening the port resets many boards, which boot for seconds
 constexpr std::int64_t kPatience = 100 * kMillisecond;  ///< for an answer between trials
 constexpr std::int64_t kLook = 200 * kMillisecond;
 constexpr int kLooks = 3;
@@ -22,6 +21,8 @@ constexpr double kJump = 0.3;  ///< rad: no joint turns so far between two answe
 constexpr int kDisarms = 3;
 constexpr std::array<std::uint8_t, 3> kDisarmed{0x02, 0x90, 0x01};  // STATE with the guard's number
 constexpr std::size_t kStateFrame = 22;  ///< bytes of its frame at least, without zeros
+constexpr std::array<std::uint8_t, 3> kDisarmedBody{0x90, 0x00, 0x00};
+constexpr std::size_t kStateBody = 21;
 
 /// Any number that the board had from nobody else.
 std::uint16_t new_token(std::int64_t now_ns) noexcept {
@@ -34,7 +35,10 @@ std::uint16_t new_token(std::int64_t now_ns) noexcept {
 }  // namespace
 
 OpenLine::OpenLine(ByteLink& link, const OpenWiring& wiring, const PantographSpec& pantograph)
-    : BoardLine(link), wiring_(wiring), disarm_(open_frame(open_bare(Type::disarm, kGuardSeq))) {
+    : BoardLine(link),
+      wiring_(wiring),
+      bare_(link.keeps_packets()),
+      disarm_(packed(open_bare(Type::disarm, kGuardSeq))) {
     const auto [one, other] = wiring.channel;
     if (!((one == 1 && other == 2) || (one == 2 && other == 1))) {
         throw std::invalid_argument("the open board's channels of pivots 1 and 2 are " +
@@ -65,9 +69,13 @@ std::uint16_t OpenLine::next_seq() noexcept {
     return seq_;
 }
 
+OpenBytes OpenLine::packed(const OpenBytes& body) const noexcept {
+    return bare_ ? body : open_frame(body);
+}
+
 bool OpenLine::send(const OpenBytes& body) noexcept {
     asked_ns_ = link_->now_ns();
-    return link_->send(open_frame(body).view());
+    return link_->send(packed(body).view());
 }
 
 /// What was asked before is not waited for any more.
@@ -102,6 +110,13 @@ std::optional<OpenAnswer> OpenLine::next_answer(std::int64_t wait_ns) noexcept {
         noise_ = noise_ || got > 0;
         if (got == 0) {
             break;
+        }
+        if (bare_) {
+            const std::span<const std::uint8_t> body(came_.data(), came_size_);
+            came_size_ = 0;
+            if (const auto answer = read_open(body)) {
+                return answer;
+            }
         }
     }
     return std::nullopt;
@@ -272,16 +287,17 @@ OpenLine::Answer OpenLine::hear(std::int64_t wait_ns, std::size_t leave) noexcep
 }
 
 GuardPackets OpenLine::guard_packets() const noexcept {
-    return {.zero = disarm_.view(), .setup = {}, .answer = kDisarmed, .answer_size = kStateFrame};
+    return {.zero = disarm_.view(),
+            .setup = {},
+            .answer = bare_ ? kDisarmedBody : kDisarmed,
+            .answer_size = bare_ ? kStateBody : kStateFrame};
 }
 
 bool OpenLine::greet() noexcept {
     constexpr std::array<std::uint8_t, 2> kZeros{};
     noise_ = false;
     reader_.start_over();
-    if (!link_->send(kZeros)) {
-        lost_ = true;
-    }
+    lost_ = lost_ || (!bare_ && !link_->send(kZeros));
     for (int i = 0; i < kHellos && !lost_; ++i) {
         const auto answer = call(open_hello(next_seq()), kHelloEvery);
         if (answer && (answer->type == Type::ident || answer->type == Type::nak)) {

@@ -62,6 +62,7 @@ private:
     };
 
     [[nodiscard]] bool send(const OpenBytes& body) noexcept;
+    [[nodiscard]] OpenBytes packed(const OpenBytes& body) const noexcept;
     [[nodiscard]] std::uint16_t next_seq() noexcept;
     [[nodiscard]] std::optional<OpenAnswer> call(const OpenBytes& body,
                                                  std::int64_t wait_ns) noexcept;
@@ -76,6 +77,7 @@ private:
     [[nodiscard]] Answer fail(Problem problem, Answer answer) noexcept;
 
     OpenWiring wiring_;
+    bool bare_;                                ///< a body a datagram, without a frame
     std::array<double, 2> counts_per_turn_{};  ///< by channel
     std::array<std::int32_t, 2> limit_{};      ///< uN m, by channel
     OpenBytes disarm_;

@@ -44,15 +44,17 @@ std::string OpenLine::refusal() const {
                    " did not take its limits as they were sent: flash the firmware that "
                    "comes with palpate, and use a shorter cable";
         case Problem::clock:
-            return "the clock of " + board +
-                   " runs wrong: its crystal must have 16 MHz, and this machine must not be busy";
+            return "the clock of " + board + " runs wrong: " +
+                   (bare_ ? "it must count microseconds, and no machine between may be busy"
+                          : "its crystal must have 16 MHz, and this machine must not be busy");
         case Problem::moves:
             return "the handle on " + board + " moves: let it rest at home, and try again";
         case Problem::silent:
         case Problem::none:
-            return board +
-                   " does not answer at 1,000,000 baud: is it an open board, and has it "
-                   "power? Unplug it, plug it in again";
+            return board + (bare_ ? " does not answer: does the device's program run there, and "
+                                    "does it listen at this port?"
+                                  : " does not answer at 1,000,000 baud: is it an open board, and "
+                                    "has it power? Unplug it, plug it in again");
         case Problem::other_device:
             return "what is at " + link_->name() +
                    " answers, but not as an open board: is it another device's port?";

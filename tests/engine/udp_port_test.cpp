@@ -1,0 +1,105 @@
+#include <csignal>
+
+#include <sys/wait.h>
+
+#include "engine/base/clock.hpp"
+#include "engine/device/drivers/udp_link.hpp"
+#include "engine/device/emulator/emulated_haply.hpp"
+#include "engine/device/emulator/open_board.hpp"
+#include "engine/device/emulator/udp_board.hpp"
+#include "engine/device/open/open_line.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/emulated_machine.hpp"
+#include "tests/support/guided_hand.hpp"
+#include "tests/support/scripted_guard.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// A driver in a process of its own that presses without end.
+pid_t press(const std::string& path, const Calibration& machine, bool guarded) {
+    return in_a_child([&] {
+        const BoardTiming patient{.patience = 5.0, .silence = 1.0};
+        ScriptedGuard::Script nobody;
+        for (int tries = 0; tries < 20; ++tries) {
+            try {
+                const auto device =
+                    guarded ? open_board(path, machine, patient)
+                            : std::make_unique<BoardDevice>(
+                                  machine, std::make_unique<UdpLink>(udp_address(path)), open_line,
+                                  std::make_unique<ScriptedGuard>(nobody), patient);
+                while (true) {
+                    static_cast<void>(device->read());
+                    static_cast<void>(device->write({0.3, -0.4}));
+                    palpate::sleep_until(palpate::monotonic_ns() + 1'000'000);
+                }
+            } catch (const std::exception&) {  // a busy machine
+            }
+        }
+    });
+}
+
+}  // namespace
+
+TEST_CASE("a UDP address is a machine and a port, and anything else is refused with an example",
+          "[open]") {
+    CHECK(udp_address("udp:127.0.0.1:5000").host == "127.0.0.1");
+    CHECK(udp_address("udp:127.0.0.1:5000").port == "5000");
+    CHECK(udp_address("udp:[::1]:65535").host == "::1");
+    CHECK(UdpLink(udp_address("udp:[::1]:65535")).name() == "udp:[::1]:65535");
+    CHECK(UdpLink(udp_address("udp:rig:1")).name() == "udp:rig:1");
+    for (const char* wrong :
+         {"udp:", "udp::5000", "udp:rig", "udp:rig:", "udp:rig:0", "udp:rig:65536", "udp:rig:5000x",
+          "udp:rig:-1", "udp:rig: 5", "udp:5000"}) {
+        CAPTURE(wrong);
+        CHECK_THROWS_WITH(udp_address(wrong),
+                          ContainsSubstring(wrong) && ContainsSubstring("udp:127.0.0.1:5000"));
+    }
+}
+
+TEST_CASE("nobody at a UDP port is said with what to do, and so is a machine that is not there",
+          "[open]") {
+    const Calibration machine = open_machine();
+    GuidedHand plant(machine);
+    OpenBoard board(plant, machine.pantograph, *machine.board);
+    const std::string path = UdpBoard(board, 0).path();  // and it is gone
+    CHECK_THROWS_WITH(open_board(path, machine),
+                      ContainsSubstring("does the device's program run there"));
+    CHECK_THROWS_WITH(open_board("udp:no such machine:5000", machine),
+                      ContainsSubstring("there is no machine"));
+}
+
+TEST_CASE(
+    "a host that dies over UDP is disarmed by its guard, and by the board's watchdog without one",
+    "[open][guard][law]") {
+    const bool guarded = GENERATE(true, false);
+    CAPTURE(guarded);
+    const Calibration machine = open_machine();
+    GuidedHand plant(machine);
+    OpenBoard board(plant, machine.pantograph, *machine.board);
+    UdpBoard port(board, 0);
+    const auto lives_until = [&](const auto& done) {
+        const std::int64_t end = palpate::monotonic_ns() + 20'000'000'000;
+        while (!done() && palpate::monotonic_ns() < end) {
+            port.step(250);
+        }
+        return done();
+    };
+    int as_promised = 0;
+    for (int tries = 0; tries < 10 && as_promised == 0; ++tries) {
+        const pid_t host = press(port.path(), machine, guarded);
+        REQUIRE(lives_until([&] { return board.torque() != Vec2{}; }));
+        kill(host, SIGKILL);
+        CHECK(lives_until([&] { return board.torque() == Vec2{}; }));
+        CHECK_FALSE(board.enabled());
+        // A busy machine keeps the guard waiting for longer than the watchdog does: then once more.
+        const OpenState left = guarded ? OpenState::configured : OpenState::stopped;
+        as_promised += board.state() == static_cast<int>(left) ? 1 : 0;
+        waitpid(host, nullptr, 0);
+    }
+    CHECK(as_promised == 1);
+}
