@@ -183,19 +183,20 @@ std::string remedy(Right right, const RealtimeRights& rights) {
     }
     switch (right) {
         case Right::fifo:
-            return "as root, once: groupadd palpate; usermod -aG palpate USER; write \"@palpate - "
-                   "rtprio 90\" into /etc/security/limits.d/palpate.conf; then USER logs in again";
+            return "as root, once: usermod -aG palpate USER, then USER logs in again (the Debian "
+                   "package made the group and its limits; without it: groupadd palpate, and "
+                   "\"@palpate - rtprio 90\" into /etc/security/limits.d/palpate.conf)";
         case Right::memory:
-            return "as root, once: add \"@palpate - memlock unlimited\" to "
-                   "/etc/security/limits.d/palpate.conf, with USER in the group palpate as for "
-                   "scheduling";
+            return "USER in the group palpate, as for scheduling (without the Debian package: "
+                   "\"@palpate - memlock unlimited\" into /etc/security/limits.d/palpate.conf)";
         case Right::latency:
             return granted.error == ENOENT
                      ? "this kernel has no power management to hold; nothing to do on a virtual "
                        "machine"
-                     : "as root, once: write KERNEL==\"cpu_dma_latency\", GROUP=\"palpate\", "
-                       "MODE=\"0660\" into /etc/udev/rules.d/70-palpate.rules; udevadm "
-                       "control --reload; udevadm trigger";
+                     : "USER in the group palpate, as for scheduling (without the Debian package, "
+                       "as root: KERNEL==\"cpu_dma_latency\", GROUP=\"palpate\", MODE=\"0660\" "
+                       "into /etc/udev/rules.d/70-palpate.rules; udevadm control --reload; "
+                       "udevadm trigger)";
         case Right::spared:
             return "as root, once: setcap cap_sys_resource=ep on the program file; without it, "
                    "close "

@@ -82,11 +82,16 @@ int run(const SqlOptions& options) {
 }
 
 int print_extension(const NoOptions& /*none*/) {
+    // Beside a program that was built, and in its own folder of one that was installed.
     std::error_code unknown;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", unknown);
-    const auto module = program.parent_path() / "palpate_sample.so";
+    const auto folder = std::filesystem::read_symlink("/proc/self/exe", unknown).parent_path();
+    auto module = folder / "palpate_sample.so";
+    if (!std::filesystem::exists(module)) {
+        module = folder.parent_path() / "lib" / "palpate" / "palpate_sample.so";
+    }
     if (unknown || !std::filesystem::exists(module)) {
-        warn("{} is not there: build the target palpate_sample", module.string());
+        warn("{} is not there, nor beside the program: build the target palpate_sample",
+             module.string());
         return kExitFailure;
     }
     fmt::print("{}\n", module.string());
