@@ -54,7 +54,7 @@ void a_moment() {
 class FreeBoard {
 public:
     explicit FreeBoard(const TemporaryFolder& folder, const std::string& words = "")
-        : word_("haply:" + folder.file("board")),
+        : word_((words == "--open" ? "board:" : "haply:") + folder.file("board")),
           emulator_(folder,
                     "hand",
                     "haply-emulator --free --link '" + folder.file("board") + "' " + words) {
