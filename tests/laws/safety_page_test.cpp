@@ -1,0 +1,106 @@
+#include <cctype>
+#include <filesystem>
+#include <map>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/slurp.hpp"
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const fs::path kRoot = PALPATE_SOURCE_DIR;
+
+/// A C++ file with its string literals in one piece each, as the compiler joins them.
+std::string joined(const fs::path& file) {
+    const std::string text = palpate::tests::slurp(file);
+    std::string whole;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const std::size_t next =
+            text[i] == '"' ? text.find_first_not_of(" \n", i + 1) : std::string::npos;
+        const bool seam = next != std::string::npos && next > i + 1 && text[next] == '"';
+        if (seam) {
+            i = next;
+        } else {
+            whole += text[i];
+        }
+    }
+    return whole;
+}
+
+/// The file has a test case of exactly this name.
+bool has_test(const fs::path& file, const std::string& name) {
+    static std::map<fs::path, std::string> known;
+    if (!known.contains(file)) {
+        known[file] = joined(file);
+    }
+    const std::string& text = known[file];
+    for (std::size_t at = text.find('"' + name + '"'); at != std::string::npos;
+         at = text.find('"' + name + '"', at + 1)) {
+        const std::size_t before = text.find_last_not_of(" \n", at - 1);
+        if (before != std::string::npos && text[before] == '(' &&
+            text.substr(before - 9, 9) == "TEST_CASE") {
+            return true;
+        }
+    }
+    return false;
+}
+
+std::vector<std::string> parts_of(const std::string& text, const std::string& between) {
+    std::vector<std::string> parts;
+    std::size_t at = 0;
+    for (std::size_t end = text.find(between); end != std::string::npos;
+         end = text.find(between, at)) {
+        parts.push_back(text.substr(at, end - at));
+        at = end + between.size();
+    }
+    parts.push_back(text.substr(at));
+    return parts;
+}
+
+/// The target of the first link in `text`, from the tree's top, and what follows the link; empty without one.
+std::pair<std::string, std::string> link_of(const std::string& text) {
+    const std::string open = "](../";
+    const std::size_t at = text.find(open);
+    const std::size_t end = text.find(')', at);
+    if (at == std::string::npos || end == std::string::npos) {
+        return {};
+    }
+    return {text.substr(at + open.size(), end - at - open.size()), text.substr(end + 1)};
+}
+
+}  // namespace
+
+TEST_CASE("every hazard of docs/safety.md has a measure in the sources and tests that are there",
+          "[documents][safety][law]") {
+    int rows = 0;
+    int tests = 0;
+    std::istringstream page(palpate::tests::slurp(kRoot / "docs" / "safety.md"));
+    for (std::string line; std::getline(page, line);) {
+        if (line.size() < 3 || std::isdigit(static_cast<unsigned char>(line[2])) == 0) {
+            continue;
+        }
+        CAPTURE(line);
+        const std::vector<std::string> cells = parts_of(line, " | ");
+        REQUIRE(cells.size() == 6);  // number, hazard, cause, measure, test, rest risk
+        CHECK(cells[0] == "| " + std::to_string(++rows));
+        for (const std::string& measure : parts_of(cells[3], "; ")) {
+            const std::string file = link_of(measure).first;
+            CAPTURE(measure);
+            CHECK_FALSE(file.empty());
+            CHECK(fs::is_regular_file(kRoot / file));
+            CHECK(file.rfind("tests/", 0) != 0);
+        }
+        for (const std::string& test : parts_of(cells[4], "<br>")) {
+            const auto [file, name] = link_of(test);
+            CAPTURE(test);
+            CHECK(file.rfind("tests/", 0) == 0);
+            REQUIRE(name.rfind(": ", 0) == 0);
+            CHECK(has_test(kRoot / file, name.substr(2)));
+            ++tests;
+        }
+        CHECK(cells[5].size() > 5);
+    }
+    CHECK(rows >= 35);
+    CHECK(tests >= 80);
+}
