@@ -100,3 +100,17 @@ TEST_CASE("calibrate refuses what cannot be, says why, and leaves no file", "[ca
     CHECK(calibrate("--mark 0,0").code == 2);
     CHECK(calibrate("-o " + folder.file("no/such/folder.toml")).code != 0);
 }
+
+TEST_CASE("a session whose calibration cannot be is refused before a file is made",
+          "[calibration][law]") {
+    const TemporaryFolder folder;
+    for (const char* kind : {"pilot", "real"}) {
+        const Finished run = palpate::tests::palpate_command(
+            {"run", "shape_friction_demo", "--participant", "P1", "--db", folder.file("d.sqlite"),
+             "--kind", kind, "--device", "sim", "--calibration", "mk9"});
+        CAPTURE(kind);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.error, ContainsSubstring("there is no such calibration"));
+        CHECK(folder.names().empty());
+    }
+}

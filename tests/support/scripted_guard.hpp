@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "engine/device/drivers/motor_guard.hpp"
 
 namespace palpate::tests {
@@ -14,12 +17,14 @@ public:
         bool force = false;  ///< what the driver said last
         int watches = 0;
         int releases = 0;
+        std::vector<std::uint8_t> zero{};  ///< the packet that switches the motors off
     };
 
     explicit ScriptedGuard(Script& script) : script_(&script) {}
 
-    [[nodiscard]] bool watch(int /*port*/, const engine::GuardPackets& /*packets*/) override {
+    [[nodiscard]] bool watch(int /*port*/, const engine::GuardPackets& packets) override {
         ++script_->watches;
+        script_->zero.assign(packets.zero.begin(), packets.zero.end());
         script_->tripped = false;
         script_->alive = script_->alive || script_->there;
         return script_->there;

@@ -245,6 +245,8 @@ int run(const RunOptions& options) {
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
     spec.calibration = options.calibration;
+    static_cast<void>(
+        calibration_of(spec.device, spec.calibration));  // refused before a file is made
     spec.screen = options.screen;
     const auto resume =
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);

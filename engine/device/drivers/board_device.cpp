@@ -210,11 +210,10 @@ void BoardDevice::fail(DeviceFault fault) noexcept {
     }
 }
 
-/// A fault is latched: nothing but zero torque.
+/// A fault is latched: nothing but zero torque, until so many went out whole. Half of one might be any torque.
 Applied BoardDevice::hold_off(const Vec2& force) noexcept {
-    if (zeros_left_ > 0) {
+    if (zeros_left_ > 0 && send_zero()) {
         --zeros_left_;
-        static_cast<void>(send_zero());
     }
     return {.saturated = force != Vec2{}};
 }
