@@ -98,22 +98,4 @@ void BernsteinNet::cut_v(double t, BernsteinNet& before) noexcept {
     }
 }
 
-void BernsteinNet::restrict_to(double lo_u, double hi_u, double lo_v, double hi_v) noexcept {
-    BernsteinNet other(n_, m_);
-    if (hi_u < 1.0) {
-        cut_u(hi_u, other);
-        *this = other;
-    }
-    if (lo_u > 0.0) {
-        cut_u(lo_u / hi_u, other);
-    }
-    if (hi_v < 1.0) {
-        cut_v(hi_v, other);
-        *this = other;
-    }
-    if (lo_v > 0.0) {
-        cut_v(lo_v / hi_v, other);
-    }
-}
-
 }  // namespace palpate::engine

@@ -15,6 +15,8 @@ class BernsteinNet {
 public:
     static constexpr std::size_t kMaxSide = 2 * kMaxDegree + 1;
 
+    /// Rubbish until another is copied or cut into it.
+    BernsteinNet() noexcept = default;
     /// @param n, m  degrees in u and v, at most 18; the coefficients are rubbish until written
     // NOLINTNEXTLINE: 3 kB of coefficients are left as they are on purpose
     BernsteinNet(std::size_t n, std::size_t m) noexcept : n_(n), m_(m) {}
@@ -56,8 +58,6 @@ public:
     /// This net becomes the part beyond t of u (or v), `before` the part before.
     void cut_u(double t, BernsteinNet& before) noexcept;
     void cut_v(double t, BernsteinNet& before) noexcept;
-    /// Keeps lo <= u <= hi and so on.
-    void restrict_to(double lo_u, double hi_u, double lo_v, double hi_v) noexcept;
 
 private:
     void copy(const BernsteinNet& other) noexcept {

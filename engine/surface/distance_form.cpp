@@ -58,6 +58,7 @@ DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net
     std::vector<Vec3> local;
     for (const Quad& point : net) {
         local.push_back(point.xyz() - point.w() * c);
+        reach_ = std::max(reach_, glm::length(local.back()) / point.w());
     }
     const std::vector<double> share_u = shares(p);
     const std::vector<double> share_v = shares(q);
@@ -102,11 +103,12 @@ BernsteinNet DistanceForm::terms(const Vec3& h, double beta) const noexcept {
     const double y = std::fabs(2.0 * q.y);
     const double z = std::fabs(2.0 * q.z);
     const double rest = glm::dot(q, q) + beta;
+    const double lost = 2.0 * glm::length(centre_) * (reach_ + glm::length(q)) * largest_ww_;
     BernsteinNet sizes(n_, m_);
     double* out = sizes.data();
     for (std::size_t k = 0; k < pp_.size(); ++k) {
         out[k] = std::fabs(pp_[k]) + x * std::fabs(pw_[0][k]) + y * std::fabs(pw_[1][k]) +
-                 z * std::fabs(pw_[2][k]) + rest * ww_[k];
+                 z * std::fabs(pw_[2][k]) + rest * ww_[k] + lost;
     }
     return sizes;
 }
@@ -139,13 +141,9 @@ public:
         work -= 4 * piece;
         verdict_.lower2 = std::numeric_limits<double>::infinity();
         Piece& whole = push(part, 0);
-        whole.g = form_.net(h_, beta_);
-        whole.g.restrict_to(part.lo_u, part.hi_u, part.lo_v, part.hi_v);
-        whole.terms = form_.terms(h_, beta_);
-        if (!even_) {  // where W is small, so is the rounding
-            whole.terms.restrict_to(part.lo_u, part.hi_u, part.lo_v, part.hi_v);
-        }
-        whole.noise = kNoise * whole.terms.highest();
+        whole.nets->g = form_.net(h_, beta_);
+        whole.nets->terms = form_.terms(h_, beta_);
+        whole.noise = kNoise * whole.nets->terms.highest();
         while (top_ > 0 && !verdict_.closer) {
             work -= piece;
             if (work < 0) {
@@ -159,18 +157,22 @@ public:
     }
 
 private:
+    struct Nets {
+        BernsteinNet g;
+        BernsteinNet terms;
+    };
     struct Piece {
         PatchPart part{};
         int depth = 0;
         double noise = 0.0;  ///< size of the rounding errors in g
-        BernsteinNet g{0, 0};
-        BernsteinNet terms{0, 0};
+        Nets* nets = nullptr;
     };
 
     Piece& push(const PatchPart& part, int depth) noexcept {
-        stack_[top_].part = part;
-        stack_[top_].depth = depth;
-        return stack_[top_++];
+        Piece& piece = stack_[top_];
+        piece = {.part = part, .depth = depth, .nets = &nets_[top_]};
+        ++top_;
+        return piece;
     }
 
     void lower(double distance2) noexcept {
@@ -187,7 +189,7 @@ private:
     }
 
     void look(Piece& piece) noexcept {
-        const BernsteinNet::Lowest low = piece.g.lowest();
+        const BernsteinNet::Lowest low = piece.nets->g.lowest();
         if (low.value >= -piece.noise) {
             lower(beta_ + std::max(low.value, 0.0) / form_.largest_ww());
             --top_;
@@ -201,7 +203,7 @@ private:
         if (offer(place, glm::dot(r, r))) {
             return;
         }
-        if (piece.g.convex(piece.noise)) {
+        if (piece.nets->g.convex(piece.noise)) {
             const SurfaceFoot foot = descend_within(surface_, h_, place, part, *work_);
             if (offer(foot.place, foot.distance2)) {
                 return;
@@ -244,15 +246,15 @@ private:
         ++piece.depth;
         Piece& before = push(part, piece.depth);
         before.noise = piece.noise;
-        const bool in_u = piece.g.bends_more_in_u();
+        const bool in_u = piece.nets->g.bends_more_in_u();
         const auto cut = [in_u](BernsteinNet& net, BernsteinNet& first) {
             in_u ? net.cut_u(0.5, first) : net.cut_v(0.5, first);
         };
-        cut(piece.g, before.g);
+        cut(piece.nets->g, before.nets->g);
         if (!even_) {
-            cut(piece.terms, before.terms);
-            before.noise = kNoise * before.terms.highest();
-            piece.noise = kNoise * piece.terms.highest();
+            cut(piece.nets->terms, before.nets->terms);
+            before.noise = kNoise * before.nets->terms.highest();
+            piece.noise = kNoise * piece.nets->terms.highest();
         }
         double& end = in_u ? before.part.hi_u : before.part.hi_v;
         double& begin = in_u ? piece.part.lo_u : piece.part.lo_v;
@@ -270,6 +272,8 @@ private:
     Work* work_ = nullptr;
     Verdict verdict_{};
     std::array<Piece, kMaxDepth + 2> stack_{};
+    std::array<Nets, kMaxDepth + 2>
+        nets_;  // NOLINT: 270 kB, rubbish until pushed; most need the first alone
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace palpate::engine {
 
-/// |S(u, v) - h|^2 of one patch as polynomials, linear in h and |h|^2.
+/// |S(u, v) - h|^2 of a part of a patch as polynomials, linear in h and |h|^2.
 ///
 /// With S = P / W, homogeneous P and W relative to a centre c, and q = h - c:
 ///
@@ -37,9 +37,10 @@ public:
     }
     [[nodiscard]] double largest_ww() const noexcept { return largest_ww_; }
 
-    /// g of the whole patch.
+    /// g of the whole part.
     [[nodiscard]] BernsteinNet net(const Vec3& h, double beta) const noexcept;
-    /// Sum of the sizes of the terms of each coefficient of g: what its rounding is relative to.
+    /// Sum of the sizes of the terms of each coefficient of g, with what the control values lost when they were
+    /// brought to the centre: what its rounding is relative to.
     [[nodiscard]] BernsteinNet terms(const Vec3& h, double beta) const noexcept;
 
 private:
@@ -50,6 +51,7 @@ private:
     std::array<std::vector<double>, 3> pw_;
     std::vector<double> ww_;
     double largest_ww_ = 0.0;
+    double reach_ = 0.0;  ///< of the control points from the centre, m
 };
 
 /// What is known about one part of a patch and a distance.
@@ -62,6 +64,7 @@ struct Verdict {
 
 /// Is any point of `part` of patch (i, j) closer to h than sqrt(beta)? Halves the part until each
 /// piece is decided by its coefficients, or is a bowl and its bottom known, or is below rounding.
+/// @param form  of that part
 /// @param h  relative to surface.origin(), m
 /// @param work  counted down; below 0 the answer is not proven
 [[nodiscard]] Verdict any_closer(const NurbsSurface& surface,

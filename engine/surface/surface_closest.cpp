@@ -20,17 +20,6 @@ SurfaceFeet::SurfaceFeet(std::shared_ptr<const NurbsSurface> surface)
     if (!surface_) {
         throw std::invalid_argument("the surface is null: give a surface");
     }
-    for (std::size_t i = 0; i < surface_->rows(); ++i) {
-        for (std::size_t j = 0; j < surface_->columns(); ++j) {
-            const BezierPatch& patch = surface_->patch(i, j);
-            std::vector<Vec3> points;
-            for (const Quad& q : patch.net()) {
-                points.push_back((1.0 / q.w()) * q.xyz());
-            }
-            forms_.emplace_back(patch.degree_u(), patch.degree_v(), patch.net(),
-                                box_of<3>(points).middle());
-        }
-    }
     divide(1);
     while (resolved() < kGoodShare && 4 * leaves_.size() <= kMaxLeaves) {
         divide(2 * per_side_);

@@ -132,7 +132,6 @@ private:
     std::uint32_t across_u_ = 0;  ///< leaves of the whole surface along u
     std::uint32_t across_v_ = 0;
     std::vector<SurfaceLeaf> leaves_;  ///< leaf (a, b) at a across_v_ + b
-    std::vector<DistanceForm> forms_;  ///< one a patch
     std::vector<Node> nodes_;
 };
 

@@ -102,10 +102,9 @@ std::vector<Quad> part_of_net(const BezierPatch& patch, const PatchPart& part) {
     return net;
 }
 
-SurfaceLeaf::SurfaceLeaf(int degree_u, int degree_v, std::span<const Quad> net, bool polynomial) {
-    set_box(degree_u, degree_v, net);
-    const DistanceForm form(degree_u, degree_v, net, centre_);
-    const auto bend = [&form, polynomial](int kind) {
+SurfaceLeaf::SurfaceLeaf(int degree_u, int degree_v, std::span<const Quad> net, bool polynomial)
+    : form_(set_box(degree_u, degree_v, net)) {
+    const auto bend = [&form = form_, polynomial](int kind) {
         Bend b;
         const Range constant = bend_range(form, form.pp(), kind);
         b.low = constant.low;
@@ -156,8 +155,8 @@ void SurfaceLeaf::scale(Bend& bend, double by) const noexcept {
     bend.ww_high *= by;
 }
 
-/// Axes along the leaf and across it, so that the box is as thin as the leaf.
-void SurfaceLeaf::set_box(int degree_u, int degree_v, std::span<const Quad> net) {
+/// Axes along the leaf and across it, so that the box is as thin as the leaf. @return the form about its middle
+DistanceForm SurfaceLeaf::set_box(int degree_u, int degree_v, std::span<const Quad> net) {
     const auto p = static_cast<std::size_t>(degree_u);
     const auto q = static_cast<std::size_t>(degree_v);
     std::vector<Vec3> points;
@@ -194,6 +193,7 @@ void SurfaceLeaf::set_box(int degree_u, int degree_v, std::span<const Quad> net)
     centre_ = middle.x * axes_[0] + middle.y * axes_[1] + middle.z * axes_[2];
     const Vec3 far = glm::max(glm::abs(box_.low), glm::abs(box_.high));
     half_ = 0.5 * (high - low) + Vec3{4e-15 * (glm::length(far) + glm::length(high - low))};
+    return {degree_u, degree_v, net, centre_};
 }
 
 double SurfaceLeaf::bound2(const Vec3& h) const noexcept {

@@ -29,6 +29,7 @@ public:
     /// bowl() for a point on the leaf itself: how well the leaf is resolved.
     [[nodiscard]] double quality() const noexcept { return bowl(centre_, 0.0).depth; }
     [[nodiscard]] const Box<3>& box() const noexcept { return box_; }
+    [[nodiscard]] const DistanceForm& form() const noexcept { return form_; }
 
 private:
     /// A second derivative of g: constant part, part linear in q = h - centre, part with W^2.
@@ -40,7 +41,7 @@ private:
         double ww_low = 0.0;
         double ww_high = 0.0;
     };
-    void set_box(int degree_u, int degree_v, std::span<const Quad> net);
+    DistanceForm set_box(int degree_u, int degree_v, std::span<const Quad> net);
     void scale(Bend& bend, double by) const noexcept;
 
     std::array<Vec3, 3> axes_{};
@@ -52,6 +53,7 @@ private:
     double drift_ = 0.0;     ///< change of the second derivatives per m of h, without W
     double drift_ww_ = 0.0;  ///< and per m^2 of |q|^2 - d2
     Box<3> box_{};
+    DistanceForm form_;  ///< of this part
 };
 
 /// Control values of the part [u0, u1] x [v0, v1] of a patch.

@@ -150,8 +150,7 @@ Verdict SurfaceFeet::look_at(std::uint32_t leaf,
                          side * (b % per_side_ + 1)};
     Work share = std::min(std::max(work / 2, Work{1}), kLeafWork);
     work -= share;
-    const Verdict verdict =
-        any_closer(*surface_, forms_[i * surface_->columns() + j], i, j, part, h, d2, share);
+    const Verdict verdict = any_closer(*surface_, leaves_[leaf].form(), i, j, part, h, d2, share);
     work += share;
     return verdict;
 }

@@ -98,7 +98,7 @@ int contact_command(const std::vector<std::string>& arguments) {
     Words words(arguments);
     const bool with_peers = words.flag("--peers");
     const double seconds = seconds_of(words.value("--seconds", "20"));
-    const std::string wanted = words.value("--objects", "ABCDE");
+    const std::string wanted = words.value("--objects", "ABCDES");
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
     words.finish(kContactUsage);
@@ -138,8 +138,8 @@ int contact_command(const std::vector<std::string>& arguments) {
         measure<2>(rows, object.name, "ticks, -3..-0.5 mm", tick_methods(object), hips, {}, clock);
         print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
     }
-    const bool all = wanted == "ABCDE";
-    for (const Surface& surface : all ? contact_surfaces() : std::vector<Surface>()) {
+    const bool in_space = wanted.find('S') != std::string::npos;
+    for (const Surface& surface : in_space ? contact_surfaces() : std::vector<Surface>()) {
         Methods<3> methods = own_surface_methods(surface);
         if (with_peers) {
             append(methods, peer_surface_methods(surface));

@@ -18,8 +18,8 @@ struct Command {
 constexpr Command kCommands[] = {
     {"contact", contact_command,
      "  contact [--peers] [--objects LETTERS] [--seconds S] [--csv FILE] [--svg FILE]\n"
-     "            closest points and ticks: time and error of every method on objects A to E,\n"
-     "            ABCDE, and on surfaces\n"},
+     "            closest points and ticks: time and error of every method on objects A to E and\n"
+     "            on surfaces, S: ABCDES\n"},
     {"nasty", nasty_command,
      "  nasty [--peers] [--csv FILE]\n"
      "            wrong answers to 2223 queries that break closest-point solvers\n"},
