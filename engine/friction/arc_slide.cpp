@@ -70,6 +70,13 @@ double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexc
     return task.dir * drive.tangential > 0.0 ? kNever : drive.load;
 }
 
+/// The budget is enough for the way since `before`, whatever the angle between the two places.
+bool surely_pays(const SlideTask& task, const Spot& before, const Spot& spot, double used) {
+    const double left = std::max(task.budget - used, 0.0);
+    const Vec2 straight = spot.jet.point - before.jet.point;
+    return Arc::kMostWay * Arc::kMostWay * glm::dot(straight, straight) <= left * left;
+}
+
 /// Takes the way since `before` from the budget; false if the budget ends on it.
 bool pays(const Arc& arc, const SlideTask& task, const Spot& before, Spot& spot, double& used) {
     const double left = std::max(task.budget - used, 0.0);
@@ -113,6 +120,9 @@ SlideEnd slide_on_arc(const Arc& arc, const SlideTask& task, Spot& spot, double&
         return SlideEnd::unclear;
     }
     const SlideEnd end = load < kNever ? SlideEnd::in_cone : SlideEnd::at_end;
+    if (limited && end == SlideEnd::in_cone && surely_pays(task, before, spot, used)) {
+        return end;  // the walk ends here: nobody asks how much is left
+    }
     return limited && !pays(arc, task, before, spot, used) ? SlideEnd::out_of_budget : end;
 }
 

@@ -115,6 +115,7 @@ template <bool HasFriction>
 
 /// The same on an arc or a line, whose forms are quadratics in u: their first root is one square
 /// root. The spot's jet is the point and the unit tangent.
+/// @param used  where the slide ends in the cone and the budget is ample, nothing is added
 template <bool HasFriction>
 [[nodiscard]] SlideEnd slide_on_arc(const Arc& arc,
                                     const SlideTask& task,

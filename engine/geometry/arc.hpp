@@ -93,6 +93,9 @@ public:
                 .c2 = -less_ * along - mu * quarter_};
     }
 
+    /// No way along an arc is longer than this times the straight one: asin(x) / x up to
+    /// kMaxArcSine is 1.45.
+    static constexpr double kMostWay = 1.5;
     /// Way along the arc between two of its points, m.
     [[nodiscard]] double way(const Vec2& from, const Vec2& to) const noexcept;
 
