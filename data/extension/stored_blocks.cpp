@@ -137,9 +137,16 @@ private:
             throw TraceError(
                 "HIP follows from the encoder counts by a calibration that the session has not");
         }
+        counts_.resize(ticks_.size());
+        hips_.resize(ticks_.size());
         for (std::size_t i = 0; i < ticks_.size(); ++i) {
-            const engine::Vec2 follows = hip_ ? hip_->at(ticks_[i].counts) : engine::Vec2{};
-            ticks_[i].hip = stored ? exact_[i].hip : follows;
+            counts_[i] = ticks_[i].counts;
+        }
+        if (hip_) {
+            hip_->at(counts_, hips_);
+        }
+        for (std::size_t i = 0; i < ticks_.size(); ++i) {
+            ticks_[i].hip = stored ? exact_[i].hip : hips_[i];
         }
         const auto check = [&](Stored column, double engine::Vec2::*axis) {
             reader.read(column, values_);
@@ -162,6 +169,8 @@ private:
     std::vector<TickRecord> ticks_;
     std::vector<TickRecord> exact_;
     std::vector<std::int64_t> values_;
+    std::vector<engine::Pantograph::Counts> counts_;
+    std::vector<engine::Vec2> hips_;
 };
 
 }  // namespace

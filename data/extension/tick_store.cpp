@@ -10,6 +10,7 @@
 #include "data/extension/query.hpp"
 #include "data/extension/stored_blocks.hpp"
 #include "data/trace/chunk.hpp"
+#include "data/trace/chunk_replay.hpp"
 #include "data/trace/replay.hpp"
 
 namespace palpate::data {
@@ -18,16 +19,89 @@ using engine::TickRecord;
 
 namespace {
 
-/// What follows from the hand's path from tick 0 on: the whole part in one block.
-class ReplayedBlocks : public TickBlocks {
+/// The ticks of a part that follow from the hand's path from tick 0 on, replayed as far as somebody asks.
+class PartReplay {
 public:
-    ReplayedBlocks(std::shared_ptr<const std::vector<TickRecord>> ticks, const TickRange& range)
-        : ticks_(std::move(ticks)), left_(ticks_in(*ticks_, range)) {}
-    std::span<const TickRecord> next() override { return std::exchange(left_, {}); }
+    PartReplay(const TrialPart& part,
+               std::vector<std::vector<std::byte>> bytes,
+               std::span<const ChunkView> chunks,
+               std::shared_ptr<const engine::Scene> scene,
+               const std::optional<engine::PantographSpec>& machine)
+        : part_(part),
+          bytes_(std::move(bytes)),
+          scene_(std::move(scene)),
+          replay_(machine, scene_.get(), chunks) {
+        for (const ChunkView& chunk : chunks) {
+            first_ticks_.push_back(chunk.first_tick);
+            ticks_ += chunk.ticks;
+        }
+    }
+
+    [[nodiscard]] std::size_t chunks() const noexcept { return first_ticks_.size(); }
+    [[nodiscard]] std::size_t ticks() const noexcept { return ticks_; }
+    /// Nobody is to be given this one again: the rows may be mended.
+    void gives_up() noexcept { given_up_ = true; }
+    [[nodiscard]] bool is_of(const TrialPart& part,
+                             const std::vector<std::vector<std::byte>>& bytes) const {
+        return !given_up_ && part_ == part && bytes_ == bytes;
+    }
+
+    /// @throws SampleError if the ticks are not what was recorded, TraceError if they are damaged
+    std::span<const TickRecord> chunk(std::size_t i, bool closest) {
+        const std::span<TickRecord> ticks = checked(i);
+        for (; closest && with_closest_ <= i; ++with_closest_) {
+            find_closest_points(*scene_, track_, checked(with_closest_));
+        }
+        return ticks;
+    }
 
 private:
-    std::shared_ptr<const std::vector<TickRecord>> ticks_;
-    std::span<const TickRecord> left_;
+    std::span<TickRecord> checked(std::size_t i) {
+        const ChunkReplay::Again again = replay_.chunk(i);
+        if (!again.as_recorded) {
+            throw SampleError(replay_sentence(part_.trial, first_ticks_[i]));
+        }
+        return again.ticks;
+    }
+
+    TrialPart part_;
+    std::vector<std::vector<std::byte>> bytes_;  ///< what it is made of
+    std::shared_ptr<const engine::Scene> scene_;
+    ChunkReplay replay_;
+    std::vector<std::int64_t> first_ticks_;
+    std::size_t ticks_ = 0;
+    std::size_t with_closest_ = 0;  ///< the first chunk without closest points
+    engine::TrackState track_;
+    bool given_up_ = false;
+};
+
+/// Chunk by chunk, while those to come are worked on.
+class ReplayedBlocks : public TickBlocks {
+public:
+    ReplayedBlocks(const TrialPart& part,
+                   std::shared_ptr<PartReplay> replay,
+                   bool closest,
+                   const TickRange& range)
+        : part_(part), replay_(std::move(replay)), closest_(closest), range_(range) {}
+    std::span<const TickRecord> next() override {
+        if (next_ == replay_->chunks()) {
+            return {};
+        }
+        const std::size_t i = next_++;
+        try {
+            return ticks_in(of_part(part_, [&] { return replay_->chunk(i, closest_); }), range_);
+        } catch (const SampleError&) {
+            replay_->gives_up();
+            throw;
+        }
+    }
+
+private:
+    TrialPart part_;
+    std::shared_ptr<PartReplay> replay_;
+    bool closest_;
+    TickRange range_;
+    std::size_t next_ = 0;
 };
 
 }  // namespace
@@ -40,21 +114,15 @@ struct TickStore::State {
         SessionTraces* session = nullptr;
     };
     Context context_of(const TrialPart& part);
-    std::shared_ptr<const std::vector<TickRecord>> replayed(const TrialPart& part, bool closest);
+    std::shared_ptr<PartReplay> replayed(const TrialPart& part);
     void make_room();
     void require_one_study();
 
     sqlite3* db;
     /// By protocol and calibration, so that nothing here can be out of date.
     std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
-    struct Kept {
-        TrialPart part;
-        std::vector<std::vector<std::byte>> chunks;  ///< what it was made of
-        bool closest = false;                        ///< with closest points
-        std::shared_ptr<const std::vector<TickRecord>> ticks;
-    };
     /// Last used last. A join asks for the same parts again and again: two trials of two intervals.
-    std::vector<Kept> kept;
+    std::vector<std::shared_ptr<PartReplay>> kept;
 };
 
 TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
@@ -88,8 +156,7 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
             .session = &session->second};
 }
 
-std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const TrialPart& part,
-                                                                          bool closest) {
+std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
     PartChunks rows(db, part);
     std::vector<std::vector<std::byte>> bytes;
     std::vector<ChunkView> views;
@@ -98,28 +165,18 @@ std::shared_ptr<const std::vector<TickRecord>> TickStore::State::replayed(const 
         views.push_back(chunk.view);
         bytes.push_back(std::move(chunk.bytes));  // the view looks at the same bytes
     }
-    const auto same = std::ranges::find_if(kept, [&](const Kept& one) {
-        return one.part == part && one.closest >= closest && one.chunks == bytes;
-    });
+    const auto same =
+        std::ranges::find_if(kept, [&](const auto& one) { return one->is_of(part, bytes); });
     if (same != kept.end()) {
         std::rotate(same, same + 1, kept.end());
-        return kept.back().ticks;
+        return kept.back();
     }
     make_room();
     const Context context = context_of(part);
-    Replayed all = context.session->replay(context.trial, views);
-    if (all.differs_from) {
-        throw SampleError(replay_sentence(part.trial, *all.differs_from));
-    }
-    if (closest) {
-        find_closest_points(context.session->scene_of(context.trial), all.ticks);
-    }
-    kept.push_back(
-        {.part = part,
-         .chunks = std::move(bytes),
-         .closest = closest,
-         .ticks = std::make_shared<const std::vector<TickRecord>>(std::move(all.ticks))});
-    return kept.back().ticks;
+    kept.push_back(std::make_shared<PartReplay>(part, std::move(bytes), views,
+                                                context.session->scene_of(context.trial),
+                                                context.session->machine()));
+    return kept.back();
 }
 
 /// For one more: of a long trial none is kept beside it.
@@ -128,8 +185,8 @@ void TickStore::State::make_room() {
     constexpr std::size_t kMostTicks = 400'000;  // 60 MB
     const auto ticks = [this] {
         std::size_t sum = 0;
-        for (const Kept& one : kept) {
-            sum += one.ticks->size();
+        for (const auto& one : kept) {
+            sum += one->ticks();
         }
         return sum;
     };
@@ -176,7 +233,7 @@ std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
     if ((columns & kReplayedColumns) != 0) {
         const bool closest = (columns & kClosestColumns) != 0;
         return std::make_unique<ReplayedBlocks>(
-            of_part(part, [&] { return state.replayed(part, closest); }), range);
+            part, of_part(part, [&] { return state.replayed(part); }), closest, range);
     }
     std::optional<engine::PantographSpec> machine;
     if ((columns & kHipColumns) != 0) {

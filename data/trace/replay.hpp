@@ -64,8 +64,9 @@ public:
     /// @throws TraceError if a chunk is damaged, std::invalid_argument if the scene cannot be built
     [[nodiscard]] Replayed replay(const TraceTrial& trial, std::span<const ChunkView> chunks);
 
-    /// The scene of the trial, with the decays that were recorded. Good until the next call.
-    [[nodiscard]] const engine::Scene& scene_of(const TraceTrial& trial);
+    /// The scene of the trial, with the decays that were recorded.
+    /// @throws std::invalid_argument if it cannot be built
+    [[nodiscard]] std::shared_ptr<const engine::Scene> scene_of(const TraceTrial& trial);
 
     [[nodiscard]] const std::optional<engine::PantographSpec>& machine() const noexcept {
         return machine_;
@@ -74,27 +75,32 @@ public:
 private:
     protocols::Protocol protocol_;
     std::optional<engine::PantographSpec> machine_;
-    /// By object, friction and what is felt of them.
+    /// By object, friction, decays and what is felt of them.
     using Felt = std::tuple<std::string,
                             std::string,
+                            double,
+                            double,
                             std::optional<double>,
                             std::optional<double>,
                             std::optional<double>>;
-    std::map<Felt, std::unique_ptr<engine::Scene>> scenes_;
+    std::map<Felt, std::shared_ptr<const engine::Scene>> scenes_;
 };
 
 /// The machine of a canonical calibration text, if it is one.
 [[nodiscard]] std::optional<engine::PantographSpec> machine_of(std::string_view calibration);
 
 /// Replay of one interval with a scene that is there already; no scene: only what is stored. The closest
-/// points are left out: see find_closest_points().
+/// points are left out: see find_closest_points(). Chunk by chunk: ChunkReplay.
 [[nodiscard]] Replayed replay(const engine::Scene* scene,
                               const std::optional<engine::PantographSpec>& machine,
                               std::span<const ChunkView> chunks);
 
-/// The closest point of every tick of an interval, from its first one on: out of contact the one that was
+/// The closest point of the next ticks of an interval, from its first one on: out of contact the one that was
 /// last looked for, which is where the god-object is.
-void find_closest_points(const engine::Scene& scene, std::span<engine::TickRecord> ticks) noexcept;
+/// @param track  of these questions alone; new before the first tick
+void find_closest_points(const engine::Scene& scene,
+                         engine::TrackState& track,
+                         std::span<engine::TickRecord> ticks) noexcept;
 
 /// One column of every chunk without any replay. 10 to 100 times as fast.
 /// @param values  of the chunk's ticks

@@ -1,6 +1,5 @@
 #include "data/trace/retrace.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -47,15 +46,6 @@ Retrace::Retrace(const std::optional<engine::PantographSpec>& machine, const eng
     : scene_(scene) {
     if (machine) {
         machine_.emplace(*machine);
-    }
-}
-
-void Retrace::hips(std::span<const engine::Pantograph::Counts> counts,
-                   std::span<engine::Vec2> hips) noexcept {
-    if (machine_) {
-        machine_->at(counts, hips);
-    } else {
-        std::fill(hips.begin(), hips.end(), engine::Vec2{});
     }
 }
 

@@ -35,9 +35,6 @@ public:
     /// The parts of a recorded tick that nothing else in it tells.
     [[nodiscard]] std::uint8_t parts(const engine::TickRecord& tick) noexcept;
 
-    /// HIP of ticks of which the counts are known. @param hips  as many as `counts`
-    void hips(std::span<const engine::Pantograph::Counts> counts,
-              std::span<engine::Vec2> hips) noexcept;
     /// The contact of the next tick, after HIP is known. Every tick, in order.
     void contact(engine::TickRecord& tick) noexcept;
 

@@ -35,7 +35,7 @@ MadeStudy made_study() {
         }
     }
     study.hash = protocols::protocol_hash(study.protocol);
-    study.key = {.participant = "bench"};
+    study.key = {.participant = "bench", .secret = std::string(32, 'b')};
     study.plan = make_plan(study.protocol, study.hash, study.key, study.protocol.seed);
     return study;
 }

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "engine/device/many_hips.hpp"
+#include "engine/realtime/tick_record.hpp"
+#include "engine/rendering/scene.hpp"
+#include "data/trace/chunk.hpp"
+#include "data/trace/retrace.hpp"
+
+namespace palpate::data {
+
+/// Replays the chunks of one interval: who waits for one works on it, and a thread beside it works ahead.
+///
+///     bytes to whole numbers to HIP    each chunk by itself
+///     HIP to contact                   from tick to tick, so one chunk after the other
+///     hash of the ticks                each chunk by itself
+///
+/// What is to be done of these first is done by whichever of the two is free, so that both cores are busy
+/// whatever the scene costs. The numbers do not depend on who computed them. Nothing is done for chunks more
+/// than a few beyond the last one that was asked for. One caller at a time.
+class ChunkReplay {
+public:
+    /// @param machine  nothing: HIP is (0, 0) where the chunks do not hold it
+    /// @param scene    nothing: contacts are what the chunks hold
+    /// @param chunks   in the order of their ticks; their bytes and the scene must outlive this
+    ChunkReplay(const std::optional<engine::PantographSpec>& machine,
+                const engine::Scene* scene,
+                std::span<const ChunkView> chunks);
+    ChunkReplay(const ChunkReplay&) = delete;
+    ChunkReplay& operator=(const ChunkReplay&) = delete;
+    ~ChunkReplay();
+
+    [[nodiscard]] std::size_t size() const noexcept { return chunks_.size(); }
+
+    /// What a chunk's ticks are again, each field as it was, without closest points.
+    struct Again {
+        std::span<engine::TickRecord> ticks;  ///< good as long as this is
+        bool as_recorded = false;             ///< they give the chunk's hash
+    };
+    /// @throws TraceError if the chunk or one before it is damaged
+    [[nodiscard]] Again chunk(std::size_t i);
+
+    /// All ticks, in order; ends the replay. @pre chunk() gave every one
+    [[nodiscard]] std::vector<engine::TickRecord> take() noexcept { return std::move(ticks_); }
+
+private:
+    struct Chunk {
+        ChunkView view;
+        std::span<engine::TickRecord> ticks;
+        std::vector<engine::TickRecord> exact;  ///< the columns held in full; none: empty
+        std::exception_ptr damage{};
+        bool unpacked = false;
+        bool checked = false;
+        bool as_recorded = false;
+    };
+    class Unpacker;
+    using Lock = std::unique_lock<std::mutex>;
+
+    bool work(Lock& lock, Unpacker& unpacker) noexcept;
+    void work_ahead() noexcept;
+    void follow(Chunk& chunk) noexcept;
+
+    std::optional<engine::ManyHips> machine_;
+    Retrace contacts_;
+    engine::Vec2 last_hip_{};  ///< that the machine gave
+    std::vector<engine::TickRecord> ticks_;
+    std::vector<Chunk> chunks_;
+
+    std::mutex mutex_;  ///< of what follows, and of the flags of the chunks
+    std::condition_variable changed_;
+    std::size_t wanted_ = 0;     ///< the last one that was asked for
+    std::size_t unpacking_ = 0;  ///< the next one to be unpacked
+    std::size_t following_ = 0;  ///< the next one whose contacts are computed
+    std::size_t checking_ = 0;   ///< the next one to be hashed
+    bool is_following_ = false;
+    bool ends_ = false;
+    std::unique_ptr<Unpacker> unpacker_;  ///< of the caller
+    std::thread ahead_;
+};
+
+}  // namespace palpate::data

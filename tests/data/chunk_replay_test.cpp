@@ -1,0 +1,170 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+
+#include "engine/device/pantograph.hpp"
+#include "data/store/reader.hpp"
+#include "data/store/stored_chunks.hpp"
+#include "data/trace/chunk_replay.hpp"
+#include "data/trace/derived_hash.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/sample_rows.hpp"
+
+using namespace palpate;
+using engine::TickRecord;
+
+namespace {
+
+/// What a trial's chunks are replayed with.
+struct Recorded {
+    Recorded(data::Database& database, std::int64_t trial)
+        : chunks(data::stored_chunks(database, trial)),
+          traces(data::session_traces(database, 1)),
+          scene(traces.scene_of(data::trial_context(database, trial).trial)),
+          machine(traces.machine()) {}
+
+    data::StoredChunks chunks;
+    data::SessionTraces traces;
+    std::shared_ptr<const engine::Scene> scene;
+    std::optional<engine::PantographSpec> machine;
+};
+
+/// One tick after the other, as the servo had them: a reading, its HIP, its contact.
+std::vector<TickRecord> by_scalar_ticks(const Recorded& recorded) {
+    const engine::Pantograph machine(*recorded.machine);
+    engine::ContactState state;
+    engine::Vec2 hip{};
+    std::vector<TickRecord> ticks;
+    for (const data::ChunkView& view : recorded.chunks.views) {
+        std::vector<std::int64_t> one(view.ticks);
+        std::vector<std::int64_t> two(view.ticks);
+        data::read_stored(view, data::Stored::count_1, one);
+        data::read_stored(view, data::Stored::count_2, two);
+        for (std::size_t i = 0; i < view.ticks; ++i) {
+            TickRecord& tick = ticks.emplace_back();
+            tick.counts = {static_cast<std::int32_t>(one[i]), static_cast<std::int32_t>(two[i])};
+            const auto fix = machine.locate(machine.angles(tick.counts));
+            hip = fix ? fix->hip : hip;
+            tick.hip = hip;
+            engine::set_contact(tick, recorded.scene->tick(state, hip), recorded.scene->outline());
+        }
+    }
+    return ticks;
+}
+
+template <class T>
+bool same(const T& a, const T& b) {
+    return std::memcmp(&a, &b, sizeof a) == 0;
+}
+
+bool same_contact(const TickRecord& a, const TickRecord& b) {
+    return same(a.hip, b.hip) && same(a.go, b.go) && same(a.force, b.force) &&
+           same(a.normal_force, b.normal_force) && same(a.tangential_force, b.tangential_force) &&
+           same(a.mu, b.mu) && same(a.u, b.u) && a.segment == b.segment && a.mode == b.mode &&
+           (a.flags & engine::kSceneFlags) == (b.flags & engine::kSceneFlags);
+}
+
+/// The same ticks again in chunks of other sizes, 1 to `most` ticks each.
+struct Cut {
+    Cut(const std::vector<TickRecord>& ticks, int most, tests::Random& random) {
+        for (std::size_t first = 0; first < ticks.size();) {
+            const std::size_t count =
+                std::min(ticks.size() - first, 1 + static_cast<std::size_t>(random.below(most)));
+            const auto part = std::span(ticks).subspan(first, count);
+            const std::uint8_t parts = data::part_command;  // after a safety chain
+            bytes.push_back(data::encode_chunk(part, part.front().tick, 1'000'000, parts));
+            views.push_back({.first_tick = part.front().tick,
+                             .ticks = count,
+                             .period_ns = 1'000'000,
+                             .parts = parts,
+                             .crc32 = bytes.back().crc32,
+                             .derived = data::derived_hash(part)});
+            first += count;
+        }
+        for (std::size_t i = 0; i < views.size(); ++i) {
+            views[i].data = bytes[i].data;
+        }
+    }
+    std::vector<data::EncodedChunk> bytes;
+    std::vector<data::ChunkView> views;
+};
+
+}  // namespace
+
+TEST_CASE("a replay gives the scalar tick's bits on every chunk of a recorded study",
+          "[replay][trace][law]") {
+    data::Database database(tests::demo_file(), data::Access::read);
+    tests::Random random(5);
+    std::size_t checked = 0;
+    for (std::int64_t trial = 1; trial <= 10; ++trial) {
+        const Recorded recorded(database, trial);
+        const std::vector<TickRecord> scalar = by_scalar_ticks(recorded);
+        data::ChunkReplay replay(recorded.machine, recorded.scene.get(), recorded.chunks.views);
+        std::vector<std::size_t> order(replay.size());
+        std::iota(order.begin(), order.end(), std::size_t{0});
+        for (std::size_t i = order.size(); i > 1; --i) {
+            std::swap(order[i - 1],
+                      order[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
+        }
+        for (const std::size_t i : order) {
+            const auto again = replay.chunk(i);
+            CAPTURE(trial, i);
+            REQUIRE(again.as_recorded);
+            const auto first = static_cast<std::size_t>(recorded.chunks.views[i].first_tick);
+            for (std::size_t k = 0; k < again.ticks.size(); ++k) {
+                REQUIRE(same_contact(again.ticks[k], scalar[first + k]));
+            }
+            checked += again.ticks.size();
+        }
+    }
+    CHECK(checked > 40'000);
+}
+
+TEST_CASE(
+    "the sizes of chunks, the order in which they are asked for and an early end change no bit",
+    "[replay][trace][law]") {
+    data::Database database(tests::demo_file(), data::Access::read);
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    CAPTURE(seed);
+    tests::Random random(seed);
+    const Recorded recorded(database, 1 + random.below(10));
+    const std::vector<TickRecord> ticks =
+        data::replay(recorded.scene.get(), recorded.machine, recorded.chunks.views).ticks;
+    const Cut cut(ticks, random.coin() ? 40 : 900, random);
+    data::ChunkReplay replay(recorded.machine, recorded.scene.get(), cut.views);
+    const int questions = 1 + random.below(static_cast<int>(2 * cut.views.size()));
+    for (int k = 0; k < questions; ++k) {  // then it ends, whatever is under way
+        const auto i = static_cast<std::size_t>(random.below(static_cast<int>(cut.views.size())));
+        const auto again = replay.chunk(i);
+        REQUIRE(again.as_recorded);
+        REQUIRE(again.ticks.size() == cut.views[i].ticks);
+        REQUIRE(std::memcmp(again.ticks.data(), ticks.data() + cut.views[i].first_tick,
+                            again.ticks.size_bytes()) == 0);
+    }
+}
+
+TEST_CASE("nothing is replayed over a damaged chunk, and what lies before it is given",
+          "[replay][trace][law]") {
+    data::Database database(tests::demo_file(), data::Access::read);
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{6}));
+    CAPTURE(seed);
+    tests::Random random(seed);
+    const Recorded recorded(database, 2);
+    const std::vector<TickRecord> ticks =
+        data::replay(recorded.scene.get(), recorded.machine, recorded.chunks.views).ticks;
+    Cut cut(ticks, 600, random);
+    const auto damaged = static_cast<std::size_t>(random.below(static_cast<int>(cut.views.size())));
+    cut.views[damaged].crc32 ^= 1U;
+    data::ChunkReplay replay(recorded.machine, recorded.scene.get(), cut.views);
+    for (std::size_t i = 0; i < cut.views.size(); ++i) {
+        if (i < damaged) {
+            CHECK(replay.chunk(i).as_recorded);
+        } else {
+            CHECK_THROWS_AS(replay.chunk(i), data::TraceError);
+        }
+    }
+    CHECK_THROWS_AS(data::replay(recorded.scene.get(), recorded.machine, cut.views),
+                    data::TraceError);
+}
