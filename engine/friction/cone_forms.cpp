@@ -33,7 +33,7 @@ template <>
 inline constexpr double kUnit<Twice> = kTwiceEpsilon;
 
 /// Arrays of a piece in the store.
-enum Row : std::size_t { kA, kQ, kBx, kBy, kLow, kSizeA = 8, kSizeB, kRows };
+enum Row : std::size_t { kA, kQ, kBx, kBy, kLow, kSizeA = 8, kSizeB, kReach, kNoise, kNoiseB };
 
 /// Control points that repeat the end of the span.
 std::size_t repeats(const RationalBezier<2>& curve, bool at_end) {
@@ -70,6 +70,27 @@ Bernstein sizes_of(const TwiceBernstein& f) {
 Bernstein size_of_hodograph(const Bernstein& p, const Bernstein& w, bool polynomial) {
     return polynomial ? derivative_size(p)
                       : sum(product(derivative_size(p), w), product(p, derivative_size(w)));
+}
+
+/// What fall_slack() needs of two neighbours: how far HIP moves while the margin between them falls by
+/// one, and rounding of the margin, by itself and per m of HIP.
+template <class Part>
+void store_fall(const Part& part, double mu, std::vector<double>& store) {
+    const std::size_t n = part.a.size();
+    const double cone = std::sqrt(1.0 + mu * mu);
+    const auto add = [&store, n](const auto& of_pair) {
+        for (std::size_t i = 0; i + 1 < n; ++i) {
+            store.push_back(of_pair(i, i + 1));
+        }
+        store.push_back(0.0);
+    };
+    add([&](std::size_t i, std::size_t k) {
+        const Vec2 b{part.bx[k].hi - part.bx[i].hi, part.by[k].hi - part.by[i].hi};
+        return 1.0 / (cone * glm::length(b));
+    });
+    const double share = kDoubleNoise * (1.0 + mu);
+    add([&](std::size_t i, std::size_t k) { return share * (part.size_a[i] + part.size_a[k]); });
+    add([&](std::size_t i, std::size_t k) { return share * (part.size_b[i] + part.size_b[k]); });
 }
 
 }  // namespace
@@ -179,6 +200,7 @@ void ConeForms::store(const Part& part, std::size_t span, double lo, double hi) 
     }
     store_.insert(store_.end(), part.size_a.begin(), part.size_a.end());
     store_.insert(store_.end(), part.size_b.begin(), part.size_b.end());
+    store_fall(part, mu_, store_);
     Vec2 axis{};
     for (std::size_t i = 0; i < part.a.size(); ++i) {
         axis += Vec2{part.bx[i].hi, part.by[i].hi};
@@ -254,23 +276,20 @@ double ConeForms::fall_slack(std::size_t piece, const Vec2& h) const noexcept {
     const double* q = a + kQ * n;
     const double* bx = a + kBx * n;
     const double* by = a + kBy * n;
-    const double* size_a = a + kSizeA * n;
-    const double* size_b = a + kSizeB * n;
-    const double cone = std::sqrt(1.0 + mu_ * mu_);
+    const double* reach = a + kReach * n;
+    const double* noise = a + kNoise * n;
+    const double* noise_b = a + kNoiseB * n;
     double slack = std::numeric_limits<double>::infinity();
+    bool falls = true;
     for (std::size_t i = 0; i + 1 < n; ++i) {
         const Vec2 b{bx[i + 1] - bx[i], by[i + 1] - by[i]};
         const double rise = (a[i + 1] - a[i]) - (local.x * b.x + local.y * b.y);
         const double load = local.x * b.y - local.y * b.x - (q[i + 1] - q[i]);
-        const double noise = size_a[i] + size_a[i + 1] + away * (size_b[i] + size_b[i + 1]);
-        const double margin = rise - mu_ * std::fabs(load) - kDoubleNoise * (1.0 + mu_) * noise;
-        const double length = cone * glm::length(b);
-        if (!(margin > 0.0)) {
-            return 0.0;
-        }
-        slack = length * slack > margin ? margin / length : slack;
+        const double margin = rise - mu_ * std::fabs(load) - (noise[i] + away * noise_b[i]);
+        falls = falls && margin > 0.0;
+        slack = std::min(slack, margin * reach[i]);
     }
-    return slack - kSharp * spans_[p.span].size;
+    return falls ? slack - kSharp * spans_[p.span].size : 0.0;
 }
 
 Vec2 ConeForms::heading(std::size_t span, double u, double v) const noexcept {
