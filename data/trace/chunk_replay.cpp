@@ -17,11 +17,6 @@ using engine::TickRecord;
 /// So many chunks from the one that is asked for on are worked on.
 constexpr std::size_t kAhead = 4;
 
-/// Where the ticks of each chunk lie. A number of ticks that is damaged takes no room: its chunk cannot be read.
-std::size_t room_of(const ChunkView& chunk) noexcept {
-    return std::min(chunk.ticks, kChunkTicks);
-}
-
 void exclusive_or(double& value, double with) noexcept {
     std::uint64_t a = 0;
     std::uint64_t b = 0;
@@ -63,60 +58,39 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
 
 }  // namespace
 
-/// What the bytes of a chunk tell without its scene. Of one thread.
-class ChunkReplay::Unpacker {
-public:
-    explicit Unpacker(const std::optional<engine::ManyHips>& machine) : machine_(machine) {}
-
-    /// HIP is NaN where the linkage has no pose. @throws TraceError
-    void unpack(Chunk& chunk) {
-        ChunkReader reader(chunk.view);
-        const std::span<TickRecord> ticks = chunk.ticks;
-        for (std::size_t i = 0; i < numbers_.size(); ++i) {
-            numbers_[i].resize(ticks.size());
-            reader.read(static_cast<Stored>(i), numbers_[i]);  // HIP is told by the counts
-        }
-        counts_.resize(ticks.size());
-        hips_.assign(ticks.size(), engine::Vec2{});
-        for (std::size_t i = 0; i < ticks.size(); ++i) {
-            counts_[i] = {whole(Stored::count_1, i), whole(Stored::count_2, i)};
-        }
-        if (machine_) {
-            machine_->of(counts_, hips_);
-        }
-        for (std::size_t i = 0; i < ticks.size(); ++i) {
-            set_stored(ticks[i], i);
-        }
-        if (chunk.view.parts != 0) {
-            chunk.exact.resize(ticks.size());
-            reader.read_exact(chunk.exact);
-            require_modes(chunk.exact);
-        }
+/// HIP is NaN where the linkage has no pose. @throws TraceError
+void ChunkReplay::Unpacked::unpack(const ChunkView& view,
+                                   const std::optional<engine::ManyHips>& machine) {
+    ChunkReader reader(view);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {  // without HIP, which the counts tell
+        numbers[i].resize(view.ticks);
+        reader.read(static_cast<Stored>(i), numbers[i]);
     }
-
-private:
-    [[nodiscard]] std::int64_t at(Stored column, std::size_t tick) const noexcept {
-        return numbers_[static_cast<std::size_t>(column)][tick];
+    hips.resize(view.ticks);
+    if (machine) {
+        std::vector<engine::Pantograph::Counts> counts(view.ticks);
+        for (std::size_t i = 0; i < view.ticks; ++i) {
+            counts[i] = {whole(Stored::count_1, i), whole(Stored::count_2, i)};
+        }
+        machine->of(counts, hips);
     }
-    [[nodiscard]] std::int32_t whole(Stored column, std::size_t tick) const noexcept {
-        return static_cast<std::int32_t>(at(column, tick));
+    if (view.parts != 0) {
+        exact.resize(view.ticks);
+        reader.read_exact(exact);
+        require_modes(exact);
     }
+}
 
-    void set_stored(TickRecord& tick, std::size_t i) const noexcept {
-        tick.tick = at(Stored::tick, i);
-        tick.time_ns = at(Stored::time_ns, i);
-        tick.hip = hips_[i];
-        tick.counts = counts_[i];
-        tick.codes = {whole(Stored::code_1, i), whole(Stored::code_2, i)};
-        tick.lateness_us = lateness_us(at(Stored::lateness_ns, i));
-        tick.flags = static_cast<std::uint8_t>(at(Stored::flags, i));
-    }
-
-    const std::optional<engine::ManyHips>& machine_;
-    std::array<std::vector<std::int64_t>, static_cast<std::size_t>(Stored::hip_x)> numbers_;
-    std::vector<engine::Pantograph::Counts> counts_;
-    std::vector<engine::Vec2> hips_;
-};
+/// What of a tick is stored, and HIP.
+void ChunkReplay::Unpacked::set_stored(TickRecord& tick, std::size_t i) const noexcept {
+    tick.tick = at(Stored::tick, i);
+    tick.time_ns = at(Stored::time_ns, i);
+    tick.hip = hips[i];
+    tick.counts = {whole(Stored::count_1, i), whole(Stored::count_2, i)};
+    tick.codes = {whole(Stored::code_1, i), whole(Stored::code_2, i)};
+    tick.lateness_us = lateness_us(at(Stored::lateness_ns, i));
+    tick.flags = static_cast<std::uint8_t>(at(Stored::flags, i));
+}
 
 ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                          const engine::Scene* scene,
@@ -127,15 +101,10 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
     }
     std::size_t ticks = 0;
     for (const ChunkView& chunk : chunks) {
-        ticks += room_of(chunk);
+        chunks_.emplace_back().view = chunk;
+        ticks += std::min(chunk.ticks, kChunkTicks);  // a damaged number takes no room
     }
-    ticks_.resize(ticks);
-    std::span<TickRecord> left(ticks_);
-    for (const ChunkView& chunk : chunks) {
-        chunks_.push_back({.view = chunk, .ticks = left.first(room_of(chunk)), .exact = {}});
-        left = left.subspan(room_of(chunk));
-    }
-    unpacker_ = std::make_unique<Unpacker>(machine_);
+    ticks_.reserve(ticks);  // so that none of them moves
     if (chunks.size() > 1) {
         try {
             ahead_ = std::thread([this] { work_ahead(); });
@@ -165,7 +134,7 @@ ChunkReplay::Again ChunkReplay::chunk(std::size_t i) {
         if (following_ <= i && chunks_[following_].unpacked && chunks_[following_].damage) {
             std::rethrow_exception(chunks_[following_].damage);
         }
-        if (!work(lock, *unpacker_)) {
+        if (!work(lock)) {
             changed_.wait(lock);
         }
     }
@@ -173,17 +142,16 @@ ChunkReplay::Again ChunkReplay::chunk(std::size_t i) {
 }
 
 void ChunkReplay::work_ahead() noexcept {
-    Unpacker unpacker(machine_);
     Lock lock(mutex_);
     while (!ends_ && checking_ < chunks_.size()) {
-        if (!work(lock, unpacker)) {
+        if (!work(lock)) {
             changed_.wait(lock);
         }
     }
 }
 
 /// Does what is most urgent. @return false if there is nothing to do now
-bool ChunkReplay::work(Lock& lock, Unpacker& unpacker) noexcept {
+bool ChunkReplay::work(Lock& lock) noexcept {
     const auto unlocked = [&lock](const auto& task) {
         lock.unlock();
         task();
@@ -203,7 +171,7 @@ bool ChunkReplay::work(Lock& lock, Unpacker& unpacker) noexcept {
         Chunk& chunk = chunks_[unpacking_++];
         unlocked([&] {
             try {
-                unpacker.unpack(chunk);
+                chunk.bytes.unpack(chunk.view, machine_);
             } catch (...) {
                 chunk.damage = std::current_exception();
             }
@@ -216,30 +184,29 @@ bool ChunkReplay::work(Lock& lock, Unpacker& unpacker) noexcept {
     return true;
 }
 
-/// The contacts of an unpacked chunk, after those of the chunk before.
+/// The ticks of an unpacked chunk, after those of the chunk before.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
-    if (machine_) {
-        for (TickRecord& tick : chunk.ticks) {
-            last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : tick.hip;
-            tick.hip = last_hip_;
-        }
-    }
     const std::uint8_t parts = chunk.view.parts;
-    if (parts == 0) {
-        for (TickRecord& tick : chunk.ticks) {
+    const std::size_t first = ticks_.size();
+    for (std::size_t i = 0; i < chunk.view.ticks; ++i) {
+        TickRecord& tick = ticks_.emplace_back();  // there is room
+        chunk.bytes.set_stored(tick, i);
+        last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : tick.hip;
+        tick.hip = last_hip_;
+        if (parts == 0) {
             contacts_.contact(tick);
             tick.command = tick.force;
+            continue;
         }
-        return;
-    }
-    for (std::size_t i = 0; i < chunk.ticks.size(); ++i) {
-        TickRecord& tick = chunk.ticks[i];
-        tick.hip = (parts & part_hip) != 0 ? chunk.exact[i].hip : tick.hip;
+        const TickRecord& exact = chunk.bytes.exact[i];
+        tick.hip = (parts & part_hip) != 0 ? exact.hip : tick.hip;
         const std::uint8_t flags = tick.flags;
         contacts_.contact(tick);
         tick.flags = (parts & part_contact) != 0 ? flags : tick.flags;
-        set_exact(tick, parts, chunk.exact[i]);
+        set_exact(tick, parts, exact);
     }
+    chunk.ticks = std::span(ticks_).subspan(first);
+    chunk.bytes = {};
 }
 
 }  // namespace palpate::data

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <array>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -54,19 +54,33 @@ public:
     [[nodiscard]] std::vector<engine::TickRecord> take() noexcept { return std::move(ticks_); }
 
 private:
-    struct Chunk {
-        ChunkView view;
-        std::span<engine::TickRecord> ticks;
+    /// What the bytes of a chunk tell without its scene.
+    struct Unpacked {
+        std::array<std::vector<std::int64_t>, static_cast<std::size_t>(Stored::hip_x)> numbers;
+        std::vector<engine::Vec2> hips;
         std::vector<engine::TickRecord> exact;  ///< the columns held in full; none: empty
+
+        void unpack(const ChunkView& view, const std::optional<engine::ManyHips>& machine);
+        void set_stored(engine::TickRecord& tick, std::size_t i) const noexcept;
+        [[nodiscard]] std::int64_t at(Stored column, std::size_t tick) const noexcept {
+            return numbers[static_cast<std::size_t>(column)][tick];
+        }
+        [[nodiscard]] std::int32_t whole(Stored column, std::size_t tick) const noexcept {
+            return static_cast<std::int32_t>(at(column, tick));
+        }
+    };
+    struct Chunk {
+        ChunkView view{};
+        Unpacked bytes{};
+        std::span<engine::TickRecord> ticks{};
         std::exception_ptr damage{};
         bool unpacked = false;
         bool checked = false;
         bool as_recorded = false;
     };
-    class Unpacker;
     using Lock = std::unique_lock<std::mutex>;
 
-    bool work(Lock& lock, Unpacker& unpacker) noexcept;
+    bool work(Lock& lock) noexcept;
     void work_ahead() noexcept;
     void follow(Chunk& chunk) noexcept;
 
@@ -84,7 +98,6 @@ private:
     std::size_t checking_ = 0;   ///< the next one to be hashed
     bool is_following_ = false;
     bool ends_ = false;
-    std::unique_ptr<Unpacker> unpacker_;  ///< of the caller
     std::thread ahead_;
 };
 
