@@ -1,3 +1,25 @@
+# Several files of a target compiled as one, where nobody steps through them: half of what a file costs is what its
+# neighbours say as well. A file's batch comes from its name, so that a new one seldom moves others; names in the anonymous
+# namespaces of a batch differ. The engine's files stay alone: a tick must not depend on who its neighbour is.
+# Builds for developers and sanitizers compile every file alone, so that none lives on another's includes.
+function(palpate_in_batches target)
+    if(NOT PALPATE_BATCHES)
+        return()
+    endif()
+    get_target_property(sources ${target} SOURCES)
+    list(FILTER sources EXCLUDE REGEX "TARGET_OBJECTS|^/")
+    list(LENGTH sources count)
+    math(EXPR batches "1 + (${count} - 1) / 4")
+    foreach(source ${sources})
+        get_filename_component(name ${source} NAME_WE)
+        string(MD5 hash ${name})
+        string(SUBSTRING ${hash} 0 4 hash)
+        math(EXPR batch "0x${hash} % ${batches}")
+        set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
+    endforeach()
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+endfunction()
+
 # A room is a list of folders, each a target of its own.
 #
 #   palpate_folder(contact SEES geometry math SOURCES closest_point.cpp ...)
@@ -41,6 +63,9 @@ function(palpate_folder folder)
             <stdexcept> <string> <string_view> <utility> <vector> <fmt/format.h> <glm/geometric.hpp>)
     else()
         target_precompile_headers(palpate_${name} REUSE_FROM palpate_engine_base)
+    endif()
+    if(NOT room STREQUAL engine)
+        palpate_in_batches(palpate_${name})
     endif()
     set_property(GLOBAL APPEND PROPERTY palpate_${room}_objects $<TARGET_OBJECTS:palpate_${name}>)
     set_property(GLOBAL APPEND PROPERTY palpate_${room}_libraries ${arg_LINK})

@@ -218,12 +218,6 @@ Aggregate** state(sqlite3_context* context, int bytes) {
     return static_cast<Aggregate**>(sqlite3_aggregate_context(context, bytes));
 }
 
-bool any_null(int count, sqlite3_value** values) {
-    return std::any_of(values, values + count, [](sqlite3_value* value) {
-        return sqlite3_value_type(value) == SQLITE_NULL;
-    });
-}
-
 /// A row comes (`change` is add) or, out of a window's frame, goes.
 template <class Aggregate, void (Aggregate::*change)(int, sqlite3_value**)>
 void step(sqlite3_context* context, int count, sqlite3_value** values) {

@@ -1,8 +1,12 @@
 #pragma once
 
 struct sqlite3;
+struct sqlite3_value;
 
 namespace palpate::data {
+
+/// Whether one of the arguments of a function is NULL.
+[[nodiscard]] bool any_null(int count, sqlite3_value** values);
 
 /// Statistics as SQL functions, deterministic, NULL for NULL; what is out of range is an SQL error with a
 /// sentence. Formulas and accuracy: data/analysis.

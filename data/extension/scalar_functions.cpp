@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -16,15 +17,6 @@ namespace {
 
 void refuse(sqlite3_context* context, const std::string& why) {
     sqlite3_result_error(context, why.c_str(), static_cast<int>(why.size()));
-}
-
-bool any_null(int count, sqlite3_value** values) {
-    for (int i = 0; i < count; ++i) {
-        if (sqlite3_value_type(values[i]) == SQLITE_NULL) {
-            return true;
-        }
-    }
-    return false;
 }
 
 /// A whole number, also where it is stored as REAL (the sum of a column, say).
@@ -147,6 +139,12 @@ int add(sqlite3* db,
 }
 
 }  // namespace
+
+bool any_null(int count, sqlite3_value** values) {
+    return std::any_of(values, values + count, [](sqlite3_value* value) {
+        return sqlite3_value_type(value) == SQLITE_NULL;
+    });
+}
 
 int add_scalar_functions(sqlite3* db) {
     int code = SQLITE_OK;

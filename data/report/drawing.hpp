@@ -13,6 +13,7 @@
 namespace palpate::data {
 
 inline constexpr double kMillimetres = 1000.0;
+inline constexpr double kTick = 0.001;  ///< s, between two ticks of what is shown
 
 /// A place between lines: a line breaks there.
 [[nodiscard]] engine::Vec2 gap();

@@ -14,7 +14,6 @@ namespace {
 
 using engine::Vec2;
 
-constexpr double kTick = 0.001;                                    // s
 constexpr std::array<double, 3> kStiffness{100.0, 500.0, 1000.0};  // N/m
 constexpr double kAbove = 0.003;                                   // m outside, to begin with
 constexpr double kDeepest = 0.009;                                 // m

@@ -17,7 +17,6 @@ namespace {
 
 using engine::Vec2;
 
-constexpr double kTick = 0.001;   // s
 constexpr double kRound = 4.0;    // s, once round the object
 constexpr double kInner = 0.012;  // m, radius of the second round
 

@@ -19,7 +19,6 @@ namespace {
 using engine::Mode;
 using engine::TickRecord;
 
-constexpr double kTick = 0.001;        // s
 constexpr double kTransition = 0.095;  // s: how long the thesis' transition takes
 /// tau_slip for it: mu counts as relaxed (Mode::slip) when 1/1000 of mu_s - mu_d is left.
 const double kTauSlip = kTransition / std::log(1000.0);

@@ -17,9 +17,9 @@ using engine::NurbsSurface;
 using engine::Vec2;
 using engine::Vec3;
 
-constexpr int kLines = 13;          // of the net, each way
-constexpr int kSamples = 60;        // a line
-constexpr double kPerNewton = 2.0;  // mm of a drawn force
+constexpr int kLines = 13;               // of the net, each way
+constexpr int kSamples = 60;             // a line
+constexpr double kArrowPerNewton = 2.0;  // mm of a drawn force
 
 /// What an eye far away sees, m: right and up.
 Vec2 seen(const Vec3& p) {
@@ -73,7 +73,7 @@ Panel moment(const NurbsSurface& surface, const SurfaceTick& tick, std::string t
                     one_dot("GO", seen(tick.go), Ink::blue)};
     if (glm::length(tick.force) > 0.0) {
         const Vec2 from = kMillimetres * seen(tick.go);
-        const Vec2 way = kPerNewton * seen(tick.force);
+        const Vec2 way = kArrowPerNewton * seen(tick.force);
         panel.arrows = {{from.x, from.y, way.x, way.y, "force", Ink::green}};
     }
     return panel;
@@ -183,7 +183,7 @@ MadeFigure make_surface_collision() {
         "of 29 degrees. Outside, the god-object (GO) is the closest point and the force is zero. "
         "Inside, {:g} mm deep, it stands on the surface, HIP below it, and the force of {:.2f} N "
         "points along the normal ({:g} mm a newton).",
-        std::round(1e5 * shown[1].depth) / 100.0, glm::length(shown[1].force), kPerNewton);
+        std::round(1e5 * shown[1].depth) / 100.0, glm::length(shown[1].force), kArrowPerNewton);
     return {svg(figure), {{"", place_table({shown.begin(), shown.end()})}}};
 }
 

@@ -18,7 +18,6 @@ using engine::TrackerKind;
 using engine::TrackerSpec;
 using engine::Vec2;
 
-constexpr double kTick = 0.001;       // s
 constexpr Vec2 kFrom{-0.050, 0.038};  // m, HIP's line
 constexpr Vec2 kTo{0.050, 0.062};     // m
 constexpr double kSpeed = 0.3;        // m/s

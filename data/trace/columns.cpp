@@ -13,7 +13,6 @@ using engine::TickRecord;
 static_assert(std::endian::native == std::endian::little,
               "trace columns are copied as they lie in memory");
 
-constexpr std::size_t kY = sizeof(double);
 constexpr std::size_t kSecond = sizeof(std::int32_t);
 
 template <class Field, std::size_t kAt>
@@ -100,27 +99,26 @@ constexpr std::array kColumns{
                                             "1, or its knots); on a vertex its angle, rad"),
     column<double, offsetof(TickRecord, hip)>(
         "hip_x_m", "m", "haptic interaction point (HIP): the handle, to the right"),
-    column<double, offsetof(TickRecord, hip) + kY>("hip_y_m", "m", "handle, away from the person"),
+    column<double, offsetof(TickRecord, hip.y)>("hip_y_m", "m", "handle, away from the person"),
     column<double, offsetof(TickRecord, cp)>(
         "cp_x_m",
         "m",
         "closest point of the outline, to the right; out of contact the last one looked for"),
-    column<double, offsetof(TickRecord, cp) + kY>(
+    column<double, offsetof(TickRecord, cp.y)>(
         "cp_y_m", "m", "closest point, away from the person"),
     column<double, offsetof(TickRecord, go)>("go_x_m", "m", "god-object, to the right"),
-    column<double, offsetof(TickRecord, go) + kY>(
-        "go_y_m", "m", "god-object, away from the person"),
+    column<double, offsetof(TickRecord, go.y)>("go_y_m", "m", "god-object, away from the person"),
     column<double, offsetof(TickRecord, force)>("rendered_x_n",
                                                 "N",
                                                 "rendered force on the hand, K (GO - HIP) and "
                                                 "damping, to the right; less where flags has 32"),
-    column<double, offsetof(TickRecord, force) + kY>(
+    column<double, offsetof(TickRecord, force.y)>(
         "rendered_y_n", "N", "rendered force on the hand, away from the person"),
     column<double, offsetof(TickRecord, command)>(
         "commanded_x_n",
         "N",
         "commanded force: asked of the device, after the safety chain, to the right"),
-    column<double, offsetof(TickRecord, command) + kY>(
+    column<double, offsetof(TickRecord, command.y)>(
         "commanded_y_n", "N", "commanded force, away from the person"),
     column<double, offsetof(TickRecord, normal_force)>(
         "rendered_normal_n", "N", "rendered force along the outward normal at the god-object"),

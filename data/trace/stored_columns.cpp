@@ -13,8 +13,6 @@ using engine::TickRecord;
 static_assert(std::endian::native == std::endian::little,
               "exact columns are copied as they lie in memory");
 
-constexpr std::size_t kY = sizeof(double);
-
 constexpr StoredColumn whole(
     std::string_view name, std::string_view unit, double scale, Rule rule, std::size_t size) {
     return {.name = name,
@@ -45,7 +43,7 @@ constexpr StoredColumn exact(std::string_view name,
             .offset = offset};
 }
 
-constexpr std::array kColumns{
+constexpr std::array kStored{
     whole("tick", "1", 1.0, Rule::after, 8),
     whole("time_ns", "s", 1e-9, Rule::clock, 8),
     whole("count_1", "1", 1.0, Rule::delta, 4),
@@ -59,11 +57,11 @@ constexpr std::array kColumns{
     whole("commanded_x_100un", "N", 1e-4, Rule::delta, 4),
     whole("commanded_y_100un", "N", 1e-4, Rule::delta, 4),
     exact("hip_x_m", "m", part_hip, offsetof(TickRecord, hip)),
-    exact("hip_y_m", "m", part_hip, offsetof(TickRecord, hip) + kY),
+    exact("hip_y_m", "m", part_hip, offsetof(TickRecord, hip.y)),
     exact("go_x_m", "m", part_contact, offsetof(TickRecord, go)),
-    exact("go_y_m", "m", part_contact, offsetof(TickRecord, go) + kY),
+    exact("go_y_m", "m", part_contact, offsetof(TickRecord, go.y)),
     exact("rendered_x_n", "N", part_contact, offsetof(TickRecord, force)),
-    exact("rendered_y_n", "N", part_contact, offsetof(TickRecord, force) + kY),
+    exact("rendered_y_n", "N", part_contact, offsetof(TickRecord, force.y)),
     exact("rendered_normal_n", "N", part_contact, offsetof(TickRecord, normal_force)),
     exact("rendered_tangential_n", "N", part_contact, offsetof(TickRecord, tangential_force)),
     exact("mu", "1", part_contact, offsetof(TickRecord, mu)),
@@ -71,17 +69,16 @@ constexpr std::array kColumns{
     exact("segment", "1", part_contact, offsetof(TickRecord, segment), "i16le", 2),
     exact("mode", "1", part_contact, offsetof(TickRecord, mode), "u8", 1),
     exact("commanded_x_xor_rendered", "N", part_command, offsetof(TickRecord, command), "u64le"),
-    exact(
-        "commanded_y_xor_rendered", "N", part_command, offsetof(TickRecord, command) + kY, "u64le"),
+    exact("commanded_y_xor_rendered", "N", part_command, offsetof(TickRecord, command.y), "u64le"),
     exact("lateness_us", "us", part_lateness, offsetof(TickRecord, lateness_us), "f32le", 4),
 };
-static_assert(kColumns[kStoredColumns - 1].rule != Rule::exact);
-static_assert(kColumns[kStoredColumns].rule == Rule::exact);
+static_assert(kStored[kStoredColumns - 1].rule != Rule::exact);
+static_assert(kStored[kStoredColumns].rule == Rule::exact);
 
 }  // namespace
 
 std::span<const StoredColumn> stored_columns() noexcept {
-    return kColumns;
+    return kStored;
 }
 
 std::string_view to_string(Rule rule) noexcept {

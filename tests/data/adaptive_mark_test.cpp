@@ -11,11 +11,14 @@
 #include "tests/support/adaptive.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
 using data::Access;
 using data::Database;
+using tests::count;
+using tests::differences;
 
 namespace {
 
@@ -154,30 +157,6 @@ std::set<TrialId> marked(Database& database) {
         ids.insert(row.integer(0));
     }
     return ids;
-}
-
-std::int64_t count(Database& database, const std::string& from) {
-    auto row = database.prepare("SELECT count(*) FROM " + from);
-    row.step();
-    return row.integer(0);
-}
-
-std::string differences(Database& database) {
-    const data::Verification found = data::verify(database);
-    std::string text;
-    const auto add = [&text](const std::vector<data::Finding>& findings) {
-        for (const data::Finding& one : findings) {
-            if (one.kind != data::FindingKind::missing) {  // made-up provenance
-                text += fmt::format("{} {}: {} | {}\n", one.trial.value_or(0), one.what, one.stored,
-                                    one.recomputed);
-            }
-        }
-    };
-    add(found.file);
-    for (const auto& session : found.sessions) {
-        add(session.findings);
-    }
-    return text;
 }
 
 }  // namespace

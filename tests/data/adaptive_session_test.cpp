@@ -17,6 +17,7 @@
 #include "tests/support/content_hash.hpp"
 #include "tests/support/database_edits.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -24,6 +25,8 @@ using data::Access;
 using data::Database;
 using protocols::TrialId;
 using tests::adaptive_protocol;
+using tests::count;
+using tests::differences;
 using tests::run_simulated;
 using tests::session_spec;
 using tests::TemporaryFolder;
@@ -96,26 +99,6 @@ std::string content(Database& database) {
         }
     }
     return text;
-}
-
-std::string differences(Database& database) {
-    std::string text;
-    for (const auto& session : data::verify(database).sessions) {
-        for (const auto& finding : session.findings) {
-            if (finding.kind == data::FindingKind::missing) {
-                continue;  // made-up provenance
-            }
-            text += fmt::format("{} {}: {} | {}\n", finding.trial.value_or(0), finding.what,
-                                finding.stored, finding.recomputed);
-        }
-    }
-    return text;
-}
-
-std::int64_t count(Database& database, const std::string& from) {
-    auto row = database.prepare("SELECT count(*) FROM " + from);
-    row.step();
-    return row.integer(0);
 }
 
 }  // namespace

@@ -10,11 +10,13 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
 using data::Access;
 using data::Database;
+using tests::lines;
 
 namespace {
 
@@ -77,18 +79,6 @@ private:
     int gaps_ = 0;
     bool decided_ = false;
 };
-
-std::string lines(Database& database, const std::string& sql) {
-    auto row = database.prepare(sql);
-    std::string text;
-    while (row.step()) {
-        for (int i = 0; i < row.columns(); ++i) {
-            text += row.text(i) + ' ';
-        }
-        text += '\n';
-    }
-    return text;
-}
 
 /// The attempts of a whole session, whatever stops it on the way.
 std::string attempts(std::uint64_t seed, int stop_every) {

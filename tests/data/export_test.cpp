@@ -46,7 +46,7 @@ std::string everything(const fs::path& folder) {
 constexpr std::int64_t kClock = 432'198'765'000'000;  ///< ns
 
 /// Three participants of a study, with words that must not leave the lab.
-std::string a_database(const TemporaryFolder& folder) {
+std::string exported_database(const TemporaryFolder& folder) {
     const std::string file = folder.file("study.sqlite");
     Database database(file, Access::write);
     for (const char* code : {"SECRETP1", "SECRETP2", "SECRETP3"}) {
@@ -111,7 +111,7 @@ TEST_CASE("nothing that tells who somebody is leaves the file unless it is asked
           "[export][law]") {
     const auto format = GENERATE(ExportFormat::csv, ExportFormat::bids, ExportFormat::psych_ds);
     const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    const std::string file = exported_database(folder);
     const fs::path plain = folder.path() / "plain";
     CHECK(data::export_file(file, format, {}, plain).sessions == 3);
     const std::string text = everything(plain);
@@ -140,7 +140,7 @@ TEST_CASE(
     std::set<std::string> orders;
     for (int i = 0; i < 8; ++i) {
         const TemporaryFolder inner;
-        const std::string file = a_database(inner);
+        const std::string file = exported_database(inner);
         (void)data::export_file(file, ExportFormat::csv, {.keep_codes = true}, inner.path() / "a");
         (void)data::export_file(file, ExportFormat::csv, {.keep_codes = true}, inner.path() / "b");
         CHECK(everything(inner.path() / "a") == everything(inner.path() / "b"));
@@ -151,7 +151,7 @@ TEST_CASE(
 
 TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export][law]") {
     const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    const std::string file = exported_database(folder);
     const fs::path taken = folder.path() / "taken";
     fs::create_directory(taken);
     std::ofstream(taken / "thesis.txt") << "mine";
@@ -176,7 +176,7 @@ TEST_CASE("an export is whole or not there, and takes nobody's folder", "[export
 
 TEST_CASE("who does not consent is not exported", "[export][law]") {
     const TemporaryFolder folder;
-    const std::string file = a_database(folder);
+    const std::string file = exported_database(folder);
     {
         Database database(file, Access::write);
         data::note_participant(database, "SECRETP2", {.consent = false});
@@ -196,7 +196,7 @@ TEST_CASE("every column of the file is exported or marked to stay in the file", 
         }
     }
     const TemporaryFolder folder;
-    Database database(a_database(folder), Access::read);
+    Database database(exported_database(folder), Access::read);
     auto column = database.prepare(
         "SELECT t.name, c.name FROM sqlite_schema AS t, pragma_table_info(t.name) AS c"
         " WHERE t.type = 'table' AND t.name NOT IN ('trace_chunk', 'trace_column', 'fault_tick')");

@@ -6,12 +6,14 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
 using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
+using tests::lines;
 using tests::TemporaryFolder;
 
 namespace {
@@ -54,18 +56,6 @@ private:
     Recorder& recorder_;
     int calls_;
 };
-
-std::string lines(Database& database, const std::string& sql) {
-    auto row = database.prepare(sql);
-    std::string text;
-    while (row.step()) {
-        for (int i = 0; i < row.columns(); ++i) {
-            text += row.text(i) + ' ';
-        }
-        text += '\n';
-    }
-    return text;
-}
 
 constexpr const char* kFelt =
     "SELECT plan_position, outcome FROM trial WHERE outcome NOT IN ('running', 'interrupted') "

@@ -20,10 +20,10 @@ using data::Access;
 using data::Database;
 using data::MergeReport;
 using tests::copy_of;
+using tests::MergeWorld;
 using tests::Random;
 using tests::Rig;
 using tests::TemporaryFolder;
-using tests::World;
 
 namespace {
 
@@ -83,7 +83,7 @@ TEST_CASE(
     "[merge][law]") {
     const auto seed = GENERATE(range(0U, 12U));
     CAPTURE(seed);
-    World world(seed);
+    MergeWorld world(seed);
     const std::string whole = world.folder.file("whole.sqlite");
     REQUIRE(data::merge_files(whole, world.last).conflicts.empty());
     const std::string expected = content(whole);
@@ -117,7 +117,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
           std::pair{"trace_chunk", "data"}, std::pair{"plan", "mu_s"}, std::pair{"event", "text"},
           std::pair{"session", "device"}, std::pair{"participant", "participant_code"}}) {
         CAPTURE(table, column);
-        World world(7);
+        MergeWorld world(7);
         const std::string damaged = world.rigs.front().file();
         const auto sessions = [](const std::string& file) {
             Database database(file, Access::read);
@@ -143,7 +143,7 @@ TEST_CASE("a session that was damaged or edited is named, and nothing of it is m
 TEST_CASE("a trial keeps its id when its session goes on", "[merge][law]") {
     const auto seed = GENERATE(range(0U, 6U));
     CAPTURE(seed);
-    World world(seed);
+    MergeWorld world(seed);
     const std::string out = world.folder.file("out.sqlite");
     std::map<std::string, std::int64_t> ids;
     for (const std::string& file : world.files) {
@@ -256,7 +256,7 @@ TEST_CASE(
 }
 
 TEST_CASE("every row of every table arrives in a merged file", "[merge][law]") {
-    World world(99);
+    MergeWorld world(99);
     const std::string out = world.folder.file("out.sqlite");
     (void)data::merge_files(out, world.last);
     Database merged(out, Access::read);

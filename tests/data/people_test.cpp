@@ -15,22 +15,11 @@ using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
 using tests::Finished;
+using tests::lines;
 using tests::palpate_command;
 using tests::TemporaryFolder;
 
 namespace {
-
-std::string lines(Database& database, const std::string& sql) {
-    auto row = database.prepare(sql);
-    std::string text;
-    while (row.step()) {
-        for (int i = 0; i < row.columns(); ++i) {
-            text += row.text(i) + ' ';
-        }
-        text += '\n';
-    }
-    return text;
-}
 
 /// The n-th attempt at a position counts or not, the same whoever asks.
 std::string reason_of(std::size_t position, std::int64_t attempt, std::uint64_t seed) {

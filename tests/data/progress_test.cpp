@@ -8,19 +8,15 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
 using data::Access;
 using data::Database;
+using tests::count;
 
 namespace {
-
-std::int64_t count(Database& database, const std::string& from) {
-    auto row = database.prepare("SELECT count(*) FROM " + from);
-    row.step();
-    return row.integer(0);
-}
 
 /// Answers at random, marks, pauses, breaks off, and comes back.
 class Fickle : public tests::Patient {

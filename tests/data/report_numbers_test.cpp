@@ -14,11 +14,7 @@ using namespace palpate::data;
 using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 
-namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-}  // namespace
+namespace {}  // namespace
 
 TEST_CASE("ticks are 1, 2 or 5 times a power of ten, inside the axis, and say their value",
           "[report][law]") {
@@ -67,7 +63,7 @@ TEST_CASE("CSV numbers read back to the same bits", "[report][law]") {
     CsvColumn b{.name = "a, \"b\"", .values = {}};
     for (int i = 0; i < 500; ++i) {
         a.values.push_back((random.coin() ? 1.0 : -1.0) * random.decade(-300.0, 300.0));
-        b.values.push_back(i == 3 ? kNan : i * 0.1);
+        b.values.push_back(i == 3 ? std::numeric_limits<double>::quiet_NaN() : i * 0.1);
     }
     const std::vector<CsvColumn> columns{a, b};
     const TemporaryFolder folder;

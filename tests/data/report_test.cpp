@@ -16,8 +16,6 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 struct Place {
     double x = 0.0;
     double y = 0.0;
@@ -47,7 +45,8 @@ Series random_series(Random& random, bool positive) {
         series.y.push_back(positive ? random.decade(-12.0, 2.0)
                                     : middle + size * random.in(-1.0, 1.0));
         if (random.below(20) == 0) {
-            series.y.back() = random.coin() ? kNan : std::numeric_limits<double>::infinity();
+            series.y.back() = random.coin() ? std::numeric_limits<double>::quiet_NaN()
+                                            : std::numeric_limits<double>::infinity();
         }
     }
     series.mark = Mark::both;
@@ -138,7 +137,8 @@ TEST_CASE("Python's XML parser reads a figure too", "[report]") {
 
 TEST_CASE("a value that is not finite breaks the line", "[report]") {
     const SvgReader reader(
-        svg(one_panel({0, 1, 2, 3, 4, 5, 6}, {0, 1, kNan, 3, 2, std::nan(""), 1})));
+        svg(one_panel({0, 1, 2, 3, 4, 5, 6},
+                      {0, 1, std::numeric_limits<double>::quiet_NaN(), 3, 2, std::nan(""), 1})));
     const std::string d = reader.all("path", "series").at(0).attributes.at("d");
     CHECK(std::count(d.begin(), d.end(), 'M') == 3);
     CHECK(std::count(d.begin(), d.end(), 'L') == 2);
@@ -230,7 +230,7 @@ TEST_CASE("a figure refuses what it cannot draw, with what and how to repair it"
     figure.columns = 0;
     CHECK_THROWS_WITH(svg(figure), ContainsSubstring("0 columns"));
     figure = one_panel({1, 2}, {1, 2});
-    figure.width = kNan;
+    figure.width = std::numeric_limits<double>::quiet_NaN();
     CHECK_THROWS_WITH(svg(figure), ContainsSubstring("nan px wide"));
     CHECK_THROWS_WITH(write_svg("/nowhere/at/all.svg", one_panel({1}, {1})),
                       ContainsSubstring("/nowhere/at/all.svg"));

@@ -9,17 +9,12 @@ using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using data::Access;
 using data::Database;
+using tests::count;
 using tests::session_spec;
 using tests::small_protocol;
 using tests::TemporaryFolder;
 
 namespace {
-
-std::int64_t count(Database& database, const std::string& sql) {
-    auto row = database.prepare("SELECT count(*) FROM " + sql);
-    row.step();
-    return row.integer(0);
-}
 
 /// Two trials are answered, the third is aborted and begun again, and then the program dies.
 std::int64_t answer_two_and_die(Database& database, const data::SessionSpec& spec) {

@@ -11,7 +11,7 @@
 
 using namespace palpate::engine;
 using Catch::Matchers::ContainsSubstring;
-using palpate::tests::Bench;
+using palpate::tests::DaqBench;
 using palpate::tests::FakeCard;
 using palpate::tests::Random;
 
@@ -30,7 +30,7 @@ Calibration calibration() {
     return all;
 }
 
-std::unique_ptr<ComediDevice> plug(Bench& bench, const Calibration& how = calibration()) {
+std::unique_ptr<ComediDevice> plug(DaqBench& bench, const Calibration& how = calibration()) {
     return std::make_unique<ComediDevice>(std::make_unique<FakeCard>(bench), how);
 }
 
@@ -56,12 +56,12 @@ Vec2 somewhere(Random& random) {
     return {random.in(-0.03, 0.03), random.in(0.03, 0.07)};
 }
 
-double volts_of(const Bench& bench, std::size_t axis) {
+double volts_of(const DaqBench& bench, std::size_t axis) {
     return bench.output.min +
            bench.code[axis] * (bench.output.max - bench.output.min) / bench.output.top;
 }
 
-bool at_zero(const Bench& bench) {
+bool at_zero(const DaqBench& bench) {
     const double half_code = 0.5 * (bench.output.max - bench.output.min) / bench.output.top;
     return std::fabs(volts_of(bench, 0)) <= half_code * (1.0 + 1e-9) &&
            std::fabs(volts_of(bench, 1)) <= half_code * (1.0 + 1e-9);
@@ -76,7 +76,7 @@ TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both 
     Random random(seed);
     Calibration how = calibration();
     how.comedi->counter_clockwise = {random.coin(), random.coin()};
-    Bench bench;
+    DaqBench bench;
     const int bits = GENERATE(16, 24, 32);
     CAPTURE(bits);
     bench.counter_top = static_cast<std::uint32_t>((std::uint64_t{1} << bits) - 1);
@@ -106,7 +106,7 @@ TEST_CASE("without a home the counters' own values count, as signed numbers", "[
     how.comedi->counter_clockwise = {false, false};
     const Pantograph pantograph(how.pantograph);
     const auto there = pantograph.counts(*pantograph.reach({0.0, 0.05}));
-    Bench bench;
+    DaqBench bench;
     bench.counter = {static_cast<std::uint32_t>(there[0]) & 0xFFFFFFU,
                      static_cast<std::uint32_t>(there[1]) & 0xFFFFFFU};
     CHECK(plug(bench, how)->read().counts == there);
@@ -118,7 +118,7 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
     CAPTURE(seed);
     Random random(seed);
     const Calibration how = calibration();
-    Bench bench;
+    DaqBench bench;
     const bool narrow = random.coin();  // 2 V: the card limits before the motor
     bench.output = {.min = narrow ? -2.0 : -10.0,
                     .max = narrow ? 3.0 : 10.0,
@@ -160,7 +160,7 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
 }
 
 TEST_CASE("zero volts is the middle of the range and never code 0", "[device][comedi]") {
-    Bench bench;
+    DaqBench bench;
     {
         const auto device = plug(bench);
         CHECK(bench.code[0] == 32768);  // (0 + 10) / 20 * 65535 = 32767.5
@@ -173,7 +173,7 @@ TEST_CASE("zero volts is the middle of the range and never code 0", "[device][co
 
 TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts",
           "[device][comedi][law]") {
-    Bench bench;
+    DaqBench bench;
     const auto device = plug(bench);
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInf = std::numeric_limits<double>::infinity();
@@ -198,7 +198,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
     CAPTURE(seed);
     Random random(seed);
     const Calibration how = calibration();
-    Bench bench;
+    DaqBench bench;
     auto device = plug(bench, how);
     const std::array<std::uint32_t, 2> start = bench.counter;
     bench.failing_call = bench.calls + random.below(60);
@@ -238,7 +238,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
 TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops the force",
           "[device][comedi][fault]") {
     for (const std::uint32_t value : {0x600000U, 0x1000000U}) {
-        Bench bench;
+        DaqBench bench;
         const auto device = plug(bench);
         REQUIRE(device->read().ok());
         device->write({2.0, 1.0});
@@ -251,7 +251,7 @@ TEST_CASE("a counter that jumps, or reads beyond its bits, is garbage and stops 
 
 TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself",
           "[device][comedi][fault]") {
-    Bench bench;
+    DaqBench bench;
     const auto device = plug(bench);
     static_cast<void>(device->read());
     device->write({2.0, 1.0});
@@ -272,7 +272,7 @@ TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself"
 
 TEST_CASE("a card that stays away is asked again, and says each time what is wrong",
           "[device][comedi][fault]") {
-    Bench bench;
+    DaqBench bench;
     const auto device = plug(bench);
     bench.failing_call = bench.calls;
     bench.failing_calls = 1000;
@@ -297,7 +297,7 @@ TEST_CASE("a card that stays away is asked again, and says each time what is wro
 
 TEST_CASE("a card or a calibration that does not fit is refused with the remedy, at zero volts",
           "[device][comedi]") {
-    const auto said = [](Bench& bench, const Calibration& how) -> std::string {
+    const auto said = [](DaqBench& bench, const Calibration& how) -> std::string {
         try {
             static_cast<void>(plug(bench, how));
         } catch (const std::exception& error) {
@@ -307,7 +307,7 @@ TEST_CASE("a card or a calibration that does not fit is refused with the remedy,
         return "accepted";
     };
     Calibration how = calibration();
-    Bench bench;
+    DaqBench bench;
     bench.open_error = EACCES;
     CHECK_THAT(said(bench, how), ContainsSubstring("join the group"));
     bench.open_error = 0;

@@ -14,7 +14,7 @@ TEST_CASE("whatever answers take, every tick has a new reading, as old as the de
     const double trip = GENERATE(0.0, 0.3e-3, 0.8e-3, 1.1e-3, 2.1e-3, 4.6e-3, 9.2e-3);
     CAPTURE(trip);
     Random random(29);
-    Bench bench;
+    HaplyBench bench;
     bench.board.set_faults({.delay = trip});
     bench.open();
     const DeviceTraits traits = bench.device->traits();
@@ -42,7 +42,7 @@ TEST_CASE("whatever answers take, every tick has a new reading, as old as the de
 
 TEST_CASE("answers that take too long for a force are refused, at first and after a reconnection",
           "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.board.set_faults({.delay = 11e-3});
     CHECK_THROWS_WITH(bench.open(), ContainsSubstring("ms, too long for a force: use a port"));
     bench.board.set_faults({.delay = 2.5e-3});

@@ -12,7 +12,7 @@ using Catch::Matchers::ContainsSubstring;
 TEST_CASE("HIP is where the handle is, to half a count, for every machine and place",
           "[haply][law]") {
     const char* preset = GENERATE("gen3", "gen2", "haplet");
-    Bench bench(emulated_calibration(preset));
+    HaplyBench bench(emulated_calibration(preset));
     bench.open();
     Random random(5);
     int reached = 0;
@@ -43,7 +43,7 @@ TEST_CASE("HIP is where the handle is, to half a count, for every machine and pl
 }
 
 TEST_CASE("after the set-up HIP is home", "[haply]") {
-    Bench bench;
+    HaplyBench bench;
     bench.plant.lead({0.013, 0.027});  // wherever it was: counts start at the set-up
     bench.open();
     CHECK(glm::length(bench.tick({}).hip - *bench.machine.home) < 1e-4);
@@ -54,7 +54,7 @@ TEST_CASE("after the set-up HIP is home", "[haply]") {
 
 TEST_CASE("the motors get the torques of the force, each at its own pivot", "[haply][law]") {
     const char* preset = GENERATE("gen3", "gen2", "haplet");
-    Bench bench(emulated_calibration(preset));
+    HaplyBench bench(emulated_calibration(preset));
     bench.open();
     Random random(17);
     for (int i = 0; i < 300; ++i) {
@@ -82,7 +82,7 @@ TEST_CASE("the motors get the torques of the force, each at its own pivot", "[ha
 
 TEST_CASE("no torque is sent before the board answered, and none that is not finite",
           "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.board.set_faults({.silent = true});
     CHECK_THROWS_WITH(bench.open(), ContainsSubstring("does not answer"));
     for (const auto& packet : bench.cable.sent()) {
@@ -100,7 +100,7 @@ TEST_CASE("no torque is sent before the board answered, and none that is not fin
 }
 
 TEST_CASE("the first reading after a rest is not one from before it", "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     bench.ticks({}, 10);
     bench.plant.lead({0.03, 0.02});
@@ -119,7 +119,7 @@ TEST_CASE("a pose that the linkage cannot have gives a fault and no force, and p
     Calibration machine = emulated_calibration();
     machine.pantograph.linkage.free_1 = machine.pantograph.linkage.free_2 = 0.060;
     machine.home = Vec2{0.0, 0.0};
-    Bench bench(machine);
+    HaplyBench bench(machine);
     bench.open();
     bench.ticks({0.3, 0.3}, 5);
     // The encoder of pivot 1 is off by so much that the free links could not reach each other.
@@ -141,14 +141,14 @@ TEST_CASE("a pose that the linkage cannot have gives a fault and no force, and p
 TEST_CASE("grip is what the analogue input says", "[haply]") {
     Calibration machine = emulated_calibration();
     machine.haply->grip_pin = 56;
-    Bench bench(machine);
+    HaplyBench bench(machine);
     bench.board.set_sensor(700.0);
     bench.open();
     CHECK(bench.tick({}).grip == Grip::held);
     bench.board.set_sensor(100.0);
     bench.tick({});
     CHECK(bench.tick({}).grip == Grip::released);
-    Bench without;
+    HaplyBench without;
     without.open();
     CHECK(without.tick({}).grip == Grip::unknown);
 }
@@ -156,7 +156,7 @@ TEST_CASE("grip is what the analogue input says", "[haply]") {
 TEST_CASE("a calibration that is not a Haply's, or whose home is out of reach, is refused",
           "[haply]") {
     Calibration machine = emulated_calibration();
-    Bench bench;
+    HaplyBench bench;
     bench.machine.haply.reset();
     CHECK_THROWS_WITH(bench.open(), ContainsSubstring("add [haply]"));
     bench.machine = machine;

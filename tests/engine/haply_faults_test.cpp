@@ -10,7 +10,7 @@ using namespace palpate::tests;
 using Catch::Matchers::ContainsSubstring;
 
 TEST_CASE("every way out ends with zero torque five times", "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     bench.ticks({0.5, -0.4}, 20);
     REQUIRE_FALSE(bench.board.torque() == Vec2{});
@@ -52,7 +52,7 @@ TEST_CASE("an answer on its way at a rest is never taken for another: no garbage
     const auto seed = GENERATE(range(0U, 60U));
     CAPTURE(seed);
     Random random(seed);
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     const double delay = random.in(0.0, 9e-3);
     bench.board.set_faults({.delay = delay});
@@ -78,7 +78,7 @@ TEST_CASE("an answer on its way at a rest is never taken for another: no garbage
 }
 
 TEST_CASE("a late answer is no fault but not fresh, and one that stays away is", "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     bench.ticks({0.1, 0.0}, 10);
     bench.board.set_faults({.delay = 3.2e-3});
@@ -110,7 +110,7 @@ TEST_CASE("a late answer is no fault but not fresh, and one that stays away is",
 }
 
 TEST_CASE("an answer in pieces is put together", "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     const int at_once = GENERATE(0, 1, 2, 5, 8);
     bench.board.set_faults({.at_once = at_once, .rest_delay = 1.1e-3});
@@ -131,7 +131,7 @@ TEST_CASE("an answer in pieces is put together", "[haply][law]") {
 
 TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconnection mends it",
           "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     bench.ticks({0.3, 0.3}, 10);
     bench.plant.lead({0.02, 0.04});
@@ -168,7 +168,7 @@ TEST_CASE("an impossible answer latches a fault, zeroes the motors, and a reconn
 
 TEST_CASE("unplugged and plugged in again it asks for the handle at home, then goes on",
           "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open({.still = 0.5});
     bench.ticks({0.3, 0.3}, 10);
     bench.cable.plug(false);
@@ -196,7 +196,7 @@ TEST_CASE("unplugged and plugged in again it asks for the handle at home, then g
 }
 
 TEST_CASE("a handle that moves is not taken for one at home", "[haply]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     bench.cable.plug(false);
     bench.ticks({}, 2);
@@ -210,7 +210,7 @@ TEST_CASE("a handle that moves is not taken for one at home", "[haply]") {
 
 TEST_CASE("without a guard there is no force, and one that was started again gives it back",
           "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     bench.ticks({0.3, 0.3}, 5);
     CHECK(bench.guard.force);
@@ -248,7 +248,7 @@ TEST_CASE("in a thousand seconds of random faults the driver never sends what it
     const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, 100)));
     CAPTURE(seed);
     Random random(seed);
-    Bench bench;
+    HaplyBench bench;
     bench.open({.still = 0.05});
     int faults = 0;
     for (int i = 0; i < 10'000;) {
@@ -318,7 +318,7 @@ TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", 
     const auto seed = static_cast<std::uint64_t>(GENERATE(range(0, 200)));
     CAPTURE(seed);
     Random random(seed);
-    Bench bench;
+    HaplyBench bench;
     bench.open({.still = 0.05});
     for (int i = 0; i < 20; ++i) {
         bench.ticks(random.point(-3.0, 3.0), 1 + random.below(20));
@@ -337,7 +337,7 @@ TEST_CASE("packets that go out cut never leave a torque on, nor a rule broken", 
 }
 
 TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
-    Bench bench;
+    HaplyBench bench;
     bench.open();
     bench.ticks({0.3, 0.3}, 3);
     bench.board.set_faults({.delay = 10e-3});
@@ -353,7 +353,7 @@ TEST_CASE("zero torque is sent though an answer is still due", "[haply][law]") {
 }
 
 TEST_CASE("what answers but is no Haply board is refused as that", "[haply]") {
-    Bench bench;
+    HaplyBench bench;
     bench.board.set_faults({.wrong_id = true});
     CHECK_THROWS_WITH(bench.open(), ContainsSubstring("not as a Haply board with id 5"));
     CHECK(bench.board.torque() == Vec2{});

@@ -17,7 +17,7 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-constexpr double kPeriod = 0.001;
+constexpr double kTrackerPeriod = 0.001;
 constexpr TrackerKind kKinds[] = {TrackerKind::feedback, TrackerKind::feed_forward,
                                   TrackerKind::feedback_linearised, TrackerKind::tangent_plane,
                                   TrackerKind::newton};
@@ -51,10 +51,10 @@ double p99(const TrackerSpec& spec) {
                                        trackers[1].start(sweep(curves, 0.0))};
     std::vector<double> errors;
     for (int k = 0; k < 10000; ++k) {
-        const Vec2 hip = sweep(curves, k * kPeriod);
+        const Vec2 hip = sweep(curves, k * kTrackerPeriod);
         double nearest = 1.0;
         for (std::size_t i = 0; i < 2; ++i) {
-            const TrackedFoot foot = trackers[i].step(states[i], hip, kPeriod);
+            const TrackedFoot foot = trackers[i].step(states[i], hip, kTrackerPeriod);
             nearest = std::min(nearest, glm::length(foot.point - hip));
         }
         errors.push_back(std::fabs(nearest - true_distance(curves, hip)));
@@ -88,7 +88,7 @@ TEST_CASE("a tracker refuses numbers out of range, with value and remedy", "[the
     CHECK_THROWS_WITH(make({.kind = TrackerKind::newton, .iterations = 101}),
                       ContainsSubstring("101"));
     CHECK_NOTHROW(make({.kind = TrackerKind::newton, .gain = -1.0}));  // newton reads no gain
-    CHECK_THROWS_AS(feedback_gain(curve, 0.0, kPeriod), std::invalid_argument);
+    CHECK_THROWS_AS(feedback_gain(curve, 0.0, kTrackerPeriod), std::invalid_argument);
     CHECK_THROWS_AS(theorem_gain(0.05, 0.5, 0.0), std::invalid_argument);
 }
 
@@ -102,20 +102,20 @@ TEST_CASE(
     const double u = random.in(0.2, 0.8);
     const Jet<2> jet = curve.at(u);
     const Vec2 hip = jet.point + random.in(-0.003, 0.003) * perp(glm::normalize(jet.first));
-    const double formula = critical_gain(curve, u, hip, kPeriod);
+    const double formula = critical_gain(curve, u, hip, kTrackerPeriod);
     REQUIRE(formula > 0.0);
-    CHECK(stability_limit_ratio(curve, u, hip, kPeriod) == Approx(1.0).margin(0.001));
+    CHECK(stability_limit_ratio(curve, u, hip, kTrackerPeriod) == Approx(1.0).margin(0.001));
 }
 
 TEST_CASE("beyond the centre of curvature no gain is stable", "[thesis]") {
     const NurbsCurve<2> curve =
         bezier({{-0.01, 0.0}, {0.0, 0.02}, {0.01, 0.0}});  // radius 5 mm at 1/2
     const Vec2 centre{0.0, 0.005};
-    CHECK(critical_gain(curve, 0.5, centre + Vec2{0.0, 1e-4}, kPeriod) > 0.0);
-    CHECK(critical_gain(curve, 0.5, centre - Vec2{0.0, 1e-4}, kPeriod) == 0.0);
+    CHECK(critical_gain(curve, 0.5, centre + Vec2{0.0, 1e-4}, kTrackerPeriod) > 0.0);
+    CHECK(critical_gain(curve, 0.5, centre - Vec2{0.0, 1e-4}, kTrackerPeriod) == 0.0);
     // Outside a tip the limit falls below that of the speed alone: 1 + 3 mm / 5 mm.
-    const double above = critical_gain(curve, 0.5, Vec2{0.0, 0.013}, kPeriod);
-    CHECK(2.0 / (kPeriod * 0.02 * 0.02) / above == Approx(1.6).epsilon(1e-12));
+    const double above = critical_gain(curve, 0.5, Vec2{0.0, 0.013}, kTrackerPeriod);
+    CHECK(2.0 / (kTrackerPeriod * 0.02 * 0.02) / above == Approx(1.6).epsilon(1e-12));
 }
 
 TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gauss-Newton step",
@@ -129,13 +129,14 @@ TEST_CASE("one explicit Euler step of gain 1 over T and speed squared is one Gau
     const double speed2 = glm::dot(jet.first, jet.first);
     const Vec2 hip = jet.point + random.point(-0.004, 0.004);
 
-    const CurveTracker euler(curve,
-                             {.kind = TrackerKind::feedback, .gain = 1.0 / speed2 / kPeriod});
-    const CurveTracker plane(curve, {.kind = TrackerKind::tangent_plane, .rate_hz = 1.0 / kPeriod});
+    const CurveTracker euler(
+        curve, {.kind = TrackerKind::feedback, .gain = 1.0 / speed2 / kTrackerPeriod});
+    const CurveTracker plane(curve,
+                             {.kind = TrackerKind::tangent_plane, .rate_hz = 1.0 / kTrackerPeriod});
     TrackerState a = euler.start_at(u);
     TrackerState b = plane.start_at(u);
-    euler.step(a, hip, kPeriod);
-    plane.step(b, hip, kPeriod);
+    euler.step(a, hip, kTrackerPeriod);
+    plane.step(b, hip, kTrackerPeriod);
 
     const double gauss_newton = u + glm::dot(hip - jet.point, jet.first) / speed2;
     CHECK(a.u == Approx(gauss_newton).margin(1e-14));
@@ -149,13 +150,13 @@ TEST_CASE("the linearised law of gain 1 over T is one Newton step", "[thesis][la
     const NurbsCurve<2> curve = random_cubic(random);
     const double u = random.in(0.2, 0.8);
     const Vec2 hip = curve.at(u).point + random.point(-0.003, 0.003);
-    const CurveTracker law(curve,
-                           {.kind = TrackerKind::feedback_linearised, .gain = 1.0 / kPeriod});
+    const CurveTracker law(
+        curve, {.kind = TrackerKind::feedback_linearised, .gain = 1.0 / kTrackerPeriod});
     const CurveTracker newton(curve, {.kind = TrackerKind::newton});
     TrackerState a = law.start_at(u);
     TrackerState b = newton.start_at(u);
-    law.step(a, hip, kPeriod);
-    newton.step(b, hip, kPeriod);
+    law.step(a, hip, kTrackerPeriod);
+    newton.step(b, hip, kTrackerPeriod);
     CHECK(a.u == Approx(b.u).margin(1e-14));
 }
 
@@ -173,12 +174,12 @@ TEST_CASE("on a straight edge the lag of feedback is v over loop gain, and feed-
     TrackedFoot lagging;
     TrackedFoot carried;
     for (int k = 0; k <= 1000; ++k) {
-        const Vec2 hip{kSpeed * k * kPeriod, 0.002};
-        lagging = feedback.step(a, hip, kPeriod);
-        carried = forward.step(b, hip, kPeriod);
+        const Vec2 hip{kSpeed * k * kTrackerPeriod, 0.002};
+        lagging = feedback.step(a, hip, kTrackerPeriod);
+        carried = forward.step(b, hip, kTrackerPeriod);
     }
     // Settled: (1 - lambda T)(lag + v T) = lag.
-    const double lag = kSpeed / kLambda - kSpeed * kPeriod;
+    const double lag = kSpeed / kLambda - kSpeed * kTrackerPeriod;
     CHECK(-lagging.psi == Approx(lag).epsilon(1e-9));
     CHECK(std::fabs(carried.psi) < 1e-15);
     CHECK(carried.depth == Approx(-0.002));
@@ -187,7 +188,7 @@ TEST_CASE("on a straight edge the lag of feedback is v over loop gain, and feed-
 TEST_CASE("feedback errors fall with the loop gain until it leaves its limit", "[thesis]") {
     const auto curves = two_cubics();
     const auto error = [&](double kappa) {
-        return p99({.gain = feedback_gain(curves[0], kappa, kPeriod)});
+        return p99({.gain = feedback_gain(curves[0], kappa, kTrackerPeriod)});
     };
     const double slow = error(0.01);
     const double tenth = error(0.1);
@@ -221,7 +222,7 @@ TEST_CASE("trackers turn any finite input into finite output, and take nothing f
             const double far = k % 10 == 9 ? 1e9 : 0.1;
             Vec2 hip = random.point(-far, far);
             hip.x = k % 17 == 16 ? std::numeric_limits<double>::quiet_NaN() : hip.x;
-            const TrackedFoot foot = tracker.step(state, hip, kPeriod);
+            const TrackedFoot foot = tracker.step(state, hip, kTrackerPeriod);
             sane = sane && foot.u >= curve.front() && foot.u <= curve.back() &&
                    std::isfinite(foot.point.x) && std::isfinite(foot.point.y) &&
                    std::isfinite(foot.psi) && std::isfinite(foot.depth);

@@ -48,8 +48,6 @@ struct Fault {
     Vec2 way{};  ///< unit vector
 };
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// The simulated pantograph and hand, and what goes wrong with them.
 class FaultyDevice : public Device {
 public:
@@ -81,7 +79,7 @@ public:
             applied.load = fault_.mild ? Vec2{0.99, 0.5} : Vec2{0.3, 2.5};
         }
         if (tick_ >= fault_.at && fault_.kind == Kind::nan_load && !fault_.mild) {
-            applied.load.y = kNaN;
+            applied.load.y = std::numeric_limits<double>::quiet_NaN();
         }
         return applied;
     }
@@ -99,7 +97,8 @@ private:
         const double time = since * period_;
         switch (fault_.kind) {
             case Kind::nan_reading:
-                reading.hip.x = fault_.mild ? reading.hip.x : kNaN;
+                reading.hip.x =
+                    fault_.mild ? reading.hip.x : std::numeric_limits<double>::quiet_NaN();
                 break;
             case Kind::stuck_encoder:
                 freeze(reading, since);

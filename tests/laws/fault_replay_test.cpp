@@ -17,8 +17,6 @@ using palpate::tests::Random;
 
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 /// The simulated hand on a device whose readings fail, go stale or are no numbers.
 class Unsteady : public Device {
 public:
@@ -59,7 +57,9 @@ private:
     /// What a broken device may leave in hip.
     Vec2 bad() noexcept {
         const int kind = fault_ == DeviceFault::none ? 0 : random_.below(3);
-        return kind == 0 ? Vec2{kNaN, 0.0} : kind == 1 ? Vec2{1e300, -1e300} : Vec2{0.0, 0.03};
+        return kind == 0 ? Vec2{std::numeric_limits<double>::quiet_NaN(), 0.0}
+             : kind == 1 ? Vec2{1e300, -1e300}
+                         : Vec2{0.0, 0.03};
     }
 
     Random random_;

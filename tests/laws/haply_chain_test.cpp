@@ -33,7 +33,7 @@ TEST_CASE(
     Calibration machine = load_calibration(name);
     REQUIRE_FALSE(machine.home);  // the shipped ones count from zero_deg
     machine.home = Exploration{}.start;
-    Bench bench(machine);
+    HaplyBench bench(machine);
     if (!homed) {
         bench.machine.home.reset();
         const JointAngles zero{machine.pantograph.axes[0].zero, machine.pantograph.axes[1].zero};

@@ -19,6 +19,7 @@ using Catch::Matchers::Matches;
 using tests::Finished;
 using tests::palpate_command;
 using tests::TemporaryFolder;
+using tests::write;
 
 namespace {
 
@@ -49,10 +50,6 @@ std::string deep(int way, std::size_t levels) {
             return "a = \"\\\"\" # \"\nb = '''\n'\"\"\"'''\n\"c\\\"\" = \"\"\"\n\"\\\"\"\"\"\n" +
                    deep(0, levels);
     }
-}
-
-void write(const std::string& file, const std::string& text) {
-    std::ofstream(file, std::ios::binary) << text;
 }
 
 /// Every command that reads TOML of its user.

@@ -18,6 +18,7 @@ using tests::palpate_command;
 using tests::Random;
 using tests::TemporaryFolder;
 using tests::Vec2;
+using tests::write;
 
 namespace {
 
@@ -39,10 +40,6 @@ std::map<std::string, std::vector<std::string>> columns_of(const std::string& te
         }
     }
     return columns;
-}
-
-void write(const std::string& file, const std::string& text) {
-    std::ofstream(file) << text;
 }
 
 constexpr const char* kContact = R"(

@@ -15,6 +15,7 @@ using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
 using tests::palpate_command;
+using tests::pause;
 using tests::TemporaryFolder;
 using tests::WindowSession;
 
@@ -57,10 +58,6 @@ std::string lines(const std::string& file, const std::string& sql) {
         text += '\n';
     }
     return text;
-}
-
-void pause(double seconds) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
 /// Does `act` until the window looks otherwise: what comes within the guard time changes nothing.

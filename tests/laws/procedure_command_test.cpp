@@ -13,6 +13,7 @@ using Catch::Matchers::ContainsSubstring;
 using tests::Finished;
 using tests::palpate_command;
 using tests::TemporaryFolder;
+using tests::write;
 
 namespace {
 
@@ -30,10 +31,6 @@ slope = [2, 3, 4, 5]
 guess = 0.5
 lapse = [0.0, 0.01, 0.02, 0.03, 0.04]
 )";
-
-void write(const std::string& file, std::string_view text) {
-    std::ofstream(file) << text;
-}
 
 std::string read(const std::string& file) {
     std::ostringstream text;

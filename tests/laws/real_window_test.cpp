@@ -13,16 +13,13 @@ using namespace palpate;
 using engine::Vec2;
 using tests::ArcOracle;
 using tests::GosOracle;
+using tests::pause;
 using tests::TemporaryFolder;
 using tests::XHand;
 
 namespace {
 
 constexpr std::size_t kClicked = 1;
-
-void pause(double seconds) {
-    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
-}
 
 /// Strokes of the real pointer in the left side A-V, up and down, from the start pose and off again.
 void explore(XHand& hand, const XHand::Window& window) {

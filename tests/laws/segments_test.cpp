@@ -46,15 +46,15 @@ std::vector<Row> rows_of(const std::string& text, char separator, std::vector<st
     return rows;
 }
 
-double number(const Row& row, const std::string& name) {
+double number_of(const Row& row, const std::string& name) {
     return std::stod(row.at(name));
 }
 Vec2 point(const Row& row, const std::string& name) {
-    return {number(row, name + "_x_m"), number(row, name + "_y_m")};
+    return {number_of(row, name + "_x_m"), number_of(row, name + "_y_m")};
 }
 
-std::vector<Row> sql(const std::string& file, const std::string& query) {
-    const Finished done = palpate_command({"sql", file, "--csv", "-c", query});
+std::vector<Row> rows_of(const std::string& file, const std::string& query) {
+    const Finished done = palpate_command({"rows_of", file, "--csv", "-c", query});
     CAPTURE(query, done.error);
     REQUIRE(done.code == 0);
     return rows_of(done.out, ',', {});
@@ -167,7 +167,7 @@ struct Felt {
 };
 
 Felt felt_in(const TemporaryFolder& folder, const std::string& file, const Row& trial) {
-    Felt felt{sql(file, "SELECT * FROM sample WHERE trial_id = " + trial.at("trial_id")), {}};
+    Felt felt{rows_of(file, "SELECT * FROM sample WHERE trial_id = " + trial.at("trial_id")), {}};
     std::string path = "t_s,x_m,y_m\n";
     for (const Row& tick : felt.sample) {
         path +=
@@ -192,7 +192,7 @@ void check_rendered(const Felt& felt, bool hill, bool rubs, std::map<int, int>& 
         CAPTURE(i);
         const int place = std::stoi(tick.at("segment"));
         const int segment = place >= 0 ? place : -1 - place;  // vertex j is at the end of segment j
-        const double u = number(tick, "u");
+        const double u = number_of(tick, "u");
         const Vec2 go = point(tick, "go");
         const bool skipped = (std::stoi(tick.at("flags")) & 16) != 0;
         ++visits[place];
@@ -202,7 +202,7 @@ void check_rendered(const Felt& felt, bool hill, bool rubs, std::map<int, int>& 
             const Vec2 named = on_hill(static_cast<std::size_t>(segment), place >= 0 ? u : end);
             REQUIRE(glm::length(named - go) < 1e-9);
             const Vec2 cp = on_hill(static_cast<std::size_t>(std::stoi(again.at("segment"))),
-                                    number(again, "u"));
+                                    number_of(again, "u"));
             REQUIRE(glm::length(cp - point(again, "cp")) < 1e-9);
         }
         if (skipped) {
@@ -215,11 +215,12 @@ void check_rendered(const Felt& felt, bool hill, bool rubs, std::map<int, int>& 
             (tick.at("mode") == mode || (!rubs && tick.at("mode") != "free" && mode != "free")));
         REQUIRE(glm::length(go - point(again, "go")) < 1e-9);
         REQUIRE(glm::length(point(tick, "cp") - point(again, "cp")) < 1e-9);
-        REQUIRE(std::fabs(number(tick, "rendered_normal_n") - number(again, "fn_n")) < 1e-6);
-        REQUIRE(std::fabs(number(tick, "rendered_tangential_n") - number(again, "ft_n")) < 1e-6);
+        REQUIRE(std::fabs(number_of(tick, "rendered_normal_n") - number_of(again, "fn_n")) < 1e-6);
+        REQUIRE(std::fabs(number_of(tick, "rendered_tangential_n") - number_of(again, "ft_n")) <
+                1e-6);
         if (go == point(tick, "cp")) {  // render names the closest point's place
             REQUIRE(std::stoi(again.at("segment")) == segment);
-            REQUIRE((place < 0 || std::fabs(number(again, "u") - u) < 1e-9));
+            REQUIRE((place < 0 || std::fabs(number_of(again, "u") - u) < 1e-9));
         }
     }
 }
@@ -231,15 +232,15 @@ void check_sides(const Felt& felt, const Row& trial) {
     for (const Row& tick : felt.sample) {
         if (std::stoll(tick.at("tick")) < std::stoll(trial.at("ticks")) &&
             tick.at("mode") != "free") {
-            const double x = number(tick, "go_x_m");
+            const double x = number_of(tick, "go_x_m");
             inner[0] += x < -1e-9 ? 1 : 0;
             outer[0] += x < 1e-9 ? 1 : 0;
             inner[1] += x > 1e-9 ? 1 : 0;
             outer[1] += x > -1e-9 ? 1 : 0;
         }
     }
-    const std::array<std::int64_t, 2> shown{std::llround(1e3 * number(trial, "before_vertex_s")),
-                                            std::llround(1e3 * number(trial, "after_vertex_s"))};
+    const std::array<std::int64_t, 2> shown{std::llround(1e3 * number_of(trial, "before_vertex_s")),
+                                            std::llround(1e3 * number_of(trial, "after_vertex_s"))};
     for (std::size_t side : {0U, 1U}) {
         CAPTURE(side, inner, outer, shown);
         CHECK((shown[side] >= inner[side] && shown[side] <= outer[side]));
@@ -281,7 +282,7 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
         {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
     CAPTURE(run.error);
     REQUIRE(run.code == 0);
-    const std::vector<Row> trials = sql(
+    const std::vector<Row> trials = rows_of(
         file,
         "SELECT trial_id, s.planned_object AS object, friction, before_vertex_s, after_vertex_s, "
         "ticks FROM analysis_trial AS s JOIN trial USING (trial_id) ORDER BY trial_id");
@@ -304,10 +305,10 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
         REQUIRE(runs[i].size() == felt.sample.size());
         for (std::size_t k = 0; k < runs[i].size(); ++k) {
             CAPTURE(k);
-            REQUIRE(number(runs[i][k], "segment") == number(felt.sample[k], "segment"));
-            REQUIRE(number(runs[i][k], "u") == number(felt.sample[k], "u"));
-            REQUIRE(number(runs[i][k], "go_x_m") == number(felt.sample[k], "go_x_m"));
-            if (const double u = number(felt.sample[k], "u");
+            REQUIRE(number_of(runs[i][k], "segment") == number_of(felt.sample[k], "segment"));
+            REQUIRE(number_of(runs[i][k], "u") == number_of(felt.sample[k], "u"));
+            REQUIRE(number_of(runs[i][k], "go_x_m") == number_of(felt.sample[k], "go_x_m"));
+            if (const double u = number_of(felt.sample[k], "u");
                 hill && felt.sample[k].at("segment") == "0") {
                 ++on_spans[u < 0.3 ? 0 : u < 1.0 ? 1 : 2];
             }

@@ -25,7 +25,7 @@ std::string text_of(const std::string& path) {
     return text.str();
 }
 
-std::string lines(const std::string& file, const std::string& sql) {
+std::string column_of(const std::string& file, const std::string& sql) {
     data::Database database(file, data::Access::read);
     auto row = database.prepare(sql);
     std::string text;
@@ -37,7 +37,7 @@ std::string lines(const std::string& file, const std::string& sql) {
 
 bool has_ticks(const std::string& file) {
     try {
-        return lines(file, "SELECT count(*) FROM trace_chunk") != "0\n";
+        return column_of(file, "SELECT count(*) FROM trace_chunk") != "0\n";
     } catch (const data::StoreError&) {  // it is not there yet
         return false;
     }
@@ -85,13 +85,13 @@ TEST_CASE("a limit that every hand breaks: three faults, a sentence, exit code 1
                    ContainsSubstring("gave up after 3 faults in a row: the handle was faster than "
                                      "the limit: move more slowly. The force is off"));
         CHECK_THAT(end.out, ContainsSubstring("fault: the handle was faster than the limit"));
-        CHECK(lines(file, "PRAGMA integrity_check") == "ok\n");
-        CHECK(lines(file, "SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'") ==
+        CHECK(column_of(file, "PRAGMA integrity_check") == "ok\n");
+        CHECK(column_of(file, "SELECT count(*) FROM fault WHERE fault_cause = 'over_speed'") ==
               std::to_string(3 * run) + "\n");
-        CHECK(lines(file, "SELECT count(*) FROM trial WHERE outcome <> 'faulted'") == "0\n");
-        CHECK(lines(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
+        CHECK(column_of(file, "SELECT count(*) FROM trial WHERE outcome <> 'faulted'") == "0\n");
+        CHECK(column_of(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
               std::to_string(run) + "\n");
-        CHECK(lines(file, "SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0\n");
+        CHECK(column_of(file, "SELECT count(*) FROM event WHERE event_kind = 'timing'") == "0\n");
     }
 }
 
@@ -110,9 +110,9 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
         REQUIRE(tests::eventually([&] { return has_ticks(file) || !program.running(); }));
         REQUIRE(tests::eventually([&] {
             return !program.running() ||
-                   lines(file,
-                         "SELECT count(*) FROM trial WHERE outcome = 'running' AND trial_id IN "
-                         "(SELECT trial_id FROM trace_chunk)") == "1\n";
+                   column_of(file,
+                             "SELECT count(*) FROM trial WHERE outcome = 'running' AND trial_id IN "
+                             "(SELECT trial_id FROM trace_chunk)") == "1\n";
         }));
         for (const pid_t child : children_of(program.id())) {  // the board and the guard
             kill(child, SIGKILL);
@@ -123,14 +123,15 @@ TEST_CASE("a device that dies and stays away: ten tries, exit code 1, and anothe
         CHECK_THAT(end.error,
                    ContainsSubstring("gave up after 10 tries to reach the device again: ") ||
                        ContainsSubstring("faults in a row: "));
-        CHECK(lines(file, "PRAGMA integrity_check") == "ok\n");
+        CHECK(column_of(file, "PRAGMA integrity_check") == "ok\n");
         // Exactly so many on a quiet machine; a busy one may have had ticks too late before.
-        CHECK(lines(file, "SELECT count(*) >= " + std::to_string(run) +
-                              " FROM trial WHERE outcome = 'faulted'") == "1\n");
-        CHECK(lines(file, "SELECT count(*) FROM trial WHERE outcome = 'running'") == "0\n");
-        CHECK(lines(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
+        CHECK(column_of(file, "SELECT count(*) >= " + std::to_string(run) +
+                                  " FROM trial WHERE outcome = 'faulted'") == "1\n");
+        CHECK(column_of(file, "SELECT count(*) FROM trial WHERE outcome = 'running'") == "0\n");
+        CHECK(column_of(file, "SELECT count(*) FROM event WHERE event_kind = 'gave up'") ==
               std::to_string(run) + "\n");
-        CHECK(lines(file, "SELECT count(*) > 0 FROM event WHERE event_kind = 'timing'") == "1\n");
+        CHECK(column_of(file, "SELECT count(*) > 0 FROM event WHERE event_kind = 'timing'") ==
+              "1\n");
         if (run == 2) {
             CHECK_THAT(end.out, ContainsSubstring("Resuming at practice 1 of 10"));
         }

@@ -28,7 +28,7 @@ std::vector<std::string> run(const std::string& file, const std::string& resume)
             resume};
 }
 
-std::string lines(const std::string& file, const std::string& sql) {
+std::string csv_of(const std::string& file, const std::string& sql) {
     return palpate_command({"sql", file, "--csv", "-c", sql}).out;
 }
 
@@ -58,7 +58,7 @@ TEST_CASE("a session goes on alike whatever the sentences of its events say",
     // The session begins its block again, and is broken off again.
     REQUIRE(palpate_command(run(file, "redo-block")).code == 0);
     cut(file, 14);
-    CHECK(lines(file, "SELECT event_kind FROM event WHERE event_kind = 'redo'") ==
+    CHECK(csv_of(file, "SELECT event_kind FROM event WHERE event_kind = 'redo'") ==
           "event_kind\nredo\n");
     const std::string reworded = folder.file("reworded.sqlite");
     std::filesystem::copy(file, reworded);
@@ -77,8 +77,8 @@ TEST_CASE("a session goes on alike whatever the sentences of its events say",
           " ORDER BY event_id",
           "SELECT answered, faulted, aborted, lost_ticks, breaks FROM session_health"}) {
         CAPTURE(sql);
-        const std::string wanted = lines(file, sql);
+        const std::string wanted = csv_of(file, sql);
         CHECK(wanted.find('\n') + 1 < wanted.size());
-        CHECK(lines(reworded, sql) == wanted);
+        CHECK(csv_of(reworded, sql) == wanted);
     }
 }

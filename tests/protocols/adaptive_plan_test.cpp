@@ -18,7 +18,7 @@ using palpate::tests::adaptive_text;
 
 namespace {
 
-std::string refusal(const std::string& text) {
+std::string rule_refusal(const std::string& text) {
     try {
         static_cast<void>(parse_protocol(text, "p.toml"));
     } catch (const ProtocolError& error) {
@@ -33,7 +33,7 @@ std::string with(std::string text, const std::string& from, const std::string& t
     return text.replace(at, from.size(), to);
 }
 
-Plan plan_of(const Protocol& protocol, std::uint64_t seed) {
+Plan adaptive_plan_of(const Protocol& protocol, std::uint64_t seed) {
     return make_plan(protocol, protocol_hash(protocol), {.participant = "P01"}, seed);
 }
 
@@ -46,7 +46,7 @@ TEST_CASE(
     Protocol protocol = adaptive_protocol();
     protocol.procedure->max_run = 2;
     protocol.procedure->max_run_interval = 3;
-    const Plan plan = plan_of(protocol, seed);
+    const Plan plan = adaptive_plan_of(protocol, seed);
     REQUIRE(plan.trials.size() == 16);
     std::map<std::size_t, std::array<int, 2>> counts;
     std::size_t same_run = 0;
@@ -75,7 +75,7 @@ TEST_CASE(
         CHECK(count[0] + count[1] == 7);
         CHECK(std::abs(count[0] - count[1]) == 1);
     }
-    CHECK(plan == plan_of(protocol, seed));
+    CHECK(plan == adaptive_plan_of(protocol, seed));
 }
 
 TEST_CASE("the hash of a plan follows the rule, its stream and every trial", "[adaptive][law]") {
@@ -110,9 +110,9 @@ TEST_CASE("a protocol with a rule is written and read again as the same text", "
 
 TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[adaptive]") {
     const std::string good = adaptive_text(palpate::tests::kQuestPlusRule);
-    REQUIRE(refusal(good) == "accepted");
+    REQUIRE(rule_refusal(good) == "accepted");
     const auto says = [&](const char* from, const char* to) {
-        const std::string what = refusal(with(good, from, to));
+        const std::string what = rule_refusal(with(good, from, to));
         CHECK_THAT(what, Catch::Matchers::StartsWith("p.toml:"));
         return what;
     };
@@ -158,7 +158,7 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
     CHECK_THAT(says("[[run]]\nname = \"equal\"", "[[run]]\nname = \"different\""),
                ContainsSubstring("a name of its own"));
     const std::string plain = with(good, "[procedure]", "[observer]\n[procedures]");
-    CHECK_THAT(refusal(plain), ContainsSubstring("did you mean procedure?"));
+    CHECK_THAT(rule_refusal(plain), ContainsSubstring("did you mean procedure?"));
 }
 
 TEST_CASE(
@@ -172,7 +172,7 @@ TEST_CASE(
     protocol.procedure->practice_balanced = true;
     std::set<std::vector<std::size_t>> orders;
     for (std::uint64_t seed = 0; seed < 60; ++seed) {
-        const Plan plan = plan_of(protocol, seed);
+        const Plan plan = adaptive_plan_of(protocol, seed);
         std::vector<std::array<int, 2>> counts(runs);
         std::vector<std::size_t> order;
         for (std::size_t i = 0; i < trials; ++i) {
@@ -202,7 +202,7 @@ TEST_CASE(
     const std::string staircase = with(adaptive_text(palpate::tests::kStaircaseRule),
                                        "lowest = 5.5", std::string("lowest = ") + lowest.first);
     CAPTURE(lowest.first);
-    const std::string what = refusal(staircase);
+    const std::string what = rule_refusal(staircase);
     if (lowest.second) {
         CHECK(what == "accepted");
     } else {
@@ -220,15 +220,15 @@ TEST_CASE(
     }
     // One that seeks the point of equality may go to both sides of it.
     const std::string both = with(staircase, "down = 2", "down = 1");
-    CHECK(refusal(both) == "accepted");
+    CHECK(rule_refusal(both) == "accepted");
     for (const ShippedProtocol& shipped : shipped_protocols()) {
         if (shipped.name != "friction_threshold") {
             continue;
         }
         const std::string text(shipped.text);
-        CHECK(refusal(text) == "accepted");
+        CHECK(rule_refusal(text) == "accepted");
         CHECK_THAT(
-            refusal(with(text, "lowest = 0.305           #", "lowest = 0.29 #")),
+            rule_refusal(with(text, "lowest = 0.305           #", "lowest = 0.29 #")),
             Catch::Matchers::Matches("p\\.toml:[0-9]+:10: the rule may choose a mu_s of 0\\.29, "
                                      "and that of the standard is 0\\.3: .*"));
     }

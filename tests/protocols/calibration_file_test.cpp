@@ -20,7 +20,7 @@ namespace {
 
 constexpr const char* kPresets[] = {"haplet", "2diy_gen2", "2diy_gen3", "mk2"};
 
-std::string refusal(const std::string& text) {
+std::string calibration_refusal(const std::string& text) {
     try {
         static_cast<void>(parse_calibrations(text, "c.toml"));
     } catch (const ProtocolError& error) {
@@ -46,7 +46,7 @@ Calibration any_calibration(Random& random) {
                        .free_2 = random.in(0.03, 0.3),
                        .base = random.in(0.0, 0.2),
                        .mode = {random.coin(), random.coin(), random.coin()}};
-    for (Axis& axis : machine.axes) {
+    for (palpate::engine::Axis& axis : machine.axes) {
         axis = {.counts_per_turn = random.decade(2.0, 6.0),
                 .zero = random.in(-6.0, 6.0),
                 .torque_limit = random.in(0.5, 0.9),
@@ -193,42 +193,47 @@ TEST_CASE("a calibration that is written and read is the same, and has the same 
 
 TEST_CASE("what is wrong with a calibration is said at its place, with the remedy",
           "[calibration]") {
-    CHECK_THAT(refusal(changed("base_mm = 38", "base_mm = -38")),
+    CHECK_THAT(calibration_refusal(changed("base_mm = 38", "base_mm = -38")),
                ContainsSubstring("c.toml:15:11: base_mm is -38: give 0 to 2000"));
-    CHECK_THAT(refusal(changed("base_mm", "base_m")),
+    CHECK_THAT(calibration_refusal(changed("base_mm", "base_m")),
                ContainsSubstring("c.toml:15:1: unknown key \"base_m\" in [linkage] of "
                                  "[[pantograph]] 1: did you mean base_mm?"));
-    CHECK_THAT(refusal(changed("id = 5", "id = 0")), ContainsSubstring("id is 0: give 1 to 255"));
-    CHECK_THAT(refusal(changed("id = 5", "id = 5.5")),
+    CHECK_THAT(calibration_refusal(changed("id = 5", "id = 0")),
+               ContainsSubstring("id is 0: give 1 to 255"));
+    CHECK_THAT(calibration_refusal(changed("id = 5", "id = 5.5")),
                ContainsSubstring("give an integer (1 to 255)"));
-    CHECK_THAT(refusal(changed("port_2 = 1", "port_2 = 2")),
+    CHECK_THAT(calibration_refusal(changed("port_2 = 1", "port_2 = 2")),
                ContainsSubstring("give two different ones"));
-    CHECK_THAT(refusal(changed("\"anticlockwise\"", "\"clokwise\"")),
+    CHECK_THAT(calibration_refusal(changed("\"anticlockwise\"", "\"clokwise\"")),
                ContainsSubstring("did you mean clockwise?"));
     for (const auto& [key, sound, most] :
          {std::tuple{"torque_limit_mn_m", "123", "2000"}, {"torque_forever_mn_m", "60", "2000"}}) {
         const std::string name(key);
-        const std::string said = refusal(changed(name + " = " + sound, name + " = 1000000"));
+        const std::string said =
+            calibration_refusal(changed(name + " = " + sound, name + " = 1000000"));
         CHECK_THAT(said, ContainsSubstring(": " + name + " is 1000000: give ") &&
                              ContainsSubstring(most) && Catch::Matchers::StartsWith("c.toml:"));
     }
-    CHECK_THAT(refusal(changed("torque_forever_mn_m = 60", "torque_forever_mn_m = 160")),
-               ContainsSubstring("at most 0.123"));
-    CHECK_THAT(refusal(changed("name = \"2diy_gen3\"", "")),
+    CHECK_THAT(
+        calibration_refusal(changed("torque_forever_mn_m = 60", "torque_forever_mn_m = 160")),
+        ContainsSubstring("at most 0.123"));
+    CHECK_THAT(calibration_refusal(changed("name = \"2diy_gen3\"", "")),
                ContainsSubstring("lacks the key name"));
-    CHECK_THAT(refusal(changed("[pantograph.axis_2]", "[pantograph.axis_3]")),
+    CHECK_THAT(calibration_refusal(changed("[pantograph.axis_2]", "[pantograph.axis_3]")),
                ContainsSubstring("has no table [pantograph.axis_2]: add it"));
-    CHECK_THAT(refusal(changed("origin_mm = [19, 125]", "origin_mm = [19]")),
+    CHECK_THAT(calibration_refusal(changed("origin_mm = [19, 125]", "origin_mm = [19]")),
                ContainsSubstring("origin_mm is an array of 1 (an array): give two numbers"));
-    CHECK_THAT(refusal(changed("format = 1", "format = 2")), ContainsSubstring("reads format = 1"));
-    CHECK_THAT(refusal("format = 1"), ContainsSubstring("add a [[pantograph]]"));
-    CHECK_THAT(refusal(""), ContainsSubstring("c.toml:1:1:"));
+    CHECK_THAT(calibration_refusal(changed("format = 1", "format = 2")),
+               ContainsSubstring("reads format = 1"));
+    CHECK_THAT(calibration_refusal("format = 1"), ContainsSubstring("add a [[pantograph]]"));
+    CHECK_THAT(calibration_refusal(""), ContainsSubstring("c.toml:1:1:"));
     CHECK_THROWS_WITH(load_calibration("mk3"),
                       ContainsSubstring("haplet, 2diy_gen2, 2diy_gen3, mk2"));
     const std::string two =
         std::string(shipped_pantographs())
             .replace(std::string(shipped_pantographs()).find("2diy_gen2"), 9, "2diy_gen3");
-    CHECK_THAT(refusal(two), ContainsSubstring("two machines are called \"2diy_gen3\""));
+    CHECK_THAT(calibration_refusal(two),
+               ContainsSubstring("two machines are called \"2diy_gen3\""));
 }
 
 TEST_CASE("no calibration file, however broken, does more than be refused line by line",

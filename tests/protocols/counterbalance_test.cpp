@@ -12,7 +12,7 @@ using namespace palpate::protocols;
 
 namespace {
 
-Protocol study() {
+Protocol counterbalanced_study() {
     Protocol protocol;
     for (const char* name : {"a", "b", "c", "d", "e"}) {
         protocol.objects.push_back({.name = name});
@@ -36,7 +36,7 @@ std::vector<std::string> names(const Protocol& protocol, const std::vector<std::
 TEST_CASE("rows are balanced after every participant, whatever is drawn", "[counterbalance][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{30}));
     CAPTURE(seed);
-    const Protocol protocol = study();
+    const Protocol protocol = counterbalanced_study();
     std::vector<std::vector<std::string>> before;
     for (int i = 0; i < 35; ++i) {
         const Plan plan = make_plan(protocol, "hash", {.participant = std::to_string(i)}, seed,
@@ -50,7 +50,7 @@ TEST_CASE("rows are balanced after every participant, whatever is drawn", "[coun
 }
 
 TEST_CASE("a participant keeps the row they have, whatever others do", "[counterbalance][law]") {
-    const Protocol protocol = study();
+    const Protocol protocol = counterbalanced_study();
     for (std::size_t row = 0; row < 10; ++row) {
         RowHistory history{.uses = std::vector<std::size_t>(10, 0), .own = row};
         history.uses[row] = 99;
@@ -73,7 +73,7 @@ TEST_CASE("the row used least is taken, and ties fall on each alike", "[counterb
 }
 
 TEST_CASE("orders of another version of the protocol count for nothing", "[counterbalance]") {
-    const Protocol protocol = study();
+    const Protocol protocol = counterbalanced_study();
     const std::vector<std::vector<std::string>> others = {{"a", "b"}, {"v", "w", "x", "y", "z"}};
     const RowHistory history = picture_history(protocol, others, others[1]);
     CHECK(history.uses == std::vector<std::size_t>(10, 0));

@@ -55,7 +55,8 @@ std::vector<double> by_definition(const OutcomeModel& model,
 QuestPlusSpec some_problem(Random& random) {
     QuestPlusSpec spec;
     const auto axis = [&](const std::string& name, double from, double to, int most) {
-        return Axis{name, evenly(from, to, static_cast<std::size_t>(1 + random.below(most)))};
+        return palpate::protocols::Axis{
+            name, evenly(from, to, static_cast<std::size_t>(1 + random.below(most)))};
     };
     const auto form = static_cast<LapseForm>(random.below(3));
     const auto family = static_cast<Family>(1 + random.below(5));
@@ -63,7 +64,8 @@ QuestPlusSpec some_problem(Random& random) {
         case 0: {
             spec.model = psychometric_model(family, form);
             spec.stimuli = Grid({axis("stimulus", -3, 3, 9)});
-            std::vector<Axis> axes{axis("threshold", -2, 2, 7), axis("slope", 0.5, 3, 4)};
+            std::vector<palpate::protocols::Axis> axes{axis("threshold", -2, 2, 7),
+                                                       axis("slope", 0.5, 3, 4)};
             if (form != LapseForm::two_sided) {
                 axes.push_back(axis("guess", 0.1, 0.5, 3));
             }

@@ -40,7 +40,7 @@ public:
     }
 };
 
-Protocol study(double stiffness = 1000.0, double rate_hz = 1000.0) {
+Protocol felt_study(double stiffness = 1000.0, double rate_hz = 1000.0) {
     Protocol protocol;
     protocol.objects = {{.name = "concave", .curvature = -10.0},
                         {.name = "convex", .curvature = 10.0}};
@@ -63,9 +63,9 @@ TEST_CASE("stiffness is refused just above the passivity bound", "[feasibility][
     CAPTURE(row.damping, row.delay, row.rate_hz);
     FakeDevice device;
     device.what = {.damping = row.damping, .delay_ticks = row.delay};
-    CHECK(check_feasibility(study(row.bound, row.rate_hz), device).empty());
-    CHECK(check_feasibility(study(0.9 * row.bound, row.rate_hz), device).empty());
-    const auto findings = check_feasibility(study(1.001 * row.bound, row.rate_hz), device);
+    CHECK(check_feasibility(felt_study(row.bound, row.rate_hz), device).empty());
+    CHECK(check_feasibility(felt_study(0.9 * row.bound, row.rate_hz), device).empty());
+    const auto findings = check_feasibility(felt_study(1.001 * row.bound, row.rate_hz), device);
     REQUIRE(findings.size() == 1);
     CHECK((findings[0].verdict == Verdict::refuse));
 }
@@ -74,33 +74,35 @@ TEST_CASE("a refusal names the stiffness and the rate that would do, and these a
           "[feasibility][law]") {
     FakeDevice device;
     device.what = {.damping = 0.4, .delay_ticks = 1.0};
-    const auto findings = check_feasibility(study(), device);
+    const auto findings = check_feasibility(felt_study(), device);
     REQUIRE(findings.size() == 1);
     CHECK(findings[0].text ==
           "the device damps 0.4 N s/m; 1000 N/m at 1000 Hz with one tick of delay needs 1.5 N s/m "
           "at the handle: lower stiffness_n_per_m to 266 or raise rate_hz to 3750");
-    CHECK(check_feasibility(study(266.0), device).empty());
-    CHECK(check_feasibility(study(1000.0, 3750.0), device).empty());
-    CHECK_FALSE(check_feasibility(study(267.0), device).empty());
-    CHECK_FALSE(check_feasibility(study(1000.0, 3749.0), device).empty());
+    CHECK(check_feasibility(felt_study(266.0), device).empty());
+    CHECK(check_feasibility(felt_study(1000.0, 3750.0), device).empty());
+    CHECK_FALSE(check_feasibility(felt_study(267.0), device).empty());
+    CHECK_FALSE(check_feasibility(felt_study(1000.0, 3749.0), device).empty());
 
     device.what.damping = 0.05;  // 30 kHz would do: no servo runs that
-    CHECK_THAT(check_feasibility(study(), device).at(0).text, !ContainsSubstring("rate_hz to"));
+    CHECK_THAT(check_feasibility(felt_study(), device).at(0).text,
+               !ContainsSubstring("rate_hz to"));
     device.what.damping = 0.0;
-    CHECK_THAT(check_feasibility(study(), device).at(0).text, ContainsSubstring("some damping"));
+    CHECK_THAT(check_feasibility(felt_study(), device).at(0).text,
+               ContainsSubstring("some damping"));
 }
 
 TEST_CASE("what lets a contact rest is said with the friction it takes and the speed without it",
           "[feasibility]") {
     FakeDevice device;
     device.what = {.damping = 1.0};
-    CHECK(rest_text(margins_of(study(), device)).empty());  // nobody knows its steps
+    CHECK(rest_text(margins_of(felt_study(), device)).empty());  // nobody knows its steps
     device.error = 5e-6;
-    CHECK(rest_text(margins_of(study(), device)) ==
+    CHECK(rest_text(margins_of(felt_study(), device)) ==
           "positions are read to within 5 um: a contact comes to rest if the handle's dry friction "
           "is 0.005 N or more, with less it may creep on, at 10 mm/s at the very most");
     device.what.damping.reset();
-    CHECK_THAT(rest_text(margins_of(study(), device)), Catch::EndsWith("it may creep on"));
+    CHECK_THAT(rest_text(margins_of(felt_study(), device)), Catch::EndsWith("it may creep on"));
 }
 
 TEST_CASE("a damper of the contact asks as much more of the device", "[feasibility][law]") {
@@ -111,7 +113,7 @@ TEST_CASE("a damper of the contact asks as much more of the device", "[feasibili
     const double delay = GENERATE(0.0, 1.0);
     const double bound = stiffness * 1e-3 * (0.5 + delay) + damper;
     CAPTURE(stiffness, damper, delay);
-    Protocol protocol = study(stiffness);
+    Protocol protocol = felt_study(stiffness);
     protocol.apparatus.damping = damper;
     CHECK(engine::Scene(make_scene(protocol, Condition{})).spec().damping == damper);
     device.what = {.damping = bound, .delay_ticks = delay};
@@ -126,7 +128,7 @@ TEST_CASE("with a damper too, the stiffness and the rate that a refusal names ar
           "[feasibility][law]") {
     FakeDevice device;
     device.what = {.damping = 0.4, .delay_ticks = 1.0};
-    Protocol protocol = study();
+    Protocol protocol = felt_study();
     protocol.apparatus.damping = 0.1;
     CHECK(
         check_feasibility(protocol, device).at(0).text ==
@@ -145,7 +147,7 @@ TEST_CASE("with a damper too, the stiffness and the rate that a refusal names ar
 
 TEST_CASE("an unknown damping is a warning with the damping needed", "[feasibility]") {
     FakeDevice device;
-    const auto findings = check_feasibility(study(), device);
+    const auto findings = check_feasibility(felt_study(), device);
     REQUIRE(findings.size() == 1);
     CHECK((findings[0].verdict == Verdict::warn));
     CHECK_THAT(findings[0].text, ContainsSubstring("needs 0.5 N s/m"));
@@ -153,7 +155,7 @@ TEST_CASE("an unknown damping is a warning with the damping needed", "[feasibili
 
 TEST_CASE("a device that gives no force can render everything", "[feasibility]") {
     const engine::PointerDevice mouse;
-    CHECK(check_feasibility(study(1e5), mouse).empty());
+    CHECK(check_feasibility(felt_study(1e5), mouse).empty());
 }
 
 TEST_CASE("an object or a start pose out of reach is refused with the point", "[feasibility]") {
@@ -161,16 +163,16 @@ TEST_CASE("an object or a start pose out of reach is refused with the point", "[
     device.what.damping = 1.0;
     device.force = 20.0;
     device.reach = 0.1;
-    CHECK(check_feasibility(study(), device).empty());
+    CHECK(check_feasibility(felt_study(), device).empty());
 
     device.reach = 0.05;  // the object reaches to 40 mm and a bulge, the start pose is at 60 mm
-    auto findings = check_feasibility(study(), device);
+    auto findings = check_feasibility(felt_study(), device);
     REQUIRE(findings.size() == 1);
     CHECK((findings[0].verdict == Verdict::refuse));
     CHECK_THAT(findings[0].text, ContainsSubstring("start pose (0.0, 60.0) mm"));
 
     device.reach = 0.0399;  // A, V and B are 40 mm away
-    findings = check_feasibility(study(), device);
+    findings = check_feasibility(felt_study(), device);
     REQUIRE(findings.size() == 2);
     CHECK((findings[0].verdict == Verdict::refuse));
     CHECK_THAT(findings[0].text,
@@ -182,14 +184,14 @@ TEST_CASE("a weak device is a warning that says from where on the force clips", 
     device.what.damping = 1.0;
     device.reach = 1.0;
     device.force = 4.0;
-    const auto findings = check_feasibility(study(500.0), device);
+    const auto findings = check_feasibility(felt_study(500.0), device);
     REQUIRE(findings.size() == 1);
     CHECK((findings[0].verdict == Verdict::warn));
     CHECK_THAT(findings[0].text, ContainsSubstring("gives 4 N") &&
                                      ContainsSubstring("a depth of 8 mm") &&
                                      ContainsSubstring("force_limit_n = 10"));
     device.force = 10.0;
-    CHECK(check_feasibility(study(500.0), device).empty());
+    CHECK(check_feasibility(felt_study(500.0), device).empty());
 }
 
 TEST_CASE("the weakest point of a pantograph is found on the outline", "[feasibility]") {
@@ -197,7 +199,7 @@ TEST_CASE("the weakest point of a pantograph is found on the outline", "[feasibi
     FakeDevice device;
     device.what.damping = 1.0;
     device.pantograph = &pantograph;
-    Protocol protocol = study();
+    Protocol protocol = felt_study();
     // By hand: the least over both outlines, walked as polylines of 20 um.
     double least = 1e9;
     for (const ObjectSpec& object : protocol.objects) {

@@ -49,7 +49,7 @@ Protocol free_forms() {
     return parse_protocol(text_of("tests/golden/free_forms.toml"), "f.toml");
 }
 
-std::string refusal(const std::string& text) {
+std::string form_refusal(const std::string& text) {
     try {
         static_cast<void>(parse_protocol(text, "p.toml"));
     } catch (const ProtocolError& error) {
@@ -299,12 +299,12 @@ TEST_CASE("an object that cannot be is refused at its place", "[free_forms]") {
           Change{"share_correct_min = 0.3", "share_correct_min = 1.1", "give 0 to 1"},
           Change{"share_correct_min = 0.3", "catch_correct_min = 0.3", "is a free form"}}) {
         CAPTURE(change.to);
-        const std::string said = refusal(replaced(study, change.from, change.to));
+        const std::string said = form_refusal(replaced(study, change.from, change.to));
         CHECK_THAT(said, Catch::Matchers::ContainsSubstring(change.says));
         CHECK(said.starts_with("p.toml:"));
     }
-    CHECK_THAT(refusal(with_objects("[[object]]\nname = \"a\"\n\n[[object]]\nset = "
-                                    "\"five_shapes\"\n\n")),
+    CHECK_THAT(form_refusal(with_objects("[[object]]\nname = \"a\"\n\n[[object]]\nset = "
+                                         "\"five_shapes\"\n\n")),
                Catch::Matchers::ContainsSubstring("[[object]] 1 lacks the key curvature_per_m"));
 }
 
@@ -314,7 +314,7 @@ TEST_CASE("two pictured free forms of one outline are refused", "[free_forms]") 
     const std::size_t to = text.find("[[object]]", from + 1);
     std::string copy = text.substr(from, to - from);
     copy.replace(copy.find("dome"), 4, "dome_2");
-    CHECK_THAT(refusal(text.substr(0, to) + copy + text.substr(to)),
+    CHECK_THAT(form_refusal(text.substr(0, to) + copy + text.substr(to)),
                Catch::Matchers::ContainsSubstring("has the outline of [[object]] 1"));
 }
 

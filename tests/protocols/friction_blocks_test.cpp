@@ -33,7 +33,9 @@ Protocol study(FrictionBlocks how, std::size_t frictions = 2, DesignSpec design 
     return protocol;
 }
 
-Plan plan_of(const Protocol& protocol, std::uint64_t seed, const RowHistory& frictions = {}) {
+Plan blocked_plan_of(const Protocol& protocol,
+                     std::uint64_t seed,
+                     const RowHistory& frictions = {}) {
     return make_plan(protocol, "hash",
                      {.participant = std::string("p").append(std::to_string(seed))}, seed, {},
                      frictions);
@@ -87,7 +89,7 @@ TEST_CASE("a friction block has one friction, every object equally often, and ke
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{25}));
     CAPTURE(seed, frictions);
     const Protocol protocol = study(how, frictions);
-    const Plan plan = plan_of(protocol, seed);
+    const Plan plan = blocked_plan_of(protocol, seed);
     CHECK(plan.trials.size() == 5 * frictions * 11 + 4);
     const auto blocks = blocks_of(plan);
     REQUIRE(blocks.size() == 2 * frictions);
@@ -133,11 +135,11 @@ TEST_CASE("abba goes there and back, blocked goes there again", "[friction_block
                                         all.end());
     };
     const Protocol abba = study(FrictionBlocks::abba, frictions);
-    const auto mirrored = frictions_of(plan_of(abba, seed));
+    const auto mirrored = frictions_of(blocked_plan_of(abba, seed));
     auto back = again(mirrored);
     std::reverse(back.begin(), back.end());
     CHECK(back == there(mirrored));
-    CHECK(first_round(abba, plan_of(abba, seed)) == there(mirrored));
+    CHECK(first_round(abba, blocked_plan_of(abba, seed)) == there(mirrored));
     // Each friction has the same mean place: what drifts in a straight line weighs alike on all.
     std::map<std::size_t, std::size_t> places;
     for (std::size_t i = 0; i < mirrored.size(); ++i) {
@@ -146,7 +148,8 @@ TEST_CASE("abba goes there and back, blocked goes there again", "[friction_block
     for (const auto& [friction, sum] : places) {
         CHECK(sum == mirrored.size() - 1);
     }
-    const auto blocked = frictions_of(plan_of(study(FrictionBlocks::blocked, frictions), seed));
+    const auto blocked =
+        frictions_of(blocked_plan_of(study(FrictionBlocks::blocked, frictions), seed));
     CHECK(there(blocked) == again(blocked));
 }
 
@@ -157,7 +160,7 @@ TEST_CASE("catch trials are felt with the friction of their block, spread evenly
     Protocol protocol = study(FrictionBlocks::abba);
     protocol.design.catch_trials = catches;
     for (std::uint64_t seed = 0; seed < 20; ++seed) {
-        const Plan plan = plan_of(protocol, seed);
+        const Plan plan = blocked_plan_of(protocol, seed);
         std::map<std::size_t, std::vector<std::size_t>> of_friction;
         std::size_t all = 0;
         for (const auto& [block, trials] : blocks_of(plan)) {
@@ -183,7 +186,7 @@ TEST_CASE("a catch trial comes at every place of its block but the first, equall
     protocol.design.catch_trials = 4;
     std::map<std::size_t, double> places;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {
-        for (const auto& [block, trials] : blocks_of(plan_of(protocol, seed))) {
+        for (const auto& [block, trials] : blocks_of(blocked_plan_of(protocol, seed))) {
             REQUIRE(trials.size() == 26);
             for (std::size_t i = 0; i < trials.size(); ++i) {
                 places[i] += trials[i].phase == Phase::catch_trial ? 1.0 : 0.0;
@@ -204,7 +207,7 @@ TEST_CASE("in a friction block every object is equally likely at every place",
     std::map<std::pair<std::size_t, std::size_t>, std::map<std::size_t, double>> places;
     for (std::uint64_t seed = 0; seed < 3000; ++seed) {
         std::map<std::size_t, std::size_t> next;
-        for (const PlannedTrial& trial : plan_of(protocol, seed).trials) {
+        for (const PlannedTrial& trial : blocked_plan_of(protocol, seed).trials) {
             if (trial.phase == Phase::main) {
                 ++places[{trial.block, next[trial.block]++}][trial.condition.object];
             }
@@ -222,7 +225,7 @@ TEST_CASE("with nobody there yet each friction begins as often as the others",
     std::map<std::size_t, double> begins;
     const Protocol protocol = study(FrictionBlocks::blocked, 2, {.repetitions = 1});
     for (std::uint64_t seed = 0; seed < 4000; ++seed) {
-        ++begins[frictions_of(plan_of(protocol, seed)).front()];
+        ++begins[frictions_of(blocked_plan_of(protocol, seed)).front()];
     }
     CHECK(begins.size() == 2);
     CHECK(chi_square(begins, 2) < 24.0);  // one degree of freedom: passed once in 1e6
@@ -236,21 +239,22 @@ TEST_CASE("after every participant no order of frictions is used more than once 
     const Protocol protocol = study(FrictionBlocks::abba, frictions);
     std::vector<std::vector<std::string>> before;
     for (std::uint64_t i = 0; i < 13; ++i) {
-        const Plan plan = plan_of(protocol, 100 * seed + i, friction_history(protocol, before, {}));
+        const Plan plan =
+            blocked_plan_of(protocol, 100 * seed + i, friction_history(protocol, before, {}));
         before.push_back(names(protocol, first_round(protocol, plan)));
         const RowHistory now = friction_history(protocol, before, before.back());
         REQUIRE(now.uses.size() == friction_rows(protocol).size());
         const auto [least, most] = std::minmax_element(now.uses.begin(), now.uses.end());
         CHECK(*most - *least <= 1);
         // Whoever comes again goes on as before, whatever others did since.
-        CHECK(first_round(protocol, plan_of(protocol, 7 * seed + i, now)) ==
+        CHECK(first_round(protocol, blocked_plan_of(protocol, 7 * seed + i, now)) ==
               first_round(protocol, plan));
     }
 }
 
 TEST_CASE("a trial that is run again stays in its friction block", "[friction_blocks][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{10}));
-    const Plan plan = plan_of(study(FrictionBlocks::abba), seed);
+    const Plan plan = blocked_plan_of(study(FrictionBlocks::abba), seed);
     RequeueRule rule;
     rule.key.seed = seed;
     PendingTrials pending(plan, rule);
@@ -272,13 +276,14 @@ TEST_CASE("a trial that is run again stays in its friction block", "[friction_bl
 
 TEST_CASE("friction blocks that cannot be are refused with the remedy", "[friction_blocks]") {
     using Catch::Matchers::ContainsSubstring;
-    CHECK_THROWS_WITH(plan_of(study(FrictionBlocks::abba, 1), 1),
+    CHECK_THROWS_WITH(blocked_plan_of(study(FrictionBlocks::abba, 1), 1),
                       ContainsSubstring("two frictions or more"));
-    CHECK_THROWS_WITH(plan_of(study(FrictionBlocks::abba, 2, {.blocks = 5}), 1),
+    CHECK_THROWS_WITH(blocked_plan_of(study(FrictionBlocks::abba, 2, {.blocks = 5}), 1),
                       ContainsSubstring("blocks is 5") && ContainsSubstring("even number"));
     CHECK_THROWS_WITH(
-        plan_of(study(FrictionBlocks::blocked, 2,
-                      {.repetitions = 10, .catch_trials = 0, .order = OrderRule::first_order}),
-                1),
+        blocked_plan_of(
+            study(FrictionBlocks::blocked, 2,
+                  {.repetitions = 10, .catch_trials = 0, .order = OrderRule::first_order}),
+            1),
         ContainsSubstring("first_order"));
 }

@@ -10,13 +10,13 @@ using namespace palpate::protocols;
 
 namespace {
 
-std::string study() {
+std::string study_text() {
     return std::string(shipped_protocol("shape_friction").text);
 }
 
-/// What the file is told, with the number of lines of the study taken off: 1 is the first added line.
-std::string refusal(const std::string& added) {
-    const std::string text = study();
+/// What the file is told, with the number of lines of the study_text taken off: 1 is the first added line.
+std::string instruction_refusal(const std::string& added) {
+    const std::string text = study_text();
     const auto lines = std::count(text.begin(), text.end(), '\n');
     try {
         static_cast<void>(parse_protocol(text + added, "p"));
@@ -30,23 +30,25 @@ std::string refusal(const std::string& added) {
 
 }  // namespace
 
-TEST_CASE("a study without noise and without instructions keeps the hash it had before them",
+TEST_CASE("a study_text without noise and without instructions keeps the hash it had before them",
           "[protocol][law]") {
-    const Protocol plain = parse_protocol(study(), "p");
+    const Protocol plain = parse_protocol(study_text(), "p");
     CHECK(to_toml(plain).find("masking") == std::string::npos);
     CHECK(to_toml(plain).find("instructions") == std::string::npos);
     const std::string hash = protocol_hash(plain);
-    CHECK(protocol_hash(parse_protocol(study() + "[masking]\nnoise = \"none\"\n", "p")) == hash);
-    CHECK(protocol_hash(parse_protocol(study() + "[instructions.tr]\n", "p")) == hash);
-    CHECK(protocol_hash(parse_protocol(study() + "[masking]\nnoise = \"pink\"\n", "p")) != hash);
-    CHECK(protocol_hash(
-              parse_protocol(study() + "[instructions.tr]\nwelcome = \"Merhaba\"\n", "p")) != hash);
+    CHECK(protocol_hash(parse_protocol(study_text() + "[masking]\nnoise = \"none\"\n", "p")) ==
+          hash);
+    CHECK(protocol_hash(parse_protocol(study_text() + "[instructions.tr]\n", "p")) == hash);
+    CHECK(protocol_hash(parse_protocol(study_text() + "[masking]\nnoise = \"pink\"\n", "p")) !=
+          hash);
+    CHECK(protocol_hash(parse_protocol(study_text() + "[instructions.tr]\nwelcome = \"Merhaba\"\n",
+                                       "p")) != hash);
 }
 
 TEST_CASE("instructions are read by language, with their line breaks, and written so",
           "[protocol]") {
     const Protocol protocol = parse_protocol(
-        study() +
+        study_text() +
             "[instructions.en]\nwelcome = \"One.\\n\\nTwo \\\"quoted\\\".\"\nready = \"r\"\n"
             "explore = \"x\"\n"
             "choose = \"c\"\nbreak = \"b\"\nend = \"e\"\n"
@@ -63,41 +65,43 @@ TEST_CASE("instructions are read by language, with their line breaks, and writte
 
 TEST_CASE("masking noise is read with its level", "[protocol]") {
     const Protocol protocol =
-        parse_protocol(study() + "[masking]\nnoise = \"pink\"\nlevel_db = -24.5\n", "p");
+        parse_protocol(study_text() + "[masking]\nnoise = \"pink\"\nlevel_db = -24.5\n", "p");
     CHECK(protocol.masking == MaskingSpec{.noise = Noise::pink, .level_db = -24.5});
     CHECK(parse_protocol(to_toml(protocol), "again") == protocol);
 }
 
 TEST_CASE("what cannot be shown or played is refused with its place", "[protocol]") {
     const std::string longest(kMostInstruction, 'x');
-    CHECK(refusal("[instructions.en]\nwelcome = \"" + longest + "\"\n") == "accepted");
-    CHECK(
-        refusal("[instructions.en]\nwelcome = \"" + longest + "x\"\n").find("2:11: welcome is ") ==
-        0);
-    CHECK(refusal("[instructions.en]\nwelcome = \"" + longest + "x\"\n")
+    CHECK(instruction_refusal("[instructions.en]\nwelcome = \"" + longest + "\"\n") == "accepted");
+    CHECK(instruction_refusal("[instructions.en]\nwelcome = \"" + longest + "x\"\n")
+              .find("2:11: welcome is ") == 0);
+    CHECK(instruction_refusal("[instructions.en]\nwelcome = \"" + longest + "x\"\n")
               .find("601 bytes: give 1 to 600 bytes of text") != std::string::npos);
     for (const char* empty : {"", " ", "\\n", " \\n "}) {
-        CHECK(refusal("[instructions.tr]\nend = \"" + std::string(empty) + "\"\n")
+        CHECK(instruction_refusal("[instructions.tr]\nend = \"" + std::string(empty) + "\"\n")
                   .find("2:7: end is ") == 0);
     }
-    CHECK(refusal("[instructions.en]\nend = \"1\\n2\\n\\n4\\n5\\n6\\n7\\n8\"\n") == "accepted");
-    CHECK(refusal("[instructions.en]\nend = \"1\\n2\\n\\n4\\n5\\n6\\n7\\n8\\n\"\n")
+    CHECK(instruction_refusal("[instructions.en]\nend = \"1\\n2\\n\\n4\\n5\\n6\\n7\\n8\"\n") ==
+          "accepted");
+    CHECK(instruction_refusal("[instructions.en]\nend = \"1\\n2\\n\\n4\\n5\\n6\\n7\\n8\\n\"\n")
               .find("2:7: end is ") == 0);
-    CHECK(refusal("[instructions.en]\nready = \"a\\tb\"\n").find("2:9: ready is ") == 0);
-    CHECK(
-        refusal("[instructions.en]\nready = 4\n").find("2:9: ready is 4 (an integer): give text") ==
-        0);
-    CHECK(refusal("[instructions.de]\nwelcome = \"Hallo\"\n")
+    CHECK(instruction_refusal("[instructions.en]\nready = \"a\\tb\"\n").find("2:9: ready is ") ==
+          0);
+    CHECK(instruction_refusal("[instructions.en]\nready = 4\n")
+              .find("2:9: ready is 4 (an integer): give text") == 0);
+    CHECK(instruction_refusal("[instructions.de]\nwelcome = \"Hallo\"\n")
               .find("1:15: [instructions.\"de\"]: the screen knows the languages en and tr only") ==
           0);
-    CHECK(refusal("[instructions]\nwelcome = \"Hello\"\n")
+    CHECK(instruction_refusal("[instructions]\nwelcome = \"Hello\"\n")
               .find("2:1: \"welcome\" stands in [instructions]") == 0);
-    CHECK(refusal("[instructions.en]\nwelcom = \"Hello\"\n") ==
+    CHECK(instruction_refusal("[instructions.en]\nwelcom = \"Hello\"\n") ==
           "2:1: unknown key \"welcom\" in [instructions.en]: did you mean welcome?");
-    CHECK(refusal("[masking]\nnoise = \"white\"\n") ==
+    CHECK(instruction_refusal("[masking]\nnoise = \"white\"\n") ==
           "2:9: noise is \"white\", give \"none\" or \"pink\"");
-    CHECK(refusal("[masking]\nlevel_db = 1\n") == "2:12: level_db is 1: give -60 to 0");
-    CHECK(refusal("[masking]\nlevel_db = -60.5\n") == "2:12: level_db is -60.5: give -60 to 0");
-    CHECK(refusal("[masking]\nlevel_db = \"loud\"\n").find("2:12: level_db is \"loud\"") == 0);
-    CHECK(refusal("[mask]\n").find("1:2: unknown key or table \"mask\"") == 0);
+    CHECK(instruction_refusal("[masking]\nlevel_db = 1\n") == "2:12: level_db is 1: give -60 to 0");
+    CHECK(instruction_refusal("[masking]\nlevel_db = -60.5\n") ==
+          "2:12: level_db is -60.5: give -60 to 0");
+    CHECK(instruction_refusal("[masking]\nlevel_db = \"loud\"\n")
+              .find("2:12: level_db is \"loud\"") == 0);
+    CHECK(instruction_refusal("[mask]\n").find("1:2: unknown key or table \"mask\"") == 0);
 }

@@ -23,7 +23,7 @@ Protocol blocked() {
     return protocol;
 }
 
-Plan plan_of(const Protocol& protocol) {
+Plan first_plan_of(const Protocol& protocol) {
     return make_plan(protocol, protocol_hash(protocol), {"P01", 1}, protocol.seed);
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("each position ends with one answer that counts, or has used up its re
           "[session][invalid][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
     CAPTURE(seed);
-    const Plan plan = plan_of(blocked());
+    const Plan plan = first_plan_of(blocked());
     const std::size_t most = seed % 4;
     const auto all = run_all(plan, rule_of(seed, most), seed, 0.1 * static_cast<double>(seed % 11));
     std::vector<std::size_t> good(plan.trials.size());
@@ -109,7 +109,7 @@ TEST_CASE("each position ends with one answer that counts, or has used up its re
 TEST_CASE("read again after any attempt, what is left is what it was", "[session][invalid][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{50}));
     CAPTURE(seed);
-    const Plan plan = plan_of(blocked());
+    const Plan plan = first_plan_of(blocked());
     const RequeueRule rule = rule_of(seed, 3);
     const auto all = run_all(plan, rule, seed, 0.4);
     PendingTrials running(plan, rule);
@@ -129,7 +129,7 @@ TEST_CASE("read again after any attempt, what is left is what it was", "[session
 
 TEST_CASE("every later place of the block is equally likely, and none of another block",
           "[session][invalid][law]") {
-    const Plan plan = plan_of(blocked());
+    const Plan plan = first_plan_of(blocked());
     PendingTrials whole(plan);
     const std::size_t first = 6;  // of the first block, behind practice
     for (std::size_t i = 0; i < first; ++i) {

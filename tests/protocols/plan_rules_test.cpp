@@ -30,7 +30,7 @@ Protocol study(std::size_t objects, std::size_t frictions, DesignSpec design) {
     return protocol;
 }
 
-Plan plan_of(const Protocol& protocol, std::uint64_t seed = 1) {
+Plan ruled_plan_of(const Protocol& protocol, std::uint64_t seed = 1) {
     return make_plan(protocol, "hash", {.participant = "p"}, seed);
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("every block is balanced exactly and keeps the limits, and no two are 
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
     const std::size_t blocks = GENERATE(std::size_t{1}, std::size_t{2}, std::size_t{5});
     CAPTURE(seed, blocks);
-    const Plan plan = plan_of(study(5, 2, {.blocks = blocks}), seed);
+    const Plan plan = ruled_plan_of(study(5, 2, {.blocks = blocks}), seed);
     const PlanSummary summary = summarise(plan);
     std::size_t main = 0;
     for (const auto& [part, counts] : summary.counts) {
@@ -168,13 +168,13 @@ TEST_CASE("a first-order plan has every condition after every condition once, an
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
     const std::size_t practice = GENERATE(std::size_t{0}, std::size_t{1});
     CAPTURE(seed, practice);
-    const Plan plan = plan_of(study(3, 2,
-                                    {.repetitions = 6,
-                                     .practice_repetitions = practice,
-                                     .catch_trials = 0,
-                                     .break_every = 9,
-                                     .order = OrderRule::first_order}),
-                              seed);
+    const Plan plan = ruled_plan_of(study(3, 2,
+                                          {.repetitions = 6,
+                                           .practice_repetitions = practice,
+                                           .catch_trials = 0,
+                                           .break_every = 9,
+                                           .order = OrderRule::first_order}),
+                                    seed);
     const std::size_t lead_in = 6 * practice;
     REQUIRE(plan.trials.size() == lead_in + 37);
     CHECK(plan.trials[lead_in].phase == Phase::practice);
@@ -196,17 +196,19 @@ TEST_CASE("a first-order plan has every condition after every condition once, an
 
 TEST_CASE("what cannot be divided or balanced is refused with the remedy", "[plan]") {
     using Catch::Matchers::ContainsSubstring;
-    CHECK_THROWS_WITH(plan_of(study(5, 2, {.blocks = 3})),
+    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 3})),
                       ContainsSubstring("10 repetitions") && ContainsSubstring("3 blocks"));
-    CHECK_THROWS_WITH(plan_of(study(5, 2, {.blocks = 0})), ContainsSubstring("0 blocks"));
-    CHECK_THROWS_WITH(plan_of(study(3, 2, {.catch_trials = 0, .order = OrderRule::first_order})),
-                      ContainsSubstring("6 conditions needs 6 repetitions"));
-    CHECK_THROWS_WITH(plan_of(study(3, 2, {.repetitions = 6, .order = OrderRule::first_order})),
-                      ContainsSubstring("no catch trials"));
+    CHECK_THROWS_WITH(ruled_plan_of(study(5, 2, {.blocks = 0})), ContainsSubstring("0 blocks"));
+    CHECK_THROWS_WITH(
+        ruled_plan_of(study(3, 2, {.catch_trials = 0, .order = OrderRule::first_order})),
+        ContainsSubstring("6 conditions needs 6 repetitions"));
+    CHECK_THROWS_WITH(
+        ruled_plan_of(study(3, 2, {.repetitions = 6, .order = OrderRule::first_order})),
+        ContainsSubstring("no catch trials"));
 }
 
 TEST_CASE("ten thousand trials in blocks are planned whole", "[plan]") {
-    const Plan plan = plan_of(study(
+    const Plan plan = ruled_plan_of(study(
         5, 2, {.repetitions = 1000, .practice_repetitions = 0, .catch_trials = 0, .blocks = 100}));
     CHECK(plan.trials.size() == 10'000);
     CHECK(summarise(plan).longest_friction_run <= 3);
@@ -225,7 +227,7 @@ TEST_CASE("plans of many designs are the same in every build", "[plan][golden]")
     std::string hashes;
     for (const Protocol& protocol : designs) {
         for (std::uint64_t seed = 0; seed < 5; ++seed) {
-            hashes += plan_of(protocol, seed).hash;
+            hashes += ruled_plan_of(protocol, seed).hash;
         }
     }
     CHECK(sha256_hex(hashes) == "1402ee06bc3e47e36292bd082aa864470a986fef01f22f5cc7a1b1f17b87cea1");

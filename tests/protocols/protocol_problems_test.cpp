@@ -11,7 +11,7 @@ using namespace palpate::protocols;
 
 namespace {
 
-std::string study() {
+std::string default_study() {
     std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) /
                          "protocols/library/shape_friction.toml");
     return {std::istreambuf_iterator<char>(stream), {}};
@@ -140,9 +140,9 @@ const Change kChanges[] = {
 
 TEST_CASE("every wrong file is refused at the right place, with the value and a remedy",
           "[protocol]") {
-    REQUIRE(refusal(study()) == "accepted");
+    REQUIRE(refusal(default_study()) == "accepted");
     for (const Change& change : kChanges) {
-        std::string text = study();
+        std::string text = default_study();
         const std::size_t found = text.find(change.from);
         REQUIRE(found != std::string::npos);
         text.replace(found, std::string(change.from).size(), change.to);
@@ -156,7 +156,7 @@ TEST_CASE("every wrong file is refused at the right place, with the value and a 
 }
 
 TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") {
-    std::string text = study();
+    std::string text = default_study();
     const std::string second = "name = \"on\"";
     // Only one friction left: every trial has it.
     text.erase(text.find("[[friction]]\n" + second),
@@ -168,7 +168,7 @@ TEST_CASE("run limits that no order can keep point at the limit", "[protocol]") 
 }
 
 TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
-    std::string text = study();
+    std::string text = default_study();
     for (std::size_t at = 0; (at = text.find("pictured = false\n")) != std::string::npos;) {
         text.erase(at, std::string("pictured = false\n").size());
     }
@@ -177,7 +177,7 @@ TEST_CASE("catch trials need an object that is not pictured", "[protocol]") {
 }
 
 TEST_CASE("a first-order order says all that it needs, and then needs no run limit", "[protocol]") {
-    std::string text = study();
+    std::string text = default_study();
     const auto replace = [&](const std::string& from, const std::string& to) {
         text.replace(text.find(from), from.size(), to);
     };
@@ -207,7 +207,7 @@ TEST_CASE("fewer than two pictures are no choice", "[protocol]") {
 }
 
 TEST_CASE("all problems of a stage are said at once, in the order of the file", "[protocol]") {
-    std::string text = study();
+    std::string text = default_study();
     const auto replace = [&](const std::string& from, const std::string& to) {
         text.replace(text.find(from), from.size(), to);
     };

@@ -11,8 +11,8 @@ using palpate::tests::Random;
 
 namespace {
 
-constexpr std::array kAll{Family::weibull, Family::weibull_log10, Family::weibull_db,
-                          Family::gumbel,  Family::normal,        Family::logistic};
+constexpr std::array kFamilies{Family::weibull, Family::weibull_log10, Family::weibull_db,
+                               Family::gumbel,  Family::normal,        Family::logistic};
 
 double ulps(double got, double wanted) {
     const double step = std::nextafter(std::fabs(wanted), std::numeric_limits<double>::infinity()) -
@@ -22,7 +22,7 @@ double ulps(double got, double wanted) {
 
 PsychometricFunction some_function(Random& random) {
     PsychometricFunction f;
-    f.family = kAll[static_cast<std::size_t>(random.below(6))];
+    f.family = kFamilies[static_cast<std::size_t>(random.below(6))];
     f.form = static_cast<LapseForm>(random.below(3));
     f.threshold = f.family == Family::weibull ? random.decade(-2, 2) : random.in(-40.0, 40.0);
     f.slope = random.decade(-1, 1);

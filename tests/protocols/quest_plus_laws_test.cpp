@@ -54,7 +54,7 @@ std::vector<double> errors(const QuestPlusSpec& spec, std::size_t k, int runs) {
     for (int run = 0; run < runs; ++run) {
         Random random(static_cast<std::uint64_t>(run) + 77);
         std::vector<double> truth;
-        for (const Axis& axis : spec.parameters.axes()) {
+        for (const palpate::protocols::Axis& axis : spec.parameters.axes()) {
             // Inside, so that the grid's ends do not pull.
             const double lo = axis.values.front();
             const double hi = axis.values.back();

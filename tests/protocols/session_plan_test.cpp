@@ -11,7 +11,7 @@ using namespace palpate::protocols;
 
 namespace {
 
-Protocol study() {
+Protocol planned_study() {
     Protocol protocol;
     for (const double curvature : {-10.0, -5.0, 0.0, 5.0, 10.0}) {
         protocol.objects.push_back({.name = std::to_string(curvature), .curvature = curvature});
@@ -73,7 +73,7 @@ TEST_CASE("a Williams design balances items, places and neighbours", "[williams]
 TEST_CASE("a session holds what its design asks for, in order", "[plan][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{100}));
     CAPTURE(seed);
-    const Protocol protocol = study();
+    const Protocol protocol = planned_study();
     const Plan plan = make_plan(protocol, "hash", {.participant = "p01"}, seed);
 
     REQUIRE(plan.trials.size() == 10 + 100 + 4);
@@ -107,7 +107,7 @@ TEST_CASE("a session holds what its design asks for, in order", "[plan][law]") {
 
 TEST_CASE("catch trials are spread over objects and frictions as evenly as their number allows",
           "[plan][law]") {
-    Protocol protocol = study();
+    Protocol protocol = planned_study();
     const std::size_t catches = GENERATE(range(std::size_t{0}, std::size_t{17}));
     protocol.design.repetitions = 1;
     protocol.design.catch_trials = catches;
@@ -132,7 +132,7 @@ TEST_CASE("catch trials are spread over objects and frictions as evenly as their
 }
 
 TEST_CASE("catch trials come at every place but the first", "[plan]") {
-    Protocol protocol = study();
+    Protocol protocol = planned_study();
     protocol.design = {.repetitions = 1,
                        .max_run_object = 0,
                        .max_run_friction = 0,
@@ -153,7 +153,7 @@ TEST_CASE("catch trials come at every place but the first", "[plan]") {
 }
 
 TEST_CASE("without practice and breaks no trial has a break before it", "[plan]") {
-    Protocol protocol = study();
+    Protocol protocol = planned_study();
     protocol.design.practice_repetitions = 0;
     protocol.design.break_every = 0;
     for (const PlannedTrial& trial : make_plan(protocol, "hash", {.participant = "p"}, 1).trials) {
@@ -162,7 +162,7 @@ TEST_CASE("without practice and breaks no trial has a break before it", "[plan]"
 }
 
 TEST_CASE("the same key gives the same plan, and another key another one", "[plan][law]") {
-    const Protocol protocol = study();
+    const Protocol protocol = planned_study();
     const Plan plan = make_plan(protocol, "hash", {.participant = "p01", .session = 1}, 3);
     CHECK(plan == make_plan(protocol, "hash", {.participant = "p01", .session = 1}, 3));
     for (const Plan& other :
@@ -176,7 +176,7 @@ TEST_CASE("the same key gives the same plan, and another key another one", "[pla
 }
 
 TEST_CASE("asking for other practice or catch trials leaves the main order alone", "[plan]") {
-    Protocol protocol = study();
+    Protocol protocol = planned_study();
     const auto main = of_phase(make_plan(protocol, "hash", {.participant = "p"}, 3), Phase::main);
     protocol.design.practice_repetitions = 3;
     protocol.design.catch_trials = 9;
@@ -184,7 +184,7 @@ TEST_CASE("asking for other practice or catch trials leaves the main order alone
 }
 
 TEST_CASE("pictures keep their places in all sessions of a participant", "[plan][law]") {
-    Protocol protocol = study();
+    Protocol protocol = planned_study();
     protocol.design.repetitions = 1;
     std::set<std::vector<std::size_t>> orders;
     for (int i = 0; i < 200; ++i) {
@@ -202,21 +202,22 @@ TEST_CASE("pictures keep their places in all sessions of a participant", "[plan]
 }
 
 TEST_CASE("the code for the lab book begins the plan's hash", "[plan]") {
-    const Plan plan = make_plan(study(), "hash", {.participant = "p"}, 3);
+    const Plan plan = make_plan(planned_study(), "hash", {.participant = "p"}, 3);
     CHECK(plan.hash.size() == 64);
     CHECK(session_code(plan) == std::string(plan.hash, 0, 4).append("-").append(plan.hash, 4, 4));
 }
 
 // The code of the first plan ever made, kept: an order that changes is another experiment.
 TEST_CASE("the plan of a key never changes between versions", "[plan][golden]") {
-    CHECK(session_code(make_plan(study(), "hash", {.participant = "p01"}, 42)) == "5c32-1697");
+    CHECK(session_code(make_plan(planned_study(), "hash", {.participant = "p01"}, 42)) ==
+          "5c32-1697");
 }
 
 TEST_CASE("nothing to run is refused", "[plan]") {
-    Protocol protocol = study();
+    Protocol protocol = planned_study();
     protocol.design.repetitions = 0;
     CHECK_THROWS_AS(make_plan(protocol, "hash", {}, 1), std::invalid_argument);
-    protocol = study();
+    protocol = planned_study();
     protocol.objects.resize(5);
     CHECK_THROWS_AS(make_plan(protocol, "hash", {}, 1), std::invalid_argument);
 }

@@ -16,7 +16,7 @@ const std::vector<double> kCurvatures{-10.0, -5.0, 0.0, 5.0, 10.0};
 const std::vector<std::size_t> kOrder{3, 0, 4, 1, 2};  // place -> object
 const std::vector<Picture> kPictures(5);
 
-Protocol study(double noise, double lapse) {
+Protocol observed_study(double noise, double lapse) {
     Protocol protocol;
     for (const double curvature : kCurvatures) {
         protocol.objects.push_back({.name = "", .curvature = curvature});
@@ -47,7 +47,7 @@ std::size_t answer(SimulatedObserver& who,
     return kOrder.at(who.choose(trial(number), which_of(kPictures)).place);
 }
 
-double normal_cdf(double z) {
+double gauss_below(double z) {
     return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
@@ -55,7 +55,7 @@ double normal_cdf(double z) {
 
 TEST_CASE("without noise every object is named right, frictionless or not", "[observer]") {
     const double mu = GENERATE(0.0, 0.5);
-    const Protocol protocol = study(0.0, 0.0);
+    const Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver who = observer(protocol);
     for (std::size_t object = 0; object < kCurvatures.size(); ++object) {
         CHECK(answer(who, object + 1, strokes({.curvature = kCurvatures[object], .mu = mu})) ==
@@ -66,11 +66,11 @@ TEST_CASE("without noise every object is named right, frictionless or not", "[ob
 TEST_CASE("with noise the share of right answers is that of criteria midway", "[observer]") {
     // Inner objects have a criterion on both sides at half the spacing, the two outer ones on one.
     constexpr double kSigma = 2.62;
-    const double inner = 2.0 * normal_cdf(2.5 / kSigma) - 1.0;
-    const double outer = normal_cdf(2.5 / kSigma);
+    const double inner = 2.0 * gauss_below(2.5 / kSigma) - 1.0;
+    const double outer = gauss_below(2.5 / kSigma);
     const double expected = (3.0 * inner + 2.0 * outer) / 5.0;
 
-    const Protocol protocol = study(kSigma, 0.0);
+    const Protocol protocol = observed_study(kSigma, 0.0);
     SimulatedObserver who = observer(protocol);
     constexpr std::size_t kTrials = 4000;
     double right = 0.0;
@@ -87,7 +87,7 @@ TEST_CASE("with noise the share of right answers is that of criteria midway", "[
 }
 
 TEST_CASE("symmetric strokes with friction leave the percept unbiased", "[observer][law]") {
-    const Protocol protocol = study(0.0, 0.0);
+    const Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver who = observer(protocol);
     for (const double curvature : kCurvatures) {
         for (const double mu : {0.0, 0.3, 0.5, 0.7}) {
@@ -99,7 +99,7 @@ TEST_CASE("symmetric strokes with friction leave the percept unbiased", "[observ
 }
 
 TEST_CASE("a friction bias shifts the percept by its size times the coefficient", "[observer]") {
-    Protocol protocol = study(0.0, 0.0);
+    Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver plain = observer(protocol);
     protocol.observer.bias_per_mu = 4.0;
     SimulatedObserver biased = observer(protocol);
@@ -112,7 +112,7 @@ TEST_CASE("a friction bias shifts the percept by its size times the coefficient"
 TEST_CASE("lapses are spread over all pictures, and so are answers after nothing felt",
           "[observer]") {
     const bool felt = GENERATE(true, false);
-    const Protocol protocol = study(0.0, felt ? 1.0 : 0.0);
+    const Protocol protocol = observed_study(0.0, felt ? 1.0 : 0.0);
     SimulatedObserver who = observer(protocol);
     const auto ticks =
         felt ? strokes({.curvature = 5.0}) : std::vector<palpate::engine::TickRecord>{};
@@ -127,7 +127,7 @@ TEST_CASE("lapses are spread over all pictures, and so are answers after nothing
 
 TEST_CASE("an answer depends on the key and the trial's number, not on what came before",
           "[observer][law]") {
-    const Protocol protocol = study(2.62, 0.02);
+    const Protocol protocol = observed_study(2.62, 0.02);
     const auto ticks = strokes({.curvature = 5.0});
     SimulatedObserver unbroken = observer(protocol);
     std::vector<Choice> choices;
@@ -155,7 +155,7 @@ TEST_CASE("an answer depends on the key and the trial's number, not on what came
 
 TEST_CASE("the observer is done when its hand is, not before the minimum", "[observer]") {
     bool hand_is_done = false;
-    const Protocol protocol = study(0.0, 0.0);
+    const Protocol protocol = observed_study(0.0, 0.0);
     SimulatedObserver who(protocol, {}, kOrder, [&] { return hand_is_done; });
     CHECK(who.explore(trial(1), 10.0).signal == Signal::go_on);
     hand_is_done = true;
@@ -165,7 +165,7 @@ TEST_CASE("the observer is done when its hand is, not before the minimum", "[obs
 }
 
 TEST_CASE("reaction times are those of people", "[observer]") {
-    const Protocol protocol = study(2.62, 0.0);
+    const Protocol protocol = observed_study(2.62, 0.0);
     SimulatedObserver who = observer(protocol);
     double sum = 0.0;
     for (std::size_t i = 1; i <= 2000; ++i) {

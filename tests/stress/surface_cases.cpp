@@ -18,7 +18,7 @@ using engine::Vec3;
 using tests::Random;
 using tests::SurfaceData;
 
-constexpr double kFastest = 10.0;  // m/s
+constexpr double kQuickest = 10.0;  // m/s
 
 Vec3 point(Random& random, double lo, double hi) {
     const double x = random.in(lo, hi);
@@ -195,7 +195,7 @@ private:
         return surface_->origin() + size_ * point(*random_, -0.7, 0.7);
     }
     [[nodiscard]] double any_step() {
-        return std::min(kFastest * period_, size_ * random_->decade(-6.0, gentle_ ? -2.0 : -0.3));
+        return std::min(kQuickest * period_, size_ * random_->decade(-6.0, gentle_ ? -2.0 : -0.3));
     }
     [[nodiscard]] Vec2 any_place() {
         const auto& u = surface_->knots_u();
@@ -261,7 +261,7 @@ private:
         const Vec3 to = on + random_->in(0.5, 1.5) * (aim - on);
         const double way = std::max(glm::length(to - from), 1e-300);
         const double step =
-            std::min(1.0 / ticks, (gentle_ ? any_step() : kFastest * period_) / way);
+            std::min(1.0 / ticks, (gentle_ ? any_step() : kQuickest * period_) / way);
         for (int i = 0; i < ticks; ++i) {
             go_to(from + (i * step) * (to - from));
         }

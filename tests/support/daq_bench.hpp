@@ -11,7 +11,7 @@
 namespace palpate::tests {
 
 /// A card in memory. It lives on when the driver is gone, as a real one does.
-struct Bench {
+struct DaqBench {
     std::array<std::uint32_t, 2> counter{};
     std::uint32_t counter_top = 0xFFFFFF;
     engine::DaqCard::Output output{.min = -10.0, .max = 10.0, .top = 65535};
@@ -35,7 +35,7 @@ struct Bench {
 
 class FakeCard : public engine::DaqCard {
 public:
-    explicit FakeCard(Bench& bench) : bench_(bench) {}
+    explicit FakeCard(DaqBench& bench) : bench_(bench) {}
     int open() noexcept override {
         ++bench_.opened;
         bench_.is_open = bench_.open_error == 0;
@@ -76,7 +76,7 @@ public:
     std::string explain(int error) const override { return "error " + std::to_string(error); }
 
 private:
-    Bench& bench_;
+    DaqBench& bench_;
 };
 
 }  // namespace palpate::tests

@@ -21,8 +21,8 @@ inline constexpr std::int64_t kPeriod = 1'000'000;  // ns
 using Packets = std::vector<tests::BoardCable::Packet>;
 
 /// A board in memory, its driver, and the clock that both live on.
-struct Bench {
-    explicit Bench(const engine::Calibration& calibration = emulated_calibration())
+struct HaplyBench {
+    explicit HaplyBench(const engine::Calibration& calibration = emulated_calibration())
         : machine(calibration) {}
 
     engine::Calibration machine;

@@ -127,8 +127,8 @@ inline std::string copy_of(const std::string& file, const TemporaryFolder& folde
 }
 
 /// Rigs that went through random steps, and copies of their files from in between.
-struct World {
-    explicit World(std::uint64_t seed) : random(seed) {
+struct MergeWorld {
+    explicit MergeWorld(std::uint64_t seed) : random(seed) {
         rigs.emplace_back(folder.file("a.sqlite"), "P01", 1);
         rigs.emplace_back(folder.file("a.sqlite"), "P02", 1);
         rigs.emplace_back(folder.file("b.sqlite"), "P03", 1);

@@ -2,7 +2,10 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <string_view>
+#include <thread>
 #include <vector>
 
 #include <sys/types.h>
@@ -70,6 +73,15 @@ inline constexpr const char* kRunSecret = "00112233445566778899aabbccddeeff";
 
 /// Path of the program under test.
 [[nodiscard]] std::string palpate_program();
+
+/// Makes `file` of `text`, byte for byte.
+inline void write(const std::string& file, std::string_view text) {
+    std::ofstream(file, std::ios::binary) << text;
+}
+
+inline void pause(double seconds) {
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+}
 
 /// False, with a warning, where the SQL extension is built with a sanitizer: its runtime would have to be in the
 /// program that loads it.

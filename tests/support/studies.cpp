@@ -3,10 +3,14 @@
 #include <cstring>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "protocols/trial/presentation.hpp"
+#include "data/store/database.hpp"
+#include "data/verify/verify.hpp"
 
 namespace palpate::tests {
 
@@ -107,6 +111,42 @@ protocols::TrialResult answered(std::size_t object, bool correct, std::int64_t t
     result.response = protocols::Response{
         .place = object, .object = object, .correct = correct, .reaction_s = 1.0};
     return result;
+}
+
+std::string lines(data::Database& database, const std::string& sql) {
+    auto row = database.prepare(sql);
+    std::string text;
+    while (row.step()) {
+        for (int i = 0; i < row.columns(); ++i) {
+            text += row.text(i) + ' ';
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+std::int64_t count(data::Database& database, const std::string& from) {
+    auto row = database.prepare("SELECT count(*) FROM " + from);
+    row.step();
+    return row.integer(0);
+}
+
+std::string differences(data::Database& database) {
+    const data::Verification found = data::verify(database);
+    std::string text;
+    const auto add = [&text](const std::vector<data::Finding>& findings) {
+        for (const data::Finding& one : findings) {
+            if (one.kind != data::FindingKind::missing) {
+                text += fmt::format("{} {}: {} | {}\n", one.trial.value_or(0), one.what, one.stored,
+                                    one.recomputed);
+            }
+        }
+    };
+    add(found.file);
+    for (const auto& session : found.sessions) {
+        add(session.findings);
+    }
+    return text;
 }
 
 }  // namespace palpate::tests

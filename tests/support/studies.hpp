@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
@@ -40,5 +41,12 @@ inline const std::string kSecret = kRunSecret;
 [[nodiscard]] protocols::TrialResult answered(std::size_t object,
                                               bool correct,
                                               std::int64_t ticks = 0);
+
+/// The rows of `sql`, a line each; a space after every value.
+[[nodiscard]] std::string lines(data::Database& database, const std::string& sql);
+/// How many rows `from` gives: a table, with its joins and WHERE.
+[[nodiscard]] std::int64_t count(data::Database& database, const std::string& from);
+/// What verify finds different in a file with made-up provenance, a line each.
+[[nodiscard]] std::string differences(data::Database& database);
 
 }  // namespace palpate::tests

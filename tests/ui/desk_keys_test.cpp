@@ -12,7 +12,7 @@ namespace {
 
 constexpr auto kChord = static_cast<SDL_Keymod>(KMOD_LCTRL | KMOD_LSHIFT);
 
-struct Rig {
+struct DeskRig {
     SubjectScreenOptions with() {
         SubjectScreenOptions all = options();
         all.desk = &desk;
@@ -26,7 +26,7 @@ struct Rig {
 
 TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever is pressed",
           "[screen][desk][law]") {
-    Rig rig;
+    DeskRig rig;
     const Later participant([] {
         for (const SDL_Keycode key : {SDLK_m, SDLK_p, SDLK_y, SDLK_m, SDLK_y}) {
             press(key);
@@ -44,7 +44,7 @@ TEST_CASE("no key of the participant marks a trial or asks for a pause, whatever
 }
 
 TEST_CASE("the experimenter marks a trial in two steps, on every screen of it", "[screen][desk]") {
-    Rig rig;
+    DeskRig rig;
     const auto mark = [] {
         press(SDLK_m, kChord);
         press(SDLK_y);
@@ -82,7 +82,7 @@ TEST_CASE("the experimenter marks a trial in two steps, on every screen of it", 
 
 TEST_CASE("a mark or a pause does not begin the second interval of a trial, Space does",
           "[screen][desk][law]") {
-    Rig rig;
+    DeskRig rig;
     TrialView second = kTrial;
     second.interval = second.intervals = 2;
     std::atomic<bool> pressed{false};
@@ -101,7 +101,7 @@ TEST_CASE("a mark or a pause does not begin the second interval of a trial, Spac
 
 TEST_CASE("after the experimenter's stop only the experimenter's chord goes on",
           "[screen][desk][fault][law]") {
-    Rig rig;
+    DeskRig rig;
     TroubleView view{.sentence = "the experimenter switched the force off", .by_hand = true};
     const auto press_all = [] {
         press(SDLK_SPACE);
@@ -125,7 +125,7 @@ TEST_CASE("after the experimenter's stop only the experimenter's chord goes on",
 
 TEST_CASE("a pause lasts until the experimenter ends it, and Space does not",
           "[screen][desk][law]") {
-    Rig rig;
+    DeskRig rig;
     {
         const Later experimenter([] { press(SDLK_p, kChord); });
         CHECK(rig.screen.ready(kTrial) == Signal::held_up);

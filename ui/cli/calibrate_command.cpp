@@ -33,7 +33,6 @@ using engine::Vec2;
 constexpr int kReadings = 500;  ///< half a second at 1 kHz
 constexpr auto kPause = std::chrono::milliseconds(1);
 constexpr int kMostSilent = 100;  ///< readings in a row that say nothing new
-constexpr std::size_t kShownId = 12;
 
 std::vector<Vec2> marks_of(const CalibrateOptions& options, const engine::Calibration& preset) {
     std::vector<Vec2> marks;

@@ -32,7 +32,6 @@ struct CommissionOptions {
 };
 
 constexpr double kPeriod = 1e-3;
-constexpr std::size_t kShownId = 12;
 
 /// A device whose handle nobody holds, and how it comes to a place.
 struct Rig {

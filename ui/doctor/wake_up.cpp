@@ -31,7 +31,7 @@ WakeUps measure_wake_ups(double rate_hz,
                          const engine::RealtimeWish& wish,
                          double spin_share) {
     NoDevice device;
-    const engine::Scene scene(stimuli::make_outline({}), {});
+    const engine::Scene scene(stimuli::make_outline(stimuli::TwoCurve{}), {});
     engine::ThreadServo servo(device, {.rate_hz = rate_hz,
                                        .limits = {.ramp_step = 1.0},
                                        .realtime = wish,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 
@@ -23,6 +24,9 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place);
 /// X_MM,Y_MM in the object's frame. @param word  what it was given as, for the message
 /// @return m   @throws std::invalid_argument with both
 [[nodiscard]] engine::Vec2 parse_place(const std::string& text, const std::string& word);
+
+/// As many digits of a calibration's id tell it from others, for people.
+inline constexpr std::size_t kShownId = 12;
 
 /// The device takes the pose in which it is opened for home.
 [[nodiscard]] bool starts_at_home(const engine::Calibration& calibration);
