@@ -61,7 +61,7 @@ private:
     std::int64_t next_ = 0;
 };
 
-constexpr Vec2 kPress{0.3, -0.4};
+constexpr Vec2 kGuardedPress{0.3, -0.4};
 
 }  // namespace
 
@@ -136,7 +136,7 @@ TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the re
                           ContainsSubstring("emergency stop") && ContainsSubstring("release it"));
         desk.board.press_stop(false);
         desk.open();
-        CHECK(desk.ticks(kPress, 5).ok());
+        CHECK(desk.ticks(kGuardedPress, 5).ok());
     }
     Desk<TestType> unguarded;
     unguarded.guard.there = false;
@@ -148,21 +148,21 @@ TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released
                    BOARDS) {
     Desk<TestType> desk;
     desk.open();
-    REQUIRE(desk.ticks(kPress, 20).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 20).ok());
     CHECK(desk.board.enabled());
     desk.board.press_stop(true);
-    desk.ticks(kPress, 2);
+    desk.ticks(kGuardedPress, 2);
     CHECK_FALSE(desk.board.enabled());
-    CHECK(desk.ticks(kPress, 2).fault == DeviceFault::stopped);
+    CHECK(desk.ticks(kGuardedPress, 2).fault == DeviceFault::stopped);
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("emergency stop"));
     CHECK_FALSE(desk.device->reconnect());
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("release it when it is safe"));
     desk.board.press_stop(false);
-    desk.ticks(kPress, 20);
+    desk.ticks(kGuardedPress, 20);
     CHECK_FALSE(desk.board.enabled());  // nothing by itself
     CHECK(desk.device->reconnect());
     CHECK(desk.device->trouble().empty());
-    CHECK(desk.ticks(kPress, 5).ok());
+    CHECK(desk.ticks(kGuardedPress, 5).ok());
     CHECK(desk.board.enabled());
     CHECK(desk.board.torque() != Vec2{});
 }
@@ -172,16 +172,16 @@ TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten",
                    BOARDS) {
     Desk<TestType> desk;
     desk.open();
-    REQUIRE(desk.ticks(kPress, 5).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 5).ok());
     desk.ticks({}, 5);
     desk.board.press_stop(true);
     desk.cable.pass(300'000'000);
     desk.board.press_stop(false);
     desk.cable.pass(300'000'000);
-    CHECK(desk.tick(kPress).fault == DeviceFault::stopped);
+    CHECK(desk.tick(kGuardedPress).fault == DeviceFault::stopped);
     CHECK_FALSE(desk.board.enabled());
     CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kPress, 5).ok());
+    CHECK(desk.ticks(kGuardedPress, 5).ok());
 }
 
 TEMPLATE_TEST_CASE(
@@ -190,18 +190,18 @@ TEMPLATE_TEST_CASE(
     BOARDS) {
     Desk<TestType> desk;
     desk.open();
-    REQUIRE(desk.ticks(kPress, 20).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 20).ok());
     desk.ticks({}, 2);
     desk.cable.pass(1'000'000'000);  // a rest: the board has stopped by itself
     CHECK_FALSE(desk.board.enabled());
-    REQUIRE(desk.ticks(kPress, 20).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 20).ok());
     CHECK(desk.board.torque() != Vec2{});
     desk.cable.pass(21'000'000);
     CHECK_FALSE(desk.board.enabled());
-    CHECK(desk.ticks(kPress, 4).fault == DeviceFault::stopped);
+    CHECK(desk.ticks(kGuardedPress, 4).fault == DeviceFault::stopped);
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("no torque came for 20 ms"));
     CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kPress, 5).ok());
+    CHECK(desk.ticks(kGuardedPress, 5).ok());
 }
 
 TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was",
@@ -209,11 +209,11 @@ TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was"
                    BOARDS) {
     Desk<TestType> desk;
     desk.open();
-    REQUIRE(desk.ticks(kPress, 30).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 30).ok());
     desk.board.power_cycle();
     const bool at_once = GENERATE(true, false);
     desk.cable.pass(at_once ? 3'000'000 : 25'000'000);
-    const DeviceFault fault = desk.ticks(kPress, 3).fault;
+    const DeviceFault fault = desk.ticks(kGuardedPress, 3).fault;
     CHECK(fault == (at_once ? DeviceFault::lost : DeviceFault::silent));
     CHECK_FALSE(desk.board.enabled());
     CHECK_THAT(desk.device->trouble(),
@@ -223,7 +223,7 @@ TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was"
     desk.plant.lead(*desk.truth.home);
     desk.cable.pass(20'000'000);
     CHECK(desk.device->reconnect());
-    const Reading reading = desk.ticks(kPress, 5);
+    const Reading reading = desk.ticks(kGuardedPress, 5);
     CHECK(reading.ok());
     CHECK(glm::length(reading.hip - *desk.truth.home) < 3e-4);
 }
@@ -233,16 +233,16 @@ TEMPLATE_TEST_CASE("a cable pulled with the force on has its motors off, and com
                    BOARDS) {
     Desk<TestType> desk;
     desk.open();
-    REQUIRE(desk.ticks(kPress, 20).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 20).ok());
     desk.cable.plug(false);
-    CHECK(desk.ticks(kPress, 3).fault == DeviceFault::lost);
+    CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::lost);
     CHECK_FALSE(desk.board.enabled());
     CHECK_FALSE(desk.device->reconnect());
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("plug it in"));
     desk.cable.plug(true);
     CHECK_FALSE(desk.device->reconnect());
     CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kPress, 5).ok());
+    CHECK(desk.ticks(kGuardedPress, 5).ok());
     CHECK(desk.board.enabled());
 }
 
@@ -253,7 +253,7 @@ TEST_CASE("answers that are lost now and then make a reading old, and no fault",
     int stale = 0;
     for (int i = 0; i < 2000; ++i) {
         desk.board.hush(random.below(20) == 0);
-        const Reading reading = desk.tick(kPress);
+        const Reading reading = desk.tick(kGuardedPress);
         REQUIRE(reading.ok());
         stale += reading.fresh ? 0 : 1;
         CHECK((i < 5 || desk.board.enabled()));
@@ -261,7 +261,7 @@ TEST_CASE("answers that are lost now and then make a reading old, and no fault",
     CHECK(stale > 40);
     CHECK(stale < 250);
     desk.board.hush(true);
-    CHECK(desk.ticks(kPress, 30).fault == DeviceFault::silent);
+    CHECK(desk.ticks(kGuardedPress, 30).fault == DeviceFault::silent);
     desk.ticks({}, 30);
     CHECK_FALSE(desk.board.enabled());
 }
@@ -270,22 +270,22 @@ TEST_CASE("an encoder that skipped an edge ends the force until the handle was a
           "[open][law]") {
     Desk<OnHost> desk;
     desk.open();
-    REQUIRE(desk.ticks(kPress, 10).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 10).ok());
     desk.board.skip_edge();
-    CHECK(desk.ticks(kPress, 3).fault == DeviceFault::lost);
+    CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::lost);
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("skipped an edge"));
     CHECK_FALSE(desk.device->reconnect());
     CHECK_THAT(desk.device->trouble(), ContainsSubstring("home pose"));
     CHECK(desk.device->reconnect());
-    CHECK(desk.ticks(kPress, 5).ok());
+    CHECK(desk.ticks(kGuardedPress, 5).ok());
 }
 
 TEST_CASE("a joint that jumps between two answers ends the force", "[open][law]") {
     Desk<OnHost> desk;
     desk.open();
-    REQUIRE(desk.ticks(kPress, 10).ok());
+    REQUIRE(desk.ticks(kGuardedPress, 10).ok());
     desk.plant.lead({0.04, 0.05});
-    CHECK(desk.ticks(kPress, 3).fault == DeviceFault::garbage);
+    CHECK(desk.ticks(kGuardedPress, 3).fault == DeviceFault::garbage);
 }
 
 TEST_CASE("a handle that moves while the board is opened is refused", "[open][law]") {

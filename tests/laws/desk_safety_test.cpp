@@ -91,7 +91,12 @@ TEST_CASE(
     CHECK(locked_mb(desk.session->program().id()) < 200.0);  // 707 when all of it was
     kill(desk.guard(), SIGKILL);
     CHECK(desk.force_ends());
-    CHECK(desk.waits_for_fault("device_lost"));
+    {
+        const bool lost = desk.waits_for_fault("device_lost");
+        CAPTURE(desk.session->ask("SELECT group_concat(fault_cause) FROM trial"),
+                desk.session->screen_name(), desk.session->program().error());
+        CHECK(lost);
+    }
     desk.session->press_at("trouble", "space");
     REQUIRE(desk.feel());
     const std::int64_t killed = monotonic_ns();

@@ -54,7 +54,7 @@ Vec2 point(const Row& row, const std::string& name) {
 }
 
 std::vector<Row> rows_of(const std::string& file, const std::string& query) {
-    const Finished done = palpate_command({"rows_of", file, "--csv", "-c", query});
+    const Finished done = palpate_command({"sql", file, "--csv", "-c", query});
     CAPTURE(query, done.error);
     REQUIRE(done.code == 0);
     return rows_of(done.out, ',', {});
