@@ -1,7 +1,7 @@
-# Several files of a target compiled as one, where nobody steps through them: half of what a file costs is what its
-# neighbours say as well. A file's batch comes from its name, so that a new one seldom moves others; names in the anonymous
-# namespaces of a batch differ. The engine's files stay alone: a tick must not depend on who its neighbour is.
-# Builds for developers and sanitizers compile every file alone, so that none lives on another's includes.
+# Several files of a target compiled as one: half of what a file costs is what its neighbours say as well. A file's
+# batch comes from its name, and a new file moves no other into another's batch; names in the anonymous namespaces of a
+# batch differ. The engine's files stay alone: a tick must not depend on who its neighbour is. Builds for developers
+# and sanitizers compile every file alone, so that none lives on another's includes.
 function(palpate_in_batches target)
     if(NOT PALPATE_BATCHES)
         return()
@@ -9,7 +9,11 @@ function(palpate_in_batches target)
     get_target_property(sources ${target} SOURCES)
     list(FILTER sources EXCLUDE REGEX "TARGET_OBJECTS|^/")
     list(LENGTH sources count)
-    math(EXPR batches "1 + (${count} - 1) / 4")
+    set(batches 1)
+    while(count GREATER 6)
+        math(EXPR batches "2 * ${batches}")
+        math(EXPR count "(${count} + 1) / 2")
+    endwhile()
     foreach(source ${sources})
         get_filename_component(name ${source} NAME_WE)
         string(MD5 hash ${name})

@@ -28,7 +28,7 @@ using tests::TemporaryFolder;
 namespace {
 
 /// Everything that a file says of sessions and people, row by row, without the ids that are its own.
-std::string content(const std::string& file) {
+std::string content_of(const std::string& file) {
     Database database(file, Access::read);
     std::string all;
     for (const char* sql :
@@ -86,7 +86,7 @@ TEST_CASE(
     MergeWorld world(seed);
     const std::string whole = world.folder.file("whole.sqlite");
     REQUIRE(data::merge_files(whole, world.last).conflicts.empty());
-    const std::string expected = content(whole);
+    const std::string expected = content_of(whole);
 
     std::vector<std::string> some = world.files;
     shuffle(some, world.random);
@@ -94,20 +94,20 @@ TEST_CASE(
     const MergeReport all = data::merge_files(once, some);
     CHECK(all.conflicts.empty());
     CHECK(all.added == 5);
-    CHECK(content(once) == expected);
+    CHECK(content_of(once) == expected);
 
     shuffle(some, world.random);
     const std::string stepwise = world.folder.file("stepwise.sqlite");
     for (const std::string& file : some) {
         CHECK(data::merge_files(stepwise, {file}).conflicts.empty());
     }
-    CHECK(content(stepwise) == expected);
+    CHECK(content_of(stepwise) == expected);
 
     const MergeReport again = data::merge_files(stepwise, some);
     CHECK(again.added == 0);
     CHECK(again.extended == 0);
     CHECK(again.same == 5);
-    CHECK(content(stepwise) == expected);
+    CHECK(content_of(stepwise) == expected);
 }
 
 TEST_CASE("a session that was damaged or edited is named, and nothing of it is merged",
@@ -217,11 +217,11 @@ TEST_CASE(
     const Rig b(folder.file("b.sqlite"), "P01", 1);
     const std::string out = folder.file("out.sqlite");
     CHECK(data::merge_files(out, {a.file(), b.file()}).conflicts.size() == 1);
-    CHECK(content(out).find("small") == std::string::npos);
+    CHECK(content_of(out).find("small") == std::string::npos);
     CHECK(data::merge_files(out, {a.file()}).added == 1);
-    const std::string before = content(out);
+    const std::string before = content_of(out);
     CHECK(data::merge_files(out, {b.file()}).conflicts.size() == 1);
-    CHECK(content(out) == before);
+    CHECK(content_of(out) == before);
 }
 
 TEST_CASE(

@@ -64,7 +64,7 @@ TEST_CASE("the motors get the torques of the force, each at its own pivot", "[ha
         bench.tick({});
         const Reading reading = bench.device->read();
         const Applied applied = bench.device->write(force);
-        bench.cable.pass(kPeriod);
+        bench.cable.pass(kPeriodNs);
         const auto fix = bench.pantograph.locate(bench.pantograph.angles(reading.counts));
         REQUIRE(fix);
         // J^T F, both scaled alike into 0.123 N m, cut to 12 bits.

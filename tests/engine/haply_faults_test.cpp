@@ -226,7 +226,7 @@ TEST_CASE("without a guard there is no force, and one that was started again giv
         static_cast<void>(bench.device->read());
         bench.guard.alive = false;
         bench.device->write({0.3, 0.3});
-        bench.cable.pass(kPeriod);
+        bench.cable.pass(kPeriodNs);
         CHECK(bench.board.torque() == Vec2{});
     }
     CHECK(bench.ticks({0.3, 0.3}, 3).fault == expected);

@@ -17,8 +17,8 @@ using palpate::tests::random_hand;
 
 namespace {
 
-constexpr Slew kSlew{.speed = 0.2, .radius = 0.003};
-constexpr Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+constexpr Slew kSceneSlew{.speed = 0.2, .radius = 0.003};
+constexpr Friction kSceneFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
 constexpr double kCurvatures[] = {-10.0, -5.0, 0.0, 5.0, 10.0};
 
 Scene scene_of(double curvature, const Friction& friction, const Slew& slew) {
@@ -26,7 +26,7 @@ Scene scene_of(double curvature, const Friction& friction, const Slew& slew) {
 }
 
 /// Over and into the whole object, at hand speed.
-std::vector<Vec2> hand(std::uint64_t seed) {
+std::vector<Vec2> scene_hand(std::uint64_t seed) {
     return random_hand(seed, 4000, {-0.045, -0.004}, {0.045, 0.046});
 }
 
@@ -60,12 +60,12 @@ TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") 
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
     CAPTURE(seed);
     for (const double kappa : kCurvatures) {
-        for (const Friction& friction : {Friction{}, kFriction}) {
-            const Scene scene = scene_of(kappa, friction, kSlew);
+        for (const Friction& friction : {Friction{}, kSceneFriction}) {
+            const Scene scene = scene_of(kappa, friction, kSceneSlew);
             const OutlineFeet feet(scene.outline());
             ContactState state;
             bool was_inside = false;
-            for (const Vec2& h : hand(seed)) {
+            for (const Vec2& h : scene_hand(seed)) {
                 const Contact contact = scene.tick(state, h);
                 const bool inside = feet.closest(h).inside;
                 // A sliding contact may still hold for the tick in which HIP leaves over another side.
@@ -83,10 +83,10 @@ TEST_CASE("the force is zero on every tick outside the object", "[scene][law]") 
 
 TEST_CASE("the same path gives the same forces to the bit, and a state can be copied mid-way",
           "[scene][law]") {
-    const Scene scene = scene_of(5.0, kFriction, kSlew);
+    const Scene scene = scene_of(5.0, kSceneFriction, kSceneSlew);
     ContactState first;
     ContactState second;
-    const std::vector<Vec2> path = hand(3);
+    const std::vector<Vec2> path = scene_hand(3);
     for (std::size_t k = 0; k < path.size(); ++k) {
         if (k == path.size() / 2) {
             second = first;
@@ -98,9 +98,9 @@ TEST_CASE("the same path gives the same forces to the bit, and a state can be co
 }
 
 TEST_CASE("a tick allocates nothing", "[scene][law]") {
-    for (const Friction& friction : {Friction{}, kFriction}) {
-        const Scene scene = scene_of(-5.0, friction, kSlew);
-        const std::vector<Vec2> path = hand(7);
+    for (const Friction& friction : {Friction{}, kSceneFriction}) {
+        const Scene scene = scene_of(-5.0, friction, kSceneSlew);
+        const std::vector<Vec2> path = scene_hand(7);
         ContactState state;
         const std::size_t before = tests::allocations();
         for (const Vec2& h : path) {
@@ -111,7 +111,7 @@ TEST_CASE("a tick allocates nothing", "[scene][law]") {
 }
 
 TEST_CASE("a HIP that is not finite gives zero force, and the next tick is sane", "[scene][law]") {
-    const Scene scene = scene_of(0.0, kFriction, kSlew);
+    const Scene scene = scene_of(0.0, kSceneFriction, kSceneSlew);
     const double bad =
         GENERATE(std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity());
     ContactState state;
@@ -131,7 +131,7 @@ TEST_CASE("finite in, finite out: HIP anywhere, at any speed", "[scene][law]") {
         Random random(seed);
         CAPTURE(seed);
         const Scene scene =
-            scene_of(random.in(-20.0, 20.0), seed % 2 == 0 ? kFriction : Friction{}, kSlew);
+            scene_of(random.in(-20.0, 20.0), seed % 2 == 0 ? kSceneFriction : Friction{}, kSceneSlew);
         ContactState state;
         for (int k = 0; k < 2000; ++k) {
             const double size = random.decade(-4.0, 3.0);

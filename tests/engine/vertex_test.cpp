@@ -13,7 +13,7 @@ using palpate::tests::Random;
 
 namespace {
 
-constexpr Friction kFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
+constexpr Friction kVertexFriction{.mu_s = 0.7, .mu_d = 0.5, .tau_slip = 0.02, .tau_heal = 0.1};
 constexpr Slew kSlew{.speed = 0.2, .radius = 0.003};
 
 std::shared_ptr<const Outline> corner(const Vec2& from, const Vec2& to) {
@@ -26,7 +26,7 @@ std::shared_ptr<const Outline> corner(const Vec2& from, const Vec2& to) {
 TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule", "[vertex][law]") {
     // HIP passes under a shallow convex corner while the GO is stuck before it: the force stays that of
     // the spring, in a straight line with HIP, although the closest feature changes.
-    const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.friction = kFriction, .slew = kSlew});
+    const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.friction = kVertexFriction, .slew = kSlew});
     ContactState state;
     static_cast<void>(scene.tick(state, {-0.001, 0.001}));
     const Contact first = scene.tick(state, {-0.001, -0.010});
@@ -89,7 +89,7 @@ TEST_CASE("in a concave vertex both normals carry, and no friction lets go of th
         CAPTURE(seed);
         const double angle = random.in(0.2, 1.5);  // turn to the left
         const Scene scene(corner({-0.1, 0.0}, {0.1 * std::cos(angle), 0.1 * std::sin(angle)}),
-                          {.friction = seed % 2 == 0 ? kFriction : Friction{}});
+                          {.friction = seed % 2 == 0 ? kVertexFriction : Friction{}});
         ContactState state;
         // Straight into the internal fan of the vertex, between the two inward normals.
         const double between = random.in(0.1, 0.9) * angle;
@@ -122,7 +122,7 @@ TEST_CASE("an open end holds the god-object until HIP leaves, inside the cone", 
 }
 
 TEST_CASE("starting inside the object begins a contact at the closest point", "[vertex]") {
-    const Scene scene(stimuli::make_outline({}), {.friction = kFriction, .slew = kSlew});
+    const Scene scene(stimuli::make_outline({}), {.friction = kVertexFriction, .slew = kSlew});
     ContactState state;
     const Contact c = scene.tick(state, {-0.021, 0.017});
     CHECK(c.mode == Mode::stuck);

@@ -136,7 +136,7 @@ std::string study(const TemporaryFolder& folder) {
     return folder.file("p.toml");
 }
 
-std::string run_words(const TemporaryFolder& folder, const std::string& device) {
+std::string ran_words(const TemporaryFolder& folder, const std::string& device) {
     return "run '" + study(folder) + "' --participant P1 --db '" + folder.file("d.sqlite") +
            "' --windowed --device " + device;
 }
@@ -242,7 +242,7 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
     CHECK(rig.record->dynamics.handle_mass == Approx(0.1).epsilon(0.15));
     const Finished moved = operated(
         folder, device,
-        run_words(folder, device.word()) + " --calibration '" + calibration + "' --handle-free",
+        ran_words(folder, device.word()) + " --calibration '" + calibration + "' --handle-free",
         "0,0");
     CHECK(moved.code == 2);
     CHECK_THAT(moved.error, ContainsSubstring("nobody proved how --device board:udp:"));
@@ -268,7 +268,7 @@ TEST_CASE("a board with a motor reversed is refused by commission, and by the op
     const std::string rig = commissioned_rig(folder, board.word());
     const Finished refused =
         operated(folder, board,
-                 run_words(folder, board.word()) + " --calibration '" + rig + "' --handle-free");
+                 ran_words(folder, board.word()) + " --calibration '" + rig + "' --handle-free");
     CAPTURE(refused.out);
     CHECK(refused.code == 1);
     CHECK_THAT(refused.error,
@@ -288,7 +288,7 @@ TEST_CASE(
     for (int attempt = 0; attempt < 8; ++attempt) {
         typed = std::make_unique<TypedTo>(
             folder, fmt::format("run{}", attempt),
-            run_words(folder, board.word()) + " --calibration '" + rig + "'",
+            ran_words(folder, board.word()) + " --calibration '" + rig + "'",
             std::vector<std::string>{"DISPLAY=" + screen.display(), "SDL_VIDEODRIVER=x11",
                                      "WAYLAND_DISPLAY", "ASAN_OPTIONS=detect_leaks=0"});
         operate(*typed, board, "If it ends early");
@@ -337,7 +337,7 @@ TEST_CASE("a handle that rests 12 mm off home is found at the second mark, befor
     FreeBoard board(folder, "--at=" + at);
     const std::string rig = commissioned_rig(folder, board.word());
     const Finished end = operated(
-        folder, board, run_words(folder, board.word()) + " --calibration '" + rig + "'", at);
+        folder, board, ran_words(folder, board.word()) + " --calibration '" + rig + "'", at);
     CAPTURE(end.out, end.error);
     CHECK(end.code == 1);
     CHECK_THAT(end.error, ContainsSubstring("it did not rest at home") ||

@@ -81,7 +81,7 @@ TEST_CASE("the hand of palpate haply-emulator is found where it truly is, all th
         for (int i = 0; i < seconds * 1000.0; ++i) {
             const Vec2 before = hand.hip();
             device.write({});
-            cable.pass(kPeriod);
+            cable.pass(kPeriodNs);
             const Reading reading = device.read();
             REQUIRE(reading.ok());
             fastest = std::max(fastest, glm::length(hand.hip() - before) / 1.0e-3);

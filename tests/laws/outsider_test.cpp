@@ -32,7 +32,7 @@ constexpr const char* kStudy = "shape_friction_demo";
 const std::vector<std::string> kCodes{"P01", "P02", "P03", "P04", "P05", "P06", "P07"};
 const std::string kDeclined = "P03";
 
-Finished run(const std::string& code, const std::string& file, std::vector<std::string> more = {}) {
+Finished ran(const std::string& code, const std::string& file, std::vector<std::string> more = {}) {
     std::vector<std::string> words{"run",  kStudy, "--participant", code,
                                    "--db", file,   "--headless"};
     words.insert(words.end(), more.begin(), more.end());
@@ -43,7 +43,7 @@ Finished run(const std::string& code, const std::string& file, std::vector<std::
 /// People who ran, one after the other, as if each hand had been a person's.
 void record(const std::string& file, std::size_t from, std::size_t to) {
     for (std::size_t i = from; i < to; ++i) {
-        REQUIRE(run(kCodes[i], file).code == 0);
+        REQUIRE(ran(kCodes[i], file).code == 0);
         data::Database(file, data::Access::write)
             .execute("UPDATE session SET session_kind = 'real'");
     }
@@ -285,7 +285,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string secret = "0123456789abcdef0123456789abcdef";
     const auto content = [&](const std::string& name, std::vector<std::string> more) {
-        REQUIRE(run("P01", folder.file(name), std::move(more)).code == 0);
+        REQUIRE(ran("P01", folder.file(name), std::move(more)).code == 0);
         data::Database database(folder.file(name), data::Access::read);
         return tests::content_hash(database);
     };
@@ -293,19 +293,19 @@ TEST_CASE(
     CHECK(content("b.sqlite", {"--secret", secret}) == first);
     CHECK(content("c.sqlite", {}) != first);
     CHECK(content("d.sqlite", {"--secret", std::string(32, '1')}) != first);
-    CHECK(run("P02", folder.file("a.sqlite"), {"--secret", secret}).code == 0);  // the same
+    CHECK(ran("P02", folder.file("a.sqlite"), {"--secret", secret}).code == 0);  // the same
     const std::string before = tests::slurp(folder.file("c.sqlite"));
-    const Finished refused = run("P02", folder.file("c.sqlite"), {"--secret", secret});
+    const Finished refused = ran("P02", folder.file("c.sqlite"), {"--secret", secret});
     CHECK(refused.code == 2);
     CHECK_THAT(refused.error, ContainsSubstring("a secret of its own"));
     CHECK(tests::slurp(folder.file("c.sqlite")) == before);
     for (const std::string& wrong : {std::string("12"), std::string(32, 'g')}) {
-        CHECK(run("P01", folder.file("none.sqlite"), {"--secret", wrong}).code == 2);
+        CHECK(ran("P01", folder.file("none.sqlite"), {"--secret", wrong}).code == 2);
     }
     CHECK_FALSE(fs::exists(folder.file("none.sqlite")));
     // The demo's is known to all: people in the same file get the file's own.
     REQUIRE(palpate_command({"demo", "--headless", "--db", folder.file("demo.sqlite")}).code == 0);
-    REQUIRE(run("P01", folder.file("demo.sqlite")).code == 0);
+    REQUIRE(ran("P01", folder.file("demo.sqlite")).code == 0);
     const auto secrets =
         values(folder.file("demo.sqlite"), "SELECT secret FROM session ORDER BY session_id");
     CHECK(secrets.at(0) == data::kDemoSecret);
@@ -318,10 +318,10 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
     const auto file = [&](const char* name) {
         return folder.file(name);
     };
-    REQUIRE(run("P01", file("a.sqlite")).code == 0);
-    REQUIRE(run("P02", file("a.sqlite")).code == 0);
-    REQUIRE(run("P03", file("b.sqlite")).code == 0);
-    REQUIRE(run("P01", file("b.sqlite"), {"--session", "2", "--elsewhere"}).code == 0);
+    REQUIRE(ran("P01", file("a.sqlite")).code == 0);
+    REQUIRE(ran("P02", file("a.sqlite")).code == 0);
+    REQUIRE(ran("P03", file("b.sqlite")).code == 0);
+    REQUIRE(ran("P01", file("b.sqlite"), {"--session", "2", "--elsewhere"}).code == 0);
     REQUIRE(
         palpate_command({"merge", file("ab.sqlite"), file("a.sqlite"), file("b.sqlite")}).code ==
         0);
@@ -362,7 +362,7 @@ TEST_CASE("merged files keep their secrets, in any order, and each person has on
 TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret][verify][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("study.sqlite");
-    REQUIRE(run("P01", file).code == 0);
+    REQUIRE(ran("P01", file).code == 0);
     CHECK(palpate_command({"verify", file}).code == 0);
     const char* edits[] = {
         "DELETE FROM secret",
@@ -382,7 +382,7 @@ TEST_CASE("a secret that is lost, or was changed by hand, is reported", "[secret
     }
     data::Database(file, data::Access::write)
         .execute("PRAGMA foreign_keys = OFF; DELETE FROM secret");
-    const Finished refused = run("P02", file);
+    const Finished refused = ran("P02", file);
     CHECK(refused.code != 0);
     CHECK_THAT(refused.error, ContainsSubstring("its secret was removed"));
 }

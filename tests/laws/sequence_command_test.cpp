@@ -63,7 +63,7 @@ void check_against(const std::string& file,
     CHECK(csv.out == recorded_plan(database, session));
 }
 
-std::vector<std::string> run_words(const std::string& participant, const std::string& file) {
+std::vector<std::string> words_of_run(const std::string& participant, const std::string& file) {
     return {"run", "shape_friction_demo", "--participant", participant, "--db", file, "--headless"};
 }
 
@@ -82,7 +82,7 @@ TEST_CASE("sequence prints exactly the plan that is run, before and after", "[se
 TEST_CASE("sequence knows another seed, another session, and who already ran", "[sequence][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(run_words("P1", file)).code == 0);
+    REQUIRE(palpate_command(words_of_run("P1", file)).code == 0);
     {  // as if a person had been there: the next row of pictures depends on it
         data::Database database(file, data::Access::write);
         database.execute("UPDATE session SET session_kind = 'real'");
@@ -92,7 +92,7 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
     std::vector<std::string> command = {"sequence"};
     command.insert(command.end(), next.begin(), next.end());
     const Finished announced = palpate_command(command);
-    auto run = run_words("P2", file);
+    auto run = words_of_run("P2", file);
     run.insert(run.end(), {"--seed", "5"});
     const Finished ran = palpate_command(run);
     REQUIRE(ran.code == 0);
@@ -102,7 +102,7 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
 
     const std::vector<std::string> second = {
         "shape_friction_demo", "--participant", "P2", "--db", file, "--session", "2"};
-    auto again = run_words("P2", file);
+    auto again = words_of_run("P2", file);
     again.insert(again.end(), {"--session", "2"});
     REQUIRE(palpate_command(again).code == 0);
     check_against(file, 3, second);
@@ -111,12 +111,12 @@ TEST_CASE("sequence knows another seed, another session, and who already ran", "
 TEST_CASE("a session with a plan of another algorithm is refused, not mixed", "[sequence][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    REQUIRE(palpate_command(run_words("P1", file)).code == 0);
+    REQUIRE(palpate_command(words_of_run("P1", file)).code == 0);
     {
         data::Database database(file, data::Access::write);
         database.execute("UPDATE session SET finished = 0, plan_sha256 = lower(hex(zeroblob(32)))");
     }
-    const Finished refused = palpate_command(run_words("P1", file));
+    const Finished refused = palpate_command(words_of_run("P1", file));
     CHECK(refused.code == 1);
     CHECK_THAT(refused.error, ContainsSubstring("begun with another plan"));
 }

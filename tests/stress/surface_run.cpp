@@ -13,12 +13,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// A tick that takes longer than this is timed again, s.
-constexpr double kSeemsSlow = 1e-4;
+constexpr double kSurfaceSeemsSlow = 1e-4;
 
 /// A tick may not take longer than this, s, unless it says that its work limit ended it.
-constexpr double kTooSlow = 2e-4;
+constexpr double kSurfaceTooSlow = 2e-4;
 
-double seconds_since(Clock::time_point start) {
+double wall_seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
@@ -53,17 +53,17 @@ std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch) {
         const engine::SurfaceState before = state;
         const auto start = Clock::now();
         const engine::SurfaceContact contact = scene.tick(state, c.path[i]);
-        if (watch && seconds_since(start) > kSeemsSlow) {
+        if (watch && wall_seconds_since(start) > kSurfaceSeemsSlow) {
             const double best = time_of(scene, before, c.path[i]);
             if (best > tally.slowest_s) {
                 tally.slowest_s = best;
                 tally.slowest_seed = c.seed;
             }
-            if (best > kTooSlow && contact.settled && contact.cp.proven) {
+            if (best > kSurfaceTooSlow && contact.settled && contact.cp.proven) {
                 return Breach{.law = "a tick takes bounded time, or says that it was ended",
                               .tick = i,
                               .value = best,
-                              .limit = kTooSlow};
+                              .limit = kSurfaceTooSlow};
             }
         }
         ++tally.ticks;

@@ -17,7 +17,7 @@
 
 namespace palpate::tests {
 
-inline constexpr std::int64_t kPeriod = 1'000'000;  // ns
+inline constexpr std::int64_t kPeriodNs = 1'000'000;  // ns
 using Packets = std::vector<tests::BoardCable::Packet>;
 
 /// A board in memory, its driver, and the clock that both live on.
@@ -41,8 +41,8 @@ struct HaplyBench {
     engine::Reading tick(const engine::Vec2& force) {
         const engine::Reading reading = device->read();
         device->write(force);
-        next_ = std::max(next_ + kPeriod, cable.now_ns());
-        cable.pass(std::max(next_ - cable.now_ns(), kPeriod / 10));
+        next_ = std::max(next_ + kPeriodNs, cable.now_ns());
+        cable.pass(std::max(next_ - cable.now_ns(), kPeriodNs / 10));
         return reading;
     }
     engine::Reading ticks(const engine::Vec2& force, int number) {
