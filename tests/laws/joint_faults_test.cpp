@@ -84,7 +84,7 @@ private:
     BoardDevice* device_;
 };
 
-struct Tally {
+struct JointTally {
     int schedules = 0;
     int pressed = 0;  ///< schedules in which the motors had a torque
     int tripped = 0;
@@ -121,7 +121,7 @@ public:
                                                 std::make_unique<tests::ScriptedGuard>(guard_));
     }
 
-    void run(const std::vector<Event>& events, Tally& tally) {
+    void run(const std::vector<Event>& events, JointTally& tally) {
         protocols::Protocol protocol;
         protocol.apparatus.stiffness = 500.0;
         protocol.apparatus.force_limit = random_->in(0.5, 1.6);
@@ -253,7 +253,7 @@ private:
         }
     }
 
-    void tick(TickLoop& loop, const Watched& device, bool sound, Tally& tally) {
+    void tick(TickLoop& loop, const Watched& device, bool sound, JointTally& tally) {
         const std::int64_t stalled =
             last_tick_ns_ == 0 ? 0 : cable_->now_ns() - last_tick_ns_ - 1'000'000;
         last_tick_ns_ = cable_->now_ns();
@@ -297,7 +297,7 @@ private:
         }
     }
 
-    void judge(Tally& tally) {
+    void judge(JointTally& tally) {
         const Vec2 torque = board_->torque();
         const double most = machine_.pantograph.axes[0].torque_limit * (1.0 + 1e-3);
         tally.over_limit += std::fabs(torque.x) <= most && std::fabs(torque.y) <= most ? 0 : 1;
@@ -343,7 +343,7 @@ std::vector<Event> random_events(Random& random) {
 }
 
 /// 2,000 schedules; PALPATE_FAULT_SCHEDULES asks for another number.
-std::uint64_t schedules() {
+std::uint64_t joint_schedules() {
     const char* asked = std::getenv("PALPATE_FAULT_SCHEDULES");
     return asked != nullptr ? std::strtoull(asked, nullptr, 10) : 2000;
 }
@@ -352,8 +352,8 @@ std::uint64_t schedules() {
 
 TEST_CASE("whatever fails of board, wire, processes and screen together, the force ends in time",
           "[safety][law]") {
-    Tally tally;
-    for (std::uint64_t seed = 0; seed < schedules(); ++seed) {
+    JointTally tally;
+    for (std::uint64_t seed = 0; seed < joint_schedules(); ++seed) {
         Random random(seed);
         const bool open = random.coin();
         const auto events = random_events(random);
