@@ -130,8 +130,8 @@ TEST_CASE("finite in, finite out: HIP anywhere, at any speed", "[scene][law]") {
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
         Random random(seed);
         CAPTURE(seed);
-        const Scene scene =
-            scene_of(random.in(-20.0, 20.0), seed % 2 == 0 ? kSceneFriction : Friction{}, kSceneSlew);
+        const Scene scene = scene_of(random.in(-20.0, 20.0),
+                                     seed % 2 == 0 ? kSceneFriction : Friction{}, kSceneSlew);
         ContactState state;
         for (int k = 0; k < 2000; ++k) {
             const double size = random.decade(-4.0, 3.0);

@@ -26,7 +26,8 @@ std::shared_ptr<const Outline> corner(const Vec2& from, const Vec2& to) {
 TEST_CASE("a stuck contact knows nothing of Voronoi regions: the corner rule", "[vertex][law]") {
     // HIP passes under a shallow convex corner while the GO is stuck before it: the force stays that of
     // the spring, in a straight line with HIP, although the closest feature changes.
-    const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}), {.friction = kVertexFriction, .slew = kSlew});
+    const Scene scene(corner({-0.1, 0.0}, {0.1, -0.04}),
+                      {.friction = kVertexFriction, .slew = kSlew});
     ContactState state;
     static_cast<void>(scene.tick(state, {-0.001, 0.001}));
     const Contact first = scene.tick(state, {-0.001, -0.010});

@@ -15,7 +15,7 @@ namespace palpate::tests {
 /// under load is slow, not wrong.
 class WindowSession {
 public:
-    static constexpr double kPatience = 60.0;  ///< s
+    static constexpr double kPatience = 150.0;  ///< s
 
     struct Screen {
         int width = 1280;
