@@ -105,7 +105,7 @@ std::string content(Database& database) {
 
 TEST_CASE(
     "a session with a rule that was killed anywhere and resumed gives what the unbroken one gives",
-    "[adaptive][law]") {
+    "[long][adaptive][law]") {
     const char* rule = GENERATE(tests::kQuestPlusRule, tests::kStaircaseRule);
     const TemporaryFolder folder;
     const data::SessionSpec spec = session_spec(adaptive_protocol(rule));

@@ -46,7 +46,7 @@ void record_small_session(const std::string& file) {
 
 TEST_CASE(
     "one flipped bit anywhere in a file is reported, or nothing that the file says has changed",
-    "[store][chain][law]") {
+    "[long][store][chain][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     record_small_session(file);

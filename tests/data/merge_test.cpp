@@ -80,7 +80,7 @@ void shuffle(std::vector<std::string>& files, Random& random) {
 TEST_CASE(
     "files merged in any order, at once or one by one, again or in part before, give the same "
     "content",
-    "[merge][law]") {
+    "[long][merge][law]") {
     const auto seed = GENERATE(range(0U, 8U));
     CAPTURE(seed);
     MergeWorld world(seed);

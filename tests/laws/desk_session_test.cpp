@@ -127,7 +127,7 @@ constexpr const char* kMarked = "trial WHERE invalid_reason LIKE 'marked by the 
 }  // namespace
 
 TEST_CASE("pauses and marks on every screen of a session with the pointer are heeded",
-          "[window][desk][law]") {
+          "[long][window][desk][law]") {
     const TemporaryFolder folder;
     std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     text = with_text(text, "break_every = 0", "break_every = 1");
@@ -192,7 +192,7 @@ TEST_CASE("pauses and marks on every screen of a session with the pointer are he
 }
 
 TEST_CASE("so are those between two intervals, at the confidence and in trouble",
-          "[window][desk][law]") {
+          "[long][window][desk][law]") {
     const TemporaryFolder folder;
     Desk desk(folder, board_study(), "sim");
     desk.at("welcome", "space");

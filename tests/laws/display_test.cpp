@@ -91,7 +91,7 @@ TEST_CASE("a display that cannot be opened is said before anything is made, and 
 }
 
 TEST_CASE("a real session fills every screen, a window stays inside it, answers are clicked",
-          "[window][law]") {
+          "[long][window][law]") {
     const TemporaryFolder folder;
     std::string text = tests::slurp(kFourTrials);
     text.insert(text.find("[apparatus]\n") + 12, "device = \"mouse\"\n");
@@ -126,7 +126,7 @@ TEST_CASE("a real session fills every screen, a window stays inside it, answers 
 }
 
 TEST_CASE("when the display dies the force ends, the trial is kept, and the same command goes on",
-          "[window][fault][law]") {
+          "[long][window][fault][law]") {
     const std::string where = GENERATE("explore", "question", "break");
     CAPTURE(where);
     const TemporaryFolder folder;

@@ -99,7 +99,7 @@ void carry_on(tests::Process& program, tests::XHand& hand) {
 
 TEST_CASE(
     "a session on the pointer is a pilot, answers wait for the guard time and to be confirmed",
-    "[window][operator][law]") {
+    "[long][window][operator][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("it's study.sqlite");
     const std::string protocol = folder.file("p.toml");

@@ -73,7 +73,7 @@ double worst_difference(const std::vector<engine::TickRecord>& trace,
 
 TEST_CASE(
     "a real pointer in a real window: choice, reaction time and exact forces are in the database",
-    "[window][law]") {
+    "[long][window][law]") {
     const TemporaryFolder folder;
     tests::WindowSession session(
         {"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml", "--participant", "P1", "--db",

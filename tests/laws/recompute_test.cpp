@@ -14,7 +14,7 @@ using tests::TemporaryFolder;
 TEST_CASE(
     "Python computes every column of the views and the ten usual questions again, and notices a "
     "changed value",
-    "[sql][law]") {
+    "[long][sql][law]") {
     const TemporaryFolder folder;
     const std::string file = tests::mixed_study(folder);
     const auto ticks = palpate_command(

@@ -17,7 +17,8 @@ using tests::TemporaryFolder;
 using tests::text_of;
 using tests::Undone;
 
-TEST_CASE("one changed value in any column of any table of results is reported", "[verify][law]") {
+TEST_CASE("one changed value in any column of any table of results is reported",
+          "[long][verify][law]") {
     const TemporaryFolder folder;
     data::Database database(mixed_study(folder), data::Access::write);
     CAPTURE(text_of(data::verify(database)));

@@ -227,7 +227,7 @@ TEST_CASE("a session whose device trips verifies as that, and its last ticks are
 
 TEST_CASE(
     "a file verifies while its session runs, after it was killed, interrupted and gone on with",
-    "[verify][law]") {
+    "[long][verify][law]") {
     const TemporaryFolder folder;
     write_protocol(folder.file("p.toml"));
     const std::string file = folder.file("a.sqlite");

@@ -93,7 +93,7 @@ std::string hash_of(const std::string& file) {
 
 TEST_CASE(
     "a power cut while files are merged leaves a whole file, and merging again gives the same",
-    "[power][law]") {
+    "[long][power][law]") {
     const bool there = GENERATE(false, true);
     CAPTURE(there);
     const TemporaryFolder inputs;

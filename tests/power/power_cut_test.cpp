@@ -114,12 +114,12 @@ void cut_everywhere(const TemporaryFolder& folder,
 TEST_CASE(
     "a power cut at any write leaves a sound file with all that was said to be saved, and the "
     "session goes on to the same answers",
-    "[power][law]") {
+    "[long][power][law]") {
     cut_everywhere(TemporaryFolder(), tests::short_session(false), {}, 3, 0);
 }
 
 TEST_CASE("a power cut in a session with a rule loses nothing that was said to be saved",
-          "[power][law]") {
+          "[long][power][law]") {
     cut_everywhere(TemporaryFolder(), tests::short_session(true), {}, 10, 0);
 }
 

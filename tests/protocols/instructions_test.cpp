@@ -14,7 +14,7 @@ std::string study_text() {
     return std::string(shipped_protocol("shape_friction").text);
 }
 
-/// What the file is told, with the number of lines of the study_text taken off: 1 is the first added line.
+/// What the file is told, with the number of lines of the study taken off: 1 is the first added line.
 std::string instruction_refusal(const std::string& added) {
     const std::string text = study_text();
     const auto lines = std::count(text.begin(), text.end(), '\n');
@@ -30,7 +30,7 @@ std::string instruction_refusal(const std::string& added) {
 
 }  // namespace
 
-TEST_CASE("a study_text without noise and without instructions keeps the hash it had before them",
+TEST_CASE("a study without noise and without instructions keeps the hash it had before them",
           "[protocol][law]") {
     const Protocol plain = parse_protocol(study_text(), "p");
     CHECK(to_toml(plain).find("masking") == std::string::npos);

@@ -226,7 +226,7 @@ TEST_CASE("nothing of the condition is among what the trouble screen is drawn fr
 TEST_CASE(
     "every screen of a trial of two intervals is the same to the pixel for all conditions, the "
     "question too",
-    "[blind][answers][law]") {
+    "[long][blind][answers][law]") {
     /// Shows the real screens of both intervals for each trial of a session, and answers by itself.
     class TwoIntervals : public tests::Patient {
     public:
