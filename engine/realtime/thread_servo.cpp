@@ -15,10 +15,11 @@
 namespace palpate::engine {
 namespace {
 
-/// How often a parked thread looks for an order.
-constexpr std::int64_t kParkedNs = 500'000;
+/// How often a parked thread looks for an order: a trial may begin that much later, which nobody feels, and the
+/// processor rests while people read.
+constexpr std::int64_t kParkedNs = 4'000'000;
 /// How often who gave an order looks whether it was carried out.
-constexpr auto kPatience = std::chrono::microseconds(200);
+constexpr auto kPatience = std::chrono::microseconds(500);
 
 /// A caller of advance() that is back within this time waits for nothing by itself.
 constexpr std::int64_t kAtOnceNs = 500'000;
