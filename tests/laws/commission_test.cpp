@@ -230,11 +230,16 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
     const TemporaryFolder folder;
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
     FreeBoard device(folder, tests::free_udp_port());
-    const Finished end =
-        operated(folder, device,
-                 "commission --device " + device.word() + " --calibration '" + calibration +
-                     "' --handle-g 100 -o '" + folder.file("rig.toml") + "'",
-                 "0,0");
+    const std::string commission = "commission --device " + device.word() + " --calibration '" +
+                                   calibration + "' --handle-g 100 -o '" + folder.file("rig.toml") +
+                                   "'";
+    Finished end = operated(folder, device, commission, "0,0");
+    // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than was asked for.
+    for (int again = 0; again < 4 && end.error.find("% of what it should") != std::string::npos;
+         ++again) {
+        device.bring("0,0");
+        end = operated(folder, device, commission, "0,0");
+    }
     CAPTURE(end.out, end.error);
     REQUIRE(end.code == 0);
     const protocols::RigFile rig = protocols::load_rig(folder.file("rig.toml"));
