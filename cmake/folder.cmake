@@ -1,7 +1,6 @@
 # Several files of a target compiled as one: half of what a file costs is what its neighbours say as well. A file's
 # batch comes from its name, and a new file moves no other into another's batch; names in the anonymous namespaces of a
-# batch differ. The engine's files stay alone: a tick must not depend on who its neighbour is. Builds for developers
-# and sanitizers compile every file alone, so that none lives on another's includes.
+# batch differ. Builds for developers and sanitizers compile every file alone, so that none lives on another's includes.
 function(palpate_in_batches target)
     if(NOT PALPATE_BATCHES)
         return()
@@ -10,7 +9,7 @@ function(palpate_in_batches target)
     list(FILTER sources EXCLUDE REGEX "TARGET_OBJECTS|^/")
     list(LENGTH sources count)
     set(batches 1)
-    while(count GREATER 6)
+    while(count GREATER 12)
         math(EXPR batches "2 * ${batches}")
         math(EXPR count "(${count} + 1) / 2")
     endwhile()
@@ -36,8 +35,9 @@ endfunction()
 # PLAIN   reads, writes and waits: less optimised, it compiles in half of the time, and nobody sees a
 #         difference
 # PACED   what the tests wait for under sanitizers: optimised there as well
+# TICK    part of a tick, whose speed must not depend on who its neighbour is: every file is compiled alone
 function(palpate_folder folder)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED" "" "SEES;SOURCES;LINK")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;TICK" "" "SEES;SOURCES;LINK")
     get_filename_component(room ${CMAKE_CURRENT_SOURCE_DIR} NAME)
     string(REPLACE "/" "_" name ${room}_${folder})
     string(REPLACE "/" "_" seen "${arg_SEES}")
@@ -68,7 +68,7 @@ function(palpate_folder folder)
     else()
         target_precompile_headers(palpate_${name} REUSE_FROM palpate_engine_base)
     endif()
-    if(NOT room STREQUAL engine)
+    if(NOT arg_TICK)
         palpate_in_batches(palpate_${name})
     endif()
     set_property(GLOBAL APPEND PROPERTY palpate_${room}_objects $<TARGET_OBJECTS:palpate_${name}>)

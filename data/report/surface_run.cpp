@@ -16,7 +16,7 @@ using engine::Mode;
 using engine::NurbsSurface;
 using engine::Vec3;
 
-constexpr double kAbove = 0.006;     // m outside, to begin with
+constexpr double kOutside = 0.006;   // m outside, to begin with
 constexpr double kDepth = 0.005;     // m, of the first slide
 constexpr double kDeeper = 0.0085;   // m, of the second
 constexpr double kInwards = 0.02;    // m/s, along the normal
@@ -56,7 +56,7 @@ double along(
 }
 
 std::vector<Vec3> path_over(const NurbsSurface& surface) {
-    std::vector<Vec3> path{below(surface, kFirst, -kAbove)};
+    std::vector<Vec3> path{below(surface, kFirst, -kOutside)};
     line(path, below(surface, kFirst, kDepth), kInwards);
     double v = along(surface, path, kFirst, kDepth, kSlideOne);
     line(path, below(surface, v, kDeeper), kPress);

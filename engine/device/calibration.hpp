@@ -18,7 +18,7 @@ struct Axis {
     double codes_full_scale = 32767.0;  ///< DAC code of the torque limit
 
     /// What a count turns, rad.
-    [[nodiscard]] double count_angle() const noexcept { return 2.0 * kPi / counts_per_turn; }
+    [[nodiscard]] double count_angle() const noexcept { return kTurn / counts_per_turn; }
 };
 
 /// A pantograph as a machine: how counts become HIP and forces become torques.

@@ -12,7 +12,6 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kTurn = 2.0 * kPi;
 constexpr double kMoved = 0.3e-3;  ///< m, and one count, that a resting handle may move
 constexpr double kMissed = 1e-3;   ///< m
 constexpr double kNarrow = 5e-3;   ///< m, spread of the marks across their line

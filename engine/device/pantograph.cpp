@@ -6,8 +6,6 @@
 namespace palpate::engine {
 namespace {
 
-constexpr double kTurn = 2.0 * kPi;
-
 std::int32_t rounded(double value) noexcept {
     constexpr double kMax = std::numeric_limits<std::int32_t>::max();
     const double whole = std::floor(value + 0.5);

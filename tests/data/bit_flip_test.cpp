@@ -6,6 +6,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/sample_rows.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using data::Access;
@@ -68,8 +69,7 @@ TEST_CASE(
         }
         return text;
     };
-    std::ifstream in(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const std::string bytes = tests::slurp(file);
     std::string before;
     std::string known;
     {
@@ -117,8 +117,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
     record_small_session(file);
-    std::ifstream in(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+    const std::string bytes = tests::slurp(file);
     const std::string queries[] = {
         "SELECT trial_id, interval, count(*), sum(tick), sum(time_s), sum(count_1 - 3 * code_1), "
         "sum(count_2 - 3 * code_2), sum(commanded_x_n), sum(commanded_y_n), sum(flags), "

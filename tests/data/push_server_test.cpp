@@ -21,6 +21,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/push_world.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -217,8 +218,7 @@ TEST_CASE("a password in the address is not left among the words that ps shows",
                   fmt::format("postgresql://u:{}@127.0.0.1:{}/d", PostgresServer::kPassword,
                               ntohs(address.sin_port))});
     const auto words = [&push] {
-        std::ifstream line(fmt::format("/proc/{}/cmdline", push.id()), std::ios::binary);
-        return std::string(std::istreambuf_iterator<char>(line), {});
+        return tests::slurp(fmt::format("/proc/{}/cmdline", push.id()));
     };
     for (int i = 0; i < 3000 && words().find("://***") == std::string::npos; ++i) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));

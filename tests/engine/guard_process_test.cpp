@@ -23,17 +23,6 @@ namespace {
 
 constexpr Vec2 kForce{0.4, -0.5};
 
-const Calibration& machine() {
-    static const Calibration calibration = emulated_calibration();
-    return calibration;
-}
-
-MakeHand hand() {
-    return [] {
-        return std::make_unique<GuidedHand>(machine());
-    };
-}
-
 /// No such process, or one that ended and was not reaped by its parent.
 bool gone(pid_t pid) {
     std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
@@ -48,7 +37,7 @@ bool gone(pid_t pid) {
 std::unique_ptr<Presser> pressing(const EmulatedBoard& board,
                                   Presser::End end = Presser::End::signal) {
     for (int attempt = 0; attempt < 10; ++attempt) {
-        auto presser = std::make_unique<Presser>(board.path(), machine(), kForce, end);
+        auto presser = std::make_unique<Presser>(board.path(), haply_machine(), kForce, end);
         const bool over =
             eventually([&] { return !board.motors().off() || presser->fault() != 0; });
         if (over && presser->fault() == 0) {
@@ -76,7 +65,7 @@ bool stays_off(const EmulatedBoard& board) {
 }  // namespace
 
 TEST_CASE("however palpate dies with the force on, its motors go to zero", "[guard][law]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     const auto death = GENERATE(SIGKILL, SIGTERM, SIGINT, SIGSEGV, SIGABRT, SIGHUP);
     CAPTURE(death);
     const auto presser = pressing(board);
@@ -91,7 +80,7 @@ TEST_CASE("however palpate dies with the force on, its motors go to zero", "[gua
 }
 
 TEST_CASE("an exception that ends palpate leaves the motors at zero", "[guard][law]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     const auto presser = pressing(board, Presser::End::exception);
     const pid_t guard = presser->guard();
     presser->end();
@@ -105,7 +94,7 @@ TEST_CASE(
     "a palpate that hangs or is stopped with the force on has its motors zeroed, and may not "
     "press again",
     "[guard][law]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     const bool stopped = GENERATE(true, false);
     const auto presser = pressing(board, stopped ? Presser::End::signal : Presser::End::hang);
     if (stopped) {
@@ -128,7 +117,7 @@ TEST_CASE(
 }
 
 TEST_CASE("when its guard is killed or stopped the driver gives no more force", "[guard][law]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     const int blow = GENERATE(SIGKILL, SIGSTOP);
     const auto presser = pressing(board);
     const pid_t guard = presser->guard();
@@ -145,12 +134,12 @@ TEST_CASE("when its guard is killed or stopped the driver gives no more force", 
 
 TEST_CASE("a guard outlives the terminal's signals and ends with its owner's object",
           "[guard][law]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     pid_t guard = -1;
     {
         auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 20'000});
         guard = own->id();
-        BoardDevice device(machine(), std::make_unique<SerialLink>(board.path()), haply_line,
+        BoardDevice device(haply_machine(), std::make_unique<SerialLink>(board.path()), haply_line,
                            std::move(own), {.silence = 5.0});
         for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE, SIGTSTP}) {
             kill(guard, number);
@@ -167,10 +156,10 @@ TEST_CASE("a guard outlives the terminal's signals and ends with its owner's obj
 }
 
 TEST_CASE("a driver that is silent without force is left alone", "[guard]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 20'000});
     const GuardProcess& guard = *own;
-    BoardDevice device(machine(), std::make_unique<SerialLink>(board.path()), haply_line,
+    BoardDevice device(haply_machine(), std::make_unique<SerialLink>(board.path()), haply_line,
                        std::move(own), {.silence = 5.0});
     REQUIRE(device.read().ok());
     device.write({});
@@ -184,10 +173,10 @@ TEST_CASE("a driver that is silent without force is left alone", "[guard]") {
 }
 
 TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     auto own = std::make_unique<GuardProcess>(GuardTiming{.alive_ms = 300});
     const GuardProcess& guard = *own;
-    BoardDevice device(machine(), std::make_unique<SerialLink>(board.path()), haply_line,
+    BoardDevice device(haply_machine(), std::make_unique<SerialLink>(board.path()), haply_line,
                        std::move(own), {.silence = 5.0});
     const pid_t first = guard.id();
     kill(first, SIGKILL);
@@ -200,8 +189,9 @@ TEST_CASE("a reconnection starts a new guard for one that is gone", "[guard][law
 }
 
 TEST_CASE("a guard sets up a board that has lost its address, and zeroes it then", "[guard][law]") {
-    EmulatedBoard board(machine(), hand());
-    const HaplyPacket setup = setup_packet(haply_setup(*machine().haply, machine().pantograph));
+    EmulatedBoard board(haply_machine(), guided_hand());
+    const HaplyPacket setup =
+        setup_packet(haply_setup(*haply_machine().haply, haply_machine().pantograph));
     constexpr std::array<std::uint8_t, 1> kAnswer{5};
     const pid_t careless = in_a_child([&] {
         SerialLink link(board.path());

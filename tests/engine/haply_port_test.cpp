@@ -23,21 +23,10 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-const Calibration& machine() {
-    static const Calibration calibration = emulated_calibration();
-    return calibration;
-}
-
-MakeHand hand() {
-    return [] {
-        return std::make_unique<GuidedHand>(machine());
-    };
-}
-
 /// Patient with a busy machine.
 std::unique_ptr<BoardDevice> patient(const std::string& path) {
     return std::make_unique<BoardDevice>(
-        machine(), std::make_unique<SerialLink>(path), haply_line,
+        haply_machine(), std::make_unique<SerialLink>(path), haply_line,
         std::make_unique<GuardProcess>(GuardTiming{.patience = 2000, .alive_ms = 20'000}),
         BoardTiming{.patience = 200.0, .silence = 10.0, .still = 0.1});
 }
@@ -45,7 +34,7 @@ std::unique_ptr<BoardDevice> patient(const std::string& path) {
 }  // namespace
 
 TEST_CASE("over a real port HIP follows the hand and the motors the force", "[haply]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     const auto device = patient(board.path());
     board.begin({.start = {0.0, 0.06}, .speed = 0.5, .tremor = 0.0});
     device->expect_move();
@@ -70,7 +59,7 @@ TEST_CASE("over a real port HIP follows the hand and the motors the force", "[ha
 }
 
 TEST_CASE("read and write over a real port allocate nothing", "[haply][law]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     const auto device = patient(board.path());
     const std::size_t before = allocations();
     for (int i = 0; i < 200; ++i) {
@@ -90,7 +79,7 @@ TEST_CASE("read and write over a real port allocate nothing", "[haply][law]") {
 
 TEST_CASE("a board unplugged and plugged in again over a real port reads right again", "[haply]") {
     const TemporaryFolder folder;
-    EmulatedBoard board(machine(), hand(), folder.file("ttyACM0"));
+    EmulatedBoard board(haply_machine(), guided_hand(), folder.file("ttyACM0"));
     const auto device = patient(board.path());
     REQUIRE(device->read().ok());
     device->write({0.2, 0.2});
@@ -111,7 +100,7 @@ TEST_CASE("a board unplugged and plugged in again over a real port reads right a
     CHECK(device->trouble().empty());
     reading = device->read();
     CHECK(reading.ok());
-    CHECK(glm::length(reading.hip - *machine().home) < 3e-4);
+    CHECK(glm::length(reading.hip - *haply_machine().home) < 3e-4);
     device->write({0.2, 0.2});
     CHECK(eventually([&] { return !board.motors().off(); }));
 }
@@ -123,10 +112,10 @@ TEST_CASE("a port that is absent, taken, or no port gives a sentence with the re
     SerialLink null("/dev/null");
     CHECK_FALSE(null.reopen());
     CHECK_THAT(null.trouble(), ContainsSubstring("is not a serial port"));
-    CHECK_THROWS_WITH(open_haply("/dev/palpate-no-such-port", machine()),
+    CHECK_THROWS_WITH(open_haply("/dev/palpate-no-such-port", haply_machine()),
                       ContainsSubstring("there is no device at /dev/palpate-no-such-port"));
 
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     SerialLink first(board.path());
     SerialLink second(board.path());
     REQUIRE(first.reopen());
@@ -144,7 +133,7 @@ TEST_CASE("a port that is absent, taken, or no port gives a sentence with the re
 
 TEST_CASE("a board that does not answer over a real port is refused, and the port is free again",
           "[haply]") {
-    EmulatedBoard board(machine(), hand());
+    EmulatedBoard board(haply_machine(), guided_hand());
     board.hush(true);
     CHECK_THROWS_WITH(patient(board.path()), ContainsSubstring("does not answer"));
     board.hush(false);

@@ -12,7 +12,7 @@ using Catch::Matchers::ContainsSubstring;
 
 namespace {
 
-constexpr double kTurn = 22.0 * M_PI / 180.0;
+constexpr double kRoof = 22.0 * M_PI / 180.0;
 
 /// Two straight edges that meet in the origin and turn by `turn`, > 0 towards the object (convex).
 std::vector<NurbsCurve<2>> roof(double turn) {
@@ -42,7 +42,7 @@ std::vector<TrackedFoot> feet_of(const std::vector<NurbsCurve<2>>& chain, const 
 
 TEST_CASE("outside a convex vertex nearest features give the thesis' borders, the end normals",
           "[thesis][law]") {
-    const auto chain = roof(kTurn);
+    const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
     const auto seed = GENERATE(range(0U, 300U));
@@ -51,13 +51,13 @@ TEST_CASE("outside a convex vertex nearest features give the thesis' borders, th
     const double angle =
         random.in(-1.2, 1.2);  // from the first normal, clockwise, all of it outside
     const Vec2 hip = random.in(0.001, 0.03) * Vec2{std::sin(angle), std::cos(angle)};
-    if (std::fabs(angle) < 1e-6 || std::fabs(angle - kTurn) < 1e-6) {
+    if (std::fabs(angle) < 1e-6 || std::fabs(angle - kRoof) < 1e-6) {
         return;
     }
     const auto feet = feet_of(chain, hip);
     for (const std::size_t active : {std::size_t{0}, std::size_t{1}}) {
         // Left of the first normal: curve 0; right of the second: curve 1; between them what was.
-        const std::size_t expected = angle < 0.0 ? 0 : angle > kTurn ? 1 : active;
+        const std::size_t expected = angle < 0.0 ? 0 : angle > kRoof ? 1 : active;
         CHECK(near.next(active, feet, hip, false) == expected);
         CHECK(lines.next(active, feet, hip, false) == expected);
         CHECK_FALSE(near.inside(near.nearest(active, feet, hip, true), feet, hip));
@@ -66,14 +66,14 @@ TEST_CASE("outside a convex vertex nearest features give the thesis' borders, th
 
 TEST_CASE("inside a convex vertex nearest features meet on the bisector, end normals overlap",
           "[thesis][law]") {
-    const auto chain = roof(kTurn);
+    const auto chain = roof(kRoof);
     const RegionSwitch near(chain, false, RegionRule::nearest_feature);
     const RegionSwitch lines(chain, false, RegionRule::end_normals);
     const auto seed = GENERATE(range(0U, 300U));
     CAPTURE(seed);
     Random random(seed);
     const double angle = random.in(-0.5, 0.5);  // from the bisector, > 0 towards the second edge
-    const double mid = kTurn / 2.0;
+    const double mid = kRoof / 2.0;
     const Vec2 hip = -random.in(0.001, 0.02) * Vec2{std::sin(mid - angle), std::cos(mid - angle)};
     const auto feet = feet_of(chain, hip);
     for (const std::size_t active : {std::size_t{0}, std::size_t{1}}) {
@@ -115,7 +115,7 @@ TEST_CASE("a closed chain has an inside everywhere, an open end has none beyond"
     CHECK_FALSE(in({0.0, -0.001}));
     CHECK_FALSE(in({0.06, -0.001}));
 
-    const auto open = roof(kTurn);
+    const auto open = roof(kRoof);
     const RegionSwitch ends(open, false, RegionRule::nearest_feature);
     const Vec2 beyond{-0.101, -0.001};
     CHECK_FALSE(ends.inside(0, feet_of(open, beyond), beyond));
@@ -129,7 +129,7 @@ TEST_CASE("a chain is refused when ends do not meet or when it runs the wrong wa
     CHECK_THROWS_WITH(make({}, false), ContainsSubstring("0 curves"));
     CHECK_THROWS_WITH(make({line({0.0, 0.0}, {1.0, 0.0}), line({1.0, 0.25}, {2.0, 0.0})}, false),
                       ContainsSubstring("0.25 m") && ContainsSubstring("share the point"));
-    CHECK_THROWS_WITH(make(roof(kTurn), true), ContainsSubstring("curve 0 starts"));
+    CHECK_THROWS_WITH(make(roof(kRoof), true), ContainsSubstring("curve 0 starts"));
     CHECK_THROWS_WITH(make({line({-0.05, 0.0}, {0.05, 0.0}), line({0.05, 0.0}, {0.0, 0.05}),
                             line({0.0, 0.05}, {-0.05, 0.0})},
                            true),

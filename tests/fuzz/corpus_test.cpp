@@ -8,6 +8,7 @@
 #include "tests/fuzz/entries.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate::fuzz;
 
@@ -30,8 +31,8 @@ std::vector<std::filesystem::path> files_of(const std::string& corpus) {
 }
 
 std::vector<std::uint8_t> bytes_of(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
+    const std::string bytes = palpate::tests::slurp(file);
+    return {bytes.begin(), bytes.end()};
 }
 
 /// Pieces of `good` and of TOML and CSV, some of them repeated until they are deep or long.

@@ -4,6 +4,7 @@
 #include "protocols/library/shipped.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -87,8 +88,7 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
 TEST_CASE("a calibration that no desk-top machine has is refused at its place", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("c.toml");
-    std::ifstream shipped(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
-    std::string text{std::istreambuf_iterator<char>(shipped), {}};
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/pantographs.toml");
     text.erase(0, text.find("# 2DIY, second generation"));
     text.erase(text.find("[[pantograph]]", text.find("[[pantograph]]") + 1));
     const std::string limit = "torque_limit_mn_m = 123";

@@ -5,6 +5,7 @@
 
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -14,13 +15,8 @@ using tests::TemporaryFolder;
 
 namespace {
 
-std::string text_of(const std::string& file) {
-    std::ifstream stream(file);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 void replace(const std::string& file, const std::string& from, const std::string& to) {
-    std::string text = text_of(file);
+    std::string text = tests::slurp(file);
     const std::size_t at = text.find(from);
     REQUIRE(at != std::string::npos);
     std::ofstream(file) << text.replace(at, from.size(), to);
@@ -39,11 +35,11 @@ TEST_CASE("a new protocol passes check, and is never written over a file", "[cli
         CHECK(check.code == 0);
         CHECK_THAT(check.out, Catch::Matchers::StartsWith("mine: Mine\nprotocol "));
 
-        const std::string before = text_of(file);
+        const std::string before = tests::slurp(file);
         const Finished again = palpate_command({"new", file});
         CHECK(again.code == 2);
         CHECK_THAT(again.error, ContainsSubstring("is there already"));
-        CHECK(text_of(file) == before);
+        CHECK(tests::slurp(file) == before);
         CHECK(folder.names() == std::vector<std::string>{"Mine.toml"});
     }
 }
@@ -76,7 +72,7 @@ TEST_CASE("check says how many trials, which limits and how long, and draws the 
                    ContainsSubstring("object 2 (limit 2), friction 3 (limit 3)\n") &&
                    ContainsSubstring("\nduration 74 min if every trial is felt until the prompt") &&
                    ContainsSubstring("nothing stands against it"));
-    CHECK_THAT(text_of(folder.file("objects.svg")), ContainsSubstring("convex_20"));
+    CHECK_THAT(tests::slurp(folder.file("objects.svg")), ContainsSubstring("convex_20"));
     CHECK(folder.names() == std::vector<std::string>{"objects.svg"});
 }
 
@@ -169,7 +165,7 @@ TEST_CASE("a rule beside a design is answered at its place, with which to keep",
     CHECK(palpate_command({"check", file}).code == 0);
     // Also where the design says no more than what it would be anyway.
     replace(file, "[design]\n", "[design]\nrepetitions = 10\ncatch_trials = 4\n");
-    const std::string text = text_of(file);
+    const std::string text = tests::slurp(file);
     const auto line =
         std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(text.find("[design]")),
                    '\n') +

@@ -15,13 +15,13 @@ using namespace palpate;
 using tests::eventually;
 using tests::PressedDesk;
 using tests::PressingHand;
+using tests::slurp;
 using tests::TemporaryFolder;
-using tests::text_of;
 
 namespace {
 
 double locked_mb(pid_t process) {
-    const std::string status = text_of("/proc/" + std::to_string(process) + "/status");
+    const std::string status = slurp("/proc/" + std::to_string(process) + "/status");
     const std::size_t at = status.find("VmLck:");
     return at == std::string::npos ? -1.0 : std::stod(status.substr(at + 6)) / 1024.0;
 }
@@ -85,7 +85,7 @@ TEST_CASE(
                             "SELECT value LIKE 'spared%' FROM session_provenance WHERE key = "
                             "'realtime out of memory'") == "1";
     for (const pid_t process : {desk.session->program().id(), desk.guard()}) {
-        const std::string score = text_of("/proc/" + std::to_string(process) + "/oom_score_adj");
+        const std::string score = slurp("/proc/" + std::to_string(process) + "/oom_score_adj");
         CHECK((score == "-1000\n") == spared);
     }
     CHECK(locked_mb(desk.session->program().id()) < 200.0);  // 707 when all of it was
@@ -107,6 +107,6 @@ TEST_CASE(
     CHECK(after < 2.0);  // 2 ms on a quiet machine
     CHECK(desk.stays_off());
     CHECK(eventually([&] {
-        return text_of(asked) == "--what=sleep:idle:handle-lid-switch --mode=block\nover\n";
+        return slurp(asked) == "--what=sleep:idle:handle-lid-switch --mode=block\nover\n";
     }));
 }

@@ -11,6 +11,7 @@
 
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
+#include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -23,8 +24,7 @@ constexpr const char* kMark = "PALPATE_TEST_MARK";
 /// Command lines of the processes, this one aside, whose environment holds `mark`.
 std::vector<std::string> marked(const std::string& mark) {
     const auto read = [](const std::filesystem::path& file) {
-        std::ifstream in(file, std::ios::binary);
-        return std::string{std::istreambuf_iterator<char>(in), {}};
+        return tests::slurp(file);
     };
     std::vector<std::string> found;
     for (const auto& entry : std::filesystem::directory_iterator("/proc")) {

@@ -6,6 +6,7 @@
 #include "data/verify/verify.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
 
 using namespace palpate;
@@ -16,8 +17,7 @@ namespace {
 
 /// Four trials with noise and with instructions in two languages, on the pointer.
 void write_study(const std::string& file) {
-    std::ifstream in(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
-    std::string text{std::istreambuf_iterator<char>(in), {}};
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     const std::string table = "[apparatus]\n";
     text.insert(text.find(table) + table.size(), "device = \"mouse\"\n");
     std::ofstream(file) << text

@@ -9,6 +9,7 @@
 #include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/rig_file.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -108,8 +109,7 @@ TEST_CASE("sequence and check show friction blocks and free forms",
     CHECK_THAT(check.out, ContainsSubstring("16 main in 4 blocks") &&
                               ContainsSubstring("(one a block)") &&
                               ContainsSubstring("frictions of the blocks: "));
-    std::ifstream svg(sheet);
-    const std::string drawn{std::istreambuf_iterator<char>(svg), {}};
+    const std::string drawn = tests::slurp(sheet);
     CHECK_THAT(drawn, ContainsSubstring("free form, 80") && ContainsSubstring("dome"));
     const Finished sequence = palpate_command({"sequence", kForms, "--participant", "P1"});
     CHECK(sequence.code == 0);

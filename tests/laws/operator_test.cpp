@@ -7,6 +7,7 @@
 #include "data/store/database.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
 
 // What whoever runs a session meets: which sessions are real, what a press may do, and what the terminal says.
@@ -29,14 +30,9 @@ std::string replaced(std::string text, const std::string& what, const std::strin
     return text.replace(at, what.size(), by);
 }
 
-std::string whole_text(const std::string& file) {
-    std::ifstream in(file);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 /// Two trials at a window: two objects without friction, answers to be confirmed.
 std::string two_trials() {
-    std::string text = whole_text(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     const std::size_t on = text.find("[[friction]]\nname = \"on\"");
     text.erase(on, text.find("[design]") - on);
     text = replaced(text, "gap_s = 0.1", "gap_s = 0.1\nguard_s = 0.75");
@@ -236,7 +232,7 @@ TEST_CASE("practice is counted by itself, repeats never make a number jump, and 
           "[operator][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
-    std::string text = whole_text(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     text = replaced(text, "practice_repetitions = 0", "practice_repetitions = 1");
     text = replaced(text, "contact_min_s = 0", "contact_min_s = 1000\nrequeue_most = 1");
     std::ofstream(folder.file("p.toml")) << text;
@@ -280,7 +276,7 @@ TEST_CASE(
     const TemporaryFolder folder;
     const std::string file = folder.file("d.sqlite");
     std::string threshold =
-        whole_text(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
+        tests::slurp(PALPATE_SOURCE_DIR "/protocols/library/friction_threshold.toml");
     for (int run = 0; run < 2; ++run) {
         threshold = replaced(threshold, "\ntrials = 40", "\ntrials = 8");
     }

@@ -6,6 +6,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/mixed_study.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using tests::palpate_command;
@@ -14,8 +15,7 @@ using tests::TemporaryFolder;
 namespace {
 
 std::string page(const std::string& name) {
-    std::ifstream file(PALPATE_SOURCE_DIR "/" + name);
-    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+    return tests::slurp(PALPATE_SOURCE_DIR "/" + name);
 }
 
 /// Every fenced block of a page in this language.

@@ -9,7 +9,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const fs::path kRoot = PALPATE_SOURCE_DIR;
+const fs::path kHouse = PALPATE_SOURCE_DIR;
 
 /// A C++ file with its string literals in one piece each, as the compiler joins them.
 std::string joined(const fs::path& file) {
@@ -75,7 +75,7 @@ TEST_CASE("every hazard of docs/safety.md has a measure in the sources and tests
           "[documents][safety][law]") {
     int rows = 0;
     int tests = 0;
-    std::istringstream page(palpate::tests::slurp(kRoot / "docs" / "safety.md"));
+    std::istringstream page(palpate::tests::slurp(kHouse / "docs" / "safety.md"));
     for (std::string line; std::getline(page, line);) {
         if (line.size() < 3 || std::isdigit(static_cast<unsigned char>(line[2])) == 0) {
             continue;
@@ -88,7 +88,7 @@ TEST_CASE("every hazard of docs/safety.md has a measure in the sources and tests
             const std::string file = link_of(measure).first;
             CAPTURE(measure);
             CHECK_FALSE(file.empty());
-            CHECK(fs::is_regular_file(kRoot / file));
+            CHECK(fs::is_regular_file(kHouse / file));
             CHECK(file.rfind("tests/", 0) != 0);
         }
         for (const std::string& test : parts_of(cells[4], "<br>")) {
@@ -96,7 +96,7 @@ TEST_CASE("every hazard of docs/safety.md has a measure in the sources and tests
             CAPTURE(test);
             CHECK(file.rfind("tests/", 0) == 0);
             REQUIRE(name.rfind(": ", 0) == 0);
-            CHECK(has_test(kRoot / file, name.substr(2)));
+            CHECK(has_test(kHouse / file, name.substr(2)));
             ++tests;
         }
         CHECK(cells[5].size() > 5);

@@ -95,7 +95,7 @@ std::string hill_tables(const std::string& head) {
     return text;
 }
 
-constexpr const char* kStudy = R"(format = 1
+constexpr const char* kHills = R"(format = 1
 [study]
 id = "hills"
 title = "Hills"
@@ -277,7 +277,7 @@ TEST_CASE("sample, render, the views and BIDS name the same segment of a form of
           "[free_forms][sample][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.sqlite");
-    std::ofstream(folder.file("p.toml")) << kStudy << hill_tables("object.segment");
+    std::ofstream(folder.file("p.toml")) << kHills << hill_tables("object.segment");
     const Finished run = palpate_command(
         {"run", folder.file("p.toml"), "--participant", "P1", "--db", file, "--headless"});
     CAPTURE(run.error);

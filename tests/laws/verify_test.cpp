@@ -10,6 +10,7 @@
 #include "tests/support/database_edits.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -63,11 +64,6 @@ std::vector<std::string> run_words(const TemporaryFolder& folder, const std::str
             "--db", folder.file(database), "--headless"};
 }
 
-std::string bytes_of(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
-
 }  // namespace
 
 TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it changes",
@@ -79,7 +75,7 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
     REQUIRE(palpate_command({"run", "shape_friction_demo", "--participant", "P2", "--db", file,
                              "--headless", "--device", "replay:" + file})
                 .code == 0);
-    const std::string before = bytes_of(file);
+    const std::string before = tests::slurp(file);
     const Finished verified = palpate_command({"verify", file});
     CAPTURE(verified.out, verified.error);
     CHECK(verified.code == 0);
@@ -87,7 +83,7 @@ TEST_CASE("a clean file verifies, a replayed session too, and not a byte of it c
                ContainsSubstring("3 sessions") &&
                    ContainsSubstring("participant P2, session 1 (simulated): 10 trials") &&
                    ContainsSubstring("\nNothing differs.\n"));
-    CHECK(bytes_of(file) == before);
+    CHECK(tests::slurp(file) == before);
     const Finished json = palpate_command({"verify", file, "--json"});
     CHECK(json.code == 0);
     CHECK_THAT(json.out,
@@ -109,7 +105,7 @@ TEST_CASE("a session keeps which binary, which libraries and which geometry made
         id += static_cast<char>(std::stoi(value("build id").substr(i, 2), nullptr, 16));
     }
     REQUIRE(id.size() >= 8);
-    CHECK(bytes_of(tests::palpate_program()).find(id) != std::string::npos);
+    CHECK(tests::slurp(tests::palpate_program()).find(id) != std::string::npos);
     for (const char* key : {"sqlite", "zlib", "libsodium", "SDL2", "SDL2_ttf", "fmt", "toml++",
                             "CLI11", "libc", "kernel", "system", "processor"}) {
         CAPTURE(key);

@@ -17,6 +17,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/content_hash.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using data::Access;
@@ -66,9 +67,8 @@ std::string everything(const fs::path& folder) {
     std::set<std::string> files;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
         if (entry.is_regular_file()) {
-            std::ifstream in(entry.path(), std::ios::binary);
             files.insert(fs::relative(entry.path(), folder).string() + '\n' +
-                         std::string(std::istreambuf_iterator<char>(in), {}));
+                         tests::slurp(entry.path()));
         }
     }
     return fmt::format("{}", fmt::join(files, "\n"));
@@ -171,10 +171,8 @@ TEST_CASE(
         write_new(folder.file("new.toml"), second);
     };
     cut_everywhere(folder, work, [&](const TemporaryFolder& left, bool done) {
-        std::ifstream out(left.file("out.csv"), std::ios::binary);
-        const std::string text(std::istreambuf_iterator<char>(out), {});
+        const std::string text = tests::slurp(left.file("out.csv"));
         CHECK((text == second || (!done && text == first)));
-        std::ifstream made(left.file("new.toml"), std::ios::binary);
-        CHECK((!done || std::string(std::istreambuf_iterator<char>(made), {}) == second));
+        CHECK((!done || tests::slurp(left.file("new.toml")) == second));
     });
 }

@@ -17,6 +17,7 @@
 #include "protocols/trial/object_hash.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
@@ -26,8 +27,7 @@ using tests::Random;
 namespace {
 
 std::string text_of(const std::string& file) {
-    std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
-    return {std::istreambuf_iterator<char>(stream), {}};
+    return tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {

@@ -7,6 +7,7 @@
 #include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 using palpate::tests::Random;
@@ -205,8 +206,7 @@ TEST_CASE("a study without younger keys keeps the hash that it had before they w
 }
 
 TEST_CASE("the hash sees values, not spelling", "[protocol]") {
-    std::ifstream stream(library("shape_friction.toml"));
-    std::string text{std::istreambuf_iterator<char>(stream), {}};
+    std::string text = palpate::tests::slurp(library("shape_friction.toml"));
     const std::string hash = protocol_hash(parse_protocol(text, "a"));
     const auto with = [&](const std::string& from, const std::string& to) {
         std::string changed = text;

@@ -9,6 +9,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/placed_lines.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 using palpate::tests::Random;
@@ -113,8 +114,7 @@ TEST_CASE("no file, however broken, does more than be refused line by line", "[p
     const std::string file = GENERATE(
         as<std::string>{}, "protocols/library/shape_friction.toml", "tests/golden/free_forms.toml",
         "protocols/library/curvature_2afc.toml", "protocols/library/friction_threshold.toml");
-    std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
-    std::string study{std::istreambuf_iterator<char>(stream), {}};
+    std::string study = palpate::tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) / file);
     study += kYounger;
     int accepted = 0;
     for (std::uint64_t seed = 0; seed < 1000; ++seed) {

@@ -6,15 +6,15 @@
 
 #include "protocols/file/protocol_file.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate::protocols;
 
 namespace {
 
 std::string default_study() {
-    std::ifstream stream(std::filesystem::path(PALPATE_SOURCE_DIR) /
-                         "protocols/library/shape_friction.toml");
-    return {std::istreambuf_iterator<char>(stream), {}};
+    return palpate::tests::slurp(std::filesystem::path(PALPATE_SOURCE_DIR) /
+                                 "protocols/library/shape_friction.toml");
 }
 
 std::string refusal(const std::string& text) {

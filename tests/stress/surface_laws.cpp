@@ -17,17 +17,8 @@ using tests::minus;
 using tests::operator*;
 using tests::operator+;
 
-constexpr double kSameLength = 1e-12;
-
-/// A slide ends on its root to some 1e-11 of the size where the cone opens slowly, near a centre of
-/// curvature: so many times kSameLength.
-constexpr double kConeSlack = 100.0;
-
 /// So is a foot where the distance has hardly a minimum.
-constexpr double kFootSlack = 200.0;
-
-/// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
-constexpr double kFar = 1e9;
+constexpr double kSurfaceFootSlack = 200.0;
 
 bool finite(const Vec3& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
@@ -166,7 +157,7 @@ void SurfaceLaws::check_contact(const Tick& now) {
           k * same_ + 1e-12 * glm::length(c.force));
     const double loose = singular(c) ? 1e-8 * glm::length(c.go - now.h) : 0.0;
     const bool springy =
-        glm::length(c.force - k * (c.go - now.h)) <= k * (kFootSlack * same_ + loose);
+        glm::length(c.force - k * (c.go - now.h)) <= k * (kSurfaceFootSlack * same_ + loose);
     check("the force is K (GO - HIP)", springy || c.outside_cone);
     check("what is held is on an edge or a singular point",
           !c.outside_cone || !c.settled || held_for_a_reason(now));

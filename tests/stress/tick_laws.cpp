@@ -15,20 +15,11 @@ using engine::Place;
 using engine::SeamKind;
 using engine::Vec2;
 
-constexpr double kSameLength = 1e-12;
-
-/// A slide ends on its root to some 1e-11 of the size where the cone opens slowly, near a centre of
-/// curvature: so many times kSameLength.
-constexpr double kConeSlack = 100.0;
-
 /// So does the foot that is followed where the distance has hardly a minimum: 5e-12 of the size was seen.
 constexpr double kFootSlack = 10.0;
 
 /// How far from the exact first root a god-object may stop, of the object's size.
 constexpr double kFirstRoot = 1e-9;
-
-/// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
-constexpr double kFar = 1e9;
 
 bool finite(const Vec2& v) noexcept {
     return std::isfinite(v.x) && std::isfinite(v.y);

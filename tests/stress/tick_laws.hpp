@@ -17,6 +17,16 @@ struct Breach {
     double limit = 0.0;  ///< what the law allows
 };
 
+/// Of the largest length in the scene.
+inline constexpr double kSameLength = 1e-12;
+
+/// A slide ends on its root to some 1e-11 of the size where the cone opens slowly, near a centre of
+/// curvature: so many times kSameLength.
+inline constexpr double kConeSlack = 100.0;
+
+/// HIPs further away than this, m, are only asked for finite forces: squares lose the object.
+inline constexpr double kFar = 1e9;
+
 /// Watches one hand in one scene. Lengths count as equal within kSameLength of the largest length in
 /// play (size of the outline, HIP's distance from the world's origin), forces within K times that.
 class TickLaws {

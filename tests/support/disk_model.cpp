@@ -4,6 +4,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "tests/support/slurp.hpp"
+
 namespace palpate::tests {
 namespace {
 
@@ -50,8 +52,8 @@ void DiskModel::load(int node, const std::filesystem::path& folder) {
         if (entry.is_directory()) {
             load(child, entry.path());
         } else {
-            std::ifstream file(entry.path(), std::ios::binary);
-            nodes_.back().bytes.assign(std::istreambuf_iterator<char>(file), {});
+            const std::string bytes = slurp(entry.path());
+            nodes_.back().bytes.assign(bytes.begin(), bytes.end());
         }
     }
 }

@@ -4,6 +4,7 @@
 
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/pantograph.hpp"
+#include "tests/support/emulated_machine.hpp"
 
 namespace palpate::tests {
 
@@ -55,5 +56,18 @@ private:
     double time_ = 0.0;
     bool exploring_ = false;
 };
+
+/// The third generation's Haply machine.
+inline const engine::Calibration& haply_machine() {
+    static const engine::Calibration calibration = emulated_calibration();
+    return calibration;
+}
+
+/// A hand for each emulated board of it.
+inline engine::MakeHand guided_hand() {
+    return [] {
+        return std::make_unique<GuidedHand>(haply_machine());
+    };
+}
 
 }  // namespace palpate::tests

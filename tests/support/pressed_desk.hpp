@@ -12,17 +12,13 @@
 #include "protocols/file/calibration_file.hpp"
 #include "tests/support/child.hpp"
 #include "tests/support/pressing_hand.hpp"
+#include "tests/support/slurp.hpp"
 #include "tests/support/window_session.hpp"
 
 namespace palpate::tests {
 
-inline std::string text_of(const std::string& name) {
-    std::ifstream file(name);
-    return {std::istreambuf_iterator<char>(file), {}};
-}
-
 inline std::string pressed_study() {
-    std::string text = text_of(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    std::string text = slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
     const auto put = [&](const std::string& from, const std::string& to) {
         const std::size_t at = text.find(from);
         text.replace(at == std::string::npos ? throw std::logic_error(from) : at, from.size(), to);

@@ -2,7 +2,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <stdexcept>
+#include <string_view>
 #include <thread>
 
 #include <X11/Xlib.h>
@@ -164,12 +166,9 @@ std::uint64_t XHand::pixels(const Window& window) {
     if (image == nullptr) {
         return 0;
     }
-    std::uint64_t hash = 1469598103934665603ULL;  // FNV-1a
     const std::size_t bytes =
         static_cast<std::size_t>(image->bytes_per_line) * static_cast<std::size_t>(image->height);
-    for (std::size_t i = 0; i < bytes; ++i) {
-        hash = (hash ^ static_cast<unsigned char>(image->data[i])) * 1099511628211ULL;
-    }
+    const std::uint64_t hash = std::hash<std::string_view>{}({image->data, bytes});
     XDestroyImage(image);
     return hash;
 }

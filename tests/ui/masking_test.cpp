@@ -16,6 +16,7 @@
 #include "ui/sound/masked_observer.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/faulty.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using namespace palpate::protocols;
@@ -217,8 +218,7 @@ TEST_CASE(
         player->off();
         std::this_thread::sleep_for(std::chrono::milliseconds(600));
     }
-    std::ifstream stream(file, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    const std::string bytes = tests::slurp(file);
     std::filesystem::remove(file);
     std::vector<float> samples(bytes.size() / sizeof(float));
     std::memcpy(samples.data(), bytes.data(), samples.size() * sizeof(float));

@@ -236,7 +236,8 @@ Input Stage::next(int wait_ms) {
             redraw();
         }
         SDL_Event event;
-        const std::int64_t left_ms = (until - monotonic_ns()) / 1'000'000;
+        // Rounded up: with 0 for the last part of a millisecond this would spin through it.
+        const std::int64_t left_ms = (until - monotonic_ns() + 999'999) / 1'000'000;
         if (SDL_WaitEventTimeout(&event,
                                  static_cast<int>(std::clamp<std::int64_t>(left_ms, 0, 20))) == 0) {
             looked_ns_ = monotonic_ns();

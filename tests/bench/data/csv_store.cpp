@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "tests/bench/data/trace_store.hpp"
+#include "tests/support/slurp.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -73,8 +74,7 @@ private:
         return fmt::format("{}/trial_{}.csv", folder_, trial);
     }
     void add(std::int64_t trial, int column, Sum& sum) const {
-        std::ifstream in(file_of(trial), std::ios::binary);
-        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        const std::string text = slurp(file_of(trial));
         const char* at = text.data() + text.find('\n') + 1;
         const char* end = text.data() + text.size();
         while (at < end) {
