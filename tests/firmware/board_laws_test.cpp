@@ -92,6 +92,8 @@ TEMPLATE_TEST_CASE("no state but armed has motors on, and every way between stat
     CHECK(is_state(talk.disarm(), OpenState::configured));
     CHECK_FALSE(talk.board.enabled());
     CHECK(talk.board.torque() == Vec2{});
+    CHECK(is_nak(talk.arm(), 2));  // nobody asked since
+    CHECK(talk.peek().state == OpenState::configured);
     CHECK(is_state(talk.arm(), OpenState::armed));
     CHECK(talk.board.torque() == Vec2{});  // until the first torque
     talk.pass_ms(30);
@@ -210,6 +212,39 @@ TEMPLATE_TEST_CASE("a torque is obeyed only in the order of its number",
     CHECK(obeyed(256, 30000));
     CHECK_FALSE(obeyed(32000, 40000));
     CHECK(obeyed(257, 50000));
+}
+
+TEMPLATE_TEST_CASE("an ARM that comes late, or again, switches nothing on",
+                   "[firmware][law]",
+                   BOARDS) {
+    Talk<TestType> talk;
+    const int start = GENERATE(100, 65530);
+    talk.seq = static_cast<std::uint16_t>(start);
+    talk.make_ready();
+    talk.disarm();
+    const std::uint16_t now = talk.seq;
+    const auto arm = [&](int step) {
+        const auto seq = static_cast<std::uint16_t>(now + step);
+        return talk.ask(open_token(OpenType::arm, seq, talk.kToken));
+    };
+    for (const int step : {0, 1, 2}) {  // the host may have died when its guard disarmed
+        CHECK(is_nak(arm(step), 2));
+    }
+    talk.seq = static_cast<std::uint16_t>(now + 5);
+    CHECK(talk.peek().state == OpenState::configured);  // number 6
+    for (const int step : {6, 5, 2, 0, -1, -300, 262, 32000}) {
+        CHECK(is_nak(arm(step), 2));
+        CHECK_FALSE(talk.board.enabled());
+    }
+    CHECK(is_state(arm(7), OpenState::armed));
+    talk.pass_ms(30);
+    talk.seq = static_cast<std::uint16_t>(now + 8);
+    CHECK(is_state(talk.clear(), OpenState::configured));
+    for (const int step : {7, 8, 9}) {
+        CHECK(is_nak(arm(step), 2));
+        CHECK_FALSE(talk.board.enabled());
+    }
+    CHECK(is_state(arm(10), OpenState::armed));
 }
 
 TEMPLATE_TEST_CASE("a spoilt frame is never obeyed, and the next one always",

@@ -16,7 +16,7 @@ enum {
 
 enum { WHY_VERSION = 1, WHY_STATE, WHY_VALUE, WHY_STOP_PRESSED, WHY_TOKEN, WHY_TYPE };
 
-enum { HEAD = 3, CRC = 2, CONFIG_SIZE = 12, MAX_STEP = 255 };
+enum { HEAD = 3, CRC = 2, CONFIG_SIZE = 12, MAX_STEP = 255, MAX_AHEAD = 32767 };
 
 static const uint16_t kGood = 0xF0B8; /* of a body with its own CRC */
 
@@ -57,6 +57,13 @@ static uint16_t get16(const uint8_t *at)
 static int32_t get32(const uint8_t *at)
 {
     return (int32_t)(get16(at) | (uint32_t)get16(at + 2) << 16);
+}
+
+/* Numbers that were heard before, or that are further on than `most`, are late or lost. */
+static bool newer(const struct board *board, uint16_t most)
+{
+    const uint16_t step = (uint16_t)(get16(board->body + 1) - board->last_seq);
+    return step != 0 && step <= most;
 }
 
 static void put8(struct writer *out, uint8_t value)
@@ -232,6 +239,8 @@ static uint8_t config(struct board *board, uint8_t *answer)
     platform_unlock(lock);
     forgive(board, BOARD_CONFIGURED);
     board->once = 0;
+    board->last_seq = get16(board->body + 1);
+    board->asked = true;
     begin(&out, CONFIGURED, board);
     put16(&out, board->token);
     put8(&out, board->watchdog_ms);
@@ -253,10 +262,12 @@ static uint8_t objection(struct board *board, bool fits)
     return platform_stop_pressed(board) ? WHY_STOP_PRESSED : 0;
 }
 
+/* An ARM that comes late finds a DISARM after which nobody asked, or a newer question. */
 static uint8_t arm(struct board *board)
 {
     const uint8_t lock = platform_lock();
-    const uint8_t why = objection(board, board->state == BOARD_CONFIGURED);
+    const bool due = board->asked && newer(board, MAX_STEP);
+    const uint8_t why = objection(board, board->state == BOARD_CONFIGURED && due);
     if (why == 0) {
         board->last_seq = get16(board->body + 1);
         board->age = 0;
@@ -294,13 +305,11 @@ static int16_t duty_of(struct board *board, uint8_t motor, int32_t torque)
 
 static void torque(struct board *board)
 {
-    const uint16_t seq = get16(board->body + 1);
-    const uint16_t step = (uint16_t)(seq - board->last_seq);
     if (board->state != BOARD_ARMED) {
         board->once |= BOARD_REFUSED;
         return;
     }
-    if (step == 0 || step > MAX_STEP) {
+    if (!newer(board, MAX_STEP)) {
         board->once |= BOARD_STALE;
         return;
     }
@@ -308,7 +317,7 @@ static void torque(struct board *board)
                              duty_of(board, 1, get32(board->body + HEAD + 4))};
     const uint8_t lock = platform_lock();
     if (board->state == BOARD_ARMED) { /* the tick may have stopped the motors meanwhile */
-        board->last_seq = seq;
+        board->last_seq = get16(board->body + 1);
         board->age = 0;
         platform_duty(board, 0, duty[0]);
         platform_duty(board, 1, duty[1]);
@@ -346,6 +355,10 @@ static uint8_t obey(struct board *board, uint8_t *answer)
     if (payload_of(board->body[0]) != (int8_t)(board->size - HEAD - CRC)) {
         return refused(board, WHY_TYPE, answer);
     }
+    if ((board->body[0] == PEEK || board->body[0] == CLEAR) && newer(board, MAX_AHEAD)) {
+        board->last_seq = get16(board->body + 1);
+        board->asked = true;
+    }
     switch (board->body[0]) {
         case HELLO:
             return hello(board, answer);
@@ -358,6 +371,7 @@ static uint8_t obey(struct board *board, uint8_t *answer)
             lock = platform_lock();
             stop(board, BOARD_CONFIGURED);
             platform_unlock(lock);
+            board->asked = false;
             break;
         case CLEAR:
             why = clear(board);

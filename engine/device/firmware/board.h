@@ -75,7 +75,8 @@ struct board {
     uint8_t watchdog_ms;
     uint16_t once; /* flags that the next STATE reports and clears */
     uint16_t token;
-    uint16_t last_seq;
+    uint16_t last_seq; /* newest number of a question, and of an ARM or a torque that was obeyed */
+    bool asked;        /* a question came since the last DISARM: the host is there */
     int32_t limit[2];  /* uN m */
     uint32_t scale[2]; /* duty * 2^20 of one uN m */
     uint8_t bad_frames;
