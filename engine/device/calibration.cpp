@@ -47,7 +47,7 @@ void differ(std::uint32_t one, std::uint32_t two, const std::string& what) {
     }
 }
 
-void check_haply(const HaplyWiring& wiring) {
+void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
     if (wiring.id == 0) {
         throw std::invalid_argument(
             "the device id on a Haply board is 0, which the board takes for every unused slot: "
@@ -62,6 +62,16 @@ void check_haply(const HaplyWiring& wiring) {
         in_range(*wiring.grip_pin, 54.0, 65.0, "grip pin of the Haply board");
     }
     in_range(wiring.grip_threshold, 0.0, 4095.0, "grip threshold (ADC value)");
+    for (std::size_t i = 0; i < 2; ++i) {
+        const double torque = pantograph.axes[i].torque_limit;
+        if (!(torque <= kHaplyTorque)) {
+            throw std::invalid_argument("torque limit of axis " + std::to_string(i + 1) + " is " +
+                                        number_text(torque) + " N m, and a Haply board gives " +
+                                        number_text(kHaplyTorque) +
+                                        " at most: lower it, or take the table [haply] out if the "
+                                        "machine hangs on another board");
+        }
+    }
 }
 
 void check_board(const OpenWiring& wiring, const PantographSpec& pantograph) {
@@ -106,7 +116,7 @@ void check(const PantographSpec& spec) {
 void check(const Calibration& calibration) {
     check(calibration.pantograph);
     if (calibration.haply) {
-        check_haply(*calibration.haply);
+        check_haply(*calibration.haply, calibration.pantograph);
     }
     if (calibration.board) {
         check_board(*calibration.board, calibration.pantograph);

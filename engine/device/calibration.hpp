@@ -33,6 +33,9 @@ struct PantographSpec {
     double clearance = 0.001;  ///< m; poses closer to a singular one are refused (Clearance::min)
 };
 
+/// The most that a Haply board gives to a motor, N m; it clamps each torque for itself.
+inline constexpr double kHaplyTorque = 0.123;
+
 /// How a Haply board is wired to pivot 1 and pivot 2.
 struct HaplyWiring {
     std::uint8_t id = 5;                     ///< of the device on the board; never 0

@@ -102,6 +102,15 @@ TEST_CASE("a calibration that no desk-top machine has is refused at its place", 
     CHECK_THAT(end.error, ContainsSubstring(file + ":") &&
                               ContainsSubstring(": torque_limit_mn_m is 1000000: give ") &&
                               ContainsSubstring("2000"));
+
+    const std::string beyond = "torque_limit_mn_m = 1000000";
+    text.replace(text.find(beyond), beyond.size(), "torque_limit_mn_m = 124");
+    std::ofstream(file) << "format = 1\n" << text;
+    const Finished check = palpate_command({"check", "pilot", "--calibration", file});
+    CAPTURE(check.error);
+    CHECK(check.code == 2);
+    CHECK_THAT(check.error, ContainsSubstring(file + ":") &&
+                                ContainsSubstring("a Haply board gives 0.123 at most"));
 }
 
 TEST_CASE("a replay of a file that is not there is said before anything is created", "[cli]") {

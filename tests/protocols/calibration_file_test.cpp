@@ -73,6 +73,10 @@ Calibration any_calibration(Random& random) {
             wiring.grip_pin = static_cast<std::uint8_t>(54 + random.below(12));
         }
         wiring.grip_threshold = random.in(0.0, 1023.0);
+        for (palpate::engine::Axis& axis : machine.axes) {
+            axis.torque_limit = random.in(0.1, palpate::engine::kHaplyTorque);
+            axis.torque_forever = random.in(0.01, 0.1);
+        }
     }
     if (random.coin()) {
         ComediWiring& wiring = c.comedi.emplace();

@@ -19,9 +19,6 @@
 /// Directions, torques and angles stand in the order of the ports, which need not be the pivots'.
 namespace palpate::engine {
 
-/// The most that the board gives to a motor, N m; it clamps each torque for itself.
-inline constexpr double kHaplyTorque = 0.123;
-
 /// The largest angle of a reply that is believed, degrees.
 inline constexpr double kHaplyLargestAngle = 1e4;
 
