@@ -30,6 +30,8 @@ struct Reading {
     std::array<std::int32_t, 2> counts{};
     DeviceFault fault = DeviceFault::none;  ///< other than none: hip and counts are not to be used
     bool fresh = true;  ///< false: nothing new since the last read, whose values are given again
+    /// Ticks that it is older than DeviceTraits::delay_ticks says, >= 0: of answers that came late.
+    double behind = 0.0;
     Grip grip = Grip::unknown;
 
     /// Whether hip and counts may be used.

@@ -63,6 +63,7 @@ TickRecord TickLoop::tick(const TickOrder& order) noexcept {
          .counts = reading.counts,
          .found = found(reading, contact),
          .fresh = reading.fresh,
+         .behind = reading.behind,
          .time_ns = order.time_ns,
          .lateness_ns = order.lateness_ns,
          .load = applied_.load,

@@ -20,6 +20,14 @@ namespace palpate::engine {
     return stiffness * period * (0.5 + delay_ticks) + std::fabs(damping);
 }
 
+/// By how many ticks the delay may grow until min_damping() is all that the device damps: below 0 it
+/// does not damp enough as it is.
+/// @param stiffness  K, N/m, > 0   @param device  b of the device, N s/m   Others as there.
+[[nodiscard]] inline double spare_delay(
+    double stiffness, double period, double delay_ticks, double damping, double device) noexcept {
+    return (device - min_damping(stiffness, period, delay_ticks, damping)) / (stiffness * period);
+}
+
 /// The dry friction that a device needs so that a contact comes to rest although positions are read
 /// in steps, N.
 ///

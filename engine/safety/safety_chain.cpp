@@ -40,7 +40,7 @@ constexpr double kRounding = 1e-9;  ///< share by which a full command may be le
 
 bool finite(const SafetyInput& input) noexcept {
     return finite(input.force) && finite(input.spring) && finite(input.hip) && finite(input.load) &&
-           std::isfinite(input.depth);
+           std::isfinite(input.depth) && std::isfinite(input.behind);
 }
 
 bool silent_too_long(SafetyState& state, const SafetyLimits& limits, bool fresh) noexcept {
@@ -116,6 +116,9 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
     }
     if (silent_too_long(state, limits, input.fresh)) {
         return Trip::device_silent;
+    }
+    if (delayed(state.delay, input.behind, limits.spare_delay, limits.period)) {
+        return Trip::delayed;
     }
     if (too_active(state, limits, input)) {
         return Trip::energy;

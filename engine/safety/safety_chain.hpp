@@ -5,6 +5,7 @@
 
 #include "engine/geometry/vec.hpp"
 #include "engine/safety/buzz_watch.hpp"
+#include "engine/safety/delay_watch.hpp"
 #include "engine/safety/encoder_watch.hpp"
 #include "engine/safety/energy_observer.hpp"
 #include "engine/safety/late_ticks.hpp"
@@ -25,6 +26,7 @@ struct SafetyInput {
     std::array<std::int32_t, 2> counts{};
     Trip found = Trip::none;       ///< what device or scene reported this tick
     bool fresh = true;             ///< HIP was measured since the last tick
+    double behind = 0.0;           ///< ticks that HIP is older than delay_ticks, >= 0
     std::int64_t time_ns = 0;      ///< of the wake-up; left alone, a tick is a period
     std::int64_t lateness_ns = 0;  ///< wake-up minus deadline
     Vec2 load{};                   ///< motors' torque share of the last tick, see Applied::load
@@ -42,6 +44,7 @@ struct SafetyState {
     Vec2 command{};           ///< of the last tick, N
     Vec2 heat{};              ///< of both motors, 1: what they bear for ever
     std::int32_t silent = 0;  ///< ticks in a row without a fresh reading
+    DelayWatch delay{};
     ReadingClock clock{};
     LateTicks late{};
     EncoderWatch encoders{};
@@ -61,9 +64,9 @@ struct Command {
 
 /// What stands between the rendered force and the device, in this order:
 ///
-///     finite guard -> jump, speed -> stuck encoder -> late ticks -> silent device -> energy ->
-///     runaway -> buzz -> motor heat -> silent screen -> time -> dead-man -> the
-///     experimenter's stop -> latched fault, or: saturation -> ramp -> slew limit
+///     finite guard -> jump, speed -> stuck encoder -> late ticks -> silent device -> delayed
+///     readings -> energy -> runaway -> buzz -> motor heat -> silent screen -> time -> dead-man ->
+///     the experimenter's stop -> latched fault, or: saturation -> ramp -> slew limit
 ///
 /// For any input at all, finite or not: the command is finite, |F| <= max_force, and |F[k] -
 /// F[k-1]| <= slew but for the step to zero at a trip (both to rounding); |F[k]| <= (k + 1)

@@ -26,9 +26,11 @@ struct SafetyLimits {
     double screen_silence =
         std::numeric_limits<double>::infinity();  ///< s without a sign of life of the screen
     double time_limit = std::numeric_limits<double>::infinity();  ///< s of a trial with force
-    double stiffness = 1000.0;    ///< K of the contact, N/m, for the energy that it stores
-    double damping = 0.0;         ///< b, N s/m, that the device takes out by itself
-    double delay_ticks = 0.0;     ///< of the device
+    double stiffness = 1000.0;  ///< K of the contact, N/m, for the energy that it stores
+    double damping = 0.0;       ///< b, N s/m, that the device takes out by itself
+    double delay_ticks = 0.0;   ///< of the device
+    /// Ticks by which readings may be older than that in the mean, see DelayWatch.
+    double spare_delay = std::numeric_limits<double>::infinity();
     double heat_step = 0.0;       ///< period / thermal time constant of the motors; 0: no model
     bool watch_encoders = false;  ///< trip on an encoder that stands still
     double stuck_travel = 0.040;  ///< m that HIP goes meanwhile in strokes, see EncoderWatch

@@ -28,6 +28,8 @@ std::string_view to_string(Trip trip) noexcept {
             return "over_speed";
         case Trip::late:
             return "late";
+        case Trip::delayed:
+            return "delayed";
         case Trip::energy:
             return "energy";
         case Trip::runaway:
@@ -75,6 +77,9 @@ std::string_view explanation(Trip trip) noexcept {
             return "the handle was faster than the limit: move more slowly";
         case Trip::late:
             return "the force loop was late too often: close other programs; see palpate doctor";
+        case Trip::delayed:
+            return "the device's answers became later than this stiffness allows: use a port of "
+                   "the computer itself without a hub, and end programs that keep it busy";
         case Trip::energy:
             return "the force gave more energy than it took: lower the stiffness or raise the rate";
         case Trip::runaway:

@@ -19,6 +19,7 @@ enum class Trip : std::uint8_t {
     stuck_encoder,     ///< an encoder stands still while the other moves
     over_speed,        ///< HIP is faster than the limit
     late,              ///< too many late ticks
+    delayed,           ///< readings became older than the stiffness allows
     energy,            ///< the rendering gave more energy than it took
     runaway,           ///< HIP sped up against the full force
     buzz,              ///< the contact oscillates faster than a hand can

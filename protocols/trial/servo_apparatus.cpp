@@ -16,6 +16,10 @@ constexpr double kJumpSpeed = 10.0;
 constexpr double kSilence = 0.010;
 /// s without a sign of life of the screen, after which nobody could end the force.
 constexpr double kScreenSilence = 0.25;
+/// Ticks that readings may be older than the device promised, whatever stiffness and damping: a busy
+/// machine keeps some answers back. And where it is not known what the device damps.
+constexpr double kSpareDelay = 0.5;
+constexpr double kUnknownSpare = 1.0;
 /// s after explore_timeout_s: the session's own loop has ended the exploration before.
 constexpr double kTimeToSpare = 0.5;
 
@@ -44,6 +48,12 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
                                   engine::min_damping(apparatus.stiffness, period,
                                                       traits.delay_ticks, apparatus.damping));
         limits.delay_ticks = traits.delay_ticks;
+        limits.spare_delay =
+            traits.damping
+                ? std::max(kSpareDelay,
+                           engine::spare_delay(apparatus.stiffness, period, traits.delay_ticks,
+                                               apparatus.damping, *traits.damping))
+                : kUnknownSpare;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
         limits.watch_encoders = true;
         limits.watch_runaway = true;

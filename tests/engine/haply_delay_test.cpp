@@ -60,3 +60,57 @@ TEST_CASE("answers that take too long for a force are refused, at first and afte
     CHECK(bench.device->trouble().empty());
     CHECK(bench.device->traits().delay_ticks == 3.0);
 }
+
+TEST_CASE("each reading is as old as it says, however the board's answers come", "[haply][law]") {
+    const auto seed = GENERATE(range(0U, 12U));
+    CAPTURE(seed);
+    Random random(seed);
+    HaplyBench bench;
+    bench.board.set_faults({.delay = seed % 2 == 0 ? 0.3e-3 : 2.1e-3});
+    bench.open();
+    const double promised = bench.device->traits().delay_ticks;
+    std::vector<Vec2> led;
+    double most = 0.0;
+    for (std::size_t k = 0; k < 400; ++k) {
+        if (k % 50 == 49) {
+            bench.board.set_faults({.delay = random.in(0.0, 6e-3)});
+        }
+        led.push_back({random.in(-0.02, 0.02), 0.05});
+        bench.plant.lead(led.back());
+        const Reading reading = bench.tick({0.2, 0.0});
+        REQUIRE(reading.ok());
+        most = std::fmax(most, reading.behind);
+        if (k > 10) {  // one that is quicker than promised is newer
+            const auto oldest = static_cast<std::size_t>(promised + reading.behind);
+            double missed = 1.0;
+            for (std::size_t age = reading.behind > 0.0 ? oldest : 0; age <= oldest; ++age) {
+                missed = std::fmin(missed, glm::length(reading.hip - led[k - age]));
+            }
+            CHECK(missed < 3e-4);
+        }
+    }
+    CHECK(most >= 3.0);
+}
+
+TEST_CASE("answers that became later in service are refused until they are quick again",
+          "[haply][law]") {
+    HaplyBench bench;
+    bench.board.set_faults({.delay = 0.3e-3});
+    bench.open();
+    CHECK(bench.ticks({0.2, 0.0}, 50).behind == 0.0);
+    CHECK(bench.device->reconnect());
+    bench.board.set_faults({.delay = 1.6e-3});
+    double sum = 0.0;
+    bench.ticks({0.2, 0.0}, 50);
+    for (int i = 0; i < 200; ++i) {
+        sum += bench.tick({0.2, 0.0}).behind;
+    }
+    CHECK(sum / 200.0 == Approx(1.5).epsilon(0.05));  // every second one new, and two ticks old
+    bench.ticks({}, 5);
+    CHECK_FALSE(bench.device->reconnect());
+    CHECK_THAT(bench.device->trouble(), ContainsSubstring("more than when the session began"));
+    bench.board.set_faults({.delay = 0.3e-3});
+    CHECK(bench.device->reconnect());
+    CHECK(bench.device->trouble().empty());
+    CHECK(bench.ticks({0.2, 0.0}, 20).behind == 0.0);
+}

@@ -38,6 +38,19 @@ TEST_CASE("the sampled wall starts to swing at the stiffness of its exact polyno
     }
 }
 
+TEST_CASE("with the delay that is spare the damping is just what is needed", "[passivity][law]") {
+    for (std::uint64_t seed = 0; seed < 50; ++seed) {
+        Random random(seed);
+        const double stiffness = random.in(50.0, 4000.0);
+        const double period = 1.0 / random.in(1000.0, 10000.0);
+        const double delay = random.in(0.0, 3.0);
+        const double contact = random.in(-0.5, 0.5);
+        const double device = random.in(0.0, 5.0);
+        const double spare = spare_delay(stiffness, period, delay, contact, device);
+        CHECK(min_damping(stiffness, period, delay + spare, contact) == Approx(device));
+    }
+}
+
 TEST_CASE("the simulated pantograph on a wall is stable up to the passivity bound and no further",
           "[passivity][law]") {
     const double period = GENERATE(1e-3, 0.25e-3, 0.1e-3);

@@ -99,3 +99,48 @@ TEST_CASE("a wake-up of any lateness is some periods between none and the window
     CHECK(periods_late(INT64_MAX, 1e-4) == LateTicks::kWindow);
     CHECK(periods_late(INT64_MIN, 1e-4) == 0);
 }
+
+TEST_CASE("readings that became older than the stiffness allows trip when the mean says so",
+          "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
+    CAPTURE(seed);
+    Random random(seed);
+    const double period = random.coin() ? 1e-3 : 2.5e-4;
+    const double behind = 1.0 + random.below(5);
+    const double spare = behind * random.in(0.05, 1.2);
+    const SafetyLimits limits{.period = period, .ramp_step = 1.0, .spare_delay = spare};
+    SafetyState state;
+    for (int k = 0; k < 300; ++k) {
+        REQUIRE((make_safe(state, limits, {.force = {1.0, 0.0}}).trip == Trip::none));
+    }
+    // behind (1 - (1 - T / window)^n) > spare, for n ticks in a row
+    const double n = std::log(1.0 - std::fmin(spare / behind, 1.0)) / std::log1p(-period / 0.25);
+    const int all = spare < behind ? static_cast<int>(std::floor(n)) : 20000;
+    for (int k = 0; k < all; ++k) {
+        const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .behind = behind});
+        REQUIRE((c.trip == Trip::none));
+    }
+    if (spare < behind) {
+        static_cast<void>(make_safe(state, limits, {.force = {1.0, 0.0}, .behind = behind}));
+        const Command c = make_safe(state, limits, {.force = {1.0, 0.0}, .behind = behind});
+        CHECK((c.trip == Trip::delayed));
+        CHECK(c.force == Vec2{});
+    }
+}
+
+TEST_CASE("answers that a busy machine keeps back now and then are no delay", "[safety][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    CAPTURE(seed);
+    Random random(seed);
+    const SafetyLimits limits{.ramp_step = 1.0, .spare_delay = 0.5};
+    SafetyState state;
+    for (int round = 0; round < 40; ++round) {
+        const int kept = 1 + random.below(9);  // ticks, 10 of them are silence
+        for (int k = 1; k <= kept; ++k) {
+            REQUIRE((make_safe(state, limits, {.behind = 1.0 * k}).trip == Trip::none));
+        }
+        for (int k = 0; k < 130; ++k) {
+            REQUIRE((make_safe(state, limits, {}).trip == Trip::none));
+        }
+    }
+}

@@ -1,5 +1,6 @@
 #include "engine/device/drivers/board_device.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <stdexcept>
@@ -151,7 +152,23 @@ BoardLine::Answer BoardDevice::prime() noexcept {
     return awake;
 }
 
+/// @param primed  last_ was asked for in this very tick
+void BoardDevice::note_age(bool primed) noexcept {
+    const std::uint64_t owed = line_->owed();
+    if (primed) {
+        measured_ = tick_;
+    } else if (owed < asked_) {
+        measured_ = std::max(measured_, asked_at_[(asked_ - owed - 1) % asked_at_.size()]);
+    }
+}
+
+double BoardDevice::behind() const noexcept {
+    const std::uint64_t age = tick_ - measured_;
+    return age > depth_ ? static_cast<double>(age - depth_) : 0.0;
+}
+
 Reading BoardDevice::read() noexcept {
+    ++tick_;
     if (fault_ == DeviceFault::none && guard_->tripped()) {
         fail(DeviceFault::silent);
     }
@@ -168,6 +185,9 @@ Reading BoardDevice::read() noexcept {
     switch (answer) {
         case BoardLine::Answer::complete:
             last_ = take(line_->reply());
+            note_age(rested);
+            last_.behind = behind();
+            was_late_ = was_late_ || last_.behind > 0.0;
             return last_;
         case BoardLine::Answer::pending:
             if (link_->now_ns() - line_->owed_since_ns() > nanoseconds(timing_.silence)) {
@@ -186,15 +206,25 @@ Reading BoardDevice::read() noexcept {
     }
     Reading stale = last_;
     stale.fresh = false;
+    stale.behind = behind();
+    was_late_ = was_late_ || stale.behind > 0.0;
     if (fault_ != DeviceFault::none) {
         stale.fault = fault_;
     }
     return stale;
 }
 
+bool BoardDevice::ask(const std::array<double, 2>& torque) noexcept {
+    const bool sent = line_->ask(torque);
+    if (sent) {
+        asked_at_[asked_++ % asked_at_.size()] = tick_;
+    }
+    return sent;
+}
+
 bool BoardDevice::send_zero() noexcept {
     applied_ = {};
-    const bool sent = line_->ask({0.0, 0.0});
+    const bool sent = ask({0.0, 0.0});
     if (sent) {  // otherwise the guard stays on its toes
         guard_->force_off();
     }
@@ -239,7 +269,7 @@ Applied BoardDevice::write(const Vec2& force) noexcept {
         fail(guard_->tripped() ? DeviceFault::silent : DeviceFault::unguarded);
         return {.saturated = true};
     }
-    if (!line_->ask({drive.torque.x, drive.torque.y})) {
+    if (!ask({drive.torque.x, drive.torque.y})) {
         fail(DeviceFault::lost);
         return {.saturated = true};
     }
@@ -252,6 +282,16 @@ Applied BoardDevice::write(const Vec2& force) noexcept {
                 .saturated = drive.saturated,
                 .load = drive.load};
     return applied_;
+}
+
+/// After readings that came late: are answers as quick as when the board was opened?
+bool BoardDevice::answers_in_time() {
+    ask_anew_ = true;
+    was_late_ = !measure_answers();
+    if (!was_late_) {
+        trouble_.clear();
+    }
+    return !was_late_;
 }
 
 bool BoardDevice::rests() {
@@ -281,7 +321,7 @@ bool BoardDevice::rests() {
 
 bool BoardDevice::reconnect() {
     if (fault_ == DeviceFault::none) {
-        return true;
+        return !was_late_ || answers_in_time();
     }
     trouble_ = explained(fault_);
     const bool quiet =

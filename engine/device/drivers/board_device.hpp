@@ -25,7 +25,8 @@ struct BoardTiming {
 /// took them. How long answers take is measured when the board is opened (traits().round_trip): d
 /// periods, rounded up, and so many questions are on their way at once. A reading is then d periods old
 /// (traits().delay_ticks), and there is a new one every tick. If an answer comes later than that, the
-/// reading is not fresh. The first read() after a rest asks once more, without a torque.
+/// reading is not fresh, or older than promised (Reading::behind); reconnect() then measures again how
+/// long answers take. The first read() after a rest asks once more, without a torque.
 ///
 /// A fault is latched until reconnect(): from then on only zero torque is sent. No torque goes out
 /// before the board has answered after its set-up, nor without a guard. Every way out, the
@@ -71,10 +72,14 @@ public:
 private:
     [[nodiscard]] bool open_board();
     [[nodiscard]] bool measure_answers();
+    [[nodiscard]] bool answers_in_time();
     [[nodiscard]] bool rests();
     [[nodiscard]] BoardLine::Answer prime() noexcept;
     [[nodiscard]] Reading take(const BoardReply& reply) noexcept;
     void fail(DeviceFault fault) noexcept;
+    [[nodiscard]] bool ask(const std::array<double, 2>& torque) noexcept;
+    void note_age(bool primed) noexcept;
+    [[nodiscard]] double behind() const noexcept;
     [[nodiscard]] bool send_zero() noexcept;
     Applied hold_off(const Vec2& force) noexcept;
     [[nodiscard]] std::string explained(DeviceFault fault) const;
@@ -95,6 +100,11 @@ private:
     double round_trip_ = 0.0;                ///< s, of the first set-up
     std::size_t depth_ = 0;                  ///< periods until an answer; 0: not measured yet
     bool ask_anew_ = true;
+    std::uint64_t tick_ = 0;                    ///< read()s so far
+    std::uint64_t asked_ = 0;                   ///< questions of write() so far
+    std::array<std::uint64_t, 64> asked_at_{};  ///< ticks of the newest of them
+    std::uint64_t measured_ = 0;                ///< tick of the question whose answer is last_
+    bool was_late_ = false;  ///< a reading was older than promised since the last reconnect()
     Reading last_{};
     std::optional<Pantograph::Fix> fix_;
     Applied applied_{};

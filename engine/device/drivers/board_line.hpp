@@ -85,6 +85,8 @@ public:
     [[nodiscard]] const BoardReply& reply() const noexcept { return reply_; }
     /// An answer is still to come.
     [[nodiscard]] bool awaiting() const noexcept { return owed_ > 0; }
+    /// So many questions are younger than reply().
+    [[nodiscard]] std::size_t owed() const noexcept { return owed_; }
     /// Since when the next answer is due, ns on the link's clock.
     [[nodiscard]] std::int64_t owed_since_ns() const noexcept { return owed_since_ns_; }
     /// When the latest question was asked, ns on the link's clock.
