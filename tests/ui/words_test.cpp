@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/safety/trip.hpp"
 #include "ui/subject/words.hpp"
 #include "tests/support/catch.hpp"
 
@@ -103,4 +104,26 @@ TEST_CASE("every sentence of every language is there and says its numbers", "[wo
         CHECK((text.find("2000") != std::string::npos) == (row.numbers > 1));
     }
     CHECK(ui::words_in(Language::en).welcome != ui::words_in(Language::tr).welcome);
+}
+
+TEST_CASE("what a trip says is said in the screen's language, and other sentences as they are",
+          "[words][law]") {
+    for (int i = 1; i <= static_cast<int>(engine::Trip::stopped); ++i) {
+        const std::string_view english = explanation(static_cast<engine::Trip>(i));
+        const std::string_view turkish = ui::trip_in(Language::tr, english);
+        CAPTURE(english, turkish);
+        CHECK(ui::trip_in(Language::en, english) == english);
+        CHECK(turkish != english);
+        CHECK(turkish.find(": ") != std::string_view::npos);  // what happened, and what to do
+        for (const std::string_view as_it_is : {"stiffness_n_per_m", "rate_hz", "explore_timeout_s",
+                                                "palpate doctor", "Ctrl+Shift+P"}) {
+            const bool said = english.find(as_it_is) != std::string_view::npos;
+            CHECK((!said || turkish.find(as_it_is) != std::string_view::npos));
+        }
+        for (int k = 1; k < i; ++k) {
+            CHECK(turkish != ui::trip_in(Language::tr, explanation(static_cast<engine::Trip>(k))));
+        }
+    }
+    CHECK(ui::trip_in(Language::tr, "the board at /dev/one is gone") ==
+          "the board at /dev/one is gone");
 }

@@ -177,7 +177,10 @@ void draw(Window& window, const TroubleFace& face) {
     band(window, participant ? words.can_go_on : words.moment, 0.14, 0.27, 2.2, kText);
     band(window, participant ? words.thank_you_for_waiting : words.help_comes, 0.28, 0.37, 1.15,
          kText);
-    band(window, std::string(words.for_experimenter) + face.sentence, 0.42, 0.74, kFromAfar, kText);
+    band(window,
+         std::string(words.for_experimenter) +
+             std::string(trip_in(window.language(), face.sentence)),
+         0.42, 0.74, kFromAfar, kText);
     if (face.solved) {
         press(window, face.by_chord ? words.end_of_pause : words.go_on, kAccent);
     }

@@ -150,6 +150,7 @@ struct Window::Parts {
 Window::Window(const WindowOptions& options)
     : parts_(std::make_unique<Parts>()),
       words_(&words_in(options.language)),
+      language_(options.language),
       instructions_(options.instructions) {
     parts_->font_file = find_font(options.font);
     SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");

@@ -63,6 +63,7 @@ public:
     /// desktop scales small pixels up.
     [[nodiscard]] double scale() const;
     [[nodiscard]] const Words& words() const noexcept { return *words_; }
+    [[nodiscard]] protocols::Language language() const noexcept { return language_; }
     /// What the protocol says in place of some of the words.
     [[nodiscard]] const protocols::InstructionTexts& instructions() const noexcept {
         return instructions_;
@@ -101,6 +102,7 @@ private:
     std::unique_ptr<Parts> parts_;
     std::vector<Written> written_;
     const Words* words_;
+    protocols::Language language_;
     protocols::InstructionTexts instructions_;
 };
 

@@ -1,5 +1,9 @@
 #include "ui/subject/words.hpp"
 
+#include <array>
+
+#include "engine/safety/trip.hpp"
+
 namespace palpate::ui {
 namespace {
 
@@ -155,7 +159,46 @@ constexpr Words kTurkish{
     .end_of_pause = "Deneyi yürüten: Ctrl+Shift+P ile sürer",
 };
 
+/// Of each trip, in their order; none is no trip.
+constexpr std::array<std::string_view, static_cast<std::size_t>(engine::Trip::stopped) + 1>
+    kTurkishTrips{
+        "",
+        "hesaplanan kuvvet bir sayı değildi: lütfen veritabanıyla birlikte bildirin",
+        "nesne orada hesaplanamadı: lütfen veritabanıyla birlikte bildirin",
+        "aygıtla bağlantı koptu: kablosunu ve güç kaynağını denetleyin",
+        "aygıt yanıt vermiyor: kablosunu ve güç kaynağını denetleyin",
+        "aygıt motorlarını kapattı: acil durdurma düğmesini serbest bırakın; kimse basmadıysa "
+        "öteki programları kapatın ve kabloyu denetleyin",
+        "aygıt olanaksız değerler gönderiyor: fişini çekin, bekleyin, yeniden takın",
+        "tutamak çalışma alanından çıktı: ortaya geri getirin",
+        "tutamağın konumu sıçradı: kodlayıcı kablolarını denetleyin ve yeniden kalibre edin",
+        "bir kodlayıcı, öteki dönerken duruyor: kablosunu denetleyin",
+        "tutamak sınırdan hızlıydı: daha yavaş hareket edin",
+        "kuvvet döngüsü çok sık gecikti: öteki programları kapatın; palpate doctor nedenini söyler",
+        "aygıtın yanıtları bu sertlik için çok geç geliyor: bilgisayarın kendi girişini, çoklayıcı "
+        "olmadan kullanın ve onu meşgul eden programları kapatın",
+        "kuvvet, aldığından çok enerji verdi: sertliği azaltın ya da rate_hz değerini artırın",
+        "tutamak tam kuvvete karşı hızlandı: elinizi çekin, motorların yönünü ve kablolarını "
+        "denetleyin; doğruysalar daha yumuşak bastırın",
+        "temas titreşti: tutamağı daha sıkı tutun ya da stiffness_n_per_m değerini azaltın",
+        "motorlar ısı sınırında: soğumalarını bekleyin, daha az bastırın",
+        "ekran ya da bu program durdu: öteki programları kapatın, ekranın kablosunu ve sunucusunu "
+        "denetleyin",
+        "kuvvet explore_timeout_s süresinden uzun sürdü: öteki programları kapatın ve bunu "
+        "veritabanıyla birlikte bildirin",
+        "katılımcı bıraktı: bitene dek tutamağı ve boşluk tuşunu bırakmayın",
+        "deneyi yürüten kuvveti kesti: Ctrl+Shift+P ile sürer"};
+
 }  // namespace
+
+std::string_view trip_in(protocols::Language language, std::string_view sentence) noexcept {
+    for (std::size_t i = 1; language == protocols::Language::tr && i < kTurkishTrips.size(); ++i) {
+        if (sentence == explanation(static_cast<engine::Trip>(i))) {
+            return kTurkishTrips[i];
+        }
+    }
+    return sentence;
+}
 
 const Words& words_in(protocols::Language language) noexcept {
     return language == protocols::Language::tr ? kTurkish : kEnglish;

@@ -37,4 +37,9 @@ struct Words {
 
 [[nodiscard]] const Words& words_in(protocols::Language language) noexcept;
 
+/// What a trip says, in another language: of engine::explanation(). Any other sentence, as those of
+/// devices, comes back as it is.
+[[nodiscard]] std::string_view trip_in(protocols::Language language,
+                                       std::string_view sentence) noexcept;
+
 }  // namespace palpate::ui
