@@ -213,10 +213,13 @@ ShortForm prove_again(PulseRunner& runner,
                       const PantographSpec& spec,
                       const RigRecord& record,
                       double delay) {
-    std::vector<Pulse> pulses;
-    push(runner, record.force, pulses);
-    ShortForm form{.refused = wrong_with(spec, pulses, record.dynamics, delay), .found = {}};
-    for (const Pulse& pulse : pulses) {
+    ShortForm form;
+    for (const Vec2& direction : kPulseDirections) {
+        const Pulse pulse = runner.give(direction, {.force = record.force});
+        form.refused = wrong_with(spec, {&pulse, 1}, record.dynamics, delay);
+        if (!form.refused.empty()) {
+            return form;
+        }
         const PulseMatch found = match(spec, pulse, record.dynamics, delay);
         form.found += (form.found.empty() ? "" : ", ") +
                       number_text(std::round(100.0 * found.share)) + " % at " +

@@ -40,10 +40,11 @@ struct Commissioned {
                                       double mass,
                                       const CommissioningDesk& desk);
 
-/// The short form that opens each session: four pulses where the handle rests.
+/// The short form that opens each session, and is given again in its breaks: four pulses where the
+/// handle rests, until one says that something is wrong.
 struct ShortForm {
     std::string refused;  ///< as above
-    std::string found;    ///< shares and directions of the four, for the record
+    std::string found;    ///< shares and directions of those that were right, for the record
 };
 [[nodiscard]] ShortForm prove_again(PulseRunner& runner,
                                     const PantographSpec& spec,

@@ -11,28 +11,14 @@
 
 using namespace palpate::engine;
 using Catch::Matchers::ContainsSubstring;
+using palpate::tests::at_zero;
+using palpate::tests::daq_calibration;
 using palpate::tests::DaqBench;
-using palpate::tests::FakeCard;
+using palpate::tests::plug;
 using palpate::tests::Random;
+using palpate::tests::volts_of;
 
 namespace {
-
-Calibration calibration() {
-    Calibration all;
-    all.comedi = ComediWiring{.counter_subdevice = 4,
-                              .counter = {0, 1},
-                              .output_subdevice = 1,
-                              .output = {2, 3},
-                              .range = 3,
-                              .volts_per_newton_metre = {10.0, -8.0},
-                              .counter_clockwise = {false, true}};
-    all.home = Vec2{0.0, 0.060};
-    return all;
-}
-
-std::unique_ptr<ComediDevice> plug(DaqBench& bench, const Calibration& how = calibration()) {
-    return std::make_unique<ComediDevice>(std::make_unique<FakeCard>(bench), how);
-}
 
 /// Counters of the handle at `hip` on a card that stood at `start` with the handle at home.
 std::array<std::uint32_t, 2> counters(const Calibration& how,
@@ -56,17 +42,6 @@ Vec2 somewhere(Random& random) {
     return {random.in(-0.03, 0.03), random.in(0.03, 0.07)};
 }
 
-double volts_of(const DaqBench& bench, std::size_t axis) {
-    return bench.output.min +
-           bench.code[axis] * (bench.output.max - bench.output.min) / bench.output.top;
-}
-
-bool at_zero(const DaqBench& bench) {
-    const double half_code = 0.5 * (bench.output.max - bench.output.min) / bench.output.top;
-    return std::fabs(volts_of(bench, 0)) <= half_code * (1.0 + 1e-9) &&
-           std::fabs(volts_of(bench, 1)) <= half_code * (1.0 + 1e-9);
-}
-
 }  // namespace
 
 TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both directions",
@@ -74,7 +49,7 @@ TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both 
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{60}));
     CAPTURE(seed);
     Random random(seed);
-    Calibration how = calibration();
+    Calibration how = daq_calibration();
     how.comedi->counter_clockwise = {random.coin(), random.coin()};
     DaqBench bench;
     const int bits = GENERATE(16, 24, 32);
@@ -101,7 +76,7 @@ TEST_CASE("counters are followed around their ends, from 16 to 32 bits, in both 
 }
 
 TEST_CASE("without a home the counters' own values count, as signed numbers", "[device][comedi]") {
-    Calibration how = calibration();
+    Calibration how = daq_calibration();
     how.home.reset();
     how.comedi->counter_clockwise = {false, false};
     const Pantograph pantograph(how.pantograph);
@@ -117,7 +92,7 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{300}));
     CAPTURE(seed);
     Random random(seed);
-    const Calibration how = calibration();
+    const Calibration how = daq_calibration();
     DaqBench bench;
     const bool narrow = random.coin();  // 2 V: the card limits before the motor
     bench.output = {.min = narrow ? -2.0 : -10.0,
@@ -187,7 +162,7 @@ TEST_CASE("a force that is not a number, or beyond all numbers, gives zero volts
     }
     // Finite, but its torque may not be: within the range either way.
     device->write({kMax, kMax});
-    const auto& [one, two] = calibration().pantograph.axes;  // 10 and 8 V per N m
+    const auto& [one, two] = daq_calibration().pantograph.axes;  // 10 and 8 V per N m
     CHECK(std::fabs(volts_of(bench, 0)) <= 10.0 * one.torque_limit + 1e-3);
     CHECK(std::fabs(volts_of(bench, 1)) <= 8.0 * two.torque_limit + 1e-3);
 }
@@ -197,7 +172,7 @@ TEST_CASE("zero volts is the last thing written, whichever call fails and howeve
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{300}));
     CAPTURE(seed);
     Random random(seed);
-    const Calibration how = calibration();
+    const Calibration how = daq_calibration();
     DaqBench bench;
     auto device = plug(bench, how);
     const std::array<std::uint32_t, 2> start = bench.counter;
@@ -256,8 +231,8 @@ TEST_CASE("a handle beyond the linkage gives no force, and comes back by itself"
     static_cast<void>(device->read());
     device->write({2.0, 1.0});
     // Driven links flat and apart: the elbows are 151 mm from each other, the free links reach 150.
-    const Pantograph pantograph(calibration().pantograph);
-    const auto rest = pantograph.counts(*pantograph.reach(*calibration().home));
+    const Pantograph pantograph(daq_calibration().pantograph);
+    const auto rest = pantograph.counts(*pantograph.reach(*daq_calibration().home));
     const auto flat = pantograph.counts({3.14159265, 0.0});
     const auto home = bench.counter;
     bench.counter = {static_cast<std::uint32_t>(flat[0] - rest[0]) & 0xFFFFFFU,
@@ -306,7 +281,7 @@ TEST_CASE("a card or a calibration that does not fit is refused with the remedy,
         }
         return "accepted";
     };
-    Calibration how = calibration();
+    Calibration how = daq_calibration();
     DaqBench bench;
     bench.open_error = EACCES;
     CHECK_THAT(said(bench, how), ContainsSubstring("join the group"));
@@ -322,10 +297,10 @@ TEST_CASE("a card or a calibration that does not fit is refused with the remedy,
     how.comedi->counter = {0, 5};
     CHECK_THAT(said(bench, how), ContainsSubstring("check subdevices, channels and range"));
     CHECK(at_zero(bench));
-    how = calibration();
+    how = daq_calibration();
     how.comedi->volts_per_newton_metre[1] = 0.0;
     CHECK_THAT(said(bench, how), ContainsSubstring("volts_per_newton_metre is 0"));
-    how = calibration();
+    how = daq_calibration();
     how.home = Vec2{0.0, 1.0};
     CHECK_THAT(said(bench, how), ContainsSubstring("calibrate again"));
     how.comedi.reset();
@@ -334,7 +309,7 @@ TEST_CASE("a card or a calibration that does not fit is refused with the remedy,
 
 TEST_CASE("a card that is not there is a sentence, also in a build without Comedi",
           "[device][comedi]") {
-    CHECK_THROWS_WITH(open_comedi("/nowhere/comedi0", calibration()),
+    CHECK_THROWS_WITH(open_comedi("/nowhere/comedi0", daq_calibration()),
                       ContainsSubstring("/nowhere/comedi0: ") ||
                           ContainsSubstring("install libcomedi-dev and build again"));
 }

@@ -36,7 +36,8 @@ CommissioningDesk desk_of(MiswiredMachine& device) {
 Commissioned commissioned(const PlantModel& plant,
                           const Connection& encoders,
                           const Connection& motors,
-                          double* strongest = nullptr) {
+                          double* strongest = nullptr,
+                          double* most_asked = nullptr) {
     MiswiredMachine device(plant, encoders, motors);
     static std::map<std::string, std::vector<Vec2>> known;  // they are looked for among thousands
     auto& places = known[plant.machine.name];
@@ -47,6 +48,9 @@ Commissioned commissioned(const PlantModel& plant,
         commission(device, plant.machine, places, plant.handle_mass, desk_of(device));
     if (strongest != nullptr) {
         *strongest = device.strongest();
+    }
+    if (most_asked != nullptr) {
+        *most_asked = device.most_asked();
     }
     return done;
 }
@@ -81,8 +85,10 @@ TEST_CASE(
     const PlantModel plant = plant_of("gen3");
     for (const Connection& motors : all_connections()) {
         CAPTURE(motors.swapped, motors.factor[0], motors.factor[1]);
-        const Commissioned done = commissioned(plant, {}, motors);
+        double asked = 0.0;
+        const Commissioned done = commissioned(plant, {}, motors, nullptr, &asked);
         CAPTURE(done.refused);
+        CHECK(asked <= 0.3 * (1.0 + 1e-12));
         if (motors == Connection{}) {
             CHECK(done.refused.empty());
             CHECK(done.record.dynamics.handle_mass == Approx(plant.handle_mass).epsilon(0.1));
@@ -105,7 +111,10 @@ TEST_CASE(
               (motors.factor[0] < 0.0));
         CHECK((done.refused.find("motor 2 is reversed") != std::string::npos) ==
               (motors.factor[1] < 0.0));
-        if (!turned) {  // else it is refused before a stronger pulse, which its gain needs
+        if (turned) {  // before a stronger pulse, which its gain needs
+            CHECK(asked <= done.record.force * (1.0 + 1e-12));
+            CHECK(done.record.force < 0.3);
+        } else {
             CHECK(done.motors->connection == motors);
         }
     }

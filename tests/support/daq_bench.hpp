@@ -2,11 +2,13 @@
 
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "engine/device/drivers/daq_card.hpp"
+#include "engine/device/drivers/comedi_device.hpp"
 
 namespace palpate::tests {
 
@@ -78,5 +80,34 @@ public:
 private:
     DaqBench& bench_;
 };
+
+inline engine::Calibration daq_calibration() {
+    engine::Calibration all;
+    all.comedi = engine::ComediWiring{.counter_subdevice = 4,
+                                      .counter = {0, 1},
+                                      .output_subdevice = 1,
+                                      .output = {2, 3},
+                                      .range = 3,
+                                      .volts_per_newton_metre = {10.0, -8.0},
+                                      .counter_clockwise = {false, true}};
+    all.home = engine::Vec2{0.0, 0.060};
+    return all;
+}
+
+inline std::unique_ptr<engine::ComediDevice> plug(
+    DaqBench& bench, const engine::Calibration& how = daq_calibration()) {
+    return std::make_unique<engine::ComediDevice>(std::make_unique<FakeCard>(bench), how);
+}
+
+inline double volts_of(const DaqBench& bench, std::size_t axis) {
+    return bench.output.min +
+           bench.code[axis] * (bench.output.max - bench.output.min) / bench.output.top;
+}
+
+inline bool at_zero(const DaqBench& bench) {
+    const double half_code = 0.5 * (bench.output.max - bench.output.min) / bench.output.top;
+    return std::fabs(volts_of(bench, 0)) <= half_code * (1.0 + 1e-9) &&
+           std::fabs(volts_of(bench, 1)) <= half_code * (1.0 + 1e-9);
+}
 
 }  // namespace palpate::tests

@@ -36,6 +36,8 @@ public:
     [[nodiscard]] bool pushes() const { return waiting_ != engine::Vec2{}; }
     /// The most torque that the motors ever gave, N m.
     [[nodiscard]] double strongest() const { return strongest_; }
+    /// The most force that was ever asked for, N.
+    [[nodiscard]] double most_asked() const { return most_asked_; }
 
     [[nodiscard]] engine::Reading read() noexcept override {
         plant_.advance(period_);
@@ -57,6 +59,7 @@ public:
         return reading;
     }
     engine::Applied write(const engine::Vec2& force) noexcept override {
+        most_asked_ = std::fmax(most_asked_, glm::length(force));
         const engine::Vec2 asked = fix_ ? machine_.drive(*fix_, force).torque : engine::Vec2{};
         engine::Vec2 given{};
         for (int i = 0; i < 2; ++i) {
@@ -89,6 +92,7 @@ private:
     std::optional<engine::Pantograph::Fix> fix_{};
     engine::Vec2 waiting_{};
     double strongest_ = 0.0;
+    double most_asked_ = 0.0;
 };
 
 }  // namespace palpate::tests

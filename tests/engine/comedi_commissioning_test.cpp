@@ -1,0 +1,117 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "engine/commissioning/commissioning.hpp"
+#include "engine/device/emulator/free_handle.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/daq_bench.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// A free handle whose encoders and motors hang on a card's counters and outputs, on a virtual clock.
+class RigOnCard {
+public:
+    RigOnCard(const Connection& encoders, const Connection& motors)
+        : encoders_(encoders), motors_(motors), handle_(plant_of(how), *how.home) {
+        home_ = handle_.angles();
+        count();
+    }
+
+    void bring(const Vec2& place) {
+        handle_.bring(place);
+        count();
+    }
+    /// A millisecond with what stands at the outputs.
+    void pass() {
+        Vec2 given{};
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::size_t from = motors_.swapped ? 1 - i : i;
+            const double asked = volts_of(bench, from) / how.comedi->volts_per_newton_metre[from];
+            given[static_cast<int>(i)] = motors_.factor[i] * asked;
+            strongest = std::fmax(strongest, std::fabs(asked));
+        }
+        handle_.set_torque(given);
+        handle_.advance(1e-3);
+        count();
+    }
+
+    Calibration how = daq_calibration();
+    DaqBench bench;
+    double strongest = 0.0;  ///< N m that were asked of a motor, and half a code
+
+private:
+    static PlantModel plant_of(const Calibration& how) {
+        PlantModel plant;
+        plant.machine = how.pantograph;
+        return plant;
+    }
+    void count() {
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::size_t joint = encoders_.swapped ? 1 - i : i;
+            const double turned = (handle_.angles()[joint] - home_[joint]) /
+                                  how.pantograph.axes[joint].count_angle() * encoders_.factor[i];
+            const auto counts = static_cast<std::int64_t>(std::floor(turned + 0.5));
+            bench.counter[i] = static_cast<std::uint32_t>(
+                static_cast<std::uint64_t>(how.comedi->counter_clockwise[i] ? -counts : counts) &
+                bench.counter_top);
+        }
+    }
+
+    Connection encoders_;
+    Connection motors_;
+    FreeHandle handle_;
+    JointAngles home_{};
+};
+
+Commissioned commissioned_on_card(RigOnCard& rig) {
+    static const std::vector<Vec2> places = commissioning_places(rig.how.pantograph, *rig.how.home);
+    const auto device = plug(rig.bench, rig.how);
+    return commission(*device, rig.how.pantograph, places, PlantModel{}.handle_mass,
+                      {.bring =
+                           [&](const Vec2& place) {
+                               rig.bring(place);
+                               return true;
+                           },
+                       .wait =
+                           [&] {
+                               rig.pass();
+                               return true;
+                           },
+                       .period = 1e-3});
+}
+
+}  // namespace
+
+TEST_CASE("a rig on a card is commissioned, and every miswiring of it is found and named",
+          "[device][comedi][commissioning][law]") {
+    for (const Connection& wrong : all_connections()) {
+        CAPTURE(wrong.swapped, wrong.factor[0], wrong.factor[1]);
+        RigOnCard encoders(wrong, {.swapped = true, .factor = {-2.0, 0.5}});
+        if (!(wrong == Connection{})) {
+            CHECK_THAT(commissioned_on_card(encoders).refused, ContainsSubstring("encoder"));
+            CHECK(encoders.strongest < 1e-4);  // half a code
+        }
+        RigOnCard motors({}, wrong);
+        const Commissioned done = commissioned_on_card(motors);
+        CAPTURE(done.refused);
+        CHECK(at_zero(motors.bench));
+        if (wrong == Connection{}) {
+            CHECK(done.refused.empty());
+            CHECK(done.record.dynamics.handle_mass ==
+                  Approx(PlantModel{}.handle_mass).epsilon(0.1));
+            CHECK(done.record.round_trip == 0.0);
+            continue;
+        }
+        CHECK((done.refused.find("swapped") != std::string::npos) == wrong.swapped);
+        for (const std::size_t i : {0U, 1U}) {
+            const std::string reversed = "motor " + std::to_string(i + 1) + " is reversed";
+            CHECK((done.refused.find(reversed) != std::string::npos) == (wrong.factor[i] < 0.0));
+        }
+        CHECK_FALSE(done.refused.empty());
+    }
+}
