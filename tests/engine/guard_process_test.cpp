@@ -12,6 +12,7 @@
 #include "tests/support/emulated_machine.hpp"
 #include "tests/support/guided_hand.hpp"
 #include "tests/support/presser.hpp"
+#include "tests/support/random.hpp"
 
 using namespace palpate::engine;
 using namespace palpate::tests;
@@ -35,9 +36,10 @@ bool gone(pid_t pid) {
 /// A process that presses, at last. Where the machine is so busy that the guard took its force before anybody
 /// saw it, another one begins.
 std::unique_ptr<Presser> pressing(const EmulatedBoard& board,
-                                  Presser::End end = Presser::End::signal) {
+                                  Presser::End end = Presser::End::signal,
+                                  const Calibration& calibration = haply_machine()) {
     for (int attempt = 0; attempt < 10; ++attempt) {
-        auto presser = std::make_unique<Presser>(board.path(), haply_machine(), kForce, end);
+        auto presser = std::make_unique<Presser>(board.path(), calibration, kForce, end);
         const bool over =
             eventually([&] { return !board.motors().off() || presser->fault() != 0; });
         if (over && presser->fault() == 0) {
@@ -77,6 +79,48 @@ TEST_CASE("however palpate dies with the force on, its motors go to zero", "[gua
     CHECK(eventually([&] { return gone(guard); }));
     CHECK(board.journal().undefined_duty == 0);
     CHECK(board.journal().desyncs == 0);
+}
+
+TEST_CASE(
+    "whatever befalls palpate, its guard and the board together, the force ends and stays off",
+    "[guard][law]") {
+    const bool open = GENERATE(false, true);
+    CAPTURE(open);
+    const Calibration calibration = open ? open_machine() : haply_machine();
+    EmulatedBoard board(
+        calibration, [&] { return std::make_unique<GuidedHand>(calibration); }, {},
+        open ? make_open_board : make_haply_board);
+    for (std::uint64_t seed = 0; seed < 10; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const auto presser = pressing(board, Presser::End::signal, calibration);
+        const pid_t guard = presser->guard();
+        const int hushed = random.below(3);  // before, between or not at all
+        // A Haply board has no watchdog: there one of both is spared, or nobody is left to end it.
+        const bool palpate_first = random.coin();
+        const int blows = open ? 1 + random.below(2) : 1;
+        for (int i = 0; i < blows; ++i) {
+            if (hushed == i) {
+                board.hush(true);
+            }
+            const int blow = random.coin() ? SIGKILL : SIGSTOP;
+            kill(palpate_first == (i == 0) ? presser->id() : guard, blow);
+            for (int ms = random.below(5); ms > 0; --ms) {
+                wait_a_little();
+            }
+        }
+        CHECK(off(board));
+        for (int i = 0; i < 60; ++i) {
+            REQUIRE(board.motors().off());
+            wait_a_little();
+        }
+        board.hush(false);
+        presser->signal(SIGKILL);
+        presser->reap();
+        kill(guard, SIGCONT);
+        CHECK(eventually([&] { return gone(guard); }));
+        CHECK(off(board));
+    }
 }
 
 TEST_CASE("an exception that ends palpate leaves the motors at zero", "[guard][law]") {
