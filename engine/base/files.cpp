@@ -59,6 +59,19 @@ std::string first_line(const std::filesystem::path& file) {
     return line;
 }
 
+void require_writable(const std::filesystem::path& file) {
+    struct stat there {};
+    const bool is_there = ::stat(file.c_str(), &there) == 0;
+    const bool special = is_there && !S_ISREG(there.st_mode);
+    const std::filesystem::path asked = special ? file : folder_of(file);
+    if (is_there && S_ISDIR(there.st_mode)) {
+        fail(file.string(), EISDIR);
+    }
+    if (::access(asked.c_str(), special ? W_OK : W_OK | X_OK) != 0) {
+        fail(file.string(), errno);
+    }
+}
+
 void write_whole(const std::filesystem::path& file, std::string_view text) {
     if (file.empty()) {
         std::fflush(stdout);

@@ -17,6 +17,9 @@ namespace palpate {
 /// The first line of a file; empty if it cannot be read.
 [[nodiscard]] std::string first_line(const std::filesystem::path& file);
 
+/// Before long work: whether write_whole() could write it now. @throws as that
+void require_writable(const std::filesystem::path& file);
+
 /// Writes the text so that the file is either whole or as it was: to a file beside it, synced, then
 /// renamed. An empty path means standard output. @throws std::runtime_error with file, why and
 /// remedy

@@ -7,6 +7,7 @@
 
 #include "engine/base/text.hpp"
 #include "engine/realtime/servo.hpp"
+#include "protocols/session/handle_check.hpp"
 #include "protocols/session/trial_runner.hpp"
 #include "protocols/session/trouble.hpp"
 
@@ -134,7 +135,31 @@ private:
         }
         rested_ = done;
         note_before_next(EventKind::rest);
-        return ports_.observer.rest(protocol_.timing.break_min, next);
+        HandleCheck check(ports_.apparatus);
+        const Signal signal = ports_.observer.rest(protocol_.timing.break_min, next);
+        return signal == Signal::go_on ? heed_handle(check) : signal;
+    }
+
+    /// What the pulses of a break said. Where they were not right the session goes on once they are.
+    Signal heed_handle(HandleCheck& check) {
+        check.finish();
+        while (!check.over()) {
+            if (ports_.observer.gap(kTroubleSlice) == Signal::abort || ports_.interrupted()) {
+                return Signal::abort;
+            }
+        }
+        const auto& form = check.result();
+        if (!form) {
+            return Signal::go_on;
+        }
+        const bool right = form->refused.empty();
+        happened({.kind = EventKind::provenance,
+                  .text = right ? fmt::format("{}: {}", kHandleMoves, form->found) : form->refused,
+                  .key = std::string(kRigCheck),
+                  .value = right ? form->found : "refused"});
+        const Fault fault{.cause = engine::Trip::none, .text = form->refused, .last = {}};
+        return right || mend(ports_, fault, 1).signal == Signal::go_on ? Signal::go_on
+                                                                       : Signal::abort;
     }
 
     /// Says whether the answer was right, where the protocol wants that and it can be said.

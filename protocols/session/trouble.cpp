@@ -33,9 +33,10 @@ Mended mend(Ports& ports, const Fault& fault, std::size_t in_a_row) {
             return {*said, view.tries};
         }
         if (said == Signal::go_on && view.solved) {
-            ports.recorder.event({.kind = EventKind::go_on,
-                                  .text = fmt::format("after {}", to_string(fault.cause)),
-                                  .value = std::string(to_string(fault.cause))});
+            const bool tripped = fault.cause != engine::Trip::none;
+            const std::string cause(tripped ? to_string(fault.cause) : kRigCheck);
+            ports.recorder.event(
+                {.kind = EventKind::go_on, .text = fmt::format("after {}", cause), .value = cause});
             return {Signal::go_on, view.tries};
         }
         ports.pause(kTroubleSlice);

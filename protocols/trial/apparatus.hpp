@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/commissioning/commissioning.hpp"
 #include "engine/realtime/servo.hpp"
 #include "protocols/design/plan.hpp"
 
@@ -51,6 +52,12 @@ public:
     [[nodiscard]] virtual bool reconnect() { return true; }
     /// What is wrong with the device and what to do, a sentence; empty when nothing is.
     [[nodiscard]] virtual std::string trouble() const { return {}; }
+    /// It can tell by weak pulses whether a handle that nobody holds still moves as when the rig was
+    /// commissioned.
+    [[nodiscard]] virtual bool can_prove_handle() const noexcept { return false; }
+    /// Between trials, on any thread while nobody else uses it: does so. What is wrong is trouble() from then
+    /// on, and reconnect() tries again.
+    [[nodiscard]] virtual engine::ShortForm prove_handle() { return {}; }
     /// Between trials: how late the ticks of this run were, a sentence for the record. Empty on a virtual
     /// clock, which is never late.
     [[nodiscard]] virtual std::string timing() const { return {}; }

@@ -129,6 +129,23 @@ void DeviceApparatus::begin(const engine::Scene& scene,
     servo_.begin(scene);
 }
 
+bool DeviceApparatus::reconnect() {
+    servo_.park();  // nobody else may use the device meanwhile
+    if (!device_->reconnect()) {
+        return false;
+    }
+    const bool due = !unproved_.empty() || servo_.trip() == engine::Trip::runaway;
+    return !due || !can_prove_handle() || prove_handle().refused.empty();
+}
+
+engine::ShortForm DeviceApparatus::prove_handle() {
+    servo_.park();
+    const engine::ShortForm form = prove_(*device_);
+    unproved_ = form.refused;
+    servo_.unpark();
+    return form;
+}
+
 PointerApparatus::PointerApparatus(const Protocol& protocol)
     : servo_(device_, servo_spec(protocol, device_)) {
     device_.publish(protocol.apparatus.start);

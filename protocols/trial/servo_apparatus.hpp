@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -119,13 +120,22 @@ public:
     void begin(const engine::Scene& scene,
                const PlannedTrial& planned,
                std::size_t interval) override;
-    [[nodiscard]] bool reconnect() override {
-        servo_.park();  // nobody else may use the device meanwhile
-        return device_->reconnect();
+    /// After a runaway, and after pulses that moved the handle otherwise than they should, pulses have to be
+    /// right before the device counts as working.
+    [[nodiscard]] bool reconnect() override;
+    [[nodiscard]] std::string trouble() const override {
+        const std::string trouble = device_->trouble();
+        return trouble.empty() ? unproved_ : trouble;
     }
-    [[nodiscard]] std::string trouble() const override { return device_->trouble(); }
+    [[nodiscard]] bool can_prove_handle() const noexcept override { return bool{prove_}; }
+    [[nodiscard]] engine::ShortForm prove_handle() override;
     [[nodiscard]] std::string device_name() const override { return device_->name(); }
     [[nodiscard]] const engine::Device& device() const noexcept override { return *device_; }
+
+    /// @param prove  gives the pulses of the short form to this device, which nobody else uses meanwhile
+    void prove_by(std::function<engine::ShortForm(engine::Device&)> prove) {
+        prove_ = std::move(prove);
+    }
 
 protected:
     [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
@@ -134,6 +144,8 @@ protected:
 private:
     std::unique_ptr<engine::Device> device_;
     engine::ThreadServo servo_;
+    std::function<engine::ShortForm(engine::Device&)> prove_;
+    std::string unproved_;  ///< what pulses found wrong, and nothing has disproved since
 };
 
 /// The screen pointer as the handle, in real time on a thread of its own.

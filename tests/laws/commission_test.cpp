@@ -68,8 +68,9 @@ public:
         emulator_.type("");
     }
     [[nodiscard]] std::string word() const { return word_; }
-    void bring(const std::string& place) {
-        emulator_.type(place);
+    /// A place, or what else the emulator takes.
+    void bring(const std::string& line) {
+        emulator_.type(line);
         a_moment();
     }
 
@@ -128,10 +129,11 @@ Finished operated(const TemporaryFolder& folder,
 }
 
 std::string study(const TemporaryFolder& folder) {
-    const std::string text =
+    const std::string soft =
         replaced(tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml"),
                  "stiffness_n_per_m = 1000\nforce_limit_n = 10",
                  "stiffness_n_per_m = 200\nforce_limit_n = 1.5");
+    const std::string text = replaced(soft, "break_every = 0", "break_every = 1");
     std::ofstream(folder.file("p.toml")) << text;
     return folder.file("p.toml");
 }
@@ -280,6 +282,20 @@ TEST_CASE("a board with a motor reversed is refused by commission, and by the op
                ContainsSubstring("the handle") && ContainsSubstring("No session was begun"));
 }
 
+/// Presses what goes on at each screen until `name` is shown, or the program has ended.
+void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
+    CHECK(eventually([&] {
+        const auto window = hand.find_window("palpate: ");
+        const bool there = window.title == "palpate: " + name || !run.program().running();
+        if (!there && window.id != 0) {
+            hand.focus(window);
+            hand.key(window.title == "palpate: question" ? "1" : "space");
+        }
+        a_moment();
+        return there;
+    }));
+}
+
 TEST_CASE(
     "a real session opens with a rest, weak pulses and the second mark, and keeps them as events",
     "[commission][haply][window][law]") {
@@ -303,8 +319,15 @@ TEST_CASE(
         board.bring("0,89.3");
     }
     TypedTo& run = *typed;
-    CAPTURE(run.program().out(), run.program().error());
     hand.wait_for_window("palpate: welcome", tests::WindowSession::kPatience);
+    if (!open) {  // a motor that becomes stronger is found in the next break
+        press_up_to(hand, run, "question");
+        board.bring("gain 2");
+        press_up_to(hand, run, "break");
+        press_up_to(hand, run, "trouble");
+        board.bring("gain 1");
+        press_up_to(hand, run, "ready");
+    }
     for (int i = 0; i < 40 && run.program().running(); ++i) {
         hand.focus(hand.find_window("palpate: "));
         hand.chord("q");
@@ -324,11 +347,10 @@ TEST_CASE(
     REQUIRE(row.step());
     CHECK(row.text(0) == "start pose");
     CHECK_THAT(row.text(1), ContainsSubstring("second mark met to "));
-    CHECK(row.step() == open);  // a Haply board has none
-    if (open) {
-        CHECK(row.text(0) == "device watchdog");
-        CHECK(row.text(1) == "20 ms");
-    }
+    REQUIRE(row.step());
+    CHECK(row.text(0) == (open ? "device watchdog" : "rig check"));  // a Haply board has none
+    CHECK(row.text(1) == (open ? "20 ms" : "refused"));
+    CHECK_THAT(row.text(2), ContainsSubstring(open ? "a watchdog" : "a motor is too strong"));
     const bool warned = (end.out + end.error).find("no watchdog of its own") != std::string::npos;
     CHECK(warned != open);
     CHECK(palpate_command({"verify", folder.file("d.sqlite")}).code == 0);
@@ -348,8 +370,31 @@ TEST_CASE("a handle that rests 12 mm off home is found at the second mark, befor
     CHECK_THAT(end.error, ContainsSubstring("it did not rest at home") ||
                               ContainsSubstring("the handle was not at home") ||
                               ContainsSubstring("of what it should"));
-    data::Database database(folder.file("d.sqlite"), data::Access::read);
-    auto row = database.prepare("SELECT count(*) FROM session");
-    REQUIRE(row.step());
-    CHECK(row.integer(0) == 0);
+    CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
+}
+
+TEST_CASE(
+    "a stiffness or a delay that the device's damping does not bear is refused, before a file",
+    "[commission][haply][law]") {
+    const TemporaryFolder folder;
+    engine::Calibration damped = protocols::load_calibration("2diy_gen3");
+    damped.pantograph.damping = 0.8;  // at 200 N/m and 1 kHz: 3.5 ticks; with one tick: 533 N/m
+    std::ofstream(folder.file("damped.toml")) << protocols::to_toml(damped);
+    const bool slow = GENERATE(false, true);
+    FreeBoard board(folder, slow ? "--delay-ms 6" : "");
+    std::ofstream(folder.file("asked.toml"))
+        << replaced(tests::slurp(study(folder)), "stiffness_n_per_m = 200",
+                    slow ? "stiffness_n_per_m = 200" : "stiffness_n_per_m = 2000");
+    const Finished end =
+        operated(folder, board,
+                 "run '" + folder.file("asked.toml") + "' --participant P1 --db '" +
+                     folder.file("d.sqlite") + "' --windowed --kind pilot --device " +
+                     board.word() + " --calibration '" + folder.file("damped.toml") + "'");
+    CAPTURE(slow, end.out, end.error);
+    CHECK(end.code == 2);
+    CHECK_THAT(end.error, ContainsSubstring("the device damps 0.8 N s/m") &&
+                              ContainsSubstring("of delay needs ") &&
+                              ContainsSubstring("lower stiffness_n_per_m to "));
+    CHECK((end.error.find(" ticks of delay") != std::string::npos) >= slow);
+    CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }

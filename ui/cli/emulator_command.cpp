@@ -1,4 +1,6 @@
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <memory>
@@ -60,7 +62,7 @@ void declare(CommandWords& words, EmulatorOptions& options) {
     words.add(
         "--free", options.free,
         "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
-        "it there");
+        "it there, and gain G lets motors give G times what they are told to");
     words
         .add("--at", options.at, "Where a free handle rests at first, X_MM,Y_MM; left out: at home")
         .needs("--free");
@@ -126,6 +128,21 @@ void live(const EmulatorOptions& options,
     serve(terminal, delay > 0.0, heed);
 }
 
+/// "gain 2". @return none: it is another line   @throws std::invalid_argument for what is no gain
+std::optional<double> parse_gain(const std::string& line) {
+    constexpr std::string_view kWord = "gain ";
+    if (!line.starts_with(kWord)) {
+        return std::nullopt;
+    }
+    const char* const end = line.data() + line.size();
+    double gain = 0.0;
+    const auto [stop, error] = std::from_chars(line.data() + kWord.size(), end, gain);
+    if (error != std::errc{} || stop != end || !(std::fabs(gain) <= 100.0)) {
+        throw std::invalid_argument(line + ": give a number from -100 to 100, as in gain 2");
+    }
+    return gain;
+}
+
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
     engine::PlantModel plant;
     plant.machine = machine.pantograph;
@@ -135,7 +152,11 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
     live(options, machine, handle, [&] {
         for (const std::string& line : lines.take()) {
             try {
-                handle.bring(parse_place(line, "brought to"));
+                if (const auto gain = parse_gain(line)) {
+                    handle.strengthen(*gain);
+                } else {
+                    handle.bring(parse_place(line, "brought to"));
+                }
             } catch (const std::exception& e) {
                 warn("{}", e.what());
             }

@@ -112,12 +112,14 @@ void heed_record(RigSpec& spec, const std::string& device) {
     }
 }
 
+/// What is noted of the participant; none: nobody of that code is known.
+using Person = std::optional<data::Participant>;
+
 /// Of a real session without a noted consent: said, or refused where the protocol demands it.
-void heed_consent(data::Database& database, const RunOptions& options, const RigSpec& spec) {
+void heed_consent(const Person& person, const RunOptions& options, const RigSpec& spec) {
     if (spec.kind != data::RunKind::real) {
         return;
     }
-    const auto person = data::find_participant(database, options.participant);
     if (person && person->notes.consent == true) {
         return;
     }
@@ -132,14 +134,13 @@ void heed_consent(data::Database& database, const RunOptions& options, const Rig
 
 /// Of a real session with somebody of another handedness than the protocol asks for: refused where the
 /// noted score is on the other side, said where it is weak or unknown.
-void heed_handedness(data::Database& database, const RunOptions& options, const RigSpec& spec) {
+void heed_handedness(const Person& person, const RunOptions& options, const RigSpec& spec) {
     constexpr std::int64_t kClearly = 40;  // R. C. Oldfield's inventory, as it is commonly cut
     const protocols::Handedness asked = spec.study.protocol.handedness;
     if (spec.kind != data::RunKind::real || asked == protocols::Handedness::any) {
         return;
     }
     const std::string_view word = protocols::word_of(asked);
-    const auto person = data::find_participant(database, options.participant);
     if (!person || !person->notes.handedness) {
         warn(
             "this protocol asks for handedness \"{2}\", and that of {0} is not noted; palpate "
@@ -265,6 +266,14 @@ int run(const RunOptions& options) {
     }
     spec.recordings =
         load_recordings(spec.device);  // what is missing is said before a file is made
+    std::error_code unknown;
+    std::optional<OpenedApparatus> felt;
+    const bool fresh = !std::filesystem::exists(options.database, unknown);
+    if (fresh && held_by_a_person(spec.device.kind)) {  // a device that is refused makes no file
+        heed_consent({}, options, spec);
+        heed_handedness({}, options, spec);
+        felt = open_and_heed(spec);
+    }
     data::Database database(options.database, data::Access::write);
     check_known(database, options.participant, options.another);
     if (options.secret) {
@@ -280,9 +289,12 @@ int run(const RunOptions& options) {
                         options.database, options.participant, spec.key.session,
                         spec.study.protocol.id, choice.last + 1));
     }
-    heed_consent(database, options, spec);
-    heed_handedness(database, options, spec);
-    const RigEnd end = run_rig(database, spec);
+    if (!felt) {
+        const Person person = data::find_participant(database, options.participant);
+        heed_consent(person, options, spec);
+        heed_handedness(person, options, spec);
+    }
+    const RigEnd end = run_rig(database, spec, std::move(felt));
     if (!end.head.empty()) {
         say("Seal {}: note it in the lab book, verify prints it.\n", end.head);
     }

@@ -1,18 +1,22 @@
 #include "ui/rig/rig_proof.hpp"
 
+#include <cerrno>
 #include <cmath>
 #include <exception>
-#include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include "engine/base/clock.hpp"
-#include "engine/commissioning/commissioning.hpp"
 #include "engine/realtime/realtime_rights.hpp"
 #include "protocols/file/calibration_file.hpp"
+#include "protocols/session/recorder.hpp"
 #include "ui/rig/calibration_device.hpp"
+#include "ui/rig/interrupt.hpp"
 #include "ui/rig/operator_log.hpp"
 #include "ui/rig/say.hpp"
 
@@ -28,6 +32,29 @@ std::string commission_words(const std::string& device, const std::string& calib
     return "palpate commission --device " + shell_word(device) +
            (calibration.empty() ? std::string() : " --calibration " + shell_word(calibration)) +
            " -o rig.toml";
+}
+
+/// A line of standard input, byte by byte: a signal that asks to stop is heeded while nobody types.
+/// @return none: it ended, or the program is to stop
+std::optional<std::string> typed_line() {
+    constexpr int kLookMs = 100;
+    std::string line;
+    while (!interrupted()) {
+        pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
+        if (poll(&input, 1, kLookMs) <= 0) {
+            continue;
+        }
+        char byte = 0;
+        const ssize_t got = read(STDIN_FILENO, &byte, 1);
+        if (got == 0 || (got < 0 && errno != EINTR)) {
+            return line.empty() ? std::nullopt : std::optional(line);
+        }
+        if (got > 0 && byte == '\n') {
+            return line;
+        }
+        line.append(got > 0 ? 1 : 0, byte);
+    }
+    return std::nullopt;
 }
 
 /// The handle did not move since the device took its pose for home.
@@ -61,8 +88,9 @@ OpeningFact prove_mark(engine::PulseRunner& runner,
             fmt::format("Bring the handle to the second mark {}, let go of it and press Enter. ",
                         place_text(mark)))) {
         throw std::runtime_error(
-            "standard input ended before the second mark was tried: --handle-free gives your word "
-            "instead");
+            interrupted() ? "stopped before the second mark was tried; no session was begun"
+                          : "standard input ended before the second mark was tried: --handle-free "
+                            "gives your word instead");
     }
     const engine::MarkReading seen = runner.watch(kLook);
     const engine::Pantograph machine(calibration.pantograph);
@@ -119,8 +147,7 @@ std::string objection(const engine::RigRecord* record,
 
 bool wait_for_enter(const std::string& text) {
     say("{}", text);
-    std::string line;
-    return static_cast<bool>(std::getline(std::cin, line));
+    return typed_line().has_value();
 }
 
 void ask_for_yes(const std::string& text, bool beforehand) {
@@ -128,11 +155,12 @@ void ask_for_yes(const std::string& text, bool beforehand) {
         return;
     }
     say("{} Type yes: ", text);
-    std::string line;
-    if (!std::getline(std::cin, line)) {
+    const std::optional<std::string> line = typed_line();
+    if (!line) {
         throw std::runtime_error(
-            "standard input ended, and nobody said that the handle is free and at home: "
-            "--handle-free says so beforehand");
+            interrupted() ? "stopped at the question; nothing was begun"
+                          : "standard input ended, and nobody said that the handle is free and at "
+                            "home: --handle-free says so beforehand");
     }
     if (line != "yes" && line != "y") {
         throw std::runtime_error("nothing was begun: the handle has to be free and at home");
@@ -197,10 +225,9 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
                                      ". No session was begun; if nobody held the "
                                      "handle, commission the rig again");
         }
-        facts.push_back({.key = "rig check",
+        facts.push_back({.key = std::string(protocols::kRigCheck),
                          .value = form.found,
-                         .text = "weak pulses moved the free handle as when it was commissioned: " +
-                                 form.found});
+                         .text = fmt::format("{}: {}", protocols::kHandleMoves, form.found)});
         if (record.mark && !beforehand) {
             facts.push_back(prove_mark(runner, calibration, *record.mark));
         } else {
@@ -211,6 +238,24 @@ std::vector<OpeningFact> prove_opening(engine::Device& device,
         }
     });
     return facts;
+}
+
+std::function<engine::ShortForm(engine::Device&)> proof_in_breaks(
+    const engine::Calibration& calibration, const engine::RigRecord& record, double period) {
+    return [spec = calibration.pantograph, record, period](engine::Device& device) {
+        engine::ShortForm form;
+        in_real_time([&] {
+            engine::PulseRunner runner(device, spec, period, wall_ticks(period));
+            form = prove_again(runner, spec, record, device.traits().delay_ticks * period);
+        });
+        if (!form.refused.empty()) {
+            form.refused =
+                "weak pulses try the handle again and again, and nobody may hold it until "
+                "they are right: " +
+                form.refused;
+        }
+        return form;
+    };
 }
 
 }  // namespace palpate::ui

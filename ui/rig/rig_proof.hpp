@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/commissioning/pulses.hpp"
+#include "engine/commissioning/commissioning.hpp"
 #include "engine/commissioning/rig_record.hpp"
 #include "engine/device/calibration.hpp"
 #include "engine/device/device.hpp"
@@ -31,9 +31,9 @@ struct OpeningFact {
 
 /// Says `text` on the terminal and waits for "yes".
 /// @param beforehand  it was said by a word of the command: nobody is asked
-/// @throws std::runtime_error for another answer, or at the end of standard input
+/// @throws std::runtime_error for another answer, at the end of standard input, or once interrupted()
 void ask_for_yes(const std::string& text, bool beforehand);
-/// Says `text` and waits for Enter. @return false at the end of standard input
+/// Says `text` and waits for Enter. @return false at the end of standard input, or once interrupted()
 [[nodiscard]] bool wait_for_enter(const std::string& text);
 
 /// "(0, 89.3) mm"
@@ -59,5 +59,9 @@ void ask_for_home(const engine::Calibration& calibration, bool beforehand);
                                                      const engine::RigRecord& record,
                                                      double period,
                                                      bool beforehand);
+
+/// The four pulses again, wherever the handle rests: for protocols::DeviceApparatus::prove_by().
+[[nodiscard]] std::function<engine::ShortForm(engine::Device&)> proof_in_breaks(
+    const engine::Calibration& calibration, const engine::RigRecord& record, double period);
 
 }  // namespace palpate::ui

@@ -58,8 +58,12 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
     if (spec.record) {
         opening = prove_opening(*device, calibration, *spec.record, period, spec.handle_free);
     }
-    return std::make_unique<protocols::DeviceApparatus>(protocol, std::move(device),
-                                                        spec.spin_share);
+    auto apparatus =
+        std::make_unique<protocols::DeviceApparatus>(protocol, std::move(device), spec.spin_share);
+    if (spec.record) {
+        apparatus->prove_by(proof_in_breaks(calibration, *spec.record, period));
+    }
+    return apparatus;
 }
 
 /// What a device does by itself when nobody speaks to it.

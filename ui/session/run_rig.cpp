@@ -283,10 +283,17 @@ bool wants_window(const ScreenOptions& screen) {
     return found.state == FoundDisplay::State::ready;
 }
 
-RigEnd run_rig(data::Database& database, const RigSpec& spec) {
-    const protocols::Protocol& protocol = spec.study.protocol;
-    const OpenedApparatus felt = open_apparatus(spec);
+OpenedApparatus open_and_heed(const RigSpec& spec) {
+    OpenedApparatus felt = open_apparatus(spec);
     heed(felt);
+    return felt;
+}
+
+RigEnd run_rig(data::Database& database,
+               const RigSpec& spec,
+               std::optional<OpenedApparatus> opened_before) {
+    const protocols::Protocol& protocol = spec.study.protocol;
+    const OpenedApparatus felt = opened_before ? *std::move(opened_before) : open_and_heed(spec);
     const auto& apparatus = felt.port;
     protocols::OperatorDesk desk;
     Observers observers = observers_before_the_plan(spec, *apparatus, desk);

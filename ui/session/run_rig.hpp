@@ -1,11 +1,13 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "protocols/session/session.hpp"
 #include "data/store/database.hpp"
 #include "ui/command/command.hpp"
+#include "ui/session/open_apparatus.hpp"
 #include "ui/session/rig.hpp"
 
 namespace palpate::ui {
@@ -31,9 +33,16 @@ void add_screen_words(CommandWords& words, ScreenOptions& screen);
 /// @throws std::invalid_argument if a display is named and cannot be opened: nobody would see the session
 [[nodiscard]] bool wants_window(const ScreenOptions& screen);
 
+/// Opens what the session is felt on, and says what should be known of it. Before windows, as open_apparatus().
+/// @throws as that; std::invalid_argument for what nobody should hold
+[[nodiscard]] OpenedApparatus open_and_heed(const RigSpec& spec);
+
 /// Plans, opens or resumes the session in `database`, and runs it to its end. Prints a line when it
 /// starts and one for every trial, to standard output.
+/// @param opened_before  by open_and_heed() of the same `spec`; none: it is opened now
 /// @throws what the parts throw; the force is off and everything recorded is kept
-[[nodiscard]] RigEnd run_rig(data::Database& database, const RigSpec& spec);
+[[nodiscard]] RigEnd run_rig(data::Database& database,
+                             const RigSpec& spec,
+                             std::optional<OpenedApparatus> opened_before = {});
 
 }  // namespace palpate::ui

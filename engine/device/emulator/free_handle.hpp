@@ -22,14 +22,18 @@ public:
     /// Somebody brings it there and lets go. @throws std::invalid_argument if it is out of reach
     void bring(const Vec2& place) { plant_.begin({.start = place, .tremor = 0.0}); }
 
+    /// From now on its motors give `gain` times what they are told to.
+    void strengthen(double gain) noexcept { gain_ = gain; }
+
     void set_torque(const Vec2& newton_metres) noexcept override {
-        plant_.set_torque(newton_metres);
+        plant_.set_torque(gain_ * newton_metres);
     }
     void advance(double seconds) noexcept override { plant_.advance(seconds); }
     [[nodiscard]] JointAngles angles() const noexcept override { return plant_.angles(); }
 
 private:
     PantographPlant plant_;
+    double gain_ = 1.0;
 };
 
 }  // namespace palpate::engine
