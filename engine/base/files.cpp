@@ -50,6 +50,25 @@ int write_all(int fd, std::string_view text) {
     return 0;
 }
 
+/// Beside a file that is made whole there; a pipe or a terminal is written itself.
+struct Part {
+    explicit Part(const std::filesystem::path& file) {
+        struct stat there {};
+        special = ::stat(file.c_str(), &there) == 0 && !S_ISREG(there.st_mode);
+        name = special ? file.string() : fmt::format("{}.{}.part", file.string(), ::getpid());
+        constexpr mode_t kMode = 0666;
+        // A pipe that nobody reads is an error, not a long wait.
+        fd = ::open(name.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK | O_NOCTTY,
+                    kMode);
+        if (fd < 0) {
+            fail(file.string(), errno);
+        }
+    }
+    bool special = false;
+    std::string name;
+    int fd = -1;
+};
+
 }  // namespace
 
 std::string first_line(const std::filesystem::path& file) {
@@ -60,15 +79,13 @@ std::string first_line(const std::filesystem::path& file) {
 }
 
 void require_writable(const std::filesystem::path& file) {
-    struct stat there {};
-    const bool is_there = ::stat(file.c_str(), &there) == 0;
-    const bool special = is_there && !S_ISREG(there.st_mode);
-    const std::filesystem::path asked = special ? file : folder_of(file);
-    if (is_there && S_ISDIR(there.st_mode)) {
-        fail(file.string(), EISDIR);
+    if (file.empty()) {
+        return;
     }
-    if (::access(asked.c_str(), special ? W_OK : W_OK | X_OK) != 0) {
-        fail(file.string(), errno);
+    const Part part(file);
+    ::close(part.fd);
+    if (!part.special) {
+        ::unlink(part.name.c_str());
     }
 }
 
@@ -80,17 +97,9 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
         }
         return;
     }
-    struct stat there {};
-    const bool special = ::stat(file.c_str(), &there) == 0 && !S_ISREG(there.st_mode);
+    const Part part(file);
+    const auto& [special, name, fd] = part;
     const std::string target = file.string();
-    const std::string name = special ? target : fmt::format("{}.{}.part", target, ::getpid());
-    constexpr mode_t kMode = 0666;
-    // A pipe that nobody reads is an error, not a long wait.
-    const int fd = ::open(name.c_str(),
-                          O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NONBLOCK | O_NOCTTY, kMode);
-    if (fd < 0) {
-        fail(target, errno);
-    }
     ::fcntl(fd, F_SETFL, O_WRONLY);
     int error = write_all(fd, text);
     if (error == 0 && !special && ::fsync(fd) != 0) {

@@ -38,6 +38,7 @@ std::string encoders_text(const EncoderProof& proof) {
 /// Marks in the order of the places; nothing but zero force meanwhile.
 /// @return what is wrong
 std::string read_marks(PulseRunner& runner,
+                       const Device& device,
                        const std::vector<Vec2>& places,
                        const CommissioningDesk& desk,
                        std::vector<MarkReading>& marks,
@@ -49,7 +50,9 @@ std::string read_marks(PulseRunner& runner,
         }
         MarkReading mark = runner.watch(kLook);
         if (!std::isfinite(mark.place.x)) {
-            return "the device said nothing at " + mm(place);
+            const std::string trouble = device.trouble();
+            return "the device said nothing at " + mm(place) +
+                   (trouble.empty() ? "" : ": " + trouble);
         }
         if (mark.span.x > 2.0 || mark.span.y > 2.0) {
             return "the handle did not rest at " + mm(place) + ": let go of it, on a level desk";
@@ -97,7 +100,7 @@ std::string find_force(PulseRunner& runner, double& force, std::vector<Pulse>& p
 std::string motors_text(const Connection& connection, const std::array<double, 2>& gain) {
     std::string text = explained(connection, "motor", "is too strong", "is too weak");
     for (std::size_t i = 0; i < 2; ++i) {
-        if (std::fabs(std::fabs(gain[i]) - 1.0) > kMostGainError) {
+        if (!(std::fabs(std::fabs(gain[i]) - 1.0) <= kMostGainError)) {
             text += (text.empty() ? "" : ", ") + std::string("motor ") + std::to_string(i + 1) +
                     " gives " + number_text(std::round(100.0 * std::fabs(gain[i])) / 100.0) +
                     " times what it should";
@@ -190,10 +193,14 @@ Commissioned commission(Device& device,
             "these marks do not tell how the encoders are connected: give others, further apart "
             "and not in one line with home");
     }
+    if (!(mass > 0.0 && std::isfinite(mass))) {
+        throw std::invalid_argument("the handle weighs " + number_text(mass) +
+                                    " kg: give a number above 0");
+    }
     Commissioned done;
     PulseRunner runner(device, spec, desk.period, desk.wait);
     std::vector<MarkReading> marks;
-    done.refused = read_marks(runner, places, desk, marks, done.given_up);
+    done.refused = read_marks(runner, device, places, desk, marks, done.given_up);
     if (!done.refused.empty()) {
         return done;
     }

@@ -33,7 +33,8 @@ struct Commissioned {
 
 /// @param places  home first, then those of commissioning_places() or others that tell the encoders
 /// @param mass    what the handle weighs, kg
-/// @throws std::invalid_argument for places that do not tell how encoders are connected
+/// @throws std::invalid_argument for places that do not tell how encoders are connected, and for a mass that
+///         cannot be
 [[nodiscard]] Commissioned commission(Device& device,
                                       const PantographSpec& spec,
                                       const std::vector<Vec2>& places,

@@ -358,17 +358,17 @@ std::string wrong_with(const PantographSpec& spec,
         }
         const PulseMatch found = match(spec, pulse, dynamics, delay);
         const std::string share = number_text(std::round(100.0 * found.share)) + " %";
-        if (found.share < 1.0 - kMostGainError) {
+        if (!(found.share >= 1.0 - kMostGainError)) {
             return pushed_text(pulse) + "moved " + share +
                    " of what it should: is somebody holding it, does something block it, or is a "
                    "motor too weak";
         }
-        if (found.angle > kMostTurn) {
+        if (!(found.angle <= kMostTurn)) {
             return pushed_text(pulse) + "went " + number_text(std::round(found.angle * kDegree)) +
                    " degrees beside that: a motor or an encoder is reversed or swapped, or the "
                    "handle was not at home";
         }
-        if (found.share > 1.0 + kMostGainError) {
+        if (!(found.share <= 1.0 + kMostGainError)) {
             return pushed_text(pulse) + "moved " + share +
                    " of what it should: a motor is too strong, or the handle is lighter than it "
                    "was";

@@ -85,6 +85,28 @@ TEST_CASE("wrong words on the command line get a sentence and exit code 2, and c
     }
 }
 
+TEST_CASE("what is no finite number is refused by every word that takes one", "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::vector<std::vector<std::string>> commands{
+        {"commission", "-o", folder.file("r.toml"), "--handle-g"},
+        {"run", "pilot", "--participant", "P1", "--db", folder.file("d.sqlite"), "--headless",
+         "--spin"},
+        {"run", "pilot", "--participant", "P1", "--db", folder.file("d.sqlite"), "--headless",
+         "--speed"},
+        {"haply-emulator", "--delay-ms"},
+        {"doctor", "--seconds"}};
+    for (std::vector<std::string> words : commands) {
+        for (const char* number : {"nan", "inf", "-nan", "1e999"}) {
+            words.push_back(number);
+            const Finished end = palpate_command(words);
+            CAPTURE(words, end.error);
+            CHECK(end.code == 2);
+            words.pop_back();
+        }
+    }
+    CHECK(std::filesystem::is_empty(folder.path()));
+}
+
 TEST_CASE("a calibration that no desk-top machine has is refused at its place", "[cli][law]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("c.toml");

@@ -7,6 +7,7 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/presser.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/rig_file.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -187,4 +188,22 @@ TEST_CASE("a share of spinning that cannot be is refused before anything is made
         CHECK_THAT(run.error, ContainsSubstring("--spin"));
     }
     CHECK(folder.names().empty());
+}
+
+TEST_CASE("a question at the terminal heeds a signal, and nothing is begun", "[cli][fault][law]") {
+    const TemporaryFolder folder;
+    const int number = GENERATE(SIGINT, SIGTERM, SIGHUP);
+    CAPTURE(number);
+    const std::string rig = tests::commissioned_rig(folder, "haply:/nonexistent");
+    tests::TypedTo run(folder, "keys",
+                       "run pilot --participant P1 --db '" + folder.file("d.sqlite") +
+                           "' --device haply:/nonexistent --calibration '" + rig + "'",
+                       {"SDL_VIDEODRIVER=dummy"});
+    REQUIRE(tests::eventually(
+        [&] { return run.program().out().find("Type yes:") != std::string::npos; }));
+    run.program().signal(number);
+    const Finished end = run.program().wait();
+    CHECK(end.code == 3);
+    CHECK_THAT(end.error, ContainsSubstring("stopped at the question; nothing was begun"));
+    CHECK_FALSE(std::filesystem::exists(folder.file("d.sqlite")));
 }

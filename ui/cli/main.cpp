@@ -10,6 +10,7 @@
 #include "data/csv/number_table.hpp"
 #include "data/store/statement.hpp"
 #include "ui/command/command.hpp"
+#include "ui/rig/interrupt.hpp"
 #include "ui/rig/say.hpp"
 #include "ui/session/version.hpp"
 
@@ -80,6 +81,6 @@ int main(int argc, char** argv) {
         return kExitUsage;
     } catch (const std::exception& e) {
         warn("{}", e.what());
-        return kExitFailure;
+        return interrupted() ? kExitStopped : kExitFailure;
     }
 }

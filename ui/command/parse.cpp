@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <sstream>
 
@@ -18,6 +20,13 @@ std::string kept_text(const std::string& words) {
     return is_utf8(words) ? ""
                           : "these words are not UTF-8: set the terminal's encoding to UTF-8 "
                             "and give them again";
+}
+
+/// CLI11 takes nan and inf for numbers, and no range refuses nan.
+std::string finite_number(const std::string& given) {
+    return std::isfinite(std::strtod(given.c_str(), nullptr))
+             ? ""
+             : fmt::format("{} is no finite number", given);
 }
 
 /// A check of a word that is one of a few; what it says of another names the nearest.
@@ -54,6 +63,9 @@ CLI::Option* added(CLI::App& app, const Word& word) {
     }
     if (word.one_by_one) {
         option->allow_extra_args(false);
+    }
+    if (std::holds_alternative<double*>(word.target)) {
+        option->check(finite_number);
     }
     if (word.positive) {
         option->check(CLI::PositiveNumber);
