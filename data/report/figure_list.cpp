@@ -7,7 +7,7 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::array<NamedFigure, 15> kFigures{{
+constexpr std::array<NamedFigure, 16> kFigures{{
     {"fig_2_1_2", "Six ways to track the closest point", &make_trackers},
     {"fig_2_1_4", "Voronoi regions of an object of three curves", &make_regions},
     {"fig_2_1_5", "Active Voronoi region along a path", &make_region_flow},
@@ -23,6 +23,7 @@ constexpr std::array<NamedFigure, 15> kFigures{{
     {"fig_3_2_6", "Trajectory along v of the surface", &make_surface_path},
     {"fig_3_2_7", "Normal and friction force on the surface", &make_surface_forces},
     {"fig_3_3_1", "A stick-slip transition with the simulated device", &make_stick_slip},
+    {"fig_4_4_1", "A B-spline curve under a force", &make_deformation},
 }};
 
 }  // namespace

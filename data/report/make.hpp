@@ -35,5 +35,6 @@ struct MadeFigure {
 [[nodiscard]] MadeFigure make_surface_path();       ///< 3.2.6
 [[nodiscard]] MadeFigure make_surface_forces();     ///< 3.2.7
 [[nodiscard]] MadeFigure make_stick_slip();         ///< 3.3.1
+[[nodiscard]] MadeFigure make_deformation();        ///< 4.4.1
 
 }  // namespace palpate::data

@@ -3,7 +3,8 @@
 # Input: CMakeLists.txt, *.cmake and CMakePresets.json, as paths from the tree's top.
 
 BEGIN {
-    links["engine"] = "glm::glm fmt::fmt Threads::Threads PkgConfig::SODIUM PkgConfig::COMEDI"
+    links["engine"] = "glm::glm fmt::fmt Threads::Threads PkgConfig::SODIUM PkgConfig::COMEDI" \
+                    " Eigen3::Eigen"
     links["stimuli"] = "palpate::engine"
     links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus Boost::headers"
     links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ Boost::headers" \

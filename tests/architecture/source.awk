@@ -28,6 +28,7 @@ BEGIN {
     where["SDL2"] = "ui"
     where["CLI11"] = "ui"
     where["nlohmann"] = "data/export ui"
+    where["Eigen"] = "engine/deformation"
     where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \
@@ -117,6 +118,7 @@ function library_of(path) {
     if (path ~ /^SDL/) return "SDL2"
     if (path ~ /^CLI\//) return "CLI11"
     if (path ~ /^nlohmann\//) return "nlohmann"
+    if (path ~ /^Eigen\//) return "Eigen"
     if (path ~ /^comedi(lib)?\.h$/) return "comedilib"
     return ""
 }

@@ -309,7 +309,7 @@ TEST_CASE("the scene that docs/protocol.md shows is felt, with the columns that 
     std::string head;
     bool fenced = false;
     for (const std::string& line : lines_of(page)) {
-        fenced = is_fence(line) ? line == "```toml" : fenced;
+        fenced = is_fence(line) ? line == "```toml" && scene.empty() : fenced;
         if (fenced && !is_fence(line) && (line == "[renderer]" || !scene.empty())) {
             scene += line + '\n';
         }

@@ -57,6 +57,7 @@ std::vector<Words> readers(const std::string& toml, const std::string& csv) {
     return {{"check", toml},
             {"render", toml, csv},
             {"closest", toml, csv},
+            {"deform", toml, "--times", "0.1"},
             {"procedure", toml, csv},
             {"calibrate", "--preset", toml, "-o", toml + ".out"},
             {"haply-emulator", "--preset", toml},

@@ -10,6 +10,7 @@
 #include "tests/support/gos_oracle.hpp"
 #include "tests/support/nurbs_oracle.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -229,4 +230,81 @@ curvature_per_m = 8.0
     CHECK(first.code == 0);
     CHECK(first.out.size() > 50000);
     CHECK((first.out == second.out));
+}
+
+TEST_CASE("palpate deform says where a bow is over time and at rest, with a column for each number",
+          "[offline][law]") {
+    const TemporaryFolder folder;
+    // As docs/protocol.md shows it.
+    const std::string page = tests::slurp(PALPATE_SOURCE_DIR "/docs/protocol.md");
+    const std::size_t begin = page.find("degree = 3", page.find("**Curves that yield**"));
+    const std::string bow = page.substr(begin, page.find("dt_s", begin) - begin);
+    write(folder.file("rest.toml"), bow + "static = true\n");
+    const Finished rest = palpate_command({"deform", folder.file("rest.toml")});
+    CAPTURE(rest.error);
+    REQUIRE(rest.code == 0);
+    const auto still = columns_of(rest.out);
+    CHECK(still.size() == 1 + 4 * 4 + 2);
+    // By hand: 3 F / (4 (3 alpha + 36 beta)) for both free points, 3/4 of it at the loaded one.
+    CHECK(number(still, "dy1_m", 0) == Approx(-0.015625).epsilon(1e-12));
+    CHECK(number(still, "dy2_m", 0) == Approx(-0.015625).epsilon(1e-12));
+    CHECK(number(still, "cy_m", 0) == Approx(0.0375 - 0.75 * 0.015625).epsilon(1e-12));
+    CHECK(number(still, "vx1_m_per_s", 0) == 0.0);
+    CHECK(still.at("t_s").at(0) == "inf");
+
+    // Both free points move as one mass: m y'' + g y' + k y = F r, a damped oscillation from rest. Their form
+    // 3 u (1 - u) has the square integral 3/10, and k is as above.
+    const double m = 0.1 * 0.3;
+    const double g = 0.5 * 0.3;
+    const double k = 3.0 * 10.0 + 36.0 * 0.5;
+    const double decay = g / (2.0 * m);
+    const double turn = std::sqrt(k / m - decay * decay);
+    const auto exact = [&](double t) {
+        return -0.015625 * (1.0 - std::exp(-decay * t) *
+                                      (std::cos(turn * t) + decay / turn * std::sin(turn * t)));
+    };
+    write(folder.file("motion.toml"), bow + "dt_s = 0.0001\n");
+    const Finished motion = palpate_command({"deform", folder.file("motion.toml"), "--times",
+                                             "0,0.02,0.05005,0.1", "-o", folder.file("out.csv")});
+    CAPTURE(motion.error);
+    REQUIRE(motion.code == 0);
+    const auto moved = columns_of(tests::slurp(folder.file("out.csv")));
+    CHECK(number(moved, "dy1_m", 0) == 0.0);
+    for (std::size_t row = 1; row < 4; ++row) {
+        const double t = number(moved, "t_s", row);
+        CAPTURE(t);
+        CHECK(number(moved, "dy1_m", row) == Approx(exact(t)).epsilon(1e-4));
+        CHECK(number(moved, "dx1_m", row) == Approx(0.0).margin(1e-15));
+        CHECK(number(moved, "cy_m", row) == Approx(0.0375 + 0.75 * exact(t)).epsilon(1e-5));
+    }
+
+    const auto refused = [&](const std::string& text, const std::vector<std::string>& words,
+                             const std::string& sentence) {
+        write(folder.file("wrong.toml"), text);
+        std::vector<std::string> line{"deform", folder.file("wrong.toml")};
+        line.insert(line.end(), words.begin(), words.end());
+        const Finished run = palpate_command(line);
+        CAPTURE(run.error, sentence);
+        CHECK(run.code == 2);
+        CHECK(run.out.empty());
+        CHECK_THAT(run.error, ContainsSubstring(sentence));
+    };
+    const std::vector<std::string> some{"--times", "0.1"};
+    refused(bow + "free_weights = true\n", some,
+            "wrong.toml:11:16: free_weights is true: weights cannot be");
+    refused(bow + "mass = 1\n", some, "wrong.toml:11:1: ");
+    refused(bow, {}, "give --times");
+    refused(bow + "static = true\n", some, "leave out one");
+    refused(bow, {"--times", "0.1,0.1"}, "each more than the one before");
+    refused(bow, {"--times", "0.1,x"}, "\"x\"");
+    refused(bow, {"--times", "1e9"}, "a larger dt_s");
+    const auto with = [&](const std::string& from, const std::string& to) {
+        std::string text = bow;
+        return text.replace(text.find(from), from.size(), to);
+    };
+    refused(with("fixed = [0, 3]", "fixed = [0, 4]"), some, "wrong.toml:8:9: ");
+    refused(with("fixed = [0, 3]", "fixed = [0.5]"), some, "whole numbers");
+    refused(with("at_u = 0.5", "at_u = 1.5"), some, "the knots go from 0 to 1");
+    refused(with("mu = 0.1 ", "# "), some, "a motion needs mass");
+    refused(with("fixed = [0, 3]", "fixed = []") + "static = true\n", {}, "fixed leaves a motion");
 }

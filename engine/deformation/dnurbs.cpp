@@ -1,0 +1,345 @@
+#include "engine/deformation/dnurbs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+
+#include "engine/base/text.hpp"
+#include "engine/geometry/nurbs_curve.hpp"
+#include "engine/math/elementary.hpp"
+
+namespace palpate::engine {
+namespace {
+
+/// Gauss points of a rational curve, doubled until no entry changes by more than this share of the largest one.
+constexpr std::size_t kFirstPoints = 16;
+constexpr std::size_t kLastPoints = 256;
+constexpr double kSettled = 1e-13;
+/// Matrices are dense: more control points than this are a mistake.
+constexpr std::size_t kMostPoints = 256;
+/// A pivot of K below this share of its largest entry is that of a motion which nothing resists.
+constexpr double kFree = 1e-12;
+
+struct GaussPoint {
+    double place = 0.0;  ///< in [-1, 1]
+    double weight = 0.0;
+};
+
+/// Gauss-Legendre points: Newton's method on P_n from Tricomi's estimate of its roots (Abramowitz & Stegun 22.16.6,
+/// 25.4.29). To 2 ulp.
+std::vector<GaussPoint> gauss_legendre(std::size_t n) {
+    std::vector<GaussPoint> points(n);
+    const auto count = static_cast<double>(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        long double x = sin_cos(kPi * (static_cast<double>(i) + 0.75) / (count + 0.5)).cos;
+        long double slope = 1.0L;
+        for (int turn = 0; turn < 100; ++turn) {
+            long double before = 1.0L;
+            long double now = x;
+            for (std::size_t k = 2; k <= n; ++k) {
+                const auto order = static_cast<long double>(k);
+                const long double next =
+                    ((2.0L * order - 1.0L) * x * now - (order - 1.0L) * before) / order;
+                before = now;
+                now = next;
+            }
+            slope = static_cast<long double>(n) * (before - x * now) / (1.0L - x * x);
+            const long double move = now / slope;
+            x -= move;
+            if (std::fabs(move) < 1e-19L) {
+                break;
+            }
+        }
+        points[i] = {static_cast<double>(x),
+                     static_cast<double>(2.0L / ((1.0L - x * x) * slope * slope))};
+    }
+    return points;
+}
+
+bool not_negative(double value) {
+    return std::isfinite(value) && value >= 0.0;
+}
+
+/// Checked: knots, points and weights as a curve asks for them, densities, and the points that are fixed.
+DnurbsSpec checked(DnurbsSpec spec) {
+    static_cast<void>(NurbsCurve<2>(spec.degree, spec.knots, spec.points, spec.weights));
+    const std::size_t n = spec.points.size();
+    const auto refuse = [](const std::string& what) {
+        throw std::invalid_argument(what);
+    };
+    if (n > kMostPoints) {
+        refuse("points_m has " + std::to_string(n) + " control points: give at most " +
+               std::to_string(kMostPoints));
+    }
+    require(not_negative(spec.mu), "mu", spec.mu, "give a number from 0");
+    require(not_negative(spec.gamma), "gamma", spec.gamma, "give a number from 0");
+    require(not_negative(spec.alpha), "alpha", spec.alpha, "give a number from 0");
+    require(not_negative(spec.beta), "beta", spec.beta, "give a number from 0");
+    std::sort(spec.fixed.begin(), spec.fixed.end());
+    for (std::size_t i = 0; i < spec.fixed.size(); ++i) {
+        const std::string index = std::to_string(spec.fixed[i]);
+        if (spec.fixed[i] >= n) {
+            refuse("fixed has " + index + ": control points count from 0 to " +
+                   std::to_string(n - 1));
+        }
+        if (i > 0 && spec.fixed[i] == spec.fixed[i - 1]) {
+            refuse("fixed has " + index + " twice: leave one out");
+        }
+    }
+    if (spec.fixed.size() == n) {
+        refuse("fixed has every control point: leave one out, or nothing moves");
+    }
+    return spec;
+}
+
+bool all_equal(const std::vector<double>& values) {
+    return std::all_of(values.begin(), values.end(),
+                       [&](double value) { return value == values.front(); });
+}
+
+bool close(const std::vector<double>& before, const std::vector<double>& now) {
+    double change = 0.0;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < now.size(); ++i) {
+        change = std::max(change, std::fabs(now[i] - before[i]));
+        largest = std::max(largest, std::fabs(now[i]));
+    }
+    return change <= kSettled * largest;
+}
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic>;
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, 2>;
+
+Eigen::Index index(std::size_t i) {
+    return static_cast<Eigen::Index>(i);
+}
+
+/// Rows and columns of the control points that move.
+template <class Entry>
+Matrix of_moving(const std::vector<std::size_t>& moving, Entry&& entry) {
+    Matrix m(index(moving.size()), index(moving.size()));
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        for (std::size_t j = 0; j < moving.size(); ++j) {
+            m(index(i), index(j)) = entry(moving[i], moving[j]);
+        }
+    }
+    return m;
+}
+
+std::vector<double> row_by_row(const Matrix& m) {
+    std::vector<double> all;
+    all.reserve(static_cast<std::size_t>(m.size()));
+    for (Eigen::Index i = 0; i < m.rows(); ++i) {
+        for (Eigen::Index j = 0; j < m.cols(); ++j) {
+            all.push_back(m(i, j));
+        }
+    }
+    return all;
+}
+
+}  // namespace
+
+Dnurbs::Dnurbs(DnurbsSpec spec)
+    : spec_(checked(std::move(spec))),
+      knots_(spec_.knots, spec_.degree, spec_.points.size()),
+      weights_(spec_.weights.empty() ? std::vector<double>(points(), 1.0) : spec_.weights),
+      gram_(points() * points()),
+      stiffness_(points() * points()) {
+    for (std::size_t i = 0; i < points(); ++i) {
+        if (!std::binary_search(spec_.fixed.begin(), spec_.fixed.end(), i)) {
+            moving_.push_back(i);
+        }
+    }
+    if (all_equal(weights_)) {
+        assemble(static_cast<std::size_t>(spec_.degree) + 1);
+        return;
+    }
+    assemble(kFirstPoints);
+    for (std::size_t points = 2 * kFirstPoints; points <= kLastPoints; points *= 2) {
+        const std::vector<double> gram = gram_;
+        const std::vector<double> stiffness = stiffness_;
+        assemble(points);
+        if (close(gram, gram_) && close(stiffness, stiffness_)) {
+            return;
+        }
+    }
+}
+
+void Dnurbs::assemble(std::size_t gauss_points) {
+    std::fill(gram_.begin(), gram_.end(), 0.0);
+    std::fill(stiffness_.begin(), stiffness_.end(), 0.0);
+    const std::vector<GaussPoint> gauss = gauss_legendre(gauss_points);
+    for (const KnotVector::Interval& piece : knots_.intervals()) {
+        const double half = 0.5 * (piece.hi - piece.lo);
+        for (const GaussPoint& g : gauss) {
+            const BasisAt r = basis(piece.lo + half * (1.0 + g.place));
+            const double share = half * g.weight;
+            for (std::size_t i = 0; i < r.value.size(); ++i) {
+                for (std::size_t j = 0; j < r.value.size(); ++j) {
+                    const std::size_t k = at(r.first + i, r.first + j);
+                    gram_[k] += share * r.value[i] * r.value[j];
+                    stiffness_[k] +=
+                        share * (spec_.alpha * r.first_derivative[i] * r.first_derivative[j] +
+                                 spec_.beta * r.second_derivative[i] * r.second_derivative[j]);
+                }
+            }
+        }
+    }
+}
+
+BasisAt Dnurbs::basis(double u) const {
+    const auto p = static_cast<std::size_t>(spec_.degree);
+    const std::vector<double>& t = knots_.values();
+    const KnotVector::Interval& piece = knots_.intervals()[knots_.interval_of(u)];
+    // B-splines of all degrees up to p on this piece: spline[d][j] belongs to control point knot - d + j.
+    std::vector<std::vector<double>> spline{{1.0}};
+    for (std::size_t d = 1; d <= p; ++d) {
+        std::vector<double> next(d + 1);
+        for (std::size_t j = 0; j < d; ++j) {
+            const std::size_t left = piece.knot + 1 + j - d;
+            const double share = (u - t[left]) / (t[left + d] - t[left]);
+            next[j] += (1.0 - share) * spline.back()[j];
+            next[j + 1] += share * spline.back()[j];
+        }
+        spline.push_back(std::move(next));
+    }
+    // A derivative is one of degree d - 1, raised: N' = d (N_left / width - N_right / width).
+    const auto raised = [&](std::vector<double> values, std::size_t from) {
+        for (std::size_t d = from + 1; d <= p; ++d) {
+            std::vector<double> next(d + 1);
+            for (std::size_t j = 0; j < d; ++j) {
+                const std::size_t left = piece.knot + 1 + j - d;
+                const double slope = static_cast<double>(d) / (t[left + d] - t[left]) * values[j];
+                next[j] -= slope;
+                next[j + 1] += slope;
+            }
+            values = std::move(next);
+        }
+        return values;
+    };
+    BasisAt r{.first = piece.knot - p, .value = spline[p]};
+    r.first_derivative = raised(spline[p - 1], p - 1);
+    r.second_derivative = p < 2 ? std::vector<double>(p + 1) : raised(spline[p - 2], p - 2);
+    // Rational, by the quotient rule.
+    double w = 0.0;
+    double w1 = 0.0;
+    double w2 = 0.0;
+    for (std::size_t i = 0; i <= p; ++i) {
+        const double weight = weights_[r.first + i];
+        w += r.value[i] *= weight;
+        w1 += r.first_derivative[i] *= weight;
+        w2 += r.second_derivative[i] *= weight;
+    }
+    for (std::size_t i = 0; i <= p; ++i) {
+        r.value[i] /= w;
+        r.first_derivative[i] = (r.first_derivative[i] - r.value[i] * w1) / w;
+        r.second_derivative[i] =
+            (r.second_derivative[i] - 2.0 * r.first_derivative[i] * w1 - r.value[i] * w2) / w;
+    }
+    return r;
+}
+
+Vec2 Dnurbs::point(double u, std::span<const Vec2> displacements) const {
+    const BasisAt r = basis(u);
+    Vec2 sum{};
+    for (std::size_t i = 0; i < r.value.size(); ++i) {
+        sum += r.value[i] * (spec_.points[r.first + i] + displacements[r.first + i]);
+    }
+    return sum;
+}
+
+std::vector<Vec2> Dnurbs::equilibrium(double u, const Vec2& force) const {
+    const Matrix k =
+        of_moving(moving_, [this](std::size_t i, std::size_t j) { return stiffness(i, j); });
+    const Eigen::LDLT<Matrix> factor(k);
+    const double largest = k.diagonal().maxCoeff();
+    if (!(factor.vectorD().minCoeff() > kFree * largest)) {
+        throw std::invalid_argument(
+            "fixed leaves a motion that no tension or rigidity resists, so no force has an "
+            "equilibrium: fix one "
+            "more control point (rigidity alone needs two), or give alpha or beta above 0");
+    }
+    const BasisAt r = basis(u);
+    std::vector<Vec2> load(points());
+    for (std::size_t i = 0; i < r.value.size(); ++i) {
+        load[r.first + i] = r.value[i] * force;
+    }
+    Columns side(index(moving_.size()), 2);
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+        side(index(i), 0) = load[moving_[i]].x;
+        side(index(i), 1) = load[moving_[i]].y;
+    }
+    Columns found = factor.solve(side);
+    found += factor.solve(side - k * found);  // what rounding left
+    std::vector<Vec2> displaced(points());
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+        displaced[moving_[i]] = {found(index(i), 0), found(index(i), 1)};
+    }
+    return displaced;
+}
+
+DnurbsMotion::DnurbsMotion(const Dnurbs& curve, double step)
+    : h_(step),
+      moving_(curve.moving()),
+      place_(curve.points(), moving_.size()),
+      q_(curve.points()),
+      v_(curve.points()),
+      side_(moving_.size()) {
+    if (!(curve.spec().mu > 0.0)) {
+        throw std::invalid_argument(
+            "mu is 0: a motion needs mass, give a number above 0 (or static = true)");
+    }
+    require(std::isfinite(step) && step > 0.0, "dt_s", step, "give a number above 0");
+    for (std::size_t i = 0; i < moving_.size(); ++i) {
+        place_[moving_[i]] = i;
+    }
+    const auto mixed = [&](double damping, double stiffness) {
+        return of_moving(moving_, [&](std::size_t i, std::size_t j) {
+            return curve.mass(i, j) + damping * curve.damping(i, j) +
+                   stiffness * curve.stiffness(i, j);
+        });
+    };
+    const double quarter = 0.25 * h_ * h_;
+    keep_ = row_by_row(mixed(-0.5 * h_, -quarter));
+    pull_ = row_by_row(of_moving(
+        moving_, [&](std::size_t i, std::size_t j) { return h_ * curve.stiffness(i, j); }));
+    lower_ = row_by_row(Eigen::LLT<Matrix>(mixed(0.5 * h_, quarter)).matrixL());
+}
+
+void DnurbsMotion::advance(const BasisAt& where, const Vec2& force) noexcept {
+    const std::size_t n = moving_.size();
+    // M (v1 - v0) = h F - h/2 D (v0 + v1) - h/2 K (q0 + q1), q1 = q0 + h/2 (v0 + v1)
+    for (std::size_t i = 0; i < n; ++i) {
+        Vec2 sum{};
+        for (std::size_t j = 0; j < n; ++j) {
+            sum += keep_[i * n + j] * v_[moving_[j]] - pull_[i * n + j] * q_[moving_[j]];
+        }
+        side_[i] = sum;
+    }
+    for (std::size_t i = 0; i < where.value.size(); ++i) {
+        if (const std::size_t place = place_[where.first + i]; place < n) {
+            side_[place] += h_ * where.value[i] * force;
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            side_[i] -= lower_[i * n + j] * side_[j];
+        }
+        side_[i] /= lower_[i * n + i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+        for (std::size_t j = i + 1; j < n; ++j) {
+            side_[i] -= lower_[j * n + i] * side_[j];
+        }
+        side_[i] /= lower_[i * n + i];
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t point = moving_[i];
+        q_[point] += 0.5 * h_ * (v_[point] + side_[i]);
+        v_[point] = side_[i];
+    }
+}
+
+}  // namespace palpate::engine

@@ -1,0 +1,126 @@
+#include "protocols/file/deformation_file.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+namespace palpate::protocols {
+namespace {
+
+/// What a case says, as it stands.
+struct CaseTable {
+    engine::DnurbsSpec curve{};
+    PointList points{};
+    std::vector<double> fixed{};
+    engine::Vec2 force{};
+    double at_u = 0.0;
+    double step = 0.001;
+    bool at_rest = false;
+    bool free_weights = false;
+};
+
+template <auto Get>
+Slot of_curve(void* record) {
+    return slot_of(Get(record_at<CaseTable>(record).curve));
+}
+
+constexpr Range kFromZero{.min = 0.0};
+constexpr Range kPlace{.min = -1e6, .max = 1e6};
+
+using enum Need;
+
+// clang-format off
+constexpr Key kCase[]{
+    {.name = "degree", .slot = of_curve<[](auto& c) -> auto& { return c.degree; }>, .need = required, .range = {1, 1e6},
+     .meaning = "of the polynomials"},
+    {.name = "knots", .slot = of_curve<[](auto& c) -> auto& { return c.knots; }>, .need = required,
+     .meaning = "clamped, rising, of any spacing"},
+    {.name = "points_m", .slot = at<&CaseTable::points>, .need = required, .range = kPlace,
+     .meaning = "control points at rest, in the plane"},
+    {.name = "weights", .slot = of_curve<[](auto& c) -> auto& { return c.weights; }>,
+     .meaning = "of the control points, above 0; left out: all 1"},
+    {.name = "mu", .slot = of_curve<[](auto& c) -> auto& { return c.mu; }>, .range = kFromZero,
+     .meaning = "mass per unit of u, kg; a motion needs some"},
+    {.name = "gamma", .slot = of_curve<[](auto& c) -> auto& { return c.gamma; }>, .range = kFromZero,
+     .meaning = "damping per unit of u, N s/m"},
+    {.name = "alpha", .slot = of_curve<[](auto& c) -> auto& { return c.alpha; }>, .range = kFromZero,
+     .meaning = "tension: times the square of the first derivative by u"},
+    {.name = "beta", .slot = of_curve<[](auto& c) -> auto& { return c.beta; }>, .range = kFromZero,
+     .meaning = "rigidity: times the square of the second"},
+    {.name = "fixed", .slot = at<&CaseTable::fixed>, .range = kFromZero,
+     .meaning = "control points that do not move, counted from 0"},
+    {.name = "force_n", .slot = at<&CaseTable::force>, .need = required, .range = {-1e6, 1e6},
+     .meaning = "on the curve, from time 0 on"},
+    {.name = "at_u", .slot = at<&CaseTable::at_u>, .need = required,
+     .meaning = "where the force acts, in the domain of the knots"},
+    {.name = "dt_s", .slot = at<&CaseTable::step>, .range = kPositive,
+     .meaning = "step of the trapezoid rule"},
+    {.name = "static", .slot = at<&CaseTable::at_rest>,
+     .meaning = "true: only where the curve comes to rest"},
+    {.name = "free_weights", .slot = at<&CaseTable::free_weights>,
+     .meaning = "true is refused, with the reason"},
+};
+// clang-format on
+
+}  // namespace
+
+DeformationCase parse_deformation(std::string_view text, std::string_view file_name) {
+    const Table file = parse_document(text, file_name);
+    Problems problems;
+    Places places;
+    TableReader top(file, "", {}, problems, places, "the case");
+    CaseTable read;
+    top.read(kCase, &read);
+    top.refuse_unknown();
+    if (read.free_weights) {
+        top.refuse("free_weights",
+                   "free_weights is true: weights cannot be coordinates of the motion, because all "
+                   "of them times one "
+                   "factor are the same curve, so that this motion has no mass; delete it, weights "
+                   "stay as given");
+    }
+    if (!read.at_rest && !top.has("mu")) {
+        top.refuse("mu",
+                   "the case lacks the key mu: a motion needs mass; add it, or static = true");
+    }
+    if (read.points.dimension != 2) {
+        top.refuse("points_m", "points_m has three coordinates: give two each");
+    }
+    for (const double index : read.fixed) {
+        if (index != std::floor(index) || index > 1e6) {
+            top.refuse("fixed",
+                       fmt::format("fixed has {}: give whole numbers, the first control point is 0",
+                                   index));
+        } else {
+            read.curve.fixed.push_back(static_cast<std::size_t>(index));
+        }
+    }
+    std::optional<DeformationCase> found;
+    top.attempt([&] {
+        read.curve.points = read.points.plane();
+        engine::Dnurbs curve(std::move(read.curve));
+        if (!(read.at_u >= curve.front() && read.at_u <= curve.back())) {
+            throw std::invalid_argument(fmt::format("at_u is {}: the knots go from {} to {}",
+                                                    read.at_u, curve.front(), curve.back()));
+        }
+        if (read.at_rest) {
+            static_cast<void>(curve.equilibrium(read.at_u, read.force));
+        } else {
+            static_cast<void>(engine::DnurbsMotion(curve, read.step));
+        }
+        found = DeformationCase{std::move(curve), read.force, read.at_u, read.step, read.at_rest};
+    });
+    problems.throw_if_any(file_name);
+    return std::move(found).value();
+}
+
+DeformationCase load_deformation(const std::filesystem::path& file) {
+    return parse_deformation(read_text(file, kMostDocument), file.string());
+}
+
+std::vector<TableText> deformation_reference() {
+    return {{.heading = "the case", .keys = kCase}};
+}
+
+}  // namespace palpate::protocols

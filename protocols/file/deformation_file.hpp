@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+#include <vector>
+
+#include "engine/deformation/dnurbs.hpp"
+#include "protocols/file/schema.hpp"
+
+/// Cases of `palpate deform`: TOML text -> a deformable curve and the force on it. Problems are reported like those
+/// of a protocol.
+namespace palpate::protocols {
+
+struct DeformationCase {
+    engine::Dnurbs curve;
+    engine::Vec2 force{};  ///< N, on the curve, from time 0 on
+    double at_u = 0.0;     ///< in the domain of the curve
+    double step = 0.001;   ///< s
+    bool at_rest = false;  ///< only where it comes to rest
+};
+
+/// @throws ProtocolError with one line a problem: file:line:column, what, the value, what to do
+[[nodiscard]] DeformationCase parse_deformation(std::string_view text, std::string_view file_name);
+
+/// parse_deformation of a file's text. @throws ProtocolError also if the file cannot be read
+[[nodiscard]] DeformationCase load_deformation(const std::filesystem::path& file);
+
+/// What a case may say.
+[[nodiscard]] std::vector<TableText> deformation_reference();
+
+}  // namespace palpate::protocols

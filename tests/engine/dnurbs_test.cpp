@@ -1,0 +1,388 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "engine/deformation/dnurbs.hpp"
+#include "tests/support/allocations.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/nurbs_oracle.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+/// The cubic of the thesis' Figure 4.4.1, both ends held.
+DnurbsSpec bow() {
+    return {.degree = 3,
+            .knots = {0, 0, 0, 0, 1, 1, 1, 1},
+            .points = {{0.0, 0.0}, {0.03, 0.05}, {0.07, 0.05}, {0.1, 0.0}},
+            .mu = 0.1,
+            .gamma = 0.5,
+            .alpha = 10.0,
+            .beta = 0.5,
+            .fixed = {0, 3}};
+}
+
+/// Degree 1 to 5, one to four pieces of different lengths, one to three points held.
+DnurbsSpec random_curve(Random& random, bool rational) {
+    DnurbsSpec spec{.degree = 1 + random.below(5)};
+    const auto p = static_cast<std::size_t>(spec.degree);
+    std::vector<double> inner;
+    for (int i = random.below(4); i > 0; --i) {
+        inner.push_back(0.2 * (static_cast<double>(inner.size()) + random.in(0.3, 1.0)));
+    }
+    spec.knots.assign(p + 1, 0.0);
+    spec.knots.insert(spec.knots.end(), inner.begin(), inner.end());
+    spec.knots.insert(spec.knots.end(), p + 1, 1.0);
+    for (std::size_t i = 0; i < p + 1 + inner.size(); ++i) {
+        spec.points.push_back(random.point(-0.1, 0.1));
+        if (rational) {
+            spec.weights.push_back(random.in(0.5, 2.0));
+        }
+    }
+    spec.mu = random.decade(-2.0, 0.0);
+    spec.gamma = random.decade(-1.0, 1.0);
+    spec.alpha = random.decade(0.0, 2.0);
+    spec.beta = random.decade(-3.0, 0.0);
+    spec.fixed = {0};
+    if (spec.points.size() > 2 && random.coin()) {
+        spec.fixed.push_back(spec.points.size() - 1);
+    }
+    return spec;
+}
+
+/// B-splines and their derivatives by recursion on the degree (Piegl & Tiller eq. 2.9), in long double.
+long double spline(const std::vector<double>& t, std::size_t i, int p, long double u, int order) {
+    if (order == 0) {
+        return basis(t, i, p, u);
+    }
+    const auto q = static_cast<std::size_t>(p);
+    const long double left = static_cast<long double>(t[i + q]) - t[i];
+    const long double right = static_cast<long double>(t[i + q + 1]) - t[i + 1];
+    long double sum = 0.0L;
+    if (p > 0 && left > 0.0L) {
+        sum += static_cast<long double>(p) / left * spline(t, i, p - 1, u, order - 1);
+    }
+    if (p > 0 && right > 0.0L) {
+        sum -= static_cast<long double>(p) / right * spline(t, i + 1, p - 1, u, order - 1);
+    }
+    return sum;
+}
+
+/// All rational basis functions and their first two derivatives.
+std::vector<std::array<long double, 3>> rational_basis(const DnurbsSpec& spec, long double u) {
+    const std::size_t n = spec.points.size();
+    std::array<long double, 3> whole{};
+    std::vector<std::array<long double, 3>> r(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        const long double w = spec.weights.empty() ? 1.0L : spec.weights[i];
+        for (int order = 0; order < 3; ++order) {
+            const auto k = static_cast<std::size_t>(order);
+            r[i][k] = w * spline(spec.knots, i, spec.degree, u, order);
+            whole[k] += r[i][k];
+        }
+    }
+    for (auto& one : r) {
+        one[0] /= whole[0];
+        one[1] = (one[1] - one[0] * whole[1]) / whole[0];
+        one[2] = (one[2] - 2.0L * one[1] * whole[1] - one[0] * whole[2]) / whole[0];
+    }
+    return r;
+}
+
+using LongMatrix = std::vector<std::vector<long double>>;
+
+struct Matrices {
+    LongMatrix gram, stiffness;
+};
+
+/// By the 5-point rule (Abramowitz & Stegun 25.4.30, its closed form) on forty parts of each piece.
+Matrices oracle_of(const DnurbsSpec& spec) {
+    const std::size_t n = spec.points.size();
+    Matrices m{LongMatrix(n, std::vector<long double>(n)),
+               LongMatrix(n, std::vector<long double>(n))};
+    const long double near = std::sqrt(5.0L - 2.0L * std::sqrt(10.0L / 7.0L)) / 3.0L;
+    const long double far = std::sqrt(5.0L + 2.0L * std::sqrt(10.0L / 7.0L)) / 3.0L;
+    const long double heavy = (322.0L + 13.0L * std::sqrt(70.0L)) / 900.0L;
+    const long double light = (322.0L - 13.0L * std::sqrt(70.0L)) / 900.0L;
+    const std::array<std::pair<long double, long double>, 5> rule{
+        {{0.0L, 128.0L / 225.0L}, {near, heavy}, {-near, heavy}, {far, light}, {-far, light}}};
+    constexpr int kParts = 60;
+    for (std::size_t k = 0; k + 1 < spec.knots.size(); ++k) {
+        const long double width =
+            (static_cast<long double>(spec.knots[k + 1]) - spec.knots[k]) / kParts;
+        for (int part = 0; width > 0.0L && part < kParts; ++part) {
+            for (const auto& [place, weight] : rule) {
+                const long double u = spec.knots[k] + width * (part + 0.5L * (1.0L + place));
+                const auto r = rational_basis(spec, u);
+                for (std::size_t i = 0; i < n; ++i) {
+                    for (std::size_t j = 0; j < n; ++j) {
+                        m.gram[i][j] += 0.5L * width * weight * r[i][0] * r[j][0];
+                        m.stiffness[i][j] +=
+                            0.5L * width * weight *
+                            (spec.alpha * r[i][1] * r[j][1] + spec.beta * r[i][2] * r[j][2]);
+                    }
+                }
+            }
+        }
+    }
+    return m;
+}
+
+/// Gauss' elimination with pivots; one column.
+std::vector<long double> solved(LongMatrix a, std::vector<long double> b) {
+    const std::size_t n = b.size();
+    for (std::size_t k = 0; k < n; ++k) {
+        std::size_t best = k;
+        for (std::size_t i = k; i < n; ++i) {
+            best = std::fabs(a[i][k]) > std::fabs(a[best][k]) ? i : best;
+        }
+        std::swap(a[k], a[best]);
+        std::swap(b[k], b[best]);
+        for (std::size_t i = k + 1; i < n; ++i) {
+            const long double share = a[i][k] / a[k][k];
+            for (std::size_t j = k; j < n; ++j) {
+                a[i][j] -= share * a[k][j];
+            }
+            b[i] -= share * b[k];
+        }
+    }
+    for (std::size_t k = n; k-- > 0;) {
+        for (std::size_t j = k + 1; j < n; ++j) {
+            b[k] -= a[k][j] * b[j];
+        }
+        b[k] /= a[k][k];
+    }
+    return b;
+}
+
+/// Largest distance between displacements, over the largest displacement.
+double relative_error(const std::vector<Vec2>& found, const std::vector<Vec2>& exact) {
+    double worst = 0.0;
+    double size = 0.0;
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+        worst = std::max(worst, glm::length(found[i] - exact[i]));
+        size = std::max(size, glm::length(exact[i]));
+    }
+    return worst / size;
+}
+
+std::vector<Vec2> exact_rest(const DnurbsSpec& spec, double u, const Vec2& force) {
+    const Matrices m = oracle_of(spec);
+    std::vector<std::size_t> moving;
+    for (std::size_t i = 0; i < spec.points.size(); ++i) {
+        if (std::find(spec.fixed.begin(), spec.fixed.end(), i) == spec.fixed.end()) {
+            moving.push_back(i);
+        }
+    }
+    const auto r = rational_basis(spec, u);
+    LongMatrix k(moving.size(), std::vector<long double>(moving.size()));
+    std::vector<long double> load(moving.size());
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        load[i] = r[moving[i]][0];
+        for (std::size_t j = 0; j < moving.size(); ++j) {
+            k[i][j] = m.stiffness[moving[i]][moving[j]];
+        }
+    }
+    const auto unit = solved(k, load);
+    std::vector<Vec2> q(spec.points.size());
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        q[moving[i]] = static_cast<double>(unit[i]) * force;
+    }
+    return q;
+}
+
+/// The motion of the bow's two free points, Runge and Kutta's fourth order in steps of 10 us: M and D are multiples
+/// of one matrix.
+std::vector<Vec2> fine_motion(const DnurbsSpec& spec, double u, const Vec2& force, double time) {
+    const Matrices m = oracle_of(spec);
+    const auto r = rational_basis(spec, u);
+    using State = std::array<long double, 4>;  // q1, q2, v1, v2 along the force
+    const LongMatrix mass{{spec.mu * m.gram[1][1], spec.mu * m.gram[1][2]},
+                          {spec.mu * m.gram[2][1], spec.mu * m.gram[2][2]}};
+    const auto slope = [&](const State& y) {
+        std::vector<long double> side(2);
+        for (std::size_t i = 0; i < 2; ++i) {
+            side[i] = r[i + 1][0];
+            for (std::size_t j = 0; j < 2; ++j) {
+                side[i] -=
+                    spec.gamma * m.gram[i + 1][j + 1] * y[2 + j] + m.stiffness[i + 1][j + 1] * y[j];
+            }
+        }
+        const auto a = solved(mass, side);
+        return State{y[2], y[3], a[0], a[1]};
+    };
+    const auto moved = [](const State& y, const State& k, long double h) {
+        State z = y;
+        for (std::size_t i = 0; i < 4; ++i) {
+            z[i] += h * k[i];
+        }
+        return z;
+    };
+    constexpr long double h = 1e-5L;
+    State y{};
+    for (int step = 0; step < static_cast<int>(std::lround(time / 1e-5)); ++step) {
+        const State k1 = slope(y);
+        const State k2 = slope(moved(y, k1, 0.5L * h));
+        const State k3 = slope(moved(y, k2, 0.5L * h));
+        const State k4 = slope(moved(y, k3, h));
+        for (std::size_t i = 0; i < 4; ++i) {
+            y[i] += h / 6.0L * (k1[i] + 2.0L * k2[i] + 2.0L * k3[i] + k4[i]);
+        }
+    }
+    return {{}, static_cast<double>(y[0]) * force, static_cast<double>(y[1]) * force, {}};
+}
+
+std::vector<Vec2> stepped(const Dnurbs& curve, double u, const Vec2& force, double h, double time) {
+    DnurbsMotion motion(curve, h);
+    const BasisAt where = curve.basis(u);
+    for (int step = 0; step < static_cast<int>(std::lround(time / h)); ++step) {
+        motion.advance(where, force);
+    }
+    return motion.displacements();
+}
+
+/// v^T M v / 2 + q^T K q / 2, and v^T D v.
+struct Energy {
+    double held = 0.0;
+    double loss = 0.0;  ///< W
+};
+Energy energy_of(const Dnurbs& curve, const std::vector<Vec2>& q, const std::vector<Vec2>& v) {
+    Energy e;
+    for (std::size_t i = 0; i < q.size(); ++i) {
+        for (std::size_t j = 0; j < q.size(); ++j) {
+            e.held += 0.5 * curve.mass(i, j) * glm::dot(v[i], v[j]) +
+                      0.5 * curve.stiffness(i, j) * glm::dot(q[i], q[j]);
+            e.loss += curve.damping(i, j) * glm::dot(v[i], v[j]);
+        }
+    }
+    return e;
+}
+
+}  // namespace
+
+TEST_CASE("a bow that is pressed in its middle gives way by 3 F / (4 (3 alpha + 36 beta))",
+          "[deformation]") {
+    // Both free points move alike by q: C moves by 3 u (1 - u) q, whose derivatives are 3 (1 - 2u) q and -6 q.
+    Random random(1);
+    for (int i = 0; i < 50; ++i) {
+        DnurbsSpec spec = bow();
+        spec.alpha = random.decade(-1.0, 3.0);
+        spec.beta = random.decade(-3.0, 1.0);
+        const double q = 0.75 / (3.0 * spec.alpha + 36.0 * spec.beta);
+        const Dnurbs curve(spec);
+        const std::vector<Vec2> found = curve.equilibrium(0.5, {0.0, -1.0});
+        CHECK(relative_error(found, {{}, {0.0, -q}, {0.0, -q}, {}}) < 1e-13);
+        const Vec2 loaded = curve.point(0.5, found);
+        CHECK(loaded.y == Approx(0.0375 - 0.75 * q).epsilon(1e-13));
+    }
+}
+
+TEST_CASE(
+    "a curve rests where an independent method says, whatever degree, knots, weights and load",
+    "[deformation][law]") {
+    double worst_polynomial = 0.0;
+    double worst_rational = 0.0;
+    for (std::uint64_t seed = 0; seed < 30; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const bool rational = seed % 2 == 1;
+        const DnurbsSpec spec = random_curve(random, rational);
+        const double u = random.in(0.0, 1.0);
+        const Vec2 force = random.point(-2.0, 2.0);
+        const double error =
+            relative_error(Dnurbs(spec).equilibrium(u, force), exact_rest(spec, u, force));
+        double& worst = rational ? worst_rational : worst_polynomial;
+        worst = std::max(worst, error);
+    }
+    CHECK(worst_polynomial < 1e-12);
+    CHECK(worst_rational < 1e-11);
+}
+
+TEST_CASE("a step of 1 ms is within 2e-3 of the motion, and half of it is four times as near",
+          "[deformation][law]") {
+    const DnurbsSpec spec = bow();
+    const Dnurbs curve(spec);
+    for (const double u : {0.5, 0.3}) {
+        const std::vector<Vec2> exact = fine_motion(spec, u, {0.4, -1.0}, 0.1);
+        const double at_1_ms = relative_error(stepped(curve, u, {0.4, -1.0}, 1e-3, 0.1), exact);
+        const double at_half = relative_error(stepped(curve, u, {0.4, -1.0}, 5e-4, 0.1), exact);
+        CAPTURE(u, at_1_ms, at_half);
+        CHECK(at_1_ms < 2e-3);
+        CHECK(at_1_ms / at_half == Approx(4.0).epsilon(0.05));
+    }
+}
+
+TEST_CASE("a motion keeps its books: energy held is work done less what damping took",
+          "[deformation][law]") {
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        CAPTURE(seed);
+        Random random(seed);
+        const Dnurbs curve(random_curve(random, random.coin()));
+        DnurbsMotion motion(curve, random.decade(-4.0, -1.0));
+        double books = 0.0;
+        double turned_over = 0.0;
+        double before_release = 0.0;
+        for (int step = 0; step < 200; ++step) {
+            const bool free = step >= 100;
+            const BasisAt where = curve.basis(random.in(0.0, 1.0));
+            const Vec2 force = free ? Vec2{} : random.point(-1.0, 1.0);
+            const std::vector<Vec2> q = motion.displacements();
+            std::vector<Vec2> mean = motion.velocities();
+            motion.advance(where, force);
+            double work = 0.0;
+            for (std::size_t i = 0; i < where.value.size(); ++i) {
+                work += where.value[i] * glm::dot(force, motion.displacements()[where.first + i] -
+                                                             q[where.first + i]);
+            }
+            for (std::size_t i = 0; i < mean.size(); ++i) {
+                mean[i] = 0.5 * (mean[i] + motion.velocities()[i]);
+            }
+            const double loss = motion.step() * energy_of(curve, q, mean).loss;
+            books += work - loss;
+            turned_over += std::fabs(work) + loss;
+            const double held = energy_of(curve, motion.displacements(), motion.velocities()).held;
+            REQUIRE(std::fabs(held - books) < 1e-10 * turned_over);
+            REQUIRE((!free || step == 100 || held <= before_release * (1.0 + 1e-12)));
+            before_release = held;
+        }
+    }
+}
+
+TEST_CASE(
+    "a motion under a steady force comes to rest at the equilibrium, and a step allocates nothing",
+    "[deformation]") {
+    const Dnurbs curve(bow());
+    DnurbsMotion motion(curve, 1e-3);
+    const BasisAt where = curve.basis(0.3);
+    const std::size_t before = allocations();
+    for (int step = 0; step < 20'000; ++step) {
+        motion.advance(where, {0.5, -1.0});
+    }
+    CHECK(allocations() == before);
+    CHECK(relative_error(motion.displacements(), curve.equilibrium(0.3, {0.5, -1.0})) < 1e-9);
+}
+
+TEST_CASE("a curve that cannot be, or that nothing holds, is refused with what to do",
+          "[deformation]") {
+    const auto refused = [](const char* words, const auto& change) {
+        DnurbsSpec spec = bow();
+        change(spec);
+        CHECK_THROWS_WITH(Dnurbs(spec).equilibrium(0.5, {0.0, 1.0}), ContainsSubstring(words));
+    };
+    refused("fixed has 4: control points count from 0 to 3", [](auto& s) { s.fixed = {4}; });
+    refused("fixed has 3 twice", [](auto& s) { s.fixed = {3, 0, 3}; });
+    refused("every control point", [](auto& s) { s.fixed = {0, 1, 2, 3}; });
+    refused("alpha is -1", [](auto& s) { s.alpha = -1.0; });
+    refused("mu is nan", [](auto& s) { s.mu = std::nan(""); });
+    refused("fixed leaves a motion", [](auto& s) { s.fixed.clear(); });
+    refused("fixed leaves a motion", [](auto& s) { s.alpha = s.beta = 0.0; });
+    refused("fixed leaves a motion", [](auto& s) { s.alpha = 0.0, s.fixed = {0}; });
+    DnurbsSpec light = bow();
+    light.mu = 0.0;
+    CHECK_THROWS_WITH(DnurbsMotion(Dnurbs(light), 1e-3), ContainsSubstring("a motion needs mass"));
+    CHECK_THROWS_WITH(DnurbsMotion(Dnurbs(bow()), 0.0), ContainsSubstring("dt_s is 0"));
+}
