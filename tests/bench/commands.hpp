@@ -15,7 +15,7 @@ public:
 
 /// nasty [--peers] [--csv FILE]
 int nasty_command(const std::vector<std::string>& words);
-/// contact [--peers] [--seconds S] [--csv FILE] [--svg FILE]
+/// contact [--peers] [--seconds S] [--csv FILE] [--svg FILE], or --from FILE --svg FILE
 int contact_command(const std::vector<std::string>& words);
 /// scaling [--csv FILE]
 int scaling_command(const std::vector<std::string>& words);

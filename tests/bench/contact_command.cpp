@@ -1,3 +1,4 @@
+#include <fstream>
 #include <iostream>
 
 #include <unistd.h>
@@ -15,7 +16,9 @@ namespace palpate::bench {
 namespace {
 
 constexpr const char* kContactUsage =
-    "contact takes --peers, --objects LETTERS, --seconds S, --csv FILE and --svg FILE";
+    "contact takes --peers, --objects LETTERS, --seconds S, --csv FILE and --svg FILE, or --from "
+    "FILE "
+    "and --svg FILE";
 
 struct Path {
     std::string name;
@@ -52,8 +55,11 @@ void measure(std::vector<Row>& rows,
             std::cerr << "\r\033[K" << object << ", " << path_name << ": " << method->name()
                       << std::flush;
         }
-        Row row{
-            .object = object, .path = path_name, .method = method->name(), .kind = method->kind()};
+        Row row{.machine = machine(),
+                .object = object,
+                .path = path_name,
+                .method = method->name(),
+                .kind = method->kind()};
         row.time = time_of<D>(*method, hips, {}, clock);
         if (row.kind != Kind::floor) {
             row.error = errors_of<D>(*method, hips, std::span<const Truth<D>>(truth));
@@ -92,6 +98,17 @@ void print_stability(std::ostream& out, const std::vector<Object>& objects) {
     }
 }
 
+/// The picture of a table that is there already.
+void draw_again(const std::string& table, const std::string& svg_name) {
+    std::ifstream in(table);
+    if (!in || svg_name.empty()) {
+        throw WrongWord("--from takes a table of contact --csv, and needs --svg FILE beside it");
+    }
+    std::ofstream svg = open_output(svg_name);
+    svg << picture(read_csv(in));
+    close_output(svg, svg_name);
+}
+
 }  // namespace
 
 int contact_command(const std::vector<std::string>& arguments) {
@@ -101,7 +118,12 @@ int contact_command(const std::vector<std::string>& arguments) {
     const std::string wanted = words.value("--objects", "ABCDES");
     const std::string csv_name = words.value("--csv");
     const std::string svg_name = words.value("--svg");
+    const std::string table = words.value("--from");
     words.finish(kContactUsage);
+    if (!table.empty()) {
+        draw_again(table, svg_name);
+        return 0;
+    }
     need_peers_if(with_peers);
     std::ofstream csv = open_output(csv_name);
     std::ofstream svg = open_output(svg_name);
@@ -158,7 +180,7 @@ int contact_command(const std::vector<std::string>& arguments) {
         close_output(csv, csv_name);
     }
     if (svg.is_open()) {
-        write_svg(svg, rows);
+        svg << picture(rows);
         close_output(svg, svg_name);
     }
     return 0;

@@ -18,6 +18,7 @@ struct Command {
 constexpr Command kCommands[] = {
     {"contact", contact_command,
      "  contact [--peers] [--objects LETTERS] [--seconds S] [--csv FILE] [--svg FILE]\n"
+     "  contact --from FILE --svg FILE     draws a table again\n"
      "            closest points and ticks: time and error of every method on objects A to E and\n"
      "            on surfaces, S: ABCDES\n"},
     {"nasty", nasty_command,

@@ -19,14 +19,6 @@ namespace {
     return text.data();
 }
 
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        out += c == '"' ? "\"\"" : std::string(1, c);
-    }
-    return out + "\"";
-}
-
 /// Three digits, without an exponent where people read none.
 std::string nanoseconds(double ns) {
     return print(ns < 99.95 ? "%.1f" : "%.0f", ns);
@@ -51,21 +43,6 @@ std::string machine() {
            " threads, " PALPATE_COMPILER;
 }
 
-const char* name_of(Kind kind) {
-    switch (kind) {
-        case Kind::floor:
-            return "floor";
-        case Kind::global:
-            return "global";
-        case Kind::tracker:
-            return "tracker";
-        case Kind::mesh:
-            return "mesh";
-        default:
-            return "peer";
-    }
-}
-
 void print_table(std::ostream& out, const std::vector<Row>& rows) {
     std::string heading;
     for (const Row& row : rows) {
@@ -87,26 +64,6 @@ void print_table(std::ostream& out, const std::vector<Row>& rows) {
             metres(row, row.error.distance_p99).c_str(),
             metres(row, row.error.distance_max).c_str(), metres(row, row.error.foot_p99).c_str(),
             row.kind == Kind::floor ? "-" : print("%.2f", 100.0 * row.error.misses).c_str());
-    }
-}
-
-void write_csv(std::ostream& out, const std::vector<Row>& rows) {
-    out << "machine,object,path,method,kind,warm_ns,tick_p50_ns,tick_p99_ns,tick_p999_ns,cold_p50_"
-           "ns,"
-           "cold_p99_ns,distance_error_p50_m,distance_error_p99_m,distance_error_max_m,"
-           "foot_error_p99_m,miss_share\n";
-    for (const Row& row : rows) {
-        out << quoted(machine()) << ',' << quoted(row.object) << ',' << quoted(row.path) << ','
-            << quoted(row.method) << ',' << name_of(row.kind)
-            << print(",%.2f,%.1f,%.1f,%.1f,%.1f,%.1f", row.time.warm, row.time.p50, row.time.p99,
-                     row.time.p999, row.time.cold_p50, row.time.cold_p99);
-        if (row.kind == Kind::floor) {
-            out << ",,,,,\n";
-        } else {
-            out << print(",%.6g,%.6g,%.6g,%.6g,%.6g\n", row.error.distance_p50,
-                         row.error.distance_p99, row.error.distance_max, row.error.foot_p99,
-                         row.error.misses);
-        }
     }
 }
 

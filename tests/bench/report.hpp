@@ -1,6 +1,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -12,8 +13,9 @@ namespace palpate::bench {
 
 /// One method on one path.
 struct Row {
-    std::string object;  ///< "A"
-    std::string path;    ///< "-3..+3 mm"
+    std::string machine;  ///< machine()
+    std::string object;   ///< "A"
+    std::string path;     ///< "-3..+3 mm"
     std::string method;
     Kind kind = Kind::floor;
     Timing time{};
@@ -28,7 +30,9 @@ struct Row {
 void print_table(std::ostream& out, const std::vector<Row>& rows);
 /// One line a row, SI units and ns in the names of the columns.
 void write_csv(std::ostream& out, const std::vector<Row>& rows);
-/// Run time against error, log-log, one panel an object and path; no other file is needed to look at it.
-void write_svg(std::ostream& out, const std::vector<Row>& rows);
+/// What write_csv wrote. @throws std::runtime_error for a line that it would not write
+[[nodiscard]] std::vector<Row> read_csv(std::istream& in);
+/// Run time against error of every row, log-log, one panel an object and path, as SVG.
+[[nodiscard]] std::string picture(std::span<const Row> rows);
 
 }  // namespace palpate::bench
