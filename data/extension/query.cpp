@@ -1,5 +1,7 @@
 #include "data/extension/query.hpp"
 
+#include <new>
+
 #include <fmt/format.h>
 #include <sqlite3ext.h>
 
@@ -9,18 +11,39 @@ SQLITE_EXTENSION_INIT3
 
 namespace palpate::data {
 
-Query::Query(sqlite3* db, std::string_view sql) : db_(db) {
-    check(sqlite3_prepare_v2(db, sql.data(), static_cast<int>(sql.size()), &statement_, nullptr),
+Asked::~Asked() {
+    for (const auto& [sql, statement] : idle_) {
+        sqlite3_finalize(statement);
+    }
+}
+
+Query::Query(Asked& database, std::string_view sql) : asked_(database) {
+    if (const auto known = asked_.idle_.find(sql); known != asked_.idle_.end()) {
+        statement_ = known->second;
+        asked_.idle_.erase(known);
+        return;
+    }
+    check(sqlite3_prepare_v2(asked_.db_, sql.data(), static_cast<int>(sql.size()), &statement_,
+                             nullptr),
           "this is not a palpate database, or a damaged one");
 }
 
 Query::~Query() {
-    sqlite3_finalize(statement_);
+    if (statement_ == nullptr) {
+        return;
+    }
+    reset();
+    sqlite3_clear_bindings(statement_);
+    try {
+        asked_.idle_.emplace(sqlite3_sql(statement_), statement_);
+    } catch (const std::bad_alloc&) {
+        sqlite3_finalize(statement_);
+    }
 }
 
 void Query::check(int code, std::string_view doing) const {
     if (code != SQLITE_OK) {
-        throw SampleError(fmt::format("{}: {}", doing, sqlite3_errmsg(db_)));
+        throw SampleError(fmt::format("{}: {}", doing, sqlite3_errmsg(asked_.db_)));
     }
 }
 

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,11 +13,27 @@ struct sqlite3_stmt;
 
 namespace palpate::data {
 
-/// A statement on a connection of somebody else's, through the extension's function table. Columns are
-/// counted from 0, parameters from 1. Throws SampleError.
+/// A connection of somebody else's, with the statements that were asked on it: most are asked again. Ends before
+/// the connection.
+class Asked {
+public:
+    explicit Asked(sqlite3* db) noexcept : db_(db) {}
+    Asked(const Asked&) = delete;
+    Asked& operator=(const Asked&) = delete;
+    ~Asked();
+
+private:
+    friend class Query;
+
+    sqlite3* db_;
+    std::multimap<std::string, sqlite3_stmt*, std::less<>> idle_;
+};
+
+/// A statement, through the extension's function table. Columns are counted from 0, parameters from 1. Throws
+/// SampleError.
 class Query {
 public:
-    Query(sqlite3* db, std::string_view sql);
+    Query(Asked& database, std::string_view sql);
     Query(const Query&) = delete;
     Query& operator=(const Query&) = delete;
     ~Query();
@@ -33,7 +51,7 @@ public:
 private:
     void check(int code, std::string_view doing) const;
 
-    sqlite3* db_;
+    Asked& asked_;
     sqlite3_stmt* statement_ = nullptr;
 };
 

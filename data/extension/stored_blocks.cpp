@@ -18,7 +18,7 @@ constexpr SampleColumns kTime = bit(C::time_s) | kVelocityColumns;
 
 class StoredBlocks : public TickBlocks {
 public:
-    StoredBlocks(sqlite3* db,
+    StoredBlocks(Asked& db,
                  const TrialPart& part,
                  SampleColumns columns,
                  const TickRange& range,
@@ -175,7 +175,7 @@ private:
 
 }  // namespace
 
-std::unique_ptr<TickBlocks> stored_blocks(sqlite3* db,
+std::unique_ptr<TickBlocks> stored_blocks(Asked& db,
                                           const TrialPart& part,
                                           SampleColumns columns,
                                           const TickRange& range,

@@ -4,10 +4,9 @@
 #include <optional>
 
 #include "engine/device/pantograph.hpp"
+#include "data/extension/query.hpp"
 #include "data/extension/tick_parts.hpp"
 #include "data/trace/sample_columns.hpp"
-
-struct sqlite3;
 
 namespace palpate::data {
 
@@ -15,7 +14,7 @@ namespace palpate::data {
 /// the columns wanted only, those chunks left out that are out of range.
 /// @param machine  what HIP follows from, if columns of HIP are wanted and the session has a calibration
 [[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(
-    sqlite3* db,
+    Asked& db,
     const TrialPart& part,
     SampleColumns columns,
     const TickRange& range,

@@ -118,7 +118,7 @@ struct TickStore::State {
     void make_room();
     void require_one_study();
 
-    sqlite3* db;
+    Asked db;
     /// By protocol and calibration, so that nothing here can be out of date.
     std::map<std::pair<std::string, std::string>, SessionTraces> sessions;
     /// Last used last. A join asks for the same parts again and again: two trials of two intervals.

@@ -84,7 +84,11 @@ std::int64_t events_now(Database& database, std::int64_t session) {
 }
 
 /// The link of a trial whose row says how many events came before.
-std::string trial_head(Database& database, std::int64_t trial, const std::string& before) {
+/// @param tables  tables_of_trials()
+std::string trial_head(Database& database,
+                       std::span<const std::string> tables,
+                       std::int64_t trial,
+                       const std::string& before) {
     std::string text = before + '\n';
     // A mark came later: at the end of the trial its answer counted.
     const bool marked = mark_reason(database, trial).has_value();
@@ -93,7 +97,7 @@ std::string trial_head(Database& database, std::int64_t trial, const std::string
         without.emplace_back("invalid_reason");
     }
     text += lines_of(database, "trial", "SELECT * FROM trial WHERE trial_id = ?1", trial, without);
-    for (const std::string& table : tables_of_trials(database)) {
+    for (const std::string& table : tables) {
         text +=
             lines_of(database, table,
                      fmt::format("SELECT * FROM {} WHERE trial_id = ?1 ORDER BY 1, 2, 3", table),
@@ -156,6 +160,7 @@ public:
     ChainWalk(Database& database, std::int64_t session)
         : database_(database),
           session_(session),
+          tables_(tables_of_trials(database)),
           head_(first_head(database, session)),
           events_(database.prepare("SELECT event.event_id, seal, event_kind, coalesce(trial_id, 0) "
                                    "FROM event WHERE session_id = ?1 ORDER BY event_id")) {
@@ -177,7 +182,7 @@ public:
                 continue;
             }
             events_until(trial.integer(2));
-            link(id, "trial.seal", trial.text(1), trial_head(database_, id, head_));
+            link(id, "trial.seal", trial.text(1), trial_head(database_, tables_, id, head_));
         }
         Statement end = database_.prepare(
             "SELECT seal, seal_events, finished, newest_seal FROM session WHERE session_id = ?1");
@@ -228,6 +233,7 @@ private:
 
     Database& database_;
     std::int64_t session_;
+    std::vector<std::string> tables_;
     std::string head_;
     Statement events_;
     std::int64_t seen_ = 0;
@@ -244,7 +250,7 @@ void chain_trial(Database& database, std::int64_t trial) {
     whose.reset();
     keep_events(database, "trial", trial, session);
     keep_head(database, "trial", trial, session,
-              trial_head(database, trial, head_now(database, session)));
+              trial_head(database, tables_of_trials(database), trial, head_now(database, session)));
 }
 
 void chain_session(Database& database, std::int64_t session) {

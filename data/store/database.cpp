@@ -129,16 +129,19 @@ Database::Database(std::string file, Access access) : connection_{.file = std::m
     try {
         open(access);
     } catch (...) {
+        connection_.forget_idle();
         sqlite3_close_v2(connection_.handle);
         throw;
     }
 }
 
 Database::~Database() {
+    connection_.forget_idle();
     sqlite3_close_v2(connection_.handle);
 }
 
 void Database::connect(const std::string& name, int flags) {
+    connection_.forget_idle();
     sqlite3_close_v2(std::exchange(connection_.handle, nullptr));
     if (sqlite3_open_v2(name.c_str(), &connection_.handle, flags, nullptr) != SQLITE_OK) {
         fail("opening");

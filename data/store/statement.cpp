@@ -1,5 +1,6 @@
 #include "data/store/statement.hpp"
 
+#include <new>
 #include <utility>
 
 #include <fmt/format.h>
@@ -47,6 +48,13 @@ void Connection::fail(std::string_view doing) const {
     throw StoreError(text);
 }
 
+void Connection::forget_idle() const noexcept {
+    for (const auto& [sql, statement] : idle) {
+        sqlite3_finalize(statement);
+    }
+    idle.clear();
+}
+
 void Connection::execute(const char* sql) const {
     if (sqlite3_exec(handle, sql, nullptr, nullptr, nullptr) != SQLITE_OK) {
         fail(fmt::format("running \"{}\"", std::string_view(sql).substr(0, 60)));
@@ -55,8 +63,13 @@ void Connection::execute(const char* sql) const {
 
 Statement::Statement(const Connection& connection, std::string_view sql)
     : connection_(&connection) {
-    if (sqlite3_prepare_v2(connection.handle, sql.data(), static_cast<int>(sql.size()), &statement_,
-                           nullptr) != SQLITE_OK) {
+    if (const auto known = connection.idle.find(sql); known != connection.idle.end()) {
+        statement_ = known->second;
+        connection.idle.erase(known);
+        return;
+    }
+    if (sqlite3_prepare_v3(connection.handle, sql.data(), static_cast<int>(sql.size()),
+                           SQLITE_PREPARE_PERSISTENT, &statement_, nullptr) != SQLITE_OK) {
         connection.fail(fmt::format("preparing \"{}\"", sql.substr(0, 60)));
     }
 }
@@ -65,7 +78,24 @@ Statement::Statement(Statement&& other) noexcept
     : connection_(other.connection_), statement_(std::exchange(other.statement_, nullptr)) {}
 
 Statement::~Statement() {
-    sqlite3_finalize(statement_);
+    constexpr std::size_t kMostIdle = 100;
+    if (statement_ == nullptr) {
+        return;
+    }
+    const std::string_view sql = sqlite3_sql(statement_);
+    if (sql.starts_with("PRAGMA")) {  // some of them answer while they are prepared
+        sqlite3_finalize(statement_);
+        return;
+    }
+    if (connection_->idle.size() >= kMostIdle) {
+        connection_->forget_idle();
+    }
+    reset();
+    try {
+        connection_->idle.emplace(sql, statement_);
+    } catch (const std::bad_alloc&) {
+        sqlite3_finalize(statement_);
+    }
 }
 
 Statement& Statement::bound(int code) {

@@ -2,6 +2,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <stdexcept>
@@ -37,11 +39,15 @@ public:
     using StoreError::StoreError;
 };
 
-/// An open file of SQLite: who closes it is its owner.
+/// An open file of SQLite: who closes it is its owner. One thread at a time.
 struct Connection {
     std::string file;
     sqlite3* handle = nullptr;
+    /// Prepared and not in use, by their text: most are needed again soon.
+    mutable std::multimap<std::string, sqlite3_stmt*, std::less<>> idle{};
 
+    /// Before the handle is closed.
+    void forget_idle() const noexcept;
     /// @throws StoreError, LockedFile or DiskRefused by SQLite's last error
     [[noreturn]] void fail(std::string_view doing) const;
     /// Runs statements without results.

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -168,4 +169,39 @@ TEST_CASE("names of sessions are random UUIDs", "[store][law]") {
         REQUIRE(std::string("89ab").find(uuid[19]) != std::string::npos);
         REQUIRE(all.insert(uuid).second);
     }
+}
+
+TEST_CASE("a statement that is asked again keeps nothing of the time before", "[store][law]") {
+    const TemporaryFolder folder;
+    Database database(folder.file("a.sqlite"), Access::write);
+    const auto value = [&](std::optional<std::int64_t> bound) {
+        auto row = database.prepare("SELECT ?1");
+        if (bound) {
+            row.bind(1, *bound);
+        }
+        row.step();  // and is left in the middle
+        return row.null(0) ? -1 : row.integer(0);
+    };
+    CHECK(value(7) == 7);
+    CHECK(value(std::nullopt) == -1);
+    {
+        auto outer = database.prepare("SELECT name FROM sqlite_schema ORDER BY name");
+        auto inner = database.prepare("SELECT name FROM sqlite_schema ORDER BY name");
+        REQUIRE((outer.step() && outer.step() && inner.step()));
+        CHECK(inner.text(0) < outer.text(0));
+    }
+    const auto columns = [&] {
+        auto row = database.prepare("SELECT * FROM later");
+        return row.step() ? row.columns() : 0;
+    };
+    database.execute("CREATE TABLE later (a); INSERT INTO later VALUES (1)");
+    CHECK(columns() == 1);
+    database.execute("ALTER TABLE later ADD COLUMN b");
+    CHECK(columns() == 2);
+    for (int i = 0; i < 300; ++i) {
+        CHECK(database.prepare(fmt::format("SELECT {}", i)).step());
+    }
+    database.execute("DROP TABLE later");
+    CHECK_THROWS_AS(columns(), data::StoreError);
+    CHECK_NOTHROW(database.checkpoint());
 }
