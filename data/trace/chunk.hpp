@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,9 +14,11 @@
 #include "data/trace/stored_columns.hpp"
 
 /// Codec 1. A chunk's data are the sizes of its columns' streams, u32le each, in the order of
-/// stored_columns() without the parts that it does not hold, and then the streams. A stream is a zlib
-/// stream of the column's values, bytes shuffled: the first byte of every value, then the second, ... A
-/// size of 0 says that all bytes are 0.
+/// stored_columns() without the parts that it does not hold, and then the streams. A size of 0 says that
+/// all numbers are 0. The stream of a column of whole numbers are blocks of 64 of them (the last may have
+/// fewer): a byte that says how many bits the largest needs, then the numbers in so many bits each, the
+/// lowest bit first, up to a whole byte. The stream of an exact column is a zlib stream of its values,
+/// bytes shuffled: the first byte of every value, then the second, ...
 namespace palpate::data {
 
 /// A stored chunk is not what was written: says which check failed.
@@ -53,9 +56,6 @@ struct EncodedChunk {
                                         std::int64_t period_ns,
                                         std::uint8_t parts);
 
-/// What a column of every chunk says of a tick.
-[[nodiscard]] std::int64_t stored_value(Stored column, const engine::TickRecord& tick) noexcept;
-
 /// Reads columns of one chunk, each when it is asked for. The checksum is looked at once: no damaged bit
 /// is decoded.
 class ChunkReader {
@@ -64,18 +64,17 @@ public:
     explicit ChunkReader(const ChunkView& chunk);
 
     /// Values of a column of every chunk, into `values` of the chunk's ticks. @throws TraceError
-    void read(Stored column, std::span<std::int64_t> values);
+    void read(Stored column, std::span<std::int64_t> values) const;
+    /// The same of a column of no more than 4 bytes.
+    void read(Stored column, std::span<std::int32_t> values) const;
     /// All exact columns that the chunk holds, into the ticks. `command` becomes bits XOR those of force.
-    void read_exact(std::span<engine::TickRecord> ticks);
+    void read_exact(std::span<engine::TickRecord> ticks) const;
 
     [[nodiscard]] const ChunkView& chunk() const noexcept { return chunk_; }
 
 private:
-    [[nodiscard]] std::span<const std::byte> unpack(std::size_t column);
-
     ChunkView chunk_;
-    std::vector<std::span<const std::byte>> streams_;  ///< by column; of those not held empty
-    std::vector<std::byte> bytes_;                     ///< a column as unpacked
+    std::array<std::span<const std::byte>, kAllColumns> streams_{};  ///< of those not held empty
 };
 
 /// "hip contact" <-> bits. @throws TraceError for other words

@@ -16,17 +16,21 @@ read_trace <- function(file, trial, interval = 1) {
     sizes <- readBin(data, "integer", nrow(held), size = 4, endian = "little")
     at <- 4 * nrow(held)
     for (i in which(held$part == "")) {                # those of every chunk come first
-      width <- if (held$type[i] == "u8") 1 else if (held$type[i] == "i32le") 4 else 8
-      block <- if (sizes[i] > 0) memDecompress(data[at + seq_len(sizes[i])], "gzip") else raw(width * n)
-      at <- at + sizes[i]                              # a damaged stream stops here with an error
-      v <- numeric(n)                                  # undo the shuffle: byte b of every value; exact below 2^53
-      for (b in seq_len(width)) v <- v + as.integer(block[(b - 1) * n + seq_len(n)]) * 256^(b - 1)
+      v <- if (sizes[i] > 0) numeric(0) else numeric(n)
+      while (length(v) < n) {                          # a block: bits of a number, then up to 64 numbers
+        width <- as.integer(data[at + 1]); count <- min(64, n - length(v))
+        bytes <- (width * count + 7) %/% 8
+        bits <- as.integer(rawToBits(data[at + 1 + seq_len(bytes)]))[seq_len(width * count)]
+        v <- c(v, colSums(matrix(bits, width, count) * 2^(seq_len(width) - 1)))  # exact below 2^53
+        at <- at + 1 + bytes
+      }
       if (held$rule[i] != "plain") {                   # unfold, and add up what was taken away
         v <- ifelse(v %% 2 == 0, v / 2, -(v + 1) / 2)
+        if (held$rule[i] == "line") v <- cumsum(v) %% 2^32  # the steps
         v <- if (held$rule[i] == "after") first - 1 + cumsum(v + 1) else cumsum(v)
-        if (width == 4) v <- (v + 2^31) %% 2^32 - 2^31
-        if (held$rule[i] == "clock") v <- v + utils::tail(trace$tick, n) * chunks$period[k]
       }
+      if (held$type[i] == "i32le") v <- (v + 2^31) %% 2^32 - 2^31
+      if (held$rule[i] == "clock") v <- v + utils::tail(trace$tick, n) * chunks$period[k]
       trace[[held$name[i]]] <- c(trace[[held$name[i]]], v)
     }
   }

@@ -18,22 +18,25 @@ def read_trace(file, trial, interval=1):
         held = [c for c in columns if not c[3] or c[3] in holds.split()]
         at = 4 * len(held)
         for (name, kind, rule, part), size in zip(held, struct.unpack_from(f"<{len(held)}I", data)):
-            width = {"u8": 1, "i16le": 2, "f32le": 4, "i32le": 4}.get(kind, 8)
-            block = zlib.decompress(data[at:at + size]) if size else bytes(width * n)
-            at += size
             if part:
-                continue                               # exact numbers of this chunk: see trace_column
-            whole, limit = bytearray(width * n), 1 << 8 * width - 1
-            for byte in range(width):                  # undo the shuffle: byte k of every value
-                whole[byte::width] = block[byte * n:(byte + 1) * n]
-            values = struct.unpack(f"<{n}{'BHIQ'[width.bit_length() - 1]}", whole)
-            if rule != "plain":                        # unfold, and add up what was taken away
-                last, step, sums = (first - 1, 1, []) if rule == "after" else (0, 0, [])
-                for v in values:
-                    last = (last + (v >> 1 ^ -(v & 1)) + step + limit) % (2 * limit) - limit
-                    sums.append(last)
-                ticks = trace["tick"][-n:]
-                values = [s + t * period for s, t in zip(sums, ticks)] if rule == "clock" else sums
+                break                                  # exact numbers of this chunk: see trace_column
+            limit, last, step, values = {"u8": 1 << 8, "i32le": 1 << 31}.get(kind, 1 << 63), 0, 0, []
+            numbers = [] if size else [0] * n
+            while len(numbers) < n:                    # a block: bits of a number, then up to 64 numbers
+                bits, count = data[at], min(64, n - len(numbers))
+                block = int.from_bytes(data[at + 1:at + 1 + (bits * count + 7) // 8], "little")
+                numbers += [block >> i * bits & (1 << bits) - 1 for i in range(count)]
+                at += 1 + (bits * count + 7) // 8
+            if rule == "after":
+                last, step = first - 1, 1
+            for v in numbers:
+                if rule != "plain":                    # unfold, and add what was taken away
+                    v = last + step + (v >> 1 ^ -(v & 1))
+                v = (v + limit) % (2 * limit) - limit
+                last, step = v, v - last if rule == "line" else step
+                values.append(v)
+            if rule == "clock":
+                values = [v + tick * period for v, tick in zip(values, trace["tick"][-n:])]
             trace[name] += values
     return trace
 

@@ -46,16 +46,16 @@ constexpr StoredColumn exact(std::string_view name,
 constexpr std::array kStored{
     whole("tick", "1", 1.0, Rule::after, 8),
     whole("time_ns", "s", 1e-9, Rule::clock, 8),
-    whole("count_1", "1", 1.0, Rule::delta, 4),
-    whole("count_2", "1", 1.0, Rule::delta, 4),
-    whole("code_1", "1", 1.0, Rule::delta, 4),
-    whole("code_2", "1", 1.0, Rule::delta, 4),
-    whole("lateness_ns", "s", 1e-9, Rule::delta, 4),
-    whole("flags", "1", 1.0, Rule::plain, 1),
-    whole("hip_x_100nm", "m", 1e-7, Rule::delta, 4),
-    whole("hip_y_100nm", "m", 1e-7, Rule::delta, 4),
-    whole("commanded_x_100un", "N", 1e-4, Rule::delta, 4),
-    whole("commanded_y_100un", "N", 1e-4, Rule::delta, 4),
+    whole("count_1", "1", 1.0, Rule::line, 4),
+    whole("count_2", "1", 1.0, Rule::line, 4),
+    whole("code_1", "1", 1.0, Rule::line, 4),
+    whole("code_2", "1", 1.0, Rule::line, 4),
+    whole("lateness_ns", "s", 1e-9, Rule::plain, 4),
+    whole("flags", "1", 1.0, Rule::plain, 1),  // the only one of a byte
+    whole("hip_x_100nm", "m", 1e-7, Rule::line, 4),
+    whole("hip_y_100nm", "m", 1e-7, Rule::line, 4),
+    whole("commanded_x_100un", "N", 1e-4, Rule::line, 4),
+    whole("commanded_y_100un", "N", 1e-4, Rule::line, 4),
     exact("hip_x_m", "m", part_hip, offsetof(TickRecord, hip)),
     exact("hip_y_m", "m", part_hip, offsetof(TickRecord, hip.y)),
     exact("go_x_m", "m", part_contact, offsetof(TickRecord, go)),
@@ -72,6 +72,7 @@ constexpr std::array kStored{
     exact("commanded_y_xor_rendered", "N", part_command, offsetof(TickRecord, command.y), "u64le"),
     exact("lateness_us", "us", part_lateness, offsetof(TickRecord, lateness_us), "f32le", 4),
 };
+static_assert(kStored.size() == kAllColumns);
 static_assert(kStored[kStoredColumns - 1].rule != Rule::exact);
 static_assert(kStored[kStoredColumns].rule == Rule::exact);
 
@@ -89,8 +90,8 @@ std::string_view to_string(Rule rule) noexcept {
             return "after";
         case Rule::clock:
             return "clock";
-        case Rule::delta:
-            return "delta";
+        case Rule::line:
+            return "line";
         case Rule::exact:
             break;
     }

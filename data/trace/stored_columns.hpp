@@ -25,14 +25,16 @@ enum class Stored : std::uint8_t {
     command_y,
 };
 inline constexpr std::size_t kStoredColumns = 12;
+/// With the exact ones.
+inline constexpr std::size_t kAllColumns = 27;
 
-/// How a value becomes the number that is written. All but `exact` are then folded (zigzag): 0, -1, 1, -2
-/// become 0, 1, 2, 3, in two's complement of the column's width.
+/// How a value becomes the number that is written, in two's complement of the column's width. All but `plain`
+/// and `exact` are then folded (zigzag): 0, -1, 1, -2 become 0, 1, 2, 3.
 enum class Rule : std::uint8_t {
-    plain,  ///< as it is, neither folded
+    plain,  ///< as it is
     after,  ///< minus one more than the value before; the first: minus the chunk's first_tick
-    clock,  ///< minus tick * period_ns, then as delta
-    delta,  ///< minus the value before; the first as it is
+    clock,  ///< minus tick * period_ns, then minus the value before; before the first it is 0
+    line,   ///< minus twice the value before, plus the one before that; before the first they are 0
     exact,  ///< the bytes of a floating-point number, or those of `command` XOR those of `force`
 };
 

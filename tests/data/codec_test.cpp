@@ -5,6 +5,7 @@
 #include "data/trace/columns.hpp"
 #include "data/trace/derived_hash.hpp"
 #include "data/trace/fixed_point.hpp"
+#include "data/trace/packed_numbers.hpp"
 #include "data/trace/replay.hpp"
 #include "tests/support/catch.hpp"
 #include "tests/support/studies.hpp"
@@ -55,6 +56,60 @@ TEST_CASE("a chunk that holds all parts comes back to the bit, every field and e
         REQUIRE(same_bits(ticks[i], back.ticks[i]));
         REQUIRE(hip[i] == data::in_steps(ticks[i].hip.x, data::kHipSteps));
     }
+}
+
+TEST_CASE("packed numbers come back in blocks, in the bits that the largest of each needs",
+          "[trace][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{200}));
+    CAPTURE(seed);
+    tests::Random random(seed);
+    std::vector<std::uint64_t> numbers(static_cast<std::size_t>(1 + random.below(300)));
+    std::size_t expected = 0;
+    for (std::size_t first = 0; first < numbers.size(); first += data::kBlock) {
+        const std::size_t count = std::min(data::kBlock, numbers.size() - first);
+        const int width = random.below(65);
+        for (std::size_t i = first; i < first + count; ++i) {
+            for (int bit = 0; bit < width; ++bit) {
+                numbers[i] = numbers[i] << 1U | (random.coin() ? 1U : 0U);
+            }
+        }
+        if (width > 0) {
+            numbers[first] |= std::uint64_t{1} << static_cast<unsigned>(width - 1);
+        }
+        expected += 1 + (count * static_cast<std::size_t>(width) + 7) / 8;
+    }
+    std::vector<std::byte> bytes;
+    data::pack_numbers(numbers, bytes);
+    REQUIRE(bytes.size() == expected);
+    data::PackedNumbers packed(bytes);
+    for (std::size_t first = 0; first < numbers.size(); first += data::kBlock) {
+        std::vector<std::uint64_t> block(std::min(data::kBlock, numbers.size() - first));
+        REQUIRE(packed.next(std::span(block)));
+        REQUIRE(std::equal(block.begin(), block.end(),
+                           numbers.begin() + static_cast<std::ptrdiff_t>(first)));
+    }
+    CHECK(packed.at_end());
+    for (std::size_t cut = 0; cut < bytes.size();
+         ++cut) {  // a short stream is never read beyond its end
+        data::PackedNumbers part{std::span(bytes).first(cut)};
+        std::size_t read = 0;
+        for (std::size_t first = 0; first < numbers.size(); first += data::kBlock) {
+            std::vector<std::uint64_t> block(std::min(data::kBlock, numbers.size() - first));
+            if (!part.next(std::span(block))) {
+                break;
+            }
+            read += block.size();
+        }
+        REQUIRE(read < numbers.size());
+    }
+}
+
+TEST_CASE("a number that needs more bits than its column has is refused", "[trace]") {
+    std::vector<std::byte> bytes;
+    data::pack_numbers(std::vector<std::uint64_t>{std::uint64_t{1} << 32U}, bytes);
+    std::vector<std::uint32_t> block(1);
+    data::PackedNumbers packed(bytes);
+    CHECK_FALSE(packed.next(std::span(block)));
 }
 
 TEST_CASE("a chunk that leaves out what does not follow is noticed, never taken for exact",

@@ -1,0 +1,282 @@
+#include "data/trace/column_codec.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <new>
+#include <type_traits>
+
+#include <zlib.h>
+
+#include "data/trace/fixed_point.hpp"
+#include "data/trace/packed_numbers.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::TickRecord;
+
+/// 0, -1, 1, -2 -> 0, 1, 2, 3, in two's complement of a Word.
+template <class Word>
+constexpr Word fold(Word value) noexcept {
+    return static_cast<Word>(value << 1U) ^
+           static_cast<Word>(Word{0} - (value >> (std::numeric_limits<Word>::digits - 1)));
+}
+template <class Word>
+constexpr Word unfold(Word folded) noexcept {
+    return (folded >> 1U) ^ (Word{0} - (folded & 1U));
+}
+
+/// What a rule foretells of the next value: what is taken from it. All in two's complement of a Word.
+template <class Word>
+class Foretold {
+public:
+    Foretold(Rule rule, std::int64_t first_tick) noexcept
+        : line_(rule == Rule::line ? ~Word{0} : Word{0}),
+          more_(rule == Rule::after ? Word{1} : Word{0}),
+          before_(rule == Rule::after ? static_cast<Word>(first_tick) - 1 : Word{0}),
+          step_(more_) {}
+
+    [[nodiscard]] Word next() const noexcept { return before_ + step_; }
+    void see(Word value) noexcept {
+        step_ = ((value - before_) & line_) + more_;
+        before_ = value;
+    }
+
+private:
+    Word line_;
+    Word more_;
+    Word before_;
+    Word step_;
+};
+
+template <class Word>
+void numbers_of(Rule rule,
+                std::int64_t first_tick,
+                std::span<const std::int64_t> values,
+                std::span<std::uint64_t> numbers) noexcept {
+    Foretold<Word> foretold(rule, first_tick);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const auto value = static_cast<Word>(values[i]);
+        numbers[i] = fold<Word>(value - foretold.next());
+        foretold.see(value);
+    }
+}
+
+/// The lowest `size` bytes at `at`, as a number.
+std::uint64_t bits_at(const std::byte* at, std::size_t size) noexcept {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, at, size);
+    return bits;
+}
+
+void shuffle_exact(const StoredColumn& column, std::span<const TickRecord> ticks, std::byte* out) {
+    constexpr std::size_t kToForce = offsetof(TickRecord, command) - offsetof(TickRecord, force);
+    for (const TickRecord& tick : ticks) {
+        const auto* const at = reinterpret_cast<const std::byte*>(&tick) + column.offset;
+        std::uint64_t bits = bits_at(at, column.size);
+        if (column.part == part_command) {
+            bits ^= bits_at(at - kToForce, column.size);
+        }
+        for (std::size_t byte = 0; byte < column.size; ++byte) {
+            out[byte * ticks.size()] = static_cast<std::byte>(bits >> (8U * byte));
+        }
+        ++out;
+    }
+}
+
+bool all_zero(std::span<const std::byte> bytes) noexcept {
+    return bytes.empty() || (bytes[0] == std::byte{0} &&
+                             std::memcmp(bytes.data(), bytes.data() + 1, bytes.size() - 1) == 0);
+}
+
+/// Adds the zlib stream of `bytes` to `data`, nothing if all are 0.
+void deflate(std::span<const std::byte> bytes, std::vector<std::byte>& data) {
+    if (all_zero(bytes)) {
+        return;
+    }
+    const std::size_t at = data.size();
+    uLongf size = compressBound(bytes.size());
+    data.resize(at + size);
+    if (compress2(reinterpret_cast<Bytef*>(data.data() + at), &size,
+                  reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(),
+                  Z_BEST_SPEED) != Z_OK) {
+        throw std::bad_alloc();
+    }
+    data.resize(at + size);
+}
+
+template <class Word, class Value>
+bool read_words(Rule rule,
+                std::span<const std::byte> stream,
+                std::int64_t first_tick,
+                std::span<Value> values) noexcept {
+    PackedNumbers numbers(stream);
+    std::array<Word, kBlock> block{};
+    Foretold<Word> foretold(rule, first_tick);
+    for (std::size_t first = 0; first < values.size(); first += kBlock) {
+        const auto part = values.subspan(first, std::min(kBlock, values.size() - first));
+        if (!stream.empty() && !numbers.next(std::span<Word>(block).first(part.size()))) {
+            return false;
+        }
+        for (std::size_t i = 0; i < part.size(); ++i) {
+            Word value = block[i];
+            if (rule != Rule::plain) {
+                value = foretold.next() + unfold(value);
+                foretold.see(value);
+            }
+            part[i] = static_cast<std::make_signed_t<Word>>(value);
+        }
+    }
+    return numbers.at_end();
+}
+
+/// Numbers of a byte are not negative, and plain.
+template <class Value>
+bool read_bytes(std::span<const std::byte> stream, std::span<Value> values) noexcept {
+    PackedNumbers numbers(stream);
+    std::array<std::uint8_t, kBlock> block{};
+    for (std::size_t first = 0; first < values.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, values.size() - first);
+        if (!stream.empty() && !numbers.next(std::span<std::uint8_t>(block).first(count))) {
+            return false;
+        }
+        std::copy_n(block.begin(), count, values.subspan(first).begin());
+    }
+    return numbers.at_end();
+}
+
+template <std::size_t Size>
+void unshuffle(std::span<const std::byte> bytes, std::size_t offset, std::span<TickRecord> ticks) {
+    const std::size_t n = bytes.size() / Size;
+    const std::byte* in = bytes.data();
+    for (TickRecord& tick : ticks) {
+        std::uint64_t bits = 0;
+        for (std::size_t byte = 0; byte < Size; ++byte) {
+            bits |= std::to_integer<std::uint64_t>(in[byte * n]) << (8U * byte);
+        }
+        std::memcpy(reinterpret_cast<std::byte*>(&tick) + offset, &bits, Size);
+        ++in;
+    }
+}
+
+}  // namespace
+
+void stored_values(Stored column,
+                   std::span<const TickRecord> ticks,
+                   std::span<std::int64_t> values) noexcept {
+    const auto each = [&](const auto& value_of) {
+        std::transform(ticks.begin(), ticks.end(), values.begin(), value_of);
+    };
+    switch (column) {
+        case Stored::tick:
+            return each([](const TickRecord& tick) { return tick.tick; });
+        case Stored::time_ns:
+            return each([](const TickRecord& tick) { return tick.time_ns; });
+        case Stored::count_1:
+            return each([](const TickRecord& tick) { return tick.counts[0]; });
+        case Stored::count_2:
+            return each([](const TickRecord& tick) { return tick.counts[1]; });
+        case Stored::code_1:
+            return each([](const TickRecord& tick) { return tick.codes[0]; });
+        case Stored::code_2:
+            return each([](const TickRecord& tick) { return tick.codes[1]; });
+        case Stored::lateness_ns:
+            return each([](const TickRecord& tick) {
+                return in_steps(static_cast<double>(tick.lateness_us), kLatenessSteps);
+            });
+        case Stored::flags:
+            return each([](const TickRecord& tick) { return tick.flags; });
+        case Stored::hip_x:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.x, kHipSteps); });
+        case Stored::hip_y:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip.y, kHipSteps); });
+        case Stored::command_x:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.x, kCommandSteps); });
+        case Stored::command_y:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
+    }
+}
+
+void pack_column(Stored which,
+                 std::span<const TickRecord> ticks,
+                 const ChunkClock& clock,
+                 std::vector<std::byte>& data) {
+    const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
+    std::vector<std::int64_t> values(ticks.size());
+    std::vector<std::uint64_t> numbers(ticks.size());
+    stored_values(which, ticks, values);
+    if (column.rule == Rule::clock) {
+        for (std::size_t i = 0; i < ticks.size(); ++i) {
+            values[i] = static_cast<std::int64_t>(static_cast<std::uint64_t>(values[i]) -
+                                                  static_cast<std::uint64_t>(ticks[i].tick) *
+                                                      static_cast<std::uint64_t>(clock.period_ns));
+        }
+    }
+    if (column.rule == Rule::plain) {
+        const std::uint64_t mask = ~std::uint64_t{0} >> (64U - 8U * column.size);
+        std::ranges::transform(values, numbers.begin(), [mask](std::int64_t value) {
+            return static_cast<std::uint64_t>(value) & mask;
+        });
+    } else if (column.size == sizeof(std::uint32_t)) {
+        numbers_of<std::uint32_t>(column.rule, clock.first_tick, values, numbers);
+    } else {
+        numbers_of<std::uint64_t>(column.rule, clock.first_tick, values, numbers);
+    }
+    if (!all_zero(std::as_bytes(std::span(numbers)))) {
+        pack_numbers(numbers, data);
+    }
+}
+
+void pack_exact(const StoredColumn& column,
+                std::span<const TickRecord> ticks,
+                std::vector<std::byte>& data) {
+    std::vector<std::byte> bytes(ticks.size() * column.size);
+    shuffle_exact(column, ticks, bytes.data());
+    deflate(bytes, data);
+}
+
+bool unpack_column(Stored which,
+                   std::span<const std::byte> stream,
+                   std::int64_t first_tick,
+                   std::span<std::int32_t> values) noexcept {
+    const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
+    return column.size == 1 ? read_bytes(stream, values)
+                            : read_words<std::uint32_t>(column.rule, stream, first_tick, values);
+}
+
+bool unpack_column(Stored which,
+                   std::span<const std::byte> stream,
+                   std::int64_t first_tick,
+                   std::span<std::int64_t> values) noexcept {
+    const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
+    return column.size == 1 ? read_bytes(stream, values)
+         : column.size == sizeof(std::uint32_t)
+             ? read_words<std::uint32_t>(column.rule, stream, first_tick, values)
+             : read_words<std::uint64_t>(column.rule, stream, first_tick, values);
+}
+
+bool unpack_exact(const StoredColumn& column,
+                  std::span<const std::byte> stream,
+                  std::span<TickRecord> ticks) {
+    std::vector<std::byte> bytes(ticks.size() * column.size);
+    uLongf size = bytes.size();
+    uLong used = stream.size();
+    if (!stream.empty() &&
+        (uncompress2(reinterpret_cast<Bytef*>(bytes.data()), &size,
+                     reinterpret_cast<const Bytef*>(stream.data()), &used) != Z_OK ||
+         size != bytes.size() || used != stream.size())) {
+        return false;
+    }
+    const auto fill = column.size == 1 ? unshuffle<1>
+                    : column.size == 2 ? unshuffle<2>
+                    : column.size == 4 ? unshuffle<4>
+                                       : unshuffle<8>;
+    fill(bytes, column.offset, ticks);
+    return true;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/realtime/tick_record.hpp"
+#include "data/trace/stored_columns.hpp"
+
+/// From the values of one column of a chunk to its stream (chunk.hpp), and back.
+namespace palpate::data {
+
+/// Where a chunk begins, and how fast its clock ticks: what the rules `after` and `clock` take away.
+struct ChunkClock {
+    std::int64_t first_tick = 0;
+    std::int64_t period_ns = 0;
+};
+
+/// What a column of every chunk says of these ticks. @param values  as many as `ticks`
+void stored_values(Stored column,
+                   std::span<const engine::TickRecord> ticks,
+                   std::span<std::int64_t> values) noexcept;
+
+/// Adds the stream of a column of every chunk to `data`; nothing if all its numbers are 0.
+void pack_column(Stored column,
+                 std::span<const engine::TickRecord> ticks,
+                 const ChunkClock& clock,
+                 std::vector<std::byte>& data);
+
+/// Adds the stream of an exact column to `data`; nothing if all its bytes are 0.
+/// @throws std::bad_alloc
+void pack_exact(const StoredColumn& column,
+                std::span<const engine::TickRecord> ticks,
+                std::vector<std::byte>& data);
+
+/// The values of a stream. Of `time_ns` without tick * period_ns.
+/// @return false if it does not hold so many
+[[nodiscard]] bool unpack_column(Stored column,
+                                 std::span<const std::byte> stream,
+                                 std::int64_t first_tick,
+                                 std::span<std::int64_t> values) noexcept;
+/// The same of a column of no more than 4 bytes.
+[[nodiscard]] bool unpack_column(Stored column,
+                                 std::span<const std::byte> stream,
+                                 std::int64_t first_tick,
+                                 std::span<std::int32_t> values) noexcept;
+
+/// Into the column's field of each tick. @return false if the stream does not hold so many
+[[nodiscard]] bool unpack_exact(const StoredColumn& column,
+                                std::span<const std::byte> stream,
+                                std::span<engine::TickRecord> ticks);
+
+}  // namespace palpate::data

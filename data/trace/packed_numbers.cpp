@@ -1,0 +1,32 @@
+#include "data/trace/packed_numbers.hpp"
+
+#include <bit>
+
+namespace palpate::data {
+
+static_assert(std::endian::native == std::endian::little, "bits are copied as they lie in memory");
+
+void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>& data) {
+    for (std::size_t first = 0; first < numbers.size(); first += kBlock) {
+        const auto block = numbers.subspan(first, std::min(kBlock, numbers.size() - first));
+        std::uint64_t all = 0;
+        for (const std::uint64_t number : block) {
+            all |= number;
+        }
+        const auto width = static_cast<std::size_t>(std::bit_width(all));
+        std::array<std::uint64_t, kBlock + 1> bits{};
+        std::size_t bit = 0;
+        for (const std::uint64_t number : block) {
+            const std::size_t shift = bit % 64;
+            bits[bit / 64] |= number << shift;
+            bits[bit / 64 + 1] |= number >> 1U >> (63U - shift);
+            bit += width;
+        }
+        const std::size_t size = (bit + 7) / 8;
+        data.push_back(static_cast<std::byte>(width));
+        const auto* const bytes = reinterpret_cast<const std::byte*>(bits.data());
+        data.insert(data.end(), bytes, bytes + size);
+    }
+}
+
+}  // namespace palpate::data

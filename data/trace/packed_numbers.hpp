@@ -1,0 +1,78 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <span>
+#include <vector>
+
+/// Whole numbers in as few bits as the largest of their block needs: a stream of blocks of kBlock numbers
+/// (the last may have fewer), each a byte that says how many bits, 0 to 64, then the numbers in so many bits
+/// each, the lowest bit first, up to a whole byte. Reads faster than any dictionary; of what hands and
+/// encoders give it leaves as little.
+namespace palpate::data {
+
+inline constexpr std::size_t kBlock = 64;
+
+/// Adds the stream of `numbers` to `data`.
+void pack_numbers(std::span<const std::uint64_t> numbers, std::vector<std::byte>& data);
+
+/// Reads such a stream block by block. `stream` must outlive this.
+class PackedNumbers {
+public:
+    explicit PackedNumbers(std::span<const std::byte> stream) noexcept : rest_(stream) {}
+
+    /// The next numbers. @param block  kBlock of them, or what is left
+    /// @return false if the stream is too short, or a number does not fit a Word
+    template <class Word>
+    [[nodiscard]] bool next(std::span<Word> block) noexcept {
+        if (rest_.empty()) {
+            return false;
+        }
+        const auto width = std::to_integer<std::size_t>(rest_[0]);
+        const std::size_t size = (block.size() * width + 7) / 8;
+        if (width > std::numeric_limits<Word>::digits || rest_.size() <= size) {
+            return false;
+        }
+        if (width == 0) {
+            std::fill(block.begin(), block.end(), Word{0});
+        } else {
+            std::memcpy(bits_.data(), rest_.data() + 1, size);
+            take(width, block);
+        }
+        rest_ = rest_.subspan(1 + size);
+        return true;
+    }
+
+    [[nodiscard]] bool at_end() const noexcept { return rest_.empty(); }
+
+private:
+    static constexpr std::size_t kMore =
+        2 * sizeof(std::uint64_t);  ///< may be read behind the last
+
+    template <class Word>
+    void take(std::size_t width, std::span<Word> block) const noexcept {
+        const std::uint64_t mask = ~std::uint64_t{0} >> (64U - width);
+        std::size_t bit = 0;
+        for (Word& number : block) {
+            const std::byte* const at = bits_.data() + bit / 8;
+            const std::size_t shift = bit % 8;
+            std::uint64_t low = 0;
+            std::memcpy(&low, at, sizeof low);
+            low >>= shift;
+            if constexpr (sizeof(Word) == sizeof low) {  // may lie in nine bytes
+                low |= std::to_integer<std::uint64_t>(at[sizeof low]) << 1U << (63U - shift);
+            }
+            number = static_cast<Word>(low & mask);
+            bit += width;
+        }
+    }
+
+    std::span<const std::byte> rest_;
+    std::array<std::byte, kBlock * sizeof(std::uint64_t) + kMore> bits_{};
+};
+
+}  // namespace palpate::data
