@@ -61,18 +61,24 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
 /// HIP is NaN where the linkage has no pose. @throws TraceError
 void ChunkReplay::Unpacked::unpack(const ChunkView& view,
                                    const std::optional<engine::ManyHips>& machine) {
-    ChunkReader reader(view);
-    for (std::size_t i = 0; i < numbers.size(); ++i) {  // without HIP, which the counts tell
-        numbers[i].resize(view.ticks);
-        reader.read(static_cast<Stored>(i), numbers[i]);
+    const ChunkReader reader(view);  // without the columns of HIP, which the counts tell
+    numbers.resize(view.ticks);
+    times.resize(view.ticks);
+    reader.read(Stored::tick, numbers);
+    reader.read(Stored::time_ns, times);
+    for (std::size_t i = 0; i < small.size(); ++i) {
+        small[i].resize(view.ticks);
+        reader.read(static_cast<Stored>(static_cast<std::size_t>(Stored::count_1) + i), small[i]);
     }
+    counts.resize(view.ticks);
     hips.resize(view.ticks);
+    for (std::size_t i = 0; i < view.ticks; ++i) {
+        counts[i] = {small[0][i], small[1][i]};
+    }
     if (machine) {
-        std::vector<engine::Pantograph::Counts> counts(view.ticks);
-        for (std::size_t i = 0; i < view.ticks; ++i) {
-            counts[i] = {whole(Stored::count_1, i), whole(Stored::count_2, i)};
-        }
         machine->of(counts, hips);
+    } else {
+        std::fill(hips.begin(), hips.end(), engine::Vec2{});
     }
     if (view.parts != 0) {
         exact.resize(view.ticks);
@@ -81,20 +87,10 @@ void ChunkReplay::Unpacked::unpack(const ChunkView& view,
     }
 }
 
-/// What of a tick is stored, and HIP.
-void ChunkReplay::Unpacked::set_stored(TickRecord& tick, std::size_t i) const noexcept {
-    tick.tick = at(Stored::tick, i);
-    tick.time_ns = at(Stored::time_ns, i);
-    tick.hip = hips[i];
-    tick.counts = {whole(Stored::count_1, i), whole(Stored::count_2, i)};
-    tick.codes = {whole(Stored::code_1, i), whole(Stored::code_2, i)};
-    tick.lateness_us = lateness_us(at(Stored::lateness_ns, i));
-    tick.flags = static_cast<std::uint8_t>(at(Stored::flags, i));
-}
-
 ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                          const engine::Scene* scene,
-                         std::span<const ChunkView> chunks)
+                         std::span<const ChunkView> chunks,
+                         bool helped)
     : contacts_(std::nullopt, scene) {
     if (machine) {
         machine_.emplace(*machine);
@@ -105,7 +101,8 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
         ticks += std::min(chunk.ticks, kChunkTicks);  // a damaged number takes no room
     }
     ticks_.reserve(ticks);  // so that none of them moves
-    if (chunks.size() > 1) {
+    spare_.reserve(chunks_.size());
+    if (helped && chunks.size() > 1) {
         try {
             ahead_ = std::thread([this] { work_ahead(); });
         } catch (const std::system_error&) {  // then who asks does it all
@@ -160,7 +157,9 @@ bool ChunkReplay::work(Lock& lock) noexcept {
     if (!is_following_ && following_ < chunks_.size() && chunks_[following_].unpacked &&
         !chunks_[following_].damage) {
         is_following_ = true;
-        unlocked([this] { follow(chunks_[following_]); });
+        Chunk& chunk = chunks_[following_];
+        unlocked([&] { follow(chunk); });
+        spare_.push_back(std::move(chunk.bytes));
         is_following_ = false;
         ++following_;
     } else if (checking_ < following_) {
@@ -169,9 +168,16 @@ bool ChunkReplay::work(Lock& lock) noexcept {
         chunk.checked = true;
     } else if (unpacking_ < std::min(chunks_.size(), wanted_ + kAhead)) {
         Chunk& chunk = chunks_[unpacking_++];
+        if (!spare_.empty()) {
+            chunk.bytes = std::move(spare_.back());
+            spare_.pop_back();
+        }
         unlocked([&] {
             try {
-                chunk.bytes.unpack(chunk.view, machine_);
+                if (!chunk.bytes) {
+                    chunk.bytes = std::make_unique<Unpacked>();
+                }
+                chunk.bytes->unpack(chunk.view, machine_);
             } catch (...) {
                 chunk.damage = std::current_exception();
             }
@@ -186,27 +192,34 @@ bool ChunkReplay::work(Lock& lock) noexcept {
 
 /// The ticks of an unpacked chunk, after those of the chunk before.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
+    const Unpacked& bytes = *chunk.bytes;
     const std::uint8_t parts = chunk.view.parts;
+    const std::int32_t* const code_1 = bytes.column(Stored::code_1);
+    const std::int32_t* const code_2 = bytes.column(Stored::code_2);
+    const std::int32_t* const late = bytes.column(Stored::lateness_ns);
+    const std::int32_t* const flags = bytes.column(Stored::flags);
     const std::size_t first = ticks_.size();
     for (std::size_t i = 0; i < chunk.view.ticks; ++i) {
         TickRecord& tick = ticks_.emplace_back();  // there is room
-        chunk.bytes.set_stored(tick, i);
-        last_hip_ = std::isnan(tick.hip.x) ? last_hip_ : tick.hip;
-        tick.hip = last_hip_;
+        tick.tick = bytes.numbers[i];
+        tick.time_ns = bytes.times[i];
+        tick.counts = bytes.counts[i];
+        tick.codes = {code_1[i], code_2[i]};
+        tick.lateness_us = lateness_us(late[i]);
+        tick.flags = static_cast<std::uint8_t>(flags[i]);
+        last_hip_ = std::isnan(bytes.hips[i].x) ? last_hip_ : bytes.hips[i];
+        tick.hip = (parts & part_hip) != 0 ? bytes.exact[i].hip : last_hip_;
+        contacts_.contact(tick);
         if (parts == 0) {
-            contacts_.contact(tick);
             tick.command = tick.force;
             continue;
         }
-        const TickRecord& exact = chunk.bytes.exact[i];
-        tick.hip = (parts & part_hip) != 0 ? exact.hip : tick.hip;
-        const std::uint8_t flags = tick.flags;
-        contacts_.contact(tick);
-        tick.flags = (parts & part_contact) != 0 ? flags : tick.flags;
-        set_exact(tick, parts, exact);
+        if ((parts & part_contact) != 0) {
+            tick.flags = static_cast<std::uint8_t>(flags[i]);
+        }
+        set_exact(tick, parts, bytes.exact[i]);
     }
     chunk.ticks = std::span(ticks_).subspan(first);
-    chunk.bytes = {};
 }
 
 }  // namespace palpate::data

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -33,9 +34,11 @@ public:
     /// @param machine  nothing: HIP is (0, 0) where the chunks do not hold it
     /// @param scene    nothing: contacts are what the chunks hold
     /// @param chunks   in the order of their ticks; their bytes and the scene must outlive this
+    /// @param helped   by a thread; not where intervals are replayed side by side
     ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                 const engine::Scene* scene,
-                std::span<const ChunkView> chunks);
+                std::span<const ChunkView> chunks,
+                bool helped = true);
     ChunkReplay(const ChunkReplay&) = delete;
     ChunkReplay& operator=(const ChunkReplay&) = delete;
     ~ChunkReplay();
@@ -54,24 +57,25 @@ public:
     [[nodiscard]] std::vector<engine::TickRecord> take() noexcept { return std::move(ticks_); }
 
 private:
-    /// What the bytes of a chunk tell without its scene.
+    /// What the bytes of a chunk tell without its scene. Used again for later chunks.
     struct Unpacked {
-        std::array<std::vector<std::int64_t>, static_cast<std::size_t>(Stored::hip_x)> numbers;
+        std::vector<std::int64_t> numbers;
+        std::vector<std::int64_t> times;
+        std::array<std::vector<std::int32_t>, 6> small;  ///< from count_1 to flags
+        std::vector<engine::Pantograph::Counts> counts;
         std::vector<engine::Vec2> hips;
-        std::vector<engine::TickRecord> exact;  ///< the columns held in full; none: empty
+        std::vector<engine::TickRecord> exact;  ///< the columns that are held in full
 
         void unpack(const ChunkView& view, const std::optional<engine::ManyHips>& machine);
-        void set_stored(engine::TickRecord& tick, std::size_t i) const noexcept;
-        [[nodiscard]] std::int64_t at(Stored column, std::size_t tick) const noexcept {
-            return numbers[static_cast<std::size_t>(column)][tick];
-        }
-        [[nodiscard]] std::int32_t whole(Stored column, std::size_t tick) const noexcept {
-            return static_cast<std::int32_t>(at(column, tick));
+        [[nodiscard]] const std::int32_t* column(Stored which) const noexcept {
+            return small[static_cast<std::size_t>(which) -
+                         static_cast<std::size_t>(Stored::count_1)]
+                .data();
         }
     };
     struct Chunk {
         ChunkView view{};
-        Unpacked bytes{};
+        std::unique_ptr<Unpacked> bytes{};
         std::span<engine::TickRecord> ticks{};
         std::exception_ptr damage{};
         bool unpacked = false;
@@ -96,6 +100,7 @@ private:
     std::size_t unpacking_ = 0;  ///< the next one to be unpacked
     std::size_t following_ = 0;  ///< the next one whose contacts are computed
     std::size_t checking_ = 0;   ///< the next one to be hashed
+    std::vector<std::unique_ptr<Unpacked>> spare_;
     bool is_following_ = false;
     bool ends_ = false;
     std::thread ahead_;

@@ -41,8 +41,9 @@ std::string replay_sentence(std::int64_t trial, std::int64_t tick) {
 
 Replayed replay(const engine::Scene* scene,
                 const std::optional<engine::PantographSpec>& machine,
-                std::span<const ChunkView> chunks) {
-    ChunkReplay work(machine, scene, chunks);
+                std::span<const ChunkView> chunks,
+                bool helped) {
+    ChunkReplay work(machine, scene, chunks, helped);
     Replayed all;
     for (std::size_t i = 0; i < chunks.size(); ++i) {
         if (!work.chunk(i).as_recorded && !all.differs_from) {

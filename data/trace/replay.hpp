@@ -91,9 +91,11 @@ private:
 
 /// Replay of one interval with a scene that is there already; no scene: only what is stored. The closest
 /// points are left out: see find_closest_points(). Chunk by chunk: ChunkReplay.
+/// @param helped  by a thread; not where intervals are replayed side by side
 [[nodiscard]] Replayed replay(const engine::Scene* scene,
                               const std::optional<engine::PantographSpec>& machine,
-                              std::span<const ChunkView> chunks);
+                              std::span<const ChunkView> chunks,
+                              bool helped = true);
 
 /// The closest point of the next ticks of an interval, from its first one on: out of contact the one that was
 /// last looked for, which is where the god-object is.

@@ -101,7 +101,6 @@ std::vector<CheckedInterval> check_intervals(Database& database,
                                              const StoredRow& trial,
                                              std::span<const Presentation> expected,
                                              bool answered,
-                                             std::int64_t period_ns,
                                              Findings& findings) {
     const std::int64_t id = trial.integer("trial_id");
     const auto rows =
@@ -114,14 +113,33 @@ std::vector<CheckedInterval> check_intervals(Database& database,
     std::vector<CheckedInterval> intervals;
     for (std::size_t i = 0; i < std::min(rows.size(), expected.size()); ++i) {
         check_row(rows[i], expected[i], findings);
-        const auto scene = scene_of(frame, expected[i], rows[i], findings);
-        StoredTrace trace = load_trace(database, id, static_cast<std::int64_t>(i + 1), scene.get(),
-                                       frame.machine, period_ns, findings);
-        check_replay(*scene, trace, findings);
-        check_times(trace, period_ns, findings);
-        intervals.push_back({rows[i], std::move(trace)});
+        CheckedInterval& one = intervals.emplace_back();
+        one.row = rows[i];
+        one.scene = scene_of(frame, expected[i], rows[i], findings);
+        try {
+            one.chunks = stored_chunks(database, id, static_cast<std::int64_t>(i + 1));
+        } catch (const TraceError& e) {
+            one.trace.whole = false;
+            findings.differs("trace_chunk", e.what(), "a chunk that can be read");
+        }
     }
     return intervals;
+}
+
+void check_ticks(const SessionFrame& frame,
+                 std::span<CheckedInterval> intervals,
+                 std::int64_t period_ns,
+                 Findings& findings) {
+    for (CheckedInterval& one : intervals) {
+        if (!one.trace.whole) {
+            continue;  // said already
+        }
+        one.trace = check_trace(one.chunks.views, *one.scene, frame.machine, period_ns, findings);
+        check_replay(*one.scene, one.trace, findings);
+        check_times(one.trace, period_ns, findings);
+        one.chunks = {};
+        one.scene.reset();
+    }
 }
 
 bool check_response(const SessionFrame& frame,

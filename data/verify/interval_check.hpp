@@ -1,6 +1,8 @@
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -8,6 +10,8 @@
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/session/adaptive_runs.hpp"
 #include "protocols/trial/presentation.hpp"
+#include "data/store/database.hpp"
+#include "data/store/stored_chunks.hpp"
 #include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {
@@ -28,11 +32,14 @@ struct SessionFrame {
 /// One interval of a trial: its row of presentation, and its ticks.
 struct CheckedInterval {
     StoredRow row;
+    /// What the ticks follow from, until they are checked.
+    std::unique_ptr<const engine::Scene> scene;
+    StoredChunks chunks;
     StoredTrace trace;
 };
 
-/// The intervals of a trial against what they should have let one feel: rows of presentation, decays, chunks,
-/// replay and times.
+/// The intervals of a trial against what they should have let one feel: rows of presentation and decays. Ticks
+/// are left to check_ticks().
 /// @param expected  what the plan and the rule say
 [[nodiscard]] std::vector<CheckedInterval> check_intervals(
     Database& database,
@@ -40,8 +47,13 @@ struct CheckedInterval {
     const StoredRow& trial,
     std::span<const protocols::Presentation> expected,
     bool answered,
-    std::int64_t period_ns,
     Findings& findings);
+
+/// Chunks, replay and times of each interval. Asks no database: for any thread.
+void check_ticks(const SessionFrame& frame,
+                 std::span<CheckedInterval> intervals,
+                 std::int64_t period_ns,
+                 Findings& findings);
 
 /// The row of response: place, object and correct by the kind of answer, and their ranges.
 /// @return false if it is no answer to the question

@@ -74,6 +74,9 @@ constexpr std::array kColumns{
 }  // namespace
 
 void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings& findings) {
+    if (!trace.holds_contacts) {
+        return;
+    }
     std::array<Finding, kColumns.size()> found;
     for (Finding& finding : found) {
         finding.count = 0;

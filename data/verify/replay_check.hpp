@@ -7,9 +7,9 @@
 
 namespace palpate::data {
 
-/// Runs the trial's recorded HIP through `scene` again and compares, to the bit: force, normal and
-/// tangential force, GO, CP, mu, u, segment, mode, and the flags skipped and outside cone. One finding a
-/// column, with its first tick and how many differ.
+/// Where chunks hold contacts: runs the trial's recorded HIP through `scene` again and compares, to the bit:
+/// force, normal and tangential force, GO, mu, u, segment, mode, and the flags skipped and outside cone. One
+/// finding a column, with its first tick and how many differ. Other contacts are the scene's already.
 void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings& findings);
 
 /// What is stored of a virtual clock's ticks: none is late, time goes in whole periods. A real clock's

@@ -154,13 +154,13 @@ void check_all(Database& database,
     if (!check_plan(database, session, frame, findings)) {
         return;
     }
-    TrialCheck trials(database, id, frame, findings);
+    TrialCheck trials(database, id, frame, report);
     for (const StoredRow& trial :
          rows_of(database, "SELECT * FROM trial WHERE session_id = ?1 ORDER BY trial_id", id)) {
         ++report.trials;
         trials.check(trial);
-        report.replayed = trials.replayed();
     }
+    trials.finish();
     check_end(session, trials, findings);
 }
 

@@ -1,126 +1,139 @@
 #include "data/verify/stored_trace.hpp"
 
 #include <algorithm>
-#include <optional>
-#include <span>
+#include <array>
 
 #include <fmt/format.h>
 
-#include "data/store/stored_chunks.hpp"
 #include "data/trace/chunk.hpp"
+#include "data/trace/chunk_replay.hpp"
+#include "data/trace/column_codec.hpp"
 
 namespace palpate::data {
 namespace {
 
-/// Throws what is wrong with a chunk that should follow `next` ticks.
-void check_chunk(const ChunkView& chunk, std::int64_t next, std::int64_t period_ns) {
-    const std::int64_t first = chunk.first_tick;
-    if (first != next) {
-        throw TraceError(first > next ? fmt::format("ticks {} to {} are missing", next, first - 1)
-                                      : fmt::format("it begins with tick {} again", first));
-    }
-    if (chunk.period_ns != period_ns) {
-        throw TraceError(fmt::format("its period is {} ns, not {}", chunk.period_ns, period_ns));
-    }
-    ChunkReader reader(chunk);
-    std::vector<std::int64_t> values(chunk.ticks);
-    for (std::size_t column = kStoredColumns; column-- > 0;) {  // Stored::tick comes last
-        reader.read(static_cast<Stored>(column), values);
-    }
-    for (const std::int64_t tick : values) {
-        if (tick != next) {
-            throw TraceError(fmt::format("tick {} stands where tick {} belongs", tick, next));
-        }
-        ++next;
-    }
-    std::vector<engine::TickRecord> exact(chunk.ticks);
-    reader.read_exact(exact);
+using engine::TickRecord;
+
+void differs_from(std::int64_t tick,
+                  std::string what,
+                  std::string stored,
+                  std::string recomputed,
+                  Findings& findings) {
+    findings.add({.kind = FindingKind::differs,
+                  .trial = {},
+                  .tick = tick,
+                  .what = std::move(what),
+                  .stored = std::move(stored),
+                  .recomputed = std::move(recomputed)});
 }
 
-/// The chunks before the first that is not what was written.
-std::size_t good_chunks(std::span<const ChunkView> chunks,
-                        std::int64_t period_ns,
-                        Findings& findings) {
-    std::int64_t next = 0;
-    std::size_t good = 0;
-    for (; good < chunks.size(); ++good) {
-        const ChunkView& chunk = chunks[good];
-        try {
-            if (good > 0 && chunks[good - 1].ticks != kChunkTicks) {
+/// Chunk by chunk, as far as they are what was written.
+class TraceCheck {
+public:
+    TraceCheck(std::span<const ChunkView> chunks,
+               const engine::Scene& scene,
+               const std::optional<engine::PantographSpec>& machine,
+               std::int64_t period_ns,
+               Findings& findings)
+        : chunks_(chunks),
+          replay_(machine, &scene, chunks, false),
+          period_ns_(period_ns),
+          findings_(findings) {}
+
+    StoredTrace run() {
+        StoredTrace trace;
+        for (std::size_t i = 0; i < chunks_.size() && trace.whole; ++i) {
+            try {
+                check(i);
+                trace.holds_contacts =
+                    trace.holds_contacts || (chunks_[i].parts & part_contact) != 0;
+            } catch (const TraceError& e) {
+                differs_from(chunks_[i].first_tick, "trace_chunk", e.what(),
+                             fmt::format("nothing is replayed from tick {} on", next_), findings_);
+                trace.whole = false;
+            }
+        }
+        trace.ticks = replay_.take();
+        trace.ticks.resize(static_cast<std::size_t>(next_));
+        return trace;
+    }
+
+private:
+    /// @throws TraceError what is wrong with a chunk that should follow next_ ticks
+    void check(std::size_t i) {
+        const ChunkView& chunk = chunks_[i];
+        if (i > 0 && chunks_[i - 1].ticks != kChunkTicks) {
+            throw TraceError(
+                fmt::format("the one before it is not full: it ends before {}", next_));
+        }
+        const std::int64_t first = chunk.first_tick;
+        if (first != next_) {
+            throw TraceError(first > next_
+                                 ? fmt::format("ticks {} to {} are missing", next_, first - 1)
+                                 : fmt::format("it begins with tick {} again", first));
+        }
+        if (chunk.period_ns != period_ns_) {
+            throw TraceError(
+                fmt::format("its period is {} ns, not {}", chunk.period_ns, period_ns_));
+        }
+        const ChunkReplay::Again again = replay_.chunk(i);
+        std::int64_t due = next_;
+        for (const TickRecord& tick : again.ticks) {
+            if (tick.tick != due) {
                 throw TraceError(
-                    fmt::format("the one before it is not full: it ends before {}", next));
+                    fmt::format("tick {} stands where tick {} belongs", tick.tick, due));
             }
-            check_chunk(chunk, next, period_ns);
-            next += static_cast<std::int64_t>(chunk.ticks);
-        } catch (const TraceError& e) {
-            findings.add({.kind = FindingKind::differs,
-                          .trial = {},
-                          .tick = chunk.first_tick,
-                          .what = "trace_chunk",
-                          .stored = e.what(),
-                          .recomputed = fmt::format("nothing is replayed from tick {} on", next)});
-            break;
+            ++due;
+        }
+        check_readable(chunk, again.ticks);
+        next_ = due;
+        if (!again.as_recorded && !another_hash_) {
+            another_hash_ = true;
+            differs_from(first, "trace_chunk.derived", "the hash of what the servo had",
+                         "another one by replay", findings_);
         }
     }
-    return good;
-}
 
-/// What everybody can read must be what the exact numbers say.
-void check_readable(std::span<const ChunkView> chunks,
-                    std::span<const engine::TickRecord> ticks,
-                    Findings& findings) {
-    for (const ChunkView& chunk : chunks) {
-        ChunkReader reader(chunk);
-        std::vector<std::int64_t> values(chunk.ticks);
-        for (std::size_t i = 0; i < kStoredColumns; ++i) {
-            const auto column = static_cast<Stored>(i);
-            reader.read(column, values);
-            const auto wrong = std::ranges::mismatch(
-                values, ticks.first(chunk.ticks), {}, {},
-                [column](const engine::TickRecord& tick) { return stored_value(column, tick); });
-            if (wrong.in1 != values.end()) {
-                findings.add({.kind = FindingKind::differs,
-                              .trial = {},
-                              .tick = wrong.in2->tick,
-                              .what = fmt::format("trace.{}", stored_columns()[i].name),
-                              .stored = fmt::format("{}", *wrong.in1),
-                              .recomputed = fmt::format("{}", stored_value(column, *wrong.in2))});
+    /// What everybody can read must be what the exact numbers say. The other columns are the ticks' own.
+    void check_readable(const ChunkView& chunk, std::span<const TickRecord> ticks) {
+        constexpr std::array kReadable{Stored::lateness_ns, Stored::flags,     Stored::hip_x,
+                                       Stored::hip_y,       Stored::command_x, Stored::command_y};
+        const ChunkReader reader(chunk);
+        stored_.resize(chunk.ticks);
+        exact_.resize(chunk.ticks);
+        for (const Stored column : kReadable) {
+            reader.read(column, stored_);
+            stored_values(column, ticks, exact_);
+            const auto wrong = std::ranges::mismatch(stored_, exact_);
+            if (wrong.in1 != stored_.end()) {
+                const auto at = static_cast<std::size_t>(wrong.in1 - stored_.begin());
+                differs_from(ticks[at].tick,
+                             fmt::format("trace.{}",
+                                         stored_columns()[static_cast<std::size_t>(column)].name),
+                             fmt::format("{}", *wrong.in1), fmt::format("{}", *wrong.in2),
+                             findings_);
             }
         }
-        ticks = ticks.subspan(chunk.ticks);
     }
-}
+
+    std::span<const ChunkView> chunks_;
+    ChunkReplay replay_;
+    std::int64_t period_ns_;
+    Findings& findings_;
+    std::int64_t next_ = 0;  ///< tick after the last good chunk
+    bool another_hash_ = false;
+    std::vector<std::int64_t> stored_;
+    std::vector<std::int64_t> exact_;
+};
 
 }  // namespace
 
-StoredTrace load_trace(Database& database,
-                       std::int64_t trial,
-                       std::int64_t interval,
-                       const engine::Scene* scene,
-                       const std::optional<engine::PantographSpec>& machine,
-                       std::int64_t period_ns,
-                       Findings& findings) {
-    StoredTrace trace;
-    try {
-        const StoredChunks chunks = stored_chunks(database, trial, interval);
-        const std::size_t good = good_chunks(chunks.views, period_ns, findings);
-        trace.whole = good == chunks.views.size();
-        Replayed all = replay(scene, machine, std::span(chunks.views).first(good));
-        if (all.differs_from) {
-            findings.add({.kind = FindingKind::differs,
-                          .trial = {},
-                          .tick = all.differs_from,
-                          .what = "trace_chunk.derived",
-                          .stored = "the hash of what the servo had",
-                          .recomputed = "another one by replay"});
-        }
-        check_readable(std::span(chunks.views).first(good), all.ticks, findings);
-        trace.ticks = std::move(all.ticks);
-    } catch (const TraceError& e) {
-        trace.whole = false;
-        findings.differs("trace_chunk", e.what(), "a chunk that can be read");
-    }
-    return trace;
+StoredTrace check_trace(std::span<const ChunkView> chunks,
+                        const engine::Scene& scene,
+                        const std::optional<engine::PantographSpec>& machine,
+                        std::int64_t period_ns,
+                        Findings& findings) {
+    return TraceCheck(chunks, scene, machine, period_ns, findings).run();
 }
 
 }  // namespace palpate::data

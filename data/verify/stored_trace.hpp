@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
-#include "data/store/database.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/findings.hpp"
 
@@ -14,18 +15,19 @@ namespace palpate::data {
 struct StoredTrace {
     std::vector<engine::TickRecord> ticks;
     bool whole = true;  ///< nothing is damaged or missing in between
+    /// Contacts are what chunks hold; else all are what the scene makes of HIP.
+    bool holds_contacts = false;
 };
 
-/// Reads and checks every chunk: codec, checksum, zlib streams, counts, order, and that the replay of what it
-/// does not hold has the hash that the recorder wrote.
-/// @param scene      as the trial's, with its decays; nothing: it is not known
+/// Checks every chunk: codec, checksum, streams, counts, order, that the replay of what it does not hold has
+/// the hash that the recorder wrote, and that what everybody can read is what the exact numbers say.
+/// @param chunks     of the interval, in order
+/// @param scene      as the trial's, with its decays
 /// @param period_ns  of the session
-[[nodiscard]] StoredTrace load_trace(Database& database,
-                                     std::int64_t trial,
-                                     std::int64_t interval,
-                                     const engine::Scene* scene,
-                                     const std::optional<engine::PantographSpec>& machine,
-                                     std::int64_t period_ns,
-                                     Findings& findings);
+[[nodiscard]] StoredTrace check_trace(std::span<const ChunkView> chunks,
+                                      const engine::Scene& scene,
+                                      const std::optional<engine::PantographSpec>& machine,
+                                      std::int64_t period_ns,
+                                      Findings& findings);
 
 }  // namespace palpate::data

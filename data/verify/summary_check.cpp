@@ -12,7 +12,6 @@
 #include "engine/safety/safety_limits.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "data/schema/catalogue.hpp"
-#include "data/store/chain.hpp"
 #include "data/store/presentation.hpp"
 #include "data/trace/columns.hpp"
 #include "data/verify/replay_check.hpp"
@@ -162,7 +161,8 @@ void check_summary(const SessionFrame& frame,
     const std::string outcome = trial.text("outcome");
     protocols::TrialSummary sum;
     for (std::size_t i = 0; i < intervals.size(); ++i) {
-        const auto& [row, trace] = intervals[i];
+        const StoredRow& row = intervals[i].row;
+        const StoredTrace& trace = intervals[i].trace;
         const bool last = i + 1 == intervals.size();
         const std::int64_t felt =
             felt_ticks(frame, row, last && outcome == "faulted", trace, findings);
@@ -179,36 +179,33 @@ void check_summary(const SessionFrame& frame,
                     intervals.back().row.at("done_uncertainty_s"));
 }
 
-void check_invalid(Database& database,
-                   const SessionFrame& frame,
+void check_invalid(const SessionFrame& frame,
                    const StoredRow& trial,
+                   const std::optional<std::string>& mark,
                    std::span<const CheckedInterval> intervals,
                    Findings& findings) {
     if (!all_whole(intervals) || frame.replayed) {
         return;
     }
     std::vector<protocols::TrialSummary> felt;
-    for (const auto& [row, trace] : intervals) {
-        felt.push_back(
-            summary_of(frame, trace,
-                       std::clamp<std::int64_t>(row.integer("ticks"), 0,
-                                                static_cast<std::int64_t>(trace.ticks.size()))));
+    for (const CheckedInterval& one : intervals) {
+        felt.push_back(summary_of(
+            frame, one.trace,
+            std::clamp<std::int64_t>(one.row.integer("ticks"), 0,
+                                     static_cast<std::int64_t>(one.trace.ticks.size()))));
     }
     std::string why = why_invalid(frame.protocol, felt, !frame.simulated);
-    if (const auto mark = mark_reason(database, trial.integer("trial_id")); mark && why.empty()) {
+    if (mark && why.empty()) {
         why = *mark;
     }
     findings.expect("trial", "invalid_reason", trial, why.empty() ? Value() : Value(why));
 }
 
-void check_fault_ticks(Database& database,
+void check_fault_ticks(std::span<const StoredRow> rows,
                        const StoredRow& trial,
                        const StoredTrace& trace,
                        Findings& findings) {
     const bool faulted = trial.text("outcome") == "faulted";
-    const auto rows =
-        rows_of(database, "SELECT * FROM fault_tick WHERE trial_id = ?1 ORDER BY tick",
-                trial.integer("trial_id"));
     const std::size_t all = trace.ticks.size();
     const std::size_t expected = faulted ? std::min(all, kFaultTicks) : 0;
     if (!trace.whole) {

@@ -18,14 +18,16 @@ void check_summary(const SessionFrame& frame,
                    Findings& findings);
 
 /// Why an answer does not count: by the rules of [invalid], or because somebody marked it.
-void check_invalid(Database& database,
-                   const SessionFrame& frame,
+/// @param mark  the reason of its mark, if it has one
+void check_invalid(const SessionFrame& frame,
                    const StoredRow& trial,
+                   const std::optional<std::string>& mark,
                    std::span<const CheckedInterval> intervals,
                    Findings& findings);
 
 /// The rows of fault_tick: the last ticks of the last interval, at most 100, for a faulted trial; none else.
-void check_fault_ticks(Database& database,
+/// @param rows  of the trial, by tick
+void check_fault_ticks(std::span<const StoredRow> rows,
                        const StoredRow& trial,
                        const StoredTrace& last,
                        Findings& findings);

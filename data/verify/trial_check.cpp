@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
+#include <iterator>
 
 #include <fmt/format.h>
 
@@ -19,6 +21,9 @@ namespace palpate::data {
 namespace {
 
 using protocols::PlannedTrial;
+
+/// So many trials wait for their ticks to be checked: their chunks are in memory.
+constexpr std::size_t kAhead = 4;
 
 bool never_ended(const std::string& outcome) {
     return outcome == "running" || outcome == "interrupted";
@@ -53,28 +58,78 @@ std::vector<std::string_view> columns_of_an_end() {
 TrialCheck::TrialCheck(Database& database,
                        std::int64_t session,
                        const SessionFrame& frame,
-                       Findings& findings)
+                       SessionReport& report)
     : database_(database),
       frame_(frame),
-      findings_(findings),
+      report_(report),
       progress_(
           frame.protocol, frame.plan, session_stream(frame.protocol_hash, frame.key, frame.seed)),
       events_(stored_events(database, session)),
       period_ns_(engine::tick_period_ns(frame.protocol.apparatus.rate_hz)) {}
 
 void TrialCheck::check(const StoredRow& trial) {
-    findings_.look_at(trial.integer("trial_id"));
+    Pending& pending = pending_.emplace_back(Pending{.trial = trial});
+    Findings findings(pending.found);
+    findings.look_at(trial.integer("trial_id"));
+    try {
+        check_rows(pending, findings);
+    } catch (...) {
+        finish();
+        throw;
+    }
+    if (pending_.size() > kAhead) {
+        finish_first();
+    }
+}
+
+void TrialCheck::finish() {
+    std::exception_ptr error;
+    while (!pending_.empty()) {
+        try {
+            finish_first();
+        } catch (...) {
+            error = error ? error : std::current_exception();
+        }
+    }
+    if (error) {
+        std::rethrow_exception(error);
+    }
+}
+
+void TrialCheck::finish_first() {
+    Pending& first = pending_.front();  // its task refers to it
+    const auto take_down = [&] {
+        for (const CheckedInterval& one : first.intervals) {
+            report_.replayed += static_cast<std::int64_t>(one.trace.ticks.size());
+        }
+        std::ranges::move(first.found, std::back_inserter(report_.findings));
+        pending_.pop_front();
+    };
+    try {
+        if (first.ticks) {
+            work_.wait_for(*first.ticks);
+        }
+    } catch (...) {
+        take_down();
+        throw;
+    }
+    take_down();
+}
+
+void TrialCheck::check_rows(Pending& pending, Findings& findings) {
+    const StoredRow& trial = pending.trial;
     take_events();
     ++checked_;
-    check_place(trial);
+    check_place(trial, findings);
     const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
     if (position < frame_.plan.trials.size()) {  // else it was said already
         const auto responses = rows_of(database_, "SELECT * FROM response WHERE trial_id = ?1",
                                        trial.integer("trial_id"));
-        check_planned(trial, frame_.plan.trials[position],
-                      responses.empty() ? nullptr : &responses.front());
+        if (!responses.empty()) {
+            pending.response = responses.front();
+        }
+        check_planned(pending, frame_.plan.trials[position], findings);
     }
-    findings_.look_at({});
 }
 
 /// What was noted before the next trial began.
@@ -84,56 +139,69 @@ void TrialCheck::take_events() {
     }
 }
 
-void TrialCheck::check_place(const StoredRow& trial) {
+void TrialCheck::check_place(const StoredRow& trial, Findings& findings) {
     const auto position = static_cast<std::size_t>(trial.integer("plan_position"));
     if (const std::size_t next = progress_.pending().next(); position != next) {
-        findings_.differs("trial.plan_position", fmt::format("{}", position),
-                          fmt::format("{}: the next one to run", next));
+        findings.differs("trial.plan_position", fmt::format("{}", position),
+                         fmt::format("{}: the next one to run", next));
     }
     const auto before = progress_.attempts().find(position);
-    findings_.expect(
+    findings.expect(
         "trial", "attempt", trial,
         static_cast<std::int64_t>(before == progress_.attempts().end() ? 1 : before->second + 1));
 }
 
-void TrialCheck::check_planned(const StoredRow& trial,
-                               const PlannedTrial& planned,
-                               const StoredRow* response) {
-    const std::size_t done = progress_.pending().answered();
-    const std::optional<double> stimulus = stimulus_of(planned);
+void TrialCheck::check_planned(Pending& pending, const PlannedTrial& planned, Findings& findings) {
+    const StoredRow& trial = pending.trial;
+    const bool answered = pending.response.has_value();
+    pending.done = progress_.pending().answered();
+    const std::optional<double> stimulus = stimulus_of(planned, findings);
     if (planned.adaptive && !stimulus) {
-        take(trial, response, {});
+        take(trial, answered, {}, findings);
         return;
     }
-    const bool answered = response != nullptr;
     const auto expected = presentations_of(frame_.protocol, planned, stimulus);
-    const std::vector<CheckedInterval> intervals =
-        check_intervals(database_, frame_, trial, expected, answered, period_ns_, findings_);
-    for (const CheckedInterval& one : intervals) {
-        replayed_ += static_cast<std::int64_t>(one.trace.ticks.size());
-    }
-    check_outcome(trial, intervals, answered);
-    if (answered && check_response(frame_, *response, planned, expected, findings_)) {
-        check_simulated_answer(frame_, *response, intervals, done, findings_);
-    }
+    pending.intervals = check_intervals(database_, frame_, trial, expected, answered, findings);
+    pending.fault_ticks =
+        rows_of(database_, "SELECT * FROM fault_tick WHERE trial_id = ?1 ORDER BY tick",
+                trial.integer("trial_id"));
+    pending.mark = mark_reason(database_, trial.integer("trial_id"));
+    check_outcome(pending, findings);
+    pending.is_answer =
+        answered && check_response(frame_, *pending.response, planned, expected, findings);
     const bool of_rule = planned.adaptive && planned.phase != protocols::Phase::practice;
-    take(trial, response,
+    take(trial, answered,
          answered && of_rule && counted(trial)
-             ? std::optional(rule_answer(frame_, *response, planned, *stimulus))
-             : std::nullopt);
+             ? std::optional(rule_answer(frame_, *pending.response, planned, *stimulus))
+             : std::nullopt,
+         findings);
     if (!answered && !trial.null("invalid_reason")) {
-        findings_.differs("trial.invalid_reason", to_text(trial.at("invalid_reason")),
-                          "NULL: there is no answer");
+        findings.differs("trial.invalid_reason", to_text(trial.at("invalid_reason")),
+                         "NULL: there is no answer");
+    }
+    pending.ticks = work_.add([this, &pending] { check_ticks_of(pending); });
+}
+
+/// Asks no database: while the rows of later trials are looked at.
+void TrialCheck::check_ticks_of(Pending& pending) const {
+    const StoredRow& trial = pending.trial;
+    const std::span<const CheckedInterval> intervals = pending.intervals;
+    Findings findings(pending.found);
+    findings.look_at(trial.integer("trial_id"));
+    check_ticks(frame_, pending.intervals, period_ns_, findings);
+    if (pending.is_answer) {
+        check_simulated_answer(frame_, *pending.response, intervals, pending.done, findings);
     }
     if (!never_ended(trial.text("outcome"))) {
-        const bool by_numbers = !answered || response->text("input") == "simulated";
-        check_summary(frame_, trial, intervals, by_numbers, findings_);
-        if (answered) {
-            check_invalid(database_, frame_, trial, intervals, findings_);
+        const bool by_numbers = !pending.response || pending.response->text("input") == "simulated";
+        check_summary(frame_, trial, intervals, by_numbers, findings);
+        if (pending.response) {
+            check_invalid(frame_, trial, pending.mark, intervals, findings);
         }
     }
-    check_fault_ticks(database_, trial, intervals.empty() ? StoredTrace{} : intervals.back().trace,
-                      findings_);
+    const StoredTrace none;
+    check_fault_ticks(pending.fault_ticks, trial, intervals.empty() ? none : intervals.back().trace,
+                      findings);
 }
 
 /// Its answer did when it ended.
@@ -144,40 +212,41 @@ bool TrialCheck::counted(const StoredRow& trial) const {
 /// The session goes on after an attempt, which ended as it is stored.
 /// @param answer  what the rule takes in
 void TrialCheck::take(const StoredRow& trial,
-                      const StoredRow* response,
-                      const std::optional<protocols::RuleAnswer>& answer) {
+                      bool answered,
+                      const std::optional<protocols::RuleAnswer>& answer,
+                      Findings& findings) {
     const bool faulted = trial.text("outcome") == to_string(protocols::Outcome::faulted);
     protocols::Attempt attempt{.trial = trial.integer("trial_id"),
                                .position = static_cast<std::size_t>(trial.integer("plan_position")),
-                               .outcome = response != nullptr ? protocols::Outcome::complete
-                                        : faulted             ? protocols::Outcome::faulted
-                                                              : protocols::Outcome::interrupted,
-                               .counts = response != nullptr && counted(trial),
+                               .outcome = answered ? protocols::Outcome::complete
+                                        : faulted  ? protocols::Outcome::faulted
+                                                   : protocols::Outcome::interrupted,
+                               .counts = answered && counted(trial),
                                .answer = answer};
     try {
         progress_ = apply(progress_, attempt);
     } catch (const std::exception& error) {
-        findings_.differs("adaptive_step", error.what(), "an answer that the rule can take in");
+        findings.differs("adaptive_step", error.what(), "an answer that the rule can take in");
         attempt.answer.reset();
         progress_ = apply(std::move(progress_), attempt);
         return;
     }
-    check_step(database_, trial.integer("trial_id"), answer, progress_.runs(), findings_);
+    check_step(database_, trial.integer("trial_id"), answer, progress_.runs(), findings);
 }
 
-void TrialCheck::check_outcome(const StoredRow& trial,
-                               std::span<const CheckedInterval> intervals,
-                               bool answered) {
+void TrialCheck::check_outcome(const Pending& pending, Findings& findings) const {
+    const StoredRow& trial = pending.trial;
+    const bool answered = pending.response.has_value();
     const std::string outcome = trial.text("outcome");
     const auto wrong = [&](const std::string& why) {
-        findings_.differs("trial.outcome", fmt::format("\"{}\"", outcome), why);
+        findings.differs("trial.outcome", fmt::format("\"{}\"", outcome), why);
     };
     if ((outcome == "complete" || outcome == "timed_out") != answered) {
         wrong(answered ? "there is an answer" : "there is no answer");
     }
     if (never_ended(outcome)) {
         for (const std::string_view column : columns_of_an_end()) {
-            findings_.expect("trial", column, trial, Value());
+            findings.expect("trial", column, trial, Value());
         }
         return;
     }
@@ -186,7 +255,7 @@ void TrialCheck::check_outcome(const StoredRow& trial,
     }
     const double timeout = frame_.protocol.timing.explore_timeout;
     const bool waited = std::any_of(
-        intervals.begin(), intervals.end(),
+        pending.intervals.begin(), pending.intervals.end(),
         [timeout](const CheckedInterval& one) { return one.row.real("done_s") >= timeout; });
     if (outcome == "timed_out" && !waited) {
         wrong(fmt::format("done before the time-out of {} s", timeout));
@@ -195,8 +264,8 @@ void TrialCheck::check_outcome(const StoredRow& trial,
         return;
     }
     if (!is_trip(trial.text("fault_cause"))) {
-        findings_.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
-                          "a cause of faults");
+        findings.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
+                         "a cause of faults");
     }
     std::string noted;
     for (const StoredEvent& stored : events_) {
@@ -210,16 +279,17 @@ void TrialCheck::check_outcome(const StoredRow& trial,
         }
     }
     if (!noted.empty() && !trial.null("fault_cause")) {
-        findings_.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
-                          fmt::format("the event says {}", noted));
+        findings.differs("trial.fault_cause", to_text(trial.at("fault_cause")),
+                         fmt::format("the event says {}", noted));
     }
 }
 
 /// What the rule chose for a trial that begins now.
-std::optional<double> TrialCheck::stimulus_of(const PlannedTrial& planned) {
+std::optional<double> TrialCheck::stimulus_of(const PlannedTrial& planned,
+                                              Findings& findings) const {
     const bool of_rule = planned.adaptive && planned.phase != protocols::Phase::practice;
     if (of_rule && progress_.runs().of(planned.adaptive->run).finished()) {
-        findings_.differs("trial", "one more of a run", "the run had ended");
+        findings.differs("trial", "one more of a run", "the run had ended");
         return std::nullopt;
     }
     return stimulus_for(frame_.protocol, planned, progress_.runs());

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "engine/base/side_by_side.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/store/stored_progress.hpp"
@@ -13,42 +15,63 @@
 
 namespace palpate::data {
 
-/// Checks the attempts of one session in the order in which they were made.
+/// Checks the attempts of one session in the order in which they were made. Their rows are looked at one after
+/// the other, their ticks side by side.
 class TrialCheck {
 public:
+    /// @param report  takes what is found, trial by trial, and how many ticks were replayed
     TrialCheck(Database& database,
                std::int64_t session,
                const SessionFrame& frame,
-               Findings& findings);
+               SessionReport& report);
 
+    /// What is found may be in the report later only.
     void check(const StoredRow& trial);
-    [[nodiscard]] std::int64_t replayed() const noexcept { return replayed_; }
+    /// Everything that was found is in the report.
+    void finish();
     [[nodiscard]] const protocols::SessionProgress& progress() const noexcept { return progress_; }
 
 private:
+    /// A trial of which the rows were looked at.
+    struct Pending {
+        StoredRow trial;
+        std::optional<StoredRow> response{};
+        std::vector<CheckedInterval> intervals{};
+        std::vector<StoredRow> fault_ticks{};
+        std::optional<std::string> mark{};
+        std::size_t done = 0;    ///< trials of the session before
+        bool is_answer = false;  ///< to the question
+        std::vector<Finding> found{};
+        std::optional<std::size_t> ticks{};  ///< the task that looks at them
+    };
+
     void take_events();
-    void check_place(const StoredRow& trial);
-    void check_planned(const StoredRow& trial,
+    void check_rows(Pending& pending, Findings& findings);
+    void check_ticks_of(Pending& pending) const;
+    void check_place(const StoredRow& trial, Findings& findings);
+    void check_planned(Pending& pending,
                        const protocols::PlannedTrial& planned,
-                       const StoredRow* response);
+                       Findings& findings);
+    void finish_first();
     [[nodiscard]] bool counted(const StoredRow& trial) const;
     void take(const StoredRow& trial,
-              const StoredRow* response,
-              const std::optional<protocols::RuleAnswer>& answer);
-    void check_outcome(const StoredRow& trial,
-                       std::span<const CheckedInterval> intervals,
-                       bool answered);
-    [[nodiscard]] std::optional<double> stimulus_of(const protocols::PlannedTrial& planned);
+              bool answered,
+              const std::optional<protocols::RuleAnswer>& answer,
+              Findings& findings);
+    void check_outcome(const Pending& pending, Findings& findings) const;
+    [[nodiscard]] std::optional<double> stimulus_of(const protocols::PlannedTrial& planned,
+                                                    Findings& findings) const;
 
     Database& database_;
     const SessionFrame& frame_;
-    Findings& findings_;
+    SessionReport& report_;
     protocols::SessionProgress progress_;  ///< before the trial that is looked at
     std::vector<StoredEvent> events_;
     std::size_t taken_ = 0;     ///< of these
     std::int64_t checked_ = 0;  ///< trials
     std::int64_t period_ns_;
-    std::int64_t replayed_ = 0;
+    std::deque<Pending> pending_;
+    SideBySide work_;  ///< the last one: it ends first
 };
 
 }  // namespace palpate::data

@@ -111,13 +111,14 @@ int data_command(const std::vector<std::string>& arguments) {
     std::printf("%d trials of %g s at 1 kHz\n", trials, seconds);
     const Own own = measure_own(study, made);
     std::printf(
-        "encode %.2f, decode of one stored column %.1f, full replay %.2f million samples/s\n",
-        own.encode, own.decode, own.replay);
+        "encode %.2f, decode of one stored column %.1f, full replay %.2f, one trial after the "
+        "other %.2f million samples/s\n",
+        own.encode, own.decode, own.replay, own.replay_one);
     std::printf("%-28s %8s %10s %14s %12s %18s\n", "store", "bytes/s.", "ingest M/s",
                 "avg(rendered_normal_n) ms", "avg(commanded_x_n) s", "mean fn, trial 1");
     if (csv.is_open()) {
         csv << "machine,store,trials,seconds,bytes_per_sample,ingest_msps,avg_fn_trial_ms,"
-               "avg_fx_scan_s,encode_msps,decode_msps,replay_msps\n";
+               "avg_fx_scan_s,encode_msps,decode_msps,replay_msps,replay_one_msps\n";
     }
     const Folder folder;
     for (const auto& store : stores(folder.name(), study)) {
@@ -127,9 +128,9 @@ int data_command(const std::vector<std::string>& arguments) {
         std::fflush(stdout);
         if (csv.is_open()) {
             csv << fmt::format(
-                "\"{}\",\"{}\",{},{},{:.3f},{:.4f},{:.3f},{:.4f},{:.3f},{:.2f},{:.3f}\n", machine(),
-                r.store, trials, seconds, r.bytes_per_sample, r.ingest, r.one_trial_ms, r.scan_s,
-                own.encode, own.decode, own.replay);
+                "\"{}\",\"{}\",{},{},{:.3f},{:.4f},{:.3f},{:.4f},{:.3f},{:.2f},{:.3f},{:.3f}\n",
+                machine(), r.store, trials, seconds, r.bytes_per_sample, r.ingest, r.one_trial_ms,
+                r.scan_s, own.encode, own.decode, own.replay, own.replay_one);
         }
     }
     if (csv.is_open()) {

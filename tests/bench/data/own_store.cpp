@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/side_by_side.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "protocols/file/calibration_file.hpp"
 #include "protocols/trial/trial_scene.hpp"
@@ -136,17 +137,63 @@ std::unique_ptr<TraceStore> own_store(const std::string& folder, const MadeStudy
     return std::make_unique<OwnStore>(folder, study);
 }
 
+namespace {
+
+constexpr int kTimes = 10;  ///< each replay, so that a run takes a while
+
+/// A made trial as it is stored, and what it is replayed with.
+struct Stored {
+    std::unique_ptr<const engine::Scene> scene;
+    Chunks chunks;
+};
+
+void replay(const Stored& trial, bool helped) {
+    const data::Replayed again =
+        data::replay(trial.scene.get(), simulated_machine().pantograph, trial.chunks.views, helped);
+    if (again.differs_from) {
+        throw std::runtime_error("the replay differs from what was made");
+    }
+}
+
+double seconds_side_by_side(const std::vector<Stored>& trials) {
+    const auto start = Clock::now();
+    SideBySide work;
+    std::size_t last = 0;
+    for (int i = 0; i < kTimes; ++i) {
+        for (const Stored& trial : trials) {
+            last = work.add([&trial] { replay(trial, false); });
+        }
+    }
+    for (std::size_t i = 0; i <= last; ++i) {
+        work.wait_for(i);
+    }
+    return seconds_since(start);
+}
+
+double seconds_one_by_one(const std::vector<Stored>& trials) {
+    const auto start = Clock::now();
+    for (int i = 0; i < kTimes; ++i) {
+        for (const Stored& trial : trials) {
+            replay(trial, true);
+        }
+    }
+    return seconds_since(start);
+}
+
+}  // namespace
+
 Own measure_own(const MadeStudy& study, const std::vector<std::vector<TickRecord>>& made) {
     const std::int64_t period_ns = 1'000'000;
     double encode = 0.0;
     double decode = 0.0;
-    double replay = 0.0;
     std::size_t samples = 0;
+    std::vector<Stored> trials;
     for (std::size_t i = 0; i < made.size(); ++i) {
         const auto& condition = study.plan.trials.at(kFirst + i).condition;
-        const engine::Scene scene = make_scene(study.protocol, condition);
+        std::unique_ptr<const engine::Scene> scene(
+            new engine::Scene(make_scene(study.protocol, condition)));
         const auto start = Clock::now();
-        const Chunks chunks = encode_all(made[i], scene, period_ns);
+        Chunks chunks = encode_all(made[i], *scene, period_ns);
         encode += seconds_since(start);
 
         std::vector<std::int64_t> values(data::kChunkTicks);
@@ -155,18 +202,14 @@ Own measure_own(const MadeStudy& study, const std::vector<std::vector<TickRecord
             read_stored(view, data::Stored::hip_x, std::span(values).first(view.ticks));
         }
         decode += seconds_since(before);
-
-        const auto between = Clock::now();
-        const data::Replayed again =
-            data::replay(&scene, simulated_machine().pantograph, chunks.views);
-        replay += seconds_since(between);
-        if (again.differs_from || again.ticks.size() != made[i].size()) {
-            throw std::runtime_error("the replay differs from what was made");
-        }
+        trials.push_back({std::move(scene), std::move(chunks)});
         samples += made[i].size();
     }
     const double millions = 1e-6 * static_cast<double>(samples);
-    return {.encode = millions / encode, .decode = millions / decode, .replay = millions / replay};
+    return {.encode = millions / encode,
+            .decode = millions / decode,
+            .replay = kTimes * millions / seconds_side_by_side(trials),
+            .replay_one = kTimes * millions / seconds_one_by_one(trials)};
 }
 
 }  // namespace palpate::bench

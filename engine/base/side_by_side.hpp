@@ -1,0 +1,51 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace palpate {
+
+/// Work that is done side by side: by a thread for each further core, and by whoever waits for some of it.
+/// Tasks begin in the order in which they were added, and must not depend on one another. One owner.
+class SideBySide {
+public:
+    /// @param cores  of which one is the owner's; 1: who waits does it all
+    explicit SideBySide(std::size_t cores = std::thread::hardware_concurrency());
+    SideBySide(const SideBySide&) = delete;
+    SideBySide& operator=(const SideBySide&) = delete;
+    /// What has not begun by now is left out.
+    ~SideBySide();
+
+    /// @return the task's number, from 0. What it refers to must live until it is done
+    std::size_t add(std::function<void()> task);
+
+    /// Returns once a task is done, and works on what was added until then.
+    /// @throws what the task threw
+    void wait_for(std::size_t number);
+
+private:
+    using Lock = std::unique_lock<std::mutex>;
+    struct Task {
+        std::function<void()> work;
+        std::exception_ptr error{};
+        bool done = false;
+    };
+
+    bool work(Lock& lock) noexcept;
+    void work_until_the_end() noexcept;
+
+    std::mutex mutex_;  ///< of all that follows, but for a task that is being worked on
+    std::condition_variable changed_;
+    std::deque<Task> tasks_;  ///< none of them moves
+    std::size_t begun_ = 0;
+    bool ends_ = false;
+    std::vector<std::thread> threads_;
+};
+
+}  // namespace palpate
