@@ -6,8 +6,6 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "data/trace/column_codec.hpp"
-
 namespace palpate::data {
 namespace {
 
@@ -126,12 +124,21 @@ void ChunkReader::read(Stored column, std::span<std::int64_t> values) const {
     }
 }
 
-void ChunkReader::read_exact(std::span<TickRecord> ticks) const {
+std::vector<ExactColumn> ChunkReader::exact() const {
+    std::vector<ExactColumn> held;
     const auto columns = stored_columns();
     for (std::size_t i = kStoredColumns; i < columns.size(); ++i) {
         if (is_held(columns[i], chunk_.parts)) {
-            require(unpack_exact(columns[i], streams_[i], ticks), columns[i].name, chunk_.ticks);
+            held.emplace_back(columns[i], streams_[i], chunk_.ticks);
+            require(held.back().holds(), columns[i].name, chunk_.ticks);
         }
+    }
+    return held;
+}
+
+void ChunkReader::read_exact(std::span<TickRecord> ticks) const {
+    for (const ExactColumn& column : exact()) {
+        column.into(ticks);
     }
 }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "engine/realtime/tick_record.hpp"
+#include "data/trace/column_codec.hpp"
 #include "data/trace/stored_columns.hpp"
 
 /// Codec 1. A chunk's data are the sizes of its columns' streams, u32le each, in the order of
@@ -69,6 +70,8 @@ public:
     void read(Stored column, std::span<std::int32_t> values) const;
     /// All exact columns that the chunk holds, into the ticks. `command` becomes bits XOR those of force.
     void read_exact(std::span<engine::TickRecord> ticks) const;
+    /// The same columns, to be put into ticks later. @throws TraceError
+    [[nodiscard]] std::vector<ExactColumn> exact() const;
 
     [[nodiscard]] const ChunkView& chunk() const noexcept { return chunk_; }
 

@@ -26,7 +26,9 @@ void exclusive_or(double& value, double with) noexcept {
     std::memcpy(&value, &a, sizeof a);
 }
 
-void require_modes(std::span<const TickRecord> ticks) {
+void require_modes(const ChunkReader& reader) {
+    std::vector<TickRecord> ticks(reader.chunk().ticks);
+    reader.read_exact(ticks);
     for (const TickRecord& tick : ticks) {
         if (static_cast<unsigned>(tick.mode) > static_cast<unsigned>(engine::Mode::transition)) {
             throw TraceError("a trace chunk holds an unknown contact mode");
@@ -44,6 +46,7 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
         tick.u = exact.u;
         tick.segment = exact.segment;
         tick.mode = exact.mode;
+        tick.flags = exact.flags;
     }
     tick.command = tick.force;
     if ((parts & part_command) != 0) {
@@ -80,10 +83,9 @@ void ChunkReplay::Unpacked::unpack(const ChunkView& view,
     } else {
         std::fill(hips.begin(), hips.end(), engine::Vec2{});
     }
-    if (view.parts != 0) {
-        exact.resize(view.ticks);
-        reader.read_exact(exact);
-        require_modes(exact);
+    exact = reader.exact();
+    if ((view.parts & part_contact) != 0) {
+        require_modes(reader);
     }
 }
 
@@ -190,36 +192,64 @@ bool ChunkReplay::work(Lock& lock) noexcept {
     return true;
 }
 
-/// The ticks of an unpacked chunk, after those of the chunk before.
+/// The ticks of an unpacked chunk, after those of the chunk before, a few at a time: they stay in the first cache.
 void ChunkReplay::follow(Chunk& chunk) noexcept {
+    constexpr std::size_t kAtOnce = 64;
     const Unpacked& bytes = *chunk.bytes;
     const std::uint8_t parts = chunk.view.parts;
-    const std::int32_t* const code_1 = bytes.column(Stored::code_1);
-    const std::int32_t* const code_2 = bytes.column(Stored::code_2);
-    const std::int32_t* const late = bytes.column(Stored::lateness_ns);
-    const std::int32_t* const flags = bytes.column(Stored::flags);
-    const std::size_t first = ticks_.size();
-    for (std::size_t i = 0; i < chunk.view.ticks; ++i) {
-        TickRecord& tick = ticks_.emplace_back();  // there is room
-        tick.tick = bytes.numbers[i];
-        tick.time_ns = bytes.times[i];
-        tick.counts = bytes.counts[i];
+    const std::size_t begin = ticks_.size();
+    if (parts != 0) {  // there is room
+        ticks_.resize(begin + chunk.view.ticks);
+        for (const ExactColumn& column : bytes.exact) {
+            column.into(std::span(ticks_).subspan(begin));
+        }
+    }
+    std::array<TickRecord, kAtOnce> exact;
+    for (std::size_t first = 0; first < chunk.view.ticks; first += kAtOnce) {
+        const std::size_t count = std::min(kAtOnce, chunk.view.ticks - first);
+        ticks_.resize(std::max(ticks_.size(), begin + first + count));
+        const auto ticks = std::span(ticks_).subspan(begin + first, count);
+        if (parts != 0) {
+            std::ranges::copy(ticks, exact.begin());
+        }
+        set_stored(bytes, first, ticks);
+        if ((parts & part_hip) != 0) {
+            for (std::size_t i = 0; i < count; ++i) {
+                ticks[i].hip = exact[i].hip;
+            }
+        }
+        contacts_.contacts(ticks);
+        for (std::size_t i = 0; i < count; ++i) {
+            ticks[i].command = ticks[i].force;
+            if (parts != 0) {
+                exact[i].flags = static_cast<std::uint8_t>(bytes.column(Stored::flags)[first + i]);
+                set_exact(ticks[i], parts, exact[i]);
+            }
+        }
+    }
+    chunk.ticks = std::span(ticks_).subspan(begin);
+}
+
+/// What of a tick is stored, and HIP.
+void ChunkReplay::set_stored(const Unpacked& bytes,
+                             std::size_t first,
+                             std::span<TickRecord> ticks) noexcept {
+    const std::int32_t* const code_1 = bytes.column(Stored::code_1) + first;
+    const std::int32_t* const code_2 = bytes.column(Stored::code_2) + first;
+    const std::int32_t* const late = bytes.column(Stored::lateness_ns) + first;
+    const std::int32_t* const flags = bytes.column(Stored::flags) + first;
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        TickRecord& tick = ticks[i];
+        tick.tick = bytes.numbers[first + i];
+        tick.time_ns = bytes.times[first + i];
+        tick.counts = bytes.counts[first + i];
         tick.codes = {code_1[i], code_2[i]};
         tick.lateness_us = lateness_us(late[i]);
         tick.flags = static_cast<std::uint8_t>(flags[i]);
-        last_hip_ = std::isnan(bytes.hips[i].x) ? last_hip_ : bytes.hips[i];
-        tick.hip = (parts & part_hip) != 0 ? bytes.exact[i].hip : last_hip_;
-        contacts_.contact(tick);
-        if (parts == 0) {
-            tick.command = tick.force;
-            continue;
-        }
-        if ((parts & part_contact) != 0) {
-            tick.flags = static_cast<std::uint8_t>(flags[i]);
-        }
-        set_exact(tick, parts, bytes.exact[i]);
+        const engine::Vec2& hip = bytes.hips[first + i];
+        last_hip_ = std::isnan(hip.x) ? last_hip_ : hip;
+        tick.hip = last_hip_;
     }
-    chunk.ticks = std::span(ticks_).subspan(first);
 }
 
 }  // namespace palpate::data

@@ -64,7 +64,7 @@ private:
         std::array<std::vector<std::int32_t>, 6> small;  ///< from count_1 to flags
         std::vector<engine::Pantograph::Counts> counts;
         std::vector<engine::Vec2> hips;
-        std::vector<engine::TickRecord> exact;  ///< the columns that are held in full
+        std::vector<ExactColumn> exact;  ///< those that are held in full
 
         void unpack(const ChunkView& view, const std::optional<engine::ManyHips>& machine);
         [[nodiscard]] const std::int32_t* column(Stored which) const noexcept {
@@ -87,6 +87,9 @@ private:
     bool work(Lock& lock) noexcept;
     void work_ahead() noexcept;
     void follow(Chunk& chunk) noexcept;
+    void set_stored(const Unpacked& bytes,
+                    std::size_t first,
+                    std::span<engine::TickRecord> ticks) noexcept;
 
     std::optional<engine::ManyHips> machine_;
     Retrace contacts_;

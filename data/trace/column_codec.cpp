@@ -148,7 +148,9 @@ bool read_bytes(std::span<const std::byte> stream, std::span<Value> values) noex
 }
 
 template <std::size_t Size>
-void unshuffle(std::span<const std::byte> bytes, std::size_t offset, std::span<TickRecord> ticks) {
+void unshuffle(std::span<const std::byte> bytes,
+               std::size_t offset,
+               std::span<TickRecord> ticks) noexcept {
     const std::size_t n = bytes.size() / Size;
     const std::byte* in = bytes.data();
     for (TickRecord& tick : ticks) {
@@ -259,24 +261,24 @@ bool unpack_column(Stored which,
              : read_words<std::uint64_t>(column.rule, stream, first_tick, values);
 }
 
-bool unpack_exact(const StoredColumn& column,
-                  std::span<const std::byte> stream,
-                  std::span<TickRecord> ticks) {
-    std::vector<std::byte> bytes(ticks.size() * column.size);
-    uLongf size = bytes.size();
+ExactColumn::ExactColumn(const StoredColumn& column,
+                         std::span<const std::byte> stream,
+                         std::size_t ticks)
+    : column_(&column), bytes_(ticks * column.size) {
+    uLongf size = bytes_.size();
     uLong used = stream.size();
-    if (!stream.empty() &&
-        (uncompress2(reinterpret_cast<Bytef*>(bytes.data()), &size,
-                     reinterpret_cast<const Bytef*>(stream.data()), &used) != Z_OK ||
-         size != bytes.size() || used != stream.size())) {
-        return false;
-    }
-    const auto fill = column.size == 1 ? unshuffle<1>
-                    : column.size == 2 ? unshuffle<2>
-                    : column.size == 4 ? unshuffle<4>
-                                       : unshuffle<8>;
-    fill(bytes, column.offset, ticks);
-    return true;
+    holds_ = stream.empty() ||
+             (uncompress2(reinterpret_cast<Bytef*>(bytes_.data()), &size,
+                          reinterpret_cast<const Bytef*>(stream.data()), &used) == Z_OK &&
+              size == bytes_.size() && used == stream.size());
+}
+
+void ExactColumn::into(std::span<TickRecord> ticks) const noexcept {
+    const auto fill = column_->size == 1 ? unshuffle<1>
+                    : column_->size == 2 ? unshuffle<2>
+                    : column_->size == 4 ? unshuffle<4>
+                                         : unshuffle<8>;
+    fill(bytes_, column_->offset, ticks);
 }
 
 }  // namespace palpate::data

@@ -46,9 +46,21 @@ void pack_exact(const StoredColumn& column,
                                  std::int64_t first_tick,
                                  std::span<std::int32_t> values) noexcept;
 
-/// Into the column's field of each tick. @return false if the stream does not hold so many
-[[nodiscard]] bool unpack_exact(const StoredColumn& column,
-                                std::span<const std::byte> stream,
-                                std::span<engine::TickRecord> ticks);
+/// An exact column on its way: its bytes, shuffled.
+class ExactColumn {
+public:
+    /// @param stream  empty: all bytes are 0
+    ExactColumn(const StoredColumn& column, std::span<const std::byte> stream, std::size_t ticks);
+
+    /// The stream is one of so many values.
+    [[nodiscard]] bool holds() const noexcept { return holds_; }
+    /// Into the column's field of each tick. @param ticks  as many as above
+    void into(std::span<engine::TickRecord> ticks) const noexcept;
+
+private:
+    const StoredColumn* column_;
+    std::vector<std::byte> bytes_;
+    bool holds_ = true;
+};
 
 }  // namespace palpate::data

@@ -49,9 +49,9 @@ Retrace::Retrace(const std::optional<engine::PantographSpec>& machine, const eng
     }
 }
 
-void Retrace::contact(TickRecord& tick) noexcept {
+void Retrace::contacts(std::span<TickRecord> ticks) noexcept {
     if (scene_ != nullptr) {
-        engine::set_contact(tick, scene_->tick(state_, tick.hip), scene_->outline());
+        engine::set_contacts(ticks, *scene_, state_);
     }
 }
 
@@ -61,7 +61,7 @@ std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
         parts |= part_hip;
     }
     TickRecord again = tick;
-    contact(again);
+    contacts(std::span(&again, 1));
     if (!has_scene() || !same_contact(again, tick)) {
         parts |= part_contact;
     }

@@ -35,8 +35,8 @@ public:
     /// The parts of a recorded tick that nothing else in it tells.
     [[nodiscard]] std::uint8_t parts(const engine::TickRecord& tick) noexcept;
 
-    /// The contact of the next tick, after HIP is known. Every tick, in order.
-    void contact(engine::TickRecord& tick) noexcept;
+    /// The contacts of the next ticks, after HIP is known. Every tick, in order.
+    void contacts(std::span<engine::TickRecord> ticks) noexcept;
 
     [[nodiscard]] bool has_scene() const noexcept { return scene_ != nullptr; }
 

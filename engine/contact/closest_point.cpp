@@ -61,16 +61,6 @@ bool beyond_end(const RationalBezier<2>& span, bool at_last, const Vec2& h) noex
 
 }  // namespace
 
-SegmentPlace segment_place(const Outline& outline, const Place& place) noexcept {
-    const Seam* seam = place.on_seam ? &outline.seams()[place.index] : nullptr;
-    const SpanName& name = outline.name(seam != nullptr ? seam->before : place.index);
-    const bool on_vertex = seam != nullptr && seam->is_vertex;
-    return {.segment = name.segment,
-            .u = name.parameter(seam != nullptr ? 1.0 : place.parameter),
-            .on_vertex = on_vertex,
-            .angle = on_vertex ? place.parameter : 0.0};
-}
-
 OutlineFeet::OutlineFeet(const Outline& outline) : outline_(&outline), tree_(outline.spans()) {}
 
 ClosestPoint OutlineFeet::at_seam(std::size_t seam, const Vec2& h) const noexcept {

@@ -25,7 +25,16 @@ struct SegmentPlace {
 
 /// @pre `place` is one of `outline`. A kink or a cusp within a segment is no vertex: it is that
 /// place of the segment, and its fan angle has no name.
-[[nodiscard]] SegmentPlace segment_place(const Outline& outline, const Place& place) noexcept;
+[[nodiscard]] inline SegmentPlace segment_place(const Outline& outline,
+                                                const Place& place) noexcept {
+    const Seam* seam = place.on_seam ? &outline.seams()[place.index] : nullptr;
+    const SpanName& name = outline.name(seam != nullptr ? seam->before : place.index);
+    const bool on_vertex = seam != nullptr && seam->is_vertex;
+    return {.segment = name.segment,
+            .u = name.parameter(seam != nullptr ? 1.0 : place.parameter),
+            .on_vertex = on_vertex,
+            .angle = on_vertex ? place.parameter : 0.0};
+}
 
 struct ClosestPoint {
     Place place{};

@@ -6,7 +6,11 @@
 
 namespace palpate::engine {
 
-void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept {
+namespace {
+
+[[gnu::always_inline]] inline void set(TickRecord& tick,
+                                       const Contact& contact,
+                                       const Outline& outline) noexcept {
     const SegmentPlace place = segment_place(outline, contact.place);
     const auto segment = static_cast<std::int16_t>(place.segment);  // Outline takes no more
     tick.go = contact.go;
@@ -20,6 +24,19 @@ void set_contact(TickRecord& tick, const Contact& contact, const Outline& outlin
     const unsigned scene = static_cast<unsigned>(contact.skipped) * tick_skipped |
                            static_cast<unsigned>(contact.outside_cone) * tick_outside_cone;
     tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) | scene);
+}
+
+}  // namespace
+
+void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept {
+    set(tick, contact, outline);
+}
+
+void set_contacts(std::span<TickRecord> ticks, const Scene& scene, ContactState& state) noexcept {
+    const Outline& outline = scene.outline();
+    for (TickRecord& tick : ticks) {
+        set(tick, scene.tick(state, tick.hip), outline);
+    }
 }
 
 std::int64_t tick_period_ns(double rate_hz) noexcept {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <type_traits>
 
 #include "engine/geometry/vec.hpp"
@@ -10,7 +11,9 @@
 namespace palpate::engine {
 
 struct Contact;
+struct ContactState;
 class Outline;
+class Scene;
 
 /// Bits of TickRecord::flags.
 enum TickFlag : std::uint8_t {
@@ -60,6 +63,10 @@ static_assert(std::is_trivially_copyable_v<TickRecord>);
 /// leaves the others alone: no force needs the closest point, a replay finds it. Servo and replay both call this, and nothing else sets these columns.
 /// @param outline  of the scene that made `contact`
 void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept;
+
+/// The same for ticks one after the other, whose HIP is set: what a replay does. @param state  after the tick
+/// before them
+void set_contacts(std::span<TickRecord> ticks, const Scene& scene, ContactState& state) noexcept;
 
 /// Time from tick to tick, ns: 1e9 / rate, rounded. @param rate_hz  > 0
 [[nodiscard]] std::int64_t tick_period_ns(double rate_hz) noexcept;
