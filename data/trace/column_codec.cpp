@@ -107,44 +107,46 @@ void deflate(std::span<const std::byte> bytes, std::vector<std::byte>& data) {
     data.resize(at + size);
 }
 
-template <class Word, class Value>
-bool read_words(Rule rule,
-                std::span<const std::byte> stream,
-                std::int64_t first_tick,
-                std::span<Value> values) noexcept {
+/// @param value_of  of a number as written
+template <class Word, class Value, class Read>
+bool each_number(std::span<const std::byte> stream,
+                 std::span<Value> values,
+                 Read value_of) noexcept {
     PackedNumbers numbers(stream);
     std::array<Word, kBlock> block{};
-    Foretold<Word> foretold(rule, first_tick);
     for (std::size_t first = 0; first < values.size(); first += kBlock) {
         const auto part = values.subspan(first, std::min(kBlock, values.size() - first));
         if (!stream.empty() && !numbers.next(std::span<Word>(block).first(part.size()))) {
             return false;
         }
         for (std::size_t i = 0; i < part.size(); ++i) {
-            Word value = block[i];
-            if (rule != Rule::plain) {
-                value = foretold.next() + unfold(value);
-                foretold.see(value);
-            }
-            part[i] = static_cast<std::make_signed_t<Word>>(value);
+            part[i] = value_of(block[i]);
         }
     }
     return numbers.at_end();
 }
 
 /// Numbers of a byte are not negative, and plain.
-template <class Value>
-bool read_bytes(std::span<const std::byte> stream, std::span<Value> values) noexcept {
-    PackedNumbers numbers(stream);
-    std::array<std::uint8_t, kBlock> block{};
-    for (std::size_t first = 0; first < values.size(); first += kBlock) {
-        const std::size_t count = std::min(kBlock, values.size() - first);
-        if (!stream.empty() && !numbers.next(std::span<std::uint8_t>(block).first(count))) {
-            return false;
-        }
-        std::copy_n(block.begin(), count, values.subspan(first).begin());
+constexpr auto kAsItIs = [](std::uint8_t number) {
+    return number;
+};
+
+template <class Word, class Value>
+bool read_words(Rule rule,
+                std::span<const std::byte> stream,
+                std::int64_t first_tick,
+                std::span<Value> values) noexcept {
+    using Signed = std::make_signed_t<Word>;
+    if (rule == Rule::plain) {
+        return each_number<Word>(stream, values,
+                                 [](Word number) { return static_cast<Signed>(number); });
     }
-    return numbers.at_end();
+    return each_number<Word>(stream, values,
+                             [foretold = Foretold<Word>(rule, first_tick)](Word number) mutable {
+                                 const Word value = foretold.next() + unfold(number);
+                                 foretold.see(value);
+                                 return static_cast<Signed>(value);
+                             });
 }
 
 template <std::size_t Size>
@@ -246,7 +248,7 @@ bool unpack_column(Stored which,
                    std::int64_t first_tick,
                    std::span<std::int32_t> values) noexcept {
     const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
-    return column.size == 1 ? read_bytes(stream, values)
+    return column.size == 1 ? each_number<std::uint8_t>(stream, values, kAsItIs)
                             : read_words<std::uint32_t>(column.rule, stream, first_tick, values);
 }
 
@@ -255,7 +257,7 @@ bool unpack_column(Stored which,
                    std::int64_t first_tick,
                    std::span<std::int64_t> values) noexcept {
     const StoredColumn& column = stored_columns()[static_cast<std::size_t>(which)];
-    return column.size == 1 ? read_bytes(stream, values)
+    return column.size == 1 ? each_number<std::uint8_t>(stream, values, kAsItIs)
          : column.size == sizeof(std::uint32_t)
              ? read_words<std::uint32_t>(column.rule, stream, first_tick, values)
              : read_words<std::uint64_t>(column.rule, stream, first_tick, values);

@@ -20,13 +20,25 @@ constexpr int kMaxNudges = 10;
 /// Halvings of the way to where a budget ends.
 constexpr int kBudgetHalvings = 40;
 
+/// Whether the square of a slope is that of a sharp root among these lengths, m. Mostly without the root of
+/// `far2`: (chord + far)^2 <= 2 (chord^2 + far^2), with room for rounding.
+bool is_sharp(double slope2, double chord, double far2) noexcept {
+    constexpr double kAmple = 2.0 * (1.0 + 1e-9) * kSharp * kSharp;
+    if (slope2 >= kAmple * (chord * chord + far2)) {
+        return true;
+    }
+    const double sharp = kSharp * (chord + std::sqrt(far2));
+    return slope2 >= sharp * sharp;
+}
+
 /// How far ahead of d in direction `dir` a form that is > 0 there first vanishes; NaN: unclear.
-/// @param sharp  the least slope of a root, m
-double way_to_root(const Arc::Form& f, double d, double dir, double sharp) noexcept {
+/// @param chord  of the arc, m
+/// @param far2   squared distance of HIP, m^2
+double way_to_root(const Arc::Form& f, double d, double dir, double chord, double far2) noexcept {
     const double here = f.value(d);
     const double slope = dir * (f.c1 + 2.0 * d * f.c2);
     const double under = slope * slope - 4.0 * f.c2 * here;
-    if (!(std::fabs(under) >= sharp * sharp)) {
+    if (!is_sharp(std::fabs(under), chord, far2)) {
         return kUnclear;
     }
     if (under < 0.0) {
@@ -46,8 +58,9 @@ double way_to_root(const Arc::Form& f, double d, double dir, double sharp) noexc
 template <bool HasFriction>
 double go_to(const Arc& arc, const SlideTask& task, double mu, Spot& spot) noexcept {
     const double start = spot.u - spot.rest;
-    const double sharp = kSharp * (arc.chord() + glm::length(task.h - spot.jet.point));
-    const double way = way_to_root(arc.excess(task.h, mu, task.dir), start, task.dir, sharp);
+    const Vec2 gap = task.h - spot.jet.point;
+    const double way = way_to_root(arc.excess(task.h, mu, task.dir), start, task.dir, arc.chord(),
+                                   glm::dot(gap, gap));
     if (std::isnan(way)) {
         return kUnclear;
     }

@@ -74,7 +74,7 @@ private:
         return fmt::format("{}/trial_{}.csv", folder_, trial);
     }
     void add(std::int64_t trial, int column, Sum& sum) const {
-        const std::string text = slurp(file_of(trial));
+        const std::string text = tests::slurp(file_of(trial));
         const char* at = text.data() + text.find('\n') + 1;
         const char* end = text.data() + text.size();
         while (at < end) {
