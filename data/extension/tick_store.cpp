@@ -26,11 +26,12 @@ public:
                std::vector<std::vector<std::byte>> bytes,
                std::span<const ChunkView> chunks,
                std::shared_ptr<const engine::Scene> scene,
-               const std::optional<engine::PantographSpec>& machine)
+               const std::optional<engine::PantographSpec>& machine,
+               std::vector<TickRecord> room)
         : part_(part),
           bytes_(std::move(bytes)),
           scene_(std::move(scene)),
-          replay_(machine, scene_.get(), chunks) {
+          replay_(machine, scene_.get(), chunks, true, std::move(room)) {
         for (const ChunkView& chunk : chunks) {
             first_ticks_.push_back(chunk.first_tick);
             ticks_ += chunk.ticks;
@@ -39,6 +40,8 @@ public:
 
     [[nodiscard]] std::size_t chunks() const noexcept { return first_ticks_.size(); }
     [[nodiscard]] std::size_t ticks() const noexcept { return ticks_; }
+    /// Its memory, for another. @pre nobody asks it again
+    [[nodiscard]] std::vector<TickRecord> take_room() noexcept { return replay_.take(); }
     /// Nobody is to be given this one again: the rows may be mended.
     void gives_up() noexcept { given_up_ = true; }
     [[nodiscard]] bool is_of(const TrialPart& part,
@@ -115,7 +118,7 @@ struct TickStore::State {
     };
     Context context_of(const TrialPart& part);
     std::shared_ptr<PartReplay> replayed(const TrialPart& part);
-    void make_room();
+    std::vector<TickRecord> make_room();
     void require_one_study();
 
     Asked db;
@@ -171,16 +174,16 @@ std::shared_ptr<PartReplay> TickStore::State::replayed(const TrialPart& part) {
         std::rotate(same, same + 1, kept.end());
         return kept.back();
     }
-    make_room();
+    std::vector<TickRecord> room = make_room();
     const Context context = context_of(part);
     kept.push_back(std::make_shared<PartReplay>(part, std::move(bytes), views,
                                                 context.session->scene_of(context.trial),
-                                                context.session->machine()));
+                                                context.session->machine(), std::move(room)));
     return kept.back();
 }
 
-/// For one more: of a long trial none is kept beside it.
-void TickStore::State::make_room() {
+/// For one more: of a long trial none is kept beside it. @return the memory of one that went
+std::vector<TickRecord> TickStore::State::make_room() {
     constexpr std::size_t kMostParts = 4;
     constexpr std::size_t kMostTicks = 400'000;  // 60 MB
     const auto ticks = [this] {
@@ -190,9 +193,14 @@ void TickStore::State::make_room() {
         }
         return sum;
     };
+    std::vector<TickRecord> room;
     while (kept.size() >= kMostParts || ticks() > kMostTicks) {
+        if (kept.front().use_count() == 1) {
+            room = kept.front()->take_room();
+        }
         kept.erase(kept.begin());
     }
+    return room;
 }
 
 TickStore::TickStore(sqlite3* db) : state_(std::make_unique<State>(db)) {}

@@ -92,8 +92,9 @@ void ChunkReplay::Unpacked::unpack(const ChunkView& view,
 ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                          const engine::Scene* scene,
                          std::span<const ChunkView> chunks,
-                         bool helped)
-    : contacts_(std::nullopt, scene) {
+                         bool helped,
+                         std::vector<TickRecord> room)
+    : contacts_(std::nullopt, scene), ticks_(std::move(room)) {
     if (machine) {
         machine_.emplace(*machine);
     }
@@ -102,6 +103,7 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
         chunks_.emplace_back().view = chunk;
         ticks += std::min(chunk.ticks, kChunkTicks);  // a damaged number takes no room
     }
+    ticks_.clear();
     ticks_.reserve(ticks);  // so that none of them moves
     spare_.reserve(chunks_.size());
     if (helped && chunks.size() > 1) {
@@ -113,6 +115,10 @@ ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
 }
 
 ChunkReplay::~ChunkReplay() {
+    end();
+}
+
+void ChunkReplay::end() noexcept {
     {
         const Lock lock(mutex_);
         ends_ = true;

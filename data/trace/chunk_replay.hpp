@@ -35,10 +35,12 @@ public:
     /// @param scene    nothing: contacts are what the chunks hold
     /// @param chunks   in the order of their ticks; their bytes and the scene must outlive this
     /// @param helped   by a thread; not where intervals are replayed side by side
+    /// @param room     of an earlier replay: memory that is there already
     ChunkReplay(const std::optional<engine::PantographSpec>& machine,
                 const engine::Scene* scene,
                 std::span<const ChunkView> chunks,
-                bool helped = true);
+                bool helped = true,
+                std::vector<engine::TickRecord> room = {});
     ChunkReplay(const ChunkReplay&) = delete;
     ChunkReplay& operator=(const ChunkReplay&) = delete;
     ~ChunkReplay();
@@ -53,8 +55,11 @@ public:
     /// @throws TraceError if the chunk or one before it is damaged
     [[nodiscard]] Again chunk(std::size_t i);
 
-    /// All ticks, in order; ends the replay. @pre chunk() gave every one
-    [[nodiscard]] std::vector<engine::TickRecord> take() noexcept { return std::move(ticks_); }
+    /// All ticks so far, in order; ends the replay.
+    [[nodiscard]] std::vector<engine::TickRecord> take() noexcept {
+        end();
+        return std::move(ticks_);
+    }
 
 private:
     /// What the bytes of a chunk tell without its scene. Used again for later chunks.
@@ -84,6 +89,7 @@ private:
     };
     using Lock = std::unique_lock<std::mutex>;
 
+    void end() noexcept;
     bool work(Lock& lock) noexcept;
     void work_ahead() noexcept;
     void follow(Chunk& chunk) noexcept;

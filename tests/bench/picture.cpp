@@ -73,7 +73,8 @@ data::Panel against_error(std::span<const Row> rows) {
 
 /// Rows that only take time, by name: from the median to p99, and the mean in a loop.
 data::Panel times_alone(std::span<const Row> rows) {
-    data::Panel panel{.x = time_axis(), .y = {}, .height = 26.0 * static_cast<double>(rows.size()) + 20.0};
+    data::Panel panel{
+        .x = time_axis(), .y = {}, .height = 26.0 * static_cast<double>(rows.size()) + 20.0};
     panel.x.label = "warm (dot), and p50 to p99 of single ticks (line)";
     panel.y.low = 0.4;
     panel.y.high = static_cast<double>(rows.size()) + 0.6;
