@@ -21,6 +21,10 @@ function(palpate_in_batches target)
         set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${batch})
     endforeach()
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
+    # What a batch is warned of beside its files: that each of them is no file of its own, and what g++ 12 makes of
+    # more functions at once.
+    target_compile_options(${target} PRIVATE
+        $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage -Wno-maybe-uninitialized -Wno-stringop-overflow -Wno-array-bounds>)
 endfunction()
 
 # A room is a list of folders, each a target of its own.
@@ -35,9 +39,10 @@ endfunction()
 # PLAIN   reads, writes and waits: less optimised, it compiles in half of the time, and nobody sees a
 #         difference
 # PACED   what the tests wait for under sanitizers: optimised there as well
-# TICK    part of a tick, whose speed must not depend on who its neighbour is: every file is compiled alone
+# ALONE   every file is compiled alone: the speed of a tick must not depend on who its neighbour is, and a mutant
+#         takes the place of one file
 function(palpate_folder folder)
-    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;TICK" "" "SEES;SOURCES;LINK")
+    cmake_parse_arguments(PARSE_ARGV 1 arg "PLAIN;PACED;ALONE" "" "SEES;SOURCES;LINK")
     get_filename_component(room ${CMAKE_CURRENT_SOURCE_DIR} NAME)
     string(REPLACE "/" "_" name ${room}_${folder})
     string(REPLACE "/" "_" seen "${arg_SEES}")
@@ -68,7 +73,7 @@ function(palpate_folder folder)
     else()
         target_precompile_headers(palpate_${name} REUSE_FROM palpate_engine_base)
     endif()
-    if(NOT arg_TICK)
+    if(NOT arg_ALONE)
         palpate_in_batches(palpate_${name})
     endif()
     set_property(GLOBAL APPEND PROPERTY palpate_${room}_objects $<TARGET_OBJECTS:palpate_${name}>)

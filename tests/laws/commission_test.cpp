@@ -64,18 +64,25 @@ public:
     /// The example of a device that is a program, at a UDP port.
     FreeBoard(const TemporaryFolder& folder, std::uint16_t port)
         : word_("board:udp:127.0.0.1:" + std::to_string(port)),
+          silent_(true),
           emulator_(folder, "hand", std::to_string(port), {}, PALPATE_UDP_DEVICE) {
         emulator_.type("");
     }
     [[nodiscard]] std::string word() const { return word_; }
     /// A place, or what else the emulator takes.
     void bring(const std::string& line) {
+        const auto said = [this] {
+            return emulator_.program().out().size() + emulator_.program().error().size();
+        };
+        const std::size_t before = said();
         emulator_.type(line);
         a_moment();
+        CHECK((silent_ || eventually([&] { return said() != before; })));
     }
 
 private:
     std::string word_;
+    bool silent_ = false;  ///< does not say what it did
     TypedTo emulator_;
 };
 

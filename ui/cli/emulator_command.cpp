@@ -154,8 +154,10 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
             try {
                 if (const auto gain = parse_gain(line)) {
                     handle.strengthen(*gain);
+                    say("The motors give {:g} times what they are asked for", *gain);
                 } else {
                     handle.bring(parse_place(line, "brought to"));
+                    say("The handle is at {} mm", line);
                 }
             } catch (const std::exception& e) {
                 warn("{}", e.what());
