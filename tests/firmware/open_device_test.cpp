@@ -16,9 +16,9 @@ using Catch::Matchers::ContainsSubstring;
 
 // The driver of `--device board:PORT` in lockstep with the firmware: one clock, the board's.
 #if defined(PALPATE_FIRMWARE_328P)
-#define BOARDS OnHost, On328p
+#define DESKS OnHost, On328p
 #else
-#define BOARDS OnHost
+#define DESKS OnHost
 #endif
 
 namespace {
@@ -67,7 +67,7 @@ constexpr Vec2 kGuardedPress{0.3, -0.4};
 
 TEMPLATE_TEST_CASE("over an open board HIP follows the hand and the motors the force",
                    "[open][law]",
-                   BOARDS) {
+                   DESKS) {
     Calibration machine = open_machine();
     machine.board->channel = {2, 1};
     machine.board->motor_clockwise = {false, true};
@@ -108,7 +108,7 @@ TEMPLATE_TEST_CASE("over an open board HIP follows the hand and the motors the f
 
 TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the remedy",
                    "[open][law]",
-                   BOARDS) {
+                   DESKS) {
     const Calibration truth = open_machine();
     const auto refused = [&](const Calibration& told, const std::string& why) {
         Desk<TestType> desk(truth, told);
@@ -145,7 +145,7 @@ TEMPLATE_TEST_CASE("a board that is not the calibration's is refused with the re
 
 TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released and forgiven",
                    "[open][law]",
-                   BOARDS) {
+                   DESKS) {
     Desk<TestType> desk;
     desk.open();
     REQUIRE(desk.ticks(kGuardedPress, 20).ok());
@@ -167,9 +167,7 @@ TEMPLATE_TEST_CASE("an emergency stop in a trial is a fault until it is released
     CHECK(desk.board.torque() != Vec2{});
 }
 
-TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten",
-                   "[open][law]",
-                   BOARDS) {
+TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten", "[open][law]", DESKS) {
     Desk<TestType> desk;
     desk.open();
     REQUIRE(desk.ticks(kGuardedPress, 5).ok());
@@ -187,7 +185,7 @@ TEMPLATE_TEST_CASE("an emergency stop while nothing ticks is not forgotten",
 TEMPLATE_TEST_CASE(
     "a host that stalls with the force on finds its motors off, and a rest is no stall",
     "[open][law]",
-    BOARDS) {
+    DESKS) {
     Desk<TestType> desk;
     desk.open();
     REQUIRE(desk.ticks(kGuardedPress, 20).ok());
@@ -206,7 +204,7 @@ TEMPLATE_TEST_CASE(
 
 TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was",
                    "[open][law]",
-                   BOARDS) {
+                   DESKS) {
     Desk<TestType> desk;
     desk.open();
     REQUIRE(desk.ticks(kGuardedPress, 30).ok());
@@ -230,7 +228,7 @@ TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was"
 
 TEMPLATE_TEST_CASE("a cable pulled with the force on has its motors off, and comes back",
                    "[open][law]",
-                   BOARDS) {
+                   DESKS) {
     Desk<TestType> desk;
     desk.open();
     REQUIRE(desk.ticks(kGuardedPress, 20).ok());
@@ -329,7 +327,7 @@ TEST_CASE("a port where something else speaks is told from one where nobody does
 
 TEMPLATE_TEST_CASE("an open board is commissioned, and every miswiring of it is found",
                    "[open][commission][law]",
-                   BOARDS) {
+                   DESKS) {
     struct Case {
         std::array<std::uint8_t, 2> channel{1, 2};
         std::array<bool, 2> motor{};
