@@ -1,5 +1,6 @@
 #include "data/store/statement.hpp"
 
+#include <mutex>
 #include <new>
 #include <utility>
 
@@ -8,6 +9,9 @@
 
 namespace palpate::data {
 namespace {
+
+/// Of what is idle on any connection: a session's recorder and its screens use one from two threads.
+std::mutex idle_guard;
 
 const char* remedy(int code) {
     switch (code & 0xFF) {
@@ -49,6 +53,7 @@ void Connection::fail(std::string_view doing) const {
 }
 
 void Connection::forget_idle() const noexcept {
+    const std::scoped_lock lock(idle_guard);
     for (const auto& [sql, statement] : idle) {
         sqlite3_finalize(statement);
     }
@@ -63,10 +68,13 @@ void Connection::execute(const char* sql) const {
 
 Statement::Statement(const Connection& connection, std::string_view sql)
     : connection_(&connection) {
-    if (const auto known = connection.idle.find(sql); known != connection.idle.end()) {
-        statement_ = known->second;
-        connection.idle.erase(known);
-        return;
+    {
+        const std::scoped_lock lock(idle_guard);
+        if (const auto known = connection.idle.find(sql); known != connection.idle.end()) {
+            statement_ = known->second;
+            connection.idle.erase(known);
+            return;
+        }
     }
     if (sqlite3_prepare_v3(connection.handle, sql.data(), static_cast<int>(sql.size()),
                            SQLITE_PREPARE_PERSISTENT, &statement_, nullptr) != SQLITE_OK) {
@@ -87,10 +95,12 @@ Statement::~Statement() {
         sqlite3_finalize(statement_);
         return;
     }
-    if (connection_->idle.size() >= kMostIdle) {
-        connection_->forget_idle();
-    }
     reset();
+    const std::scoped_lock lock(idle_guard);
+    if (connection_->idle.size() >= kMostIdle) {
+        sqlite3_finalize(statement_);
+        return;
+    }
     try {
         connection_->idle.emplace(sql, statement_);
     } catch (const std::bad_alloc&) {
