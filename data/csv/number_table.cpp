@@ -22,22 +22,58 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-std::vector<std::string_view> fields_of(std::string_view line) {
-    std::vector<std::string_view> fields;
-    while (true) {
-        const std::size_t comma = line.find(',');
-        fields.push_back(trimmed(line.substr(0, comma)));
-        if (comma == std::string_view::npos) {
-            return fields;
-        }
-        line.remove_prefix(comma + 1);
+/// A field of a line, without blanks and quotes around it.
+struct Field {
+    std::string_view text;
+    std::size_t character = 1;  ///< where it begins, from 1
+};
+
+/// Where the field at the start of `line` ends: at a comma outside of quotes, or with the line.
+std::size_t end_of_field(std::string_view line) {
+    const std::size_t first = line.find_first_not_of(" \t");
+    if (first == std::string_view::npos || line[first] != '"') {
+        return std::min(line.find(','), line.size());
     }
+    bool quoted = false;
+    for (std::size_t i = first; i < line.size(); ++i) {
+        if (line[i] == '"') {
+            quoted = !quoted;
+        } else if (line[i] == ',' && !quoted) {
+            return i;
+        }
+    }
+    return line.size();
 }
 
 std::string_view unquoted(std::string_view name) {
     return name.size() >= 2 && name.front() == '"' && name.back() == '"'
              ? name.substr(1, name.size() - 2)
              : name;
+}
+
+std::vector<Field> fields_of(std::string_view line) {
+    std::vector<Field> fields;
+    const char* const begin = line.data();
+    while (true) {
+        const std::size_t end = end_of_field(line);
+        const std::string_view text = trimmed(line.substr(0, end));
+        const char* const at = text.empty() ? line.data() : text.data();
+        fields.push_back({unquoted(text), static_cast<std::size_t>(at - begin) + 1});
+        if (end == line.size()) {
+            return fields;
+        }
+        line.remove_prefix(end + 1);
+    }
+}
+
+/// "" inside of quotes means one of them.
+std::string plain_text(std::string_view field) {
+    std::string text;
+    for (std::size_t i = 0; i < field.size(); ++i) {
+        text += field[i];
+        i += std::size_t{field[i] == '"' && i + 1 < field.size() && field[i + 1] == '"'};
+    }
+    return text;
 }
 
 class Parser {
@@ -50,13 +86,14 @@ public:
     }
 
     NumberTable read(std::span<const std::string_view> wanted,
-                     std::span<const std::string_view> optional) {
+                     std::span<const std::string_view> optional,
+                     std::span<const std::string_view> texts) {
         if (!next_line()) {
             fail(1, fmt::format("the file is empty: give a head with the columns {}",
                                 fmt::join(wanted, ",")));
         }
-        for (const std::string_view name : fields_of(line_)) {
-            head_.push_back(unquoted(name));
+        for (const Field& name : fields_of(line_)) {
+            head_.push_back(name.text);
         }
         NumberTable table;
         for (const std::string_view name : wanted) {
@@ -68,6 +105,13 @@ public:
         if (all) {
             for (const std::string_view name : optional) {
                 add_column(table, name);
+            }
+        }
+        for (const std::string_view name : texts) {
+            if (const auto found = std::find(head_.begin(), head_.end(), name);
+                found != head_.end()) {
+                table.text_columns.emplace_back(name);
+                text_places_.push_back(static_cast<std::size_t>(found - head_.begin()));
             }
         }
         while (next_line()) {
@@ -106,20 +150,25 @@ private:
     }
 
     void read_row(NumberTable& table) {
-        const std::vector<std::string_view> fields = fields_of(line_);
+        const std::vector<Field> fields = fields_of(line_);
         if (fields.size() != head_.size()) {
             fail(number_,
                  fmt::format("the row has {} fields, the head {}: give one for each column",
                              fields.size(), head_.size()));
         }
         for (std::size_t i = 0; i < places_.size(); ++i) {
-            table.values.push_back(number(fields[places_[i]], table.columns[i]));
+            const Field& field = fields[places_[i]];
+            table.values.push_back(number(field, table.columns[i]));
+            table.characters.push_back(static_cast<std::uint32_t>(field.character));
+        }
+        for (const std::size_t place : text_places_) {
+            table.texts.push_back(plain_text(fields[place].text));
         }
         table.lines.push_back(number_);
     }
 
-    [[nodiscard]] double number(std::string_view field, std::string_view column) const {
-        std::string_view digits = field;
+    [[nodiscard]] double number(const Field& field, std::string_view column) const {
+        std::string_view digits = field.text;
         if (digits.starts_with('+')) {
             digits.remove_prefix(1);
         }
@@ -127,9 +176,10 @@ private:
         const auto [end, error] =
             std::from_chars(digits.data(), digits.data() + digits.size(), value);
         if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
-            fail(number_, fmt::format("{} is \"{}\", not a finite number: give one, with a point "
-                                      "for decimals",
-                                      column, field.substr(0, 40)));
+            throw CsvError(
+                fmt::format("{}:{}:{}: {} is \"{}\", not a finite number: give one, with "
+                            "a point for decimals",
+                            file_, number_, field.character, column, field.text.substr(0, 40)));
         }
         return value;
     }
@@ -140,27 +190,43 @@ private:
     std::size_t number_ = 0;
     std::vector<std::string_view> head_;
     std::vector<std::size_t> places_;  ///< of the table's columns among the fields
+    std::vector<std::size_t> text_places_;
 };
 
 }  // namespace
 
+std::string NumberTable::place(std::size_t row, std::size_t column) const {
+    return fmt::format("{}:{}", lines[row], characters[row * columns.size() + column]);
+}
+
+std::optional<std::string_view> NumberTable::text(std::size_t row, std::string_view column) const {
+    const auto found = std::find(text_columns.begin(), text_columns.end(), column);
+    return found == text_columns.end()
+             ? std::nullopt
+             : std::optional<std::string_view>(
+                   texts[row * text_columns.size() +
+                         static_cast<std::size_t>(found - text_columns.begin())]);
+}
+
 NumberTable parse_numbers(std::string_view text,
                           std::string_view file_name,
                           std::span<const std::string_view> wanted,
-                          std::span<const std::string_view> optional) {
-    return Parser(text, file_name).read(wanted, optional);
+                          std::span<const std::string_view> optional,
+                          std::span<const std::string_view> texts) {
+    return Parser(text, file_name).read(wanted, optional, texts);
 }
 
 NumberTable read_numbers(const std::filesystem::path& file,
                          std::span<const std::string_view> wanted,
-                         std::span<const std::string_view> optional) {
+                         std::span<const std::string_view> optional,
+                         std::span<const std::string_view> texts) {
     std::string text;
     try {
         text = protocols::read_text(file);
     } catch (const protocols::ProtocolError& e) {  // it names the file and why
         throw CsvError(e.what());
     }
-    return parse_numbers(text, file.string(), wanted, optional);
+    return parse_numbers(text, file.string(), wanted, optional, texts);
 }
 
 }  // namespace palpate::data

@@ -27,7 +27,7 @@ BEGIN {
     where["xxHash"] = "data"
     where["SDL2"] = "ui"
     where["CLI11"] = "ui"
-    where["nlohmann"] = "data/export ui"
+    where["nlohmann"] = "data/export data/fit ui"
     where["Eigen"] = "engine/deformation"
     where["comedilib"] = "engine/device/drivers"
 

@@ -150,7 +150,7 @@ TEST_CASE("palpate procedure refuses bad words and files with place and remedy",
     refused("answer\n1\n", "r.csv:1: there is no column response");
     refused("response\n2\n", "r.csv:2: response is 2: give a whole number from 0 to 1");
     refused("response\n1\n0.5\n", "r.csv:3: response is 0.5");
-    refused("response\nyes\n", "r.csv:2: response is \"yes\", not a finite number");
+    refused("response\nyes\n", "r.csv:2:1: response is \"yes\", not a finite number");
     refused("response,stimulus\n1,-18\n1,-18.5\n", "r.csv:3: stimulus is -18.5, which is none of");
     std::string many = "response\n";
     for (int i = 0; i < 130; ++i) {

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "data/fit/curve_fit.hpp"
+
+/// What a fit would have been of other answers drawn from the fitted curve (parametric bootstrap).
+namespace palpate::data {
+
+/// Fits of answers drawn anew, n at each level as in the data, k binomial with the fitted chance. The levels of an
+/// adaptive run are kept as they were, though other answers would have led to others.
+struct Bootstrap {
+    std::vector<CurvePoint> at{};
+    std::size_t steep = 0;  ///< of these, whose slope has no end
+    /// Share of fits, the data's own counted as one, with a deviance at least as high as the data's: goodness of fit by
+    /// simulation (F. A. Wichmann, N. J. Hill, Percept. Psychophys. 63:1293, 2001).
+    double deviance_p = 1.0;
+};
+
+/// @param stream  which sequence of PCG32; the same seed and stream give the same fits
+[[nodiscard]] Bootstrap bootstrap(const CurveModel& model,
+                                  const CurveFit& fit,
+                                  std::size_t samples,
+                                  std::uint64_t seed,
+                                  std::uint64_t stream);
+
+/// A quantity of all fits; NaN where one has none.
+[[nodiscard]] std::vector<double> of_all(const CurveSpec& spec,
+                                         const Bootstrap& samples,
+                                         Quantity quantity,
+                                         double share = 0.5);
+
+/// 95 % bias-corrected percentiles (B. Efron, J. Am. Stat. Assoc. 82:171, 1987, without acceleration): with
+/// z0 = probit(share of values below the estimate, half of equal ones), the values at Phi(2 z0 -+ 1.96). Values that
+/// are NaN are left out; nothing for fewer than 40 others, or where z0 is not finite.
+[[nodiscard]] std::optional<Interval> bootstrap_interval(std::vector<double> values,
+                                                         double estimate);
+
+}  // namespace palpate::data

@@ -1,0 +1,399 @@
+#include "data/fit/curve_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "engine/math/elementary.hpp"
+#include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/optimum.hpp"
+
+namespace palpate::data {
+namespace {
+
+using engine::natural_log;
+using protocols::exponential;
+using protocols::Family;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
+constexpr double kReach = 1.959963984540054;  ///< sqrt of the 95 % point of chi-square with 1 df
+
+bool logarithmic(Family family) {
+    return family == Family::weibull_log10 || family == Family::weibull_db;
+}
+
+std::vector<CurvePoint> grid(const CurveModel& model) {
+    const CurveSpec& spec = model.spec();
+    const CurveMask free = model.free();
+    const double range = model.last() - model.first();
+    const std::vector<double> guesses =
+        free[2] ? std::vector{0.02, 0.15, 0.4} : std::vector{spec.guess};
+    const std::vector<double> lapses =
+        free[3] ? std::vector{0.005, 0.05, 0.15} : std::vector{spec.lapse};
+    std::vector<CurvePoint> all;
+    for (int i = -3; i <= 9; ++i) {
+        for (double log_slope = natural_log(0.5 / range); log_slope < model.high()[1];
+             log_slope += protocols::kLn2) {
+            for (const double guess : guesses) {
+                for (const double lapse : lapses) {
+                    all.push_back({model.first() + range * i / 6.0, log_slope, guess, lapse});
+                }
+            }
+        }
+    }
+    return all;
+}
+
+/// Which parameter or tie of the model holds the quantity, and the quantity at a place of it.
+struct Held {
+    std::size_t parameter = 0;
+    Tie tie{};
+    double at = 0.0;
+    double low = -kInfinity;
+    double high = kInfinity;
+    double step = 1.0;
+    std::function<double(double)> quantity{};
+};
+
+double jnd_in_slopes(Family family) {
+    return 0.5 * (core_quantile(family, 0.75) - core_quantile(family, 0.25));
+}
+
+std::optional<Held> held(const CurveModel& model,
+                         const CurveFit& fit,
+                         Quantity quantity,
+                         double share) {
+    const CurveSpec& spec = model.spec();
+    const Family family = spec.family;
+    const auto of_parameter = [&](std::size_t i, std::function<double(double)> value) {
+        const double se = std::sqrt(fit.covariance[i][i]);
+        const double plain = i == 0 ? 0.1 * (model.last() - model.first()) : i == 1 ? 0.5 : 0.02;
+        return Held{
+            .parameter = i,
+            .at = fit.at[i],
+            .low = model.low()[i],
+            .high = model.high()[i],
+            .step = se > 0.0 && std::isfinite(se) ? std::min(2.0 * se, 20.0 * plain) : plain,
+            .quantity = std::move(value)};
+    };
+    const auto of_slope = [&] {
+        return of_parameter(1, [family, quantity](double log_slope) {
+            return quantity_of({.family = family}, {0.0, log_slope, 0.0, 0.0}, quantity);
+        });
+    };
+    const auto of_tie = [&](Tie tie, std::function<double(double)> value) {
+        return Held{.tie = tie, .at = tie.value, .step = 0.3, .quantity = std::move(value)};
+    };
+    const double value = quantity_of(spec, fit.at, quantity, share);
+    if (!std::isfinite(value)) {
+        return std::nullopt;
+    }
+    switch (quantity) {
+        case Quantity::threshold:
+            return of_parameter(0, [family](double z) { return off_axis(family, z); });
+        case Quantity::slope:
+            return of_slope();
+        case Quantity::jnd:
+            return family == Family::weibull
+                     ? of_tie({.kind = Tie::Kind::jnd, .value = natural_log(value)}, exponential)
+                     : of_slope();
+        case Quantity::weber:
+            if (family == Family::weibull) {
+                return of_slope();
+            }
+            return of_tie({.kind = Tie::Kind::weber, .value = natural_log(value)}, exponential);
+        case Quantity::guess:
+        case Quantity::lapse: {
+            const std::size_t i = quantity == Quantity::lapse || spec.two_sided ? 3 : 2;
+            return model.free()[i]
+                     ? std::optional(of_parameter(i, [](double rate) { return rate; }))
+                     : std::nullopt;
+        }
+        case Quantity::at_share: {
+            if (model.free()[2] || model.free()[3]) {
+                return std::nullopt;
+            }
+            Held one = of_tie({.kind = Tie::Kind::share,
+                               .value = on_axis(family, value),
+                               .share = (share - fit.at[2]) / (1.0 - fit.at[2] - fit.at[3])},
+                              [family](double z) { return off_axis(family, z); });
+            one.step = 0.1 * (model.last() - model.first());
+            one.low = model.low()[0];
+            one.high = model.high()[0];
+            return one;
+        }
+    }
+    return std::nullopt;
+}
+
+/// The loss of log-likelihood where a quantity is held, each search begun where the last one ended.
+class Profile {
+public:
+    Profile(CurveModel model, const CurveFit& fit, const Held& held)
+        : model_(std::move(model)), fit_(&fit), held_(held), near_(fit.at) {}
+
+    void restart() { near_ = fit_->at; }
+
+    double value(double place) {
+        CurveMask free;
+        if (held_.tie.kind == Tie::Kind::none) {
+            free = model_.free();
+            free[held_.parameter] = false;
+            near_[held_.parameter] = place;
+        } else {
+            Tie tie = held_.tie;
+            tie.value = place;
+            model_.tie(tie);
+            free = model_.free();
+        }
+        const Optimum found = climb(model_, near_, free, 1e-10);
+        near_ = found.at;
+        return found.value;
+    }
+
+    /// The signed root of the deviance against the maximum, which is nearly a straight line.
+    double root(double place) { return std::sqrt(2.0 * std::max(0.0, fit_->value - value(place))); }
+
+    /// The place on one side where the root is kReach; nothing if it is not reached up to the end.
+    std::optional<double> edge(double step, double end) {
+        restart();
+        double near = held_.at;
+        double root_near = 0.0;
+        double far = held_.at;
+        double root_far = 0.0;
+        for (int i = 0; i < 60 && root_far < kReach; ++i) {
+            if (far == end) {
+                return std::nullopt;
+            }
+            near = far;
+            root_near = root_far;
+            far = i == 0
+                    ? far + step
+                    : held_.at + (far - held_.at) * std::clamp(1.1 * kReach / root_far, 1.3, 3.0);
+            far = step > 0.0 ? std::min(far, end) : std::max(far, end);
+            root_far = root(far);
+        }
+        if (root_far < kReach) {
+            return std::nullopt;
+        }
+        for (int i = 0; i < 60; ++i) {
+            // Halving at times, where the line is bent.
+            const double t =
+                i % 4 == 3 ? 0.5
+                           : std::clamp((kReach - root_near) / (root_far - root_near), 0.02, 0.98);
+            const double middle = near + t * (far - near);
+            const double here = root(middle);
+            if (std::fabs(here - kReach) < 1e-7 || middle == near || middle == far) {
+                return middle;
+            }
+            (here < kReach ? near : far) = middle;
+            (here < kReach ? root_near : root_far) = here;
+        }
+        return 0.5 * (near + far);
+    }
+
+private:
+    CurveModel model_;
+    const CurveFit* fit_;
+    Held held_;
+    CurvePoint near_;
+};
+
+}  // namespace
+
+double quantity_of(const CurveSpec& spec,
+                   const CurvePoint& point,
+                   Quantity quantity,
+                   double share) {
+    const Family family = spec.family;
+    const double b = exponential(point[1]);
+    const double half = core_quantile(family, 0.5);
+    const auto place = [&](double core_share) {
+        return off_axis(family, point[0] + (core_quantile(family, core_share) - half) / b);
+    };
+    switch (quantity) {
+        case Quantity::threshold:
+            return off_axis(family, point[0]);
+        case Quantity::jnd:
+            return family == Family::weibull ? 0.5 * (place(0.75) - place(0.25))
+                                             : jnd_in_slopes(family) / b;
+        case Quantity::weber: {
+            if (logarithmic(family) || (family != Family::weibull && !(point[0] > 0.0))) {
+                return kNoNumber;
+            }
+            const double up = (core_quantile(family, 0.75) - half) / b;
+            const double down = (core_quantile(family, 0.25) - half) / b;
+            return family == Family::weibull ? 0.5 * (exponential(up) - exponential(down))
+                                             : jnd_in_slopes(family) / b / point[0];
+        }
+        case Quantity::slope:
+            return b / slope_factor(family);
+        case Quantity::guess:
+            return spec.two_sided ? point[3] : point[2];
+        case Quantity::lapse:
+            return point[3];
+        case Quantity::at_share: {
+            const double bottom = spec.two_sided ? point[3] : point[2];
+            const double core = (share - bottom) / (1.0 - bottom - point[3]);
+            return core > 0.0 && core < 1.0 ? place(core) : kNoNumber;
+        }
+    }
+    return kNoNumber;
+}
+
+CurveFit fit_curve(const CurveModel& model) {
+    struct Start {
+        CurvePoint at{};
+        double value = 0.0;
+    };
+    std::vector<Start> starts;
+    for (const CurvePoint& point : grid(model)) {
+        starts.push_back({point, model.value(point)});
+    }
+    constexpr std::size_t kStarts = 4;
+    const std::size_t tried = std::min(kStarts, starts.size());
+    std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(tried),
+                      starts.end(),
+                      [](const Start& a, const Start& b) { return a.value > b.value; });
+    const CurveMask free = model.free();
+    Optimum best{.value = -kInfinity};
+    for (std::size_t i = 0; i < tried; ++i) {
+        const Optimum found = climb(model, starts[i].at, free);
+        best = found.value > best.value ? found : best;
+    }
+    CurveFit fit;
+    const Optimum second = nelder_mead(model, starts.front().at, free);
+    fit.second = second.value;
+    fit.agree = std::fabs(second.value - best.value) < 1e-6;
+    if (second.value > best.value) {
+        const Optimum again = climb(model, second.at, free);
+        best = again.value > second.value ? again : second;
+    }
+    CurvePoint gradient;
+    CurveMatrix information;
+    fit.value = model.derivatives(best.at, gradient, information);
+    CurveMask inner = free;
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        fit.parameters += free[i] ? 1 : 0;
+        inner[i] = free[i] && best.at[i] > model.low()[i] && best.at[i] < model.high()[i];
+    }
+    fit.covariance = inverse(information, inner);
+    fit.at = model.whole(best.at);
+    fit.deviance = model.deviance(fit.at);
+    // A likelihood that still grows is as good as its end long before it: within 0.5 of the log of the slope.
+    const auto no_better = [&](std::size_t i, double end) {
+        CurveMask others = free;
+        others[i] = false;
+        CurvePoint there = best.at;
+        there[i] = end;
+        return climb(model, there, others).value > fit.value - 1e-7;
+    };
+    fit.steep = no_better(1, model.high()[1]);
+    fit.shallow = !model.spec().slope_prior && fit.deviance > model.flat_deviance() - 1e-6;
+    fit.far = fit.at[0] <= model.low()[0] || fit.at[0] >= model.high()[0];
+    return fit;
+}
+
+std::optional<double> standard_error(const CurveSpec& spec,
+                                     const CurveFit& fit,
+                                     Quantity quantity,
+                                     double share) {
+    CurvePoint slope{};
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        const double se = std::sqrt(fit.covariance[i][i]);
+        if (!(se > 0.0) || !std::isfinite(se)) {
+            continue;
+        }
+        const double step = 1e-4 * se;
+        CurvePoint up = fit.at;
+        CurvePoint down = fit.at;
+        up[i] += step;
+        down[i] -= step;
+        slope[i] =
+            (quantity_of(spec, up, quantity, share) - quantity_of(spec, down, quantity, share)) /
+            (2.0 * step);
+    }
+    double variance = 0.0;
+    for (std::size_t r = 0; r < kCurveParameters; ++r) {
+        for (std::size_t c = 0; c < kCurveParameters; ++c) {
+            variance += slope[r] * slope[c] * fit.covariance[r][c];
+        }
+    }
+    return variance > 0.0 && std::isfinite(variance) && !fit.steep && !fit.shallow
+             ? std::optional(std::sqrt(variance))
+             : std::nullopt;
+}
+
+std::optional<Interval> profile_interval(const CurveModel& model,
+                                         const CurveFit& fit,
+                                         Quantity quantity,
+                                         double share) {
+    const std::optional<Held> place = held(model, fit, quantity, share);
+    if (!place) {
+        return std::nullopt;
+    }
+    Profile profile(model, fit, *place);
+    const auto down = profile.edge(-place->step, place->low);
+    const auto up = profile.edge(place->step, place->high);
+    const bool rate = quantity == Quantity::guess || quantity == Quantity::lapse;
+    const bool positive =
+        quantity == Quantity::slope || quantity == Quantity::jnd || quantity == Quantity::weber ||
+        (quantity == Quantity::threshold && model.spec().family == Family::weibull);
+    const bool falls = (quantity == Quantity::jnd || quantity == Quantity::weber) &&
+                       place->tie.kind == Tie::Kind::none;
+    const double least = rate || positive ? 0.0 : -kInfinity;
+    const double most = rate ? place->high : kInfinity;
+    // Of a slope without end the least JND is 0, though the model's slopes have an end.
+    const double at_down = fit.steep && place->tie.kind != Tie::Kind::none ? least
+                         : down                                            ? place->quantity(*down)
+                         : falls                                           ? most
+                                                                           : least;
+    const double at_up = up ? place->quantity(*up) : falls ? least : most;
+    return Interval{std::min(at_down, at_up), std::max(at_down, at_up)};
+}
+
+double equality_p(const CurveModel& one,
+                  const CurveFit& fit_one,
+                  const CurveModel& two,
+                  const CurveFit& fit_two,
+                  Quantity quantity) {
+    const auto first = held(one, fit_one, quantity, 0.5);
+    const auto second = held(two, fit_two, quantity, 0.5);
+    if (!first || !second) {
+        return kNoNumber;
+    }
+    Profile left(one, fit_one, *first);
+    Profile right(two, fit_two, *second);
+    const auto loss = [&](double place) {
+        return fit_one.value - left.value(place) + fit_two.value - right.value(place);
+    };
+    // Golden section: the common value lies between the two.
+    double low = std::min(first->at, second->at);
+    double high = std::max(first->at, second->at);
+    constexpr double kGolden = 0.6180339887498949;
+    double a = high - kGolden * (high - low);
+    double b = low + kGolden * (high - low);
+    double at_a = loss(a);
+    double at_b = loss(b);
+    for (int i = 0; i < 60 && high - low > 1e-9 * (std::fabs(low) + std::fabs(high)); ++i) {
+        if (at_a < at_b) {
+            high = b;
+            b = a;
+            at_b = at_a;
+            a = high - kGolden * (high - low);
+            at_a = loss(a);
+        } else {
+            low = a;
+            a = b;
+            at_a = at_b;
+            b = low + kGolden * (high - low);
+            at_b = loss(b);
+        }
+    }
+    const double chi_square = 2.0 * std::max(0.0, std::min(at_a, at_b));
+    return 2.0 * protocols::normal_cdf(-std::sqrt(chi_square));
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "data/fit/fit_words.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr int kSteps = 200;
+
+Series shares_of(const FittedCurve& curve, Ink ink) {
+    std::map<double, std::pair<double, double>> counts;
+    for (const Level& level : curve.answers.levels) {
+        counts[level.stimulus].first += static_cast<double>(level.n);
+        counts[level.stimulus].second += static_cast<double>(level.k);
+    }
+    Series shares{.name = curve.answers.condition, .ink = ink, .mark = Mark::points};
+    for (const auto& [stimulus, nk] : counts) {
+        if (nk.first > 0.0) {
+            shares.x.push_back(stimulus);
+            shares.y.push_back(nk.second / nk.first);
+        }
+    }
+    return shares;
+}
+
+double chance(const CurveSpec& spec, const CurvePoint& at, double stimulus) {
+    const double u = std::exp(at[1]) * (on_axis(spec.family, stimulus) - at[0]) +
+                     core_quantile(spec.family, 0.5);
+    return at[2] + (1.0 - at[2] - at[3]) * core_value(spec.family, u).below;
+}
+
+void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, Ink ink) {
+    Series shares = shares_of(curve, ink);
+    const double low = shares.x.front();
+    const double high = shares.x.back();
+    panel.series.push_back(std::move(shares));
+    if (curve.fit.shallow) {
+        return;
+    }
+    Series line{.ink = ink};
+    for (int i = 0; i <= kSteps; ++i) {
+        line.x.push_back(low + (high - low) * i / kSteps);
+        line.y.push_back(chance(spec, curve.fit.at, line.x.back()));
+    }
+    panel.series.push_back(std::move(line));
+    const Told& threshold = curve.told.front();
+    if (threshold.profile && std::isfinite(threshold.profile->low) &&
+        std::isfinite(threshold.profile->high)) {
+        const double y = chance(spec, curve.fit.at, threshold.value);
+        panel.series.push_back({.x = {threshold.profile->low, threshold.profile->high},
+                                .y = {y, y},
+                                .ink = ink,
+                                .width = 3.0});
+    }
+}
+
+}  // namespace
+
+Figure fit_figure(const FitReport& report) {
+    constexpr std::array kInks{Ink::blue,   Ink::vermillion, Ink::green,
+                               Ink::purple, Ink::orange,     Ink::sky};
+    const CurveSpec& spec = report.options.spec;
+    Figure figure{.id = "fit",
+                  .title = fmt::format("Psychometric functions ({})", word_of(spec.family))};
+    std::vector<std::string> people;
+    for (const FittedCurve& curve : report.curves) {
+        const std::string& person = curve.answers.participant;
+        auto found = std::ranges::find(people, person);
+        if (found == people.end()) {
+            people.push_back(person);
+            found = people.end() - 1;
+            figure.panels.push_back({.title = person,
+                                     .x = {.label = "stimulus"},
+                                     .y = {.label = "share of 1", .low = 0.0, .high = 1.0}});
+        }
+        const auto condition = std::ranges::find(report.conditions, curve.answers.condition) -
+                               report.conditions.begin();
+        add_curve(figure.panels[static_cast<std::size_t>(found - people.begin())], spec, curve,
+                  kInks.at(static_cast<std::size_t>(condition) % kInks.size()));
+    }
+    figure.columns = people.size() > 1 ? 2 : 1;
+    figure.caption =
+        "Points: shares of the answers. Bars: 95 % profile intervals of the thresholds.";
+    return figure;
+}
+
+}  // namespace palpate::data

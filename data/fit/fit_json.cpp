@@ -1,0 +1,102 @@
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "data/export/json_text.hpp"
+#include "data/fit/fit_words.hpp"
+
+namespace palpate::data {
+namespace {
+
+Json number(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json interval_json(const std::optional<Interval>& interval) {
+    return interval ? Json::array({number(interval->low), number(interval->high)}) : Json(nullptr);
+}
+
+std::string key_of(Quantity quantity) {
+    switch (quantity) {
+        case Quantity::threshold:
+            return "threshold";
+        case Quantity::jnd:
+            return "jnd";
+        case Quantity::weber:
+            return "weber_fraction";
+        case Quantity::slope:
+            return "slope";
+        case Quantity::guess:
+            return "guess";
+        case Quantity::lapse:
+            return "lapse";
+        case Quantity::at_share:
+            return "stimulus_at";
+    }
+    return "";
+}
+
+Json curve_json(const FitReport& report, const FittedCurve& curve) {
+    Json one = {{"participant", curve.answers.participant},
+                {"condition", curve.answers.condition},
+                {"levels", curve.model.levels()},
+                {"answers", answers_of(curve)}};
+    for (const Told& told : curve.told) {
+        one[key_of(told.quantity)] = {{"estimate", number(told.value)},
+                                      {"given", told.fixed},
+                                      {"se", told.se ? number(*told.se) : Json(nullptr)},
+                                      {"profile_95", interval_json(told.profile)},
+                                      {"bootstrap_95", interval_json(told.bootstrap)}};
+    }
+    one["deviance"] = curve.fit.deviance;
+    one["parameters"] = curve.fit.parameters;
+    one["deviance_p"] = curve.samples.at.empty() ? Json(nullptr) : Json(curve.samples.deviance_p);
+    one["log_likelihood"] = curve.fit.value;
+    one["log_likelihood_nelder_mead"] = curve.fit.second;
+    one["optimisers_agree"] = curve.fit.agree;
+    for (const protocols::Estimate& believed : curve.answers.believed) {
+        one["posterior"].push_back({{"name", believed.name},
+                                    {"mean", number(believed.mean.value_or(std::nan("")))},
+                                    {"low_95", number(believed.low.value_or(std::nan("")))},
+                                    {"high_95", number(believed.high.value_or(std::nan("")))}});
+    }
+    one["warnings"] = warnings_of(report, curve);
+    return one;
+}
+
+}  // namespace
+
+std::string fit_json(const FitReport& report) {
+    const CurveSpec& spec = report.options.spec;
+    Json all = {{"source", report.source},       {"function", word_of(spec.family)},
+                {"guess", guess_text(spec)},     {"lapse", rate_text(spec.lapse_free, spec.lapse)},
+                {"priors", priors_text(spec)},   {"bootstrap", report.options.bootstrap},
+                {"seed", report.options.seed},   {"curves", Json::array()},
+                {"not_fitted", report.left_out}, {"differences", Json::array()},
+                {"people", Json::array()}};
+    for (const FittedCurve& curve : report.curves) {
+        all["curves"].push_back(curve_json(report, curve));
+    }
+    for (const Difference& one : report.differences) {
+        all["differences"].push_back(
+            {{"participant", one.participant},
+             {"of", report.conditions.back()},
+             {"less", report.conditions.front()},
+             {"threshold", number(one.threshold)},
+             {"threshold_bootstrap_95", interval_json(one.threshold_interval)},
+             {"threshold_p", number(one.threshold_p)},
+             {"jnd", number(one.jnd)},
+             {"jnd_bootstrap_95", interval_json(one.jnd_interval)},
+             {"slope_p", number(one.slope_p)}});
+    }
+    for (const OverPeople& one : report.people) {
+        all["people"].push_back({{"what", one.what},
+                                 {"people", one.mean.people},
+                                 {"mean", number(one.mean.mean)},
+                                 {"interval_95", interval_json(one.mean.interval)},
+                                 {"sign_flip_p", one.test ? number(one.test->p) : Json(nullptr)}});
+    }
+    return json_text(all) + '\n';
+}
+
+}  // namespace palpate::data

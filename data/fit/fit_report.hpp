@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "protocols/procedure/estimate.hpp"
+#include "data/fit/bootstrap.hpp"
+#include "data/plot/figure.hpp"
+#include "data/statistics/over_people.hpp"
+
+/// Fits of all curves of a file, and what is said of them.
+namespace palpate::data {
+
+/// The answers of one participant in one condition.
+struct Answers {
+    std::string participant{};  ///< empty: the file names nobody
+    std::string condition{};
+    std::vector<Level> levels{};
+    /// Of the adaptive runs that chose the levels: what their rules believe at the end.
+    std::vector<protocols::Estimate> believed{};
+};
+
+/// Columns stimulus, n, k, and participant and condition if they are there; rows of one stimulus add up. In the order in
+/// which they first come.
+/// @throws CsvError with file, line and character: no such column, no number, k outside 0 .. n, n above 1,000,000
+[[nodiscard]] std::vector<Answers> read_answers(const std::filesystem::path& file);
+
+struct FitOptions {
+    CurveSpec spec{};
+    std::optional<double> at{};    ///< a share whose stimulus is asked for
+    std::size_t bootstrap = 2000;  ///< samples; 0: none
+    std::uint64_t seed = 1;
+};
+
+/// One quantity of a curve.
+struct Told {
+    Quantity quantity = Quantity::threshold;
+    double value = 0.0;  ///< NaN: unbounded, the data do not say
+    bool fixed = false;  ///< given, not fitted
+    std::optional<double> se{};
+    std::optional<Interval> profile{};
+    std::optional<Interval> bootstrap{};
+};
+
+struct FittedCurve {
+    Answers answers{};
+    CurveModel model;
+    CurveFit fit{};
+    Bootstrap samples{};
+    std::vector<Told> told{};
+};
+
+/// Of one participant, the second condition less the first.
+struct Difference {
+    std::string participant{};
+    double threshold = 0.0;
+    double jnd = 0.0;
+    std::optional<Interval> threshold_interval{};  ///< bootstrap, both drawn apart
+    std::optional<Interval> jnd_interval{};
+    double threshold_p = 1.0;  ///< equality_p
+    double slope_p = 1.0;
+};
+
+/// A quantity over people.
+struct OverPeople {
+    std::string what{};
+    PeopleMean mean{};
+    std::optional<SignFlip> test{};  ///< of a difference
+};
+
+struct FitReport {
+    std::string source{};
+    FitOptions options{};
+    std::vector<FittedCurve> curves{};
+    std::vector<std::string> conditions{};
+    std::vector<std::string> left_out{};    ///< whose answers cannot be fitted, and why
+    std::vector<Difference> differences{};  ///< where there are two conditions
+    std::vector<OverPeople> people{};       ///< where there are two people or more
+};
+
+/// "P01, friction on"; empty for answers of nobody in no condition.
+[[nodiscard]] std::string name_of(const Answers& answers);
+
+/// @throws std::invalid_argument with value and remedy if none of the answers can be fitted
+[[nodiscard]] FitReport fit_all(std::string source,
+                                const std::vector<Answers>& all,
+                                const FitOptions& options);
+
+/// Tables for people.
+[[nodiscard]] std::string fit_text(const FitReport& report);
+/// The same for programs; what is unbounded or not known is null.
+[[nodiscard]] std::string fit_json(const FitReport& report);
+/// A panel a participant: curves, shares, and the thresholds' profile intervals.
+[[nodiscard]] Figure fit_figure(const FitReport& report);
+
+}  // namespace palpate::data

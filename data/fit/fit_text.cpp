@@ -1,0 +1,262 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/fit/fit_words.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::Family;
+
+std::string_view core_of(Family family) {
+    switch (family) {
+        case Family::weibull:
+            return "F = 1 - exp(-(x/t)^b)";
+        case Family::weibull_log10:
+            return "F = 1 - exp(-10^(b (x - t)))";
+        case Family::weibull_db:
+            return "F = 1 - exp(-10^(b (x - t) / 20))";
+        case Family::gumbel:
+            return "F = 1 - exp(-e^(b (x - t)))";
+        case Family::normal:
+            return "F = Phi(b (x - t))";
+        case Family::logistic:
+            return "F = 1 / (1 + e^(-b (x - t)))";
+    }
+    return "";
+}
+
+std::string head_text(const FitReport& report) {
+    const CurveSpec& spec = report.options.spec;
+    std::string text = fmt::format(
+        "{}: {} fitted\n"
+        "  {}: P(x) = guess + (1 - guess - lapse) F, {}\n"
+        "  guess {}, lapse {}; {}\n"
+        "  threshold: x of F = 1/2 (of a comparison: the point of equality, PSE); JND: half the "
+        "distance from F = "
+        "1/4 to\n  F = 3/4; Weber fraction: JND / threshold.\n"
+        "  95 % intervals: profile likelihood",
+        report.source, counted(report.curves.size(), "curve"), word_of(spec.family),
+        core_of(spec.family), guess_text(spec), rate_text(spec.lapse_free, spec.lapse),
+        spec.map() ? "MAP with priors " + priors_text(spec) : "maximum likelihood, no priors");
+    if (report.options.bootstrap > 0) {
+        text += fmt::format("; bias-corrected percentiles of {} bootstrap samples, seed {}",
+                            report.options.bootstrap, report.options.seed);
+    }
+    if (spec.guess_free || spec.lapse_free) {
+        text +=
+            "\n  With free rates trust the profile: bootstrap intervals of 95 % hold 89 to 94 %.";
+    }
+    return text + '\n';
+}
+
+std::string quantity_text(const FitOptions& options, Quantity quantity) {
+    switch (quantity) {
+        case Quantity::threshold:
+            return "threshold";
+        case Quantity::jnd:
+            return "JND";
+        case Quantity::weber:
+            return "Weber fraction";
+        case Quantity::slope:
+            return "slope b";
+        case Quantity::guess:
+            return "guess";
+        case Quantity::lapse:
+            return "lapse";
+        case Quantity::at_share:
+            return fmt::format("x of P = {:g}", options.at.value_or(0.5));
+    }
+    return "";
+}
+
+std::string interval_text(const std::optional<Interval>& interval) {
+    return interval ? fmt::format("{:.4g} to {:.4g}", interval->low, interval->high) : "-";
+}
+
+std::string told_text(const FitOptions& options, const Told& told) {
+    const std::string name = quantity_text(options, told.quantity);
+    if (told.fixed) {
+        return fmt::format(
+            "  {:<15} {:<10.4g} {}\n", name, told.value,
+            options.spec.two_sided && told.quantity == Quantity::guess ? "as lapse" : "given");
+    }
+    const std::string value =
+        std::isnan(told.value) ? "unbounded" : fmt::format("{:.4g}", told.value);
+    const std::string se = told.se ? fmt::format("{:.3g}", *told.se) : "-";
+    std::string line =
+        fmt::format("  {:<15} {:<10} {:<10} {:<22}", name, value, se, interval_text(told.profile));
+    if (options.bootstrap > 0) {
+        line += ' ' + interval_text(told.bootstrap);
+    }
+    return line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+}
+
+std::string curve_text(const FitReport& report, const FittedCurve& curve) {
+    const FitOptions& options = report.options;
+    const std::string name = name_of(curve.answers);
+    const auto degrees = static_cast<std::int64_t>(curve.model.levels()) - curve.fit.parameters;
+    std::string text =
+        fmt::format("\n{}{}, {}; deviance {:.4g} on {} df", name.empty() ? "" : name + ": ",
+                    counted(curve.model.levels(), "level"), counted(answers_of(curve), "answer"),
+                    curve.fit.deviance, std::max<std::int64_t>(degrees, 0));
+    if (!curve.samples.at.empty()) {
+        text += fmt::format(", p = {:.3g} by simulation", curve.samples.deviance_p);
+    }
+    text += fmt::format("\n  {:<15} {:<10} {:<10} {:<22}{}\n", "", "estimate", "se", "profile",
+                        options.bootstrap > 0 ? " bootstrap" : "");
+    for (const Told& told : curve.told) {
+        text += told_text(options, told);
+    }
+    for (const protocols::Estimate& one : curve.answers.believed) {
+        text += fmt::format("  the rule's posterior, {}: mean {:.4g}", one.name,
+                            one.mean.value_or(std::nan("")));
+        text += one.low && one.high
+                  ? fmt::format(", 2.5 % {:.4g}, 97.5 % {:.4g}\n", *one.low, *one.high)
+                  : "\n";
+    }
+    for (const std::string& warning : warnings_of(report, curve)) {
+        text += "  " + warning + ".\n";
+    }
+    return text;
+}
+
+std::string p_text(double p) {
+    return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.3f}", p);
+}
+
+std::string differences_text(const FitReport& report) {
+    if (report.differences.empty()) {
+        return {};
+    }
+    std::string text = fmt::format(
+        "\n{} - {}, within person (interval: bootstrap; p: likelihood ratio, chi-square of 1 df)\n",
+        report.conditions.back(), report.conditions.front());
+    const auto line = [](const std::string& what, double value,
+                         const std::optional<Interval>& interval, double p, const char* of) {
+        return fmt::format("  {:<25} {:<10} {:<22} {}{}\n", what,
+                           std::isnan(value) ? "unbounded" : fmt::format("{:.4g}", value),
+                           interval_text(interval), p_text(p), of);
+    };
+    for (const Difference& one : report.differences) {
+        const std::string who = one.participant.empty() ? "" : one.participant + ", ";
+        text += line(who + "threshold", one.threshold, one.threshold_interval, one.threshold_p, "");
+        text += line(who + "JND", one.jnd, one.jnd_interval, one.slope_p, " (of equal slopes b)");
+    }
+    return text;
+}
+
+std::string people_text(const FitReport& report) {
+    if (report.people.empty()) {
+        return {};
+    }
+    std::string text = "\nOver people (mean, Student's interval of 95 %)\n";
+    for (const OverPeople& one : report.people) {
+        text += fmt::format("  {:<25} {:<10.4g} {:<22} {} people", one.what, one.mean.mean,
+                            interval_text(one.mean.interval), one.mean.people);
+        text += one.test ? fmt::format("; sign-flip p = {:.3g}\n", one.test->p) : "\n";
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string rate_text(bool free, double value) {
+    return free ? std::string("free") : fmt::format("{:.4g} (given)", value);
+}
+
+std::string guess_text(const CurveSpec& spec) {
+    return spec.two_sided ? "as the lapse rate" : rate_text(spec.guess_free, spec.guess);
+}
+
+std::string priors_text(const CurveSpec& spec) {
+    std::vector<std::string> all;
+    const auto add = [&](const char* what, const char* density, const std::optional<Prior>& prior) {
+        if (prior) {
+            all.push_back(
+                fmt::format("{} ~ {}({:g}, {:g})", what, density, prior->first, prior->second));
+        }
+    };
+    add("threshold",
+        spec.family == Family::weibull ? "lognormal: median, sd of ln " : "normal: mean, sd ",
+        spec.threshold_prior);
+    add("slope b", "lognormal: median, sd of ln ", spec.slope_prior);
+    add("guess", "beta", spec.guess_prior);
+    add("lapse", "beta", spec.lapse_prior);
+    return fmt::format("{}", fmt::join(all, ", "));
+}
+
+std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve& curve) {
+    std::vector<std::string> all;
+    const CurveFit& fit = curve.fit;
+    if (fit.shallow) {
+        all.emplace_back(
+            "the share of 1 does not grow with the stimulus: there is no curve to fit; if it "
+            "should fall, give n - k "
+            "as k");
+        return all;
+    }
+    if (fit.steep) {
+        all.emplace_back(
+            "no level lies on the rise, so the slope has no end: add levels near the threshold, or "
+            "give --prior slope=MEDIAN,SD");
+    }
+    if (fit.far) {
+        all.emplace_back(
+            "the threshold is more than 20 times the levels' range away from them: the share "
+            "hardly changes");
+    }
+    if (!fit.agree) {
+        all.push_back(
+            fmt::format("the two optimisers differ: Nelder-Mead ended {:.3g} {} in log-likelihood; "
+                        "the higher maximum is told",
+                        std::fabs(fit.second - fit.value),
+                        fit.second >= fit.value ? "higher than Fisher scoring" : "lower"));
+    }
+    if (curve.samples.steep > 0 && !fit.steep) {
+        all.push_back(fmt::format("{} of {} bootstrap samples have no end of the slope",
+                                  curve.samples.steep, report.options.bootstrap));
+    }
+    const double degrees =
+        static_cast<double>(curve.model.levels()) - static_cast<double>(fit.parameters);
+    if (degrees < 0.0) {
+        all.emplace_back(
+            "there are more parameters than levels: other curves fit as well; give rates instead "
+            "of free");
+    }
+    return all;
+}
+
+std::int64_t answers_of(const FittedCurve& curve) {
+    double sum = 0.0;
+    for (const double n : curve.model.counts()) {
+        sum += n;
+    }
+    return static_cast<std::int64_t>(sum);
+}
+
+std::string_view word_of(Family family) {
+    return protocols::kFamilyWords.at(static_cast<std::size_t>(family));
+}
+
+std::string fit_text(const FitReport& report) {
+    std::string text = head_text(report);
+    for (const FittedCurve& curve : report.curves) {
+        text += curve_text(report, curve);
+    }
+    for (const std::string& one : report.left_out) {
+        text += "\nNot fitted: " + one + ".\n";
+    }
+    text += differences_text(report) + people_text(report);
+    const auto agreed =
+        std::ranges::count_if(report.curves, [](const FittedCurve& one) { return one.fit.agree; });
+    return text +
+           fmt::format(
+               "\nFisher scoring and Nelder-Mead agree on {} of {} (log-likelihood within 1e-6).\n",
+               agreed, counted(report.curves.size(), "curve"));
+}
+
+}  // namespace palpate::data

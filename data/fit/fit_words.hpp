@@ -1,0 +1,24 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "data/fit/fit_report.hpp"
+
+/// What the table for people and the JSON for programs say alike.
+namespace palpate::data {
+
+[[nodiscard]] std::string_view word_of(protocols::Family family);
+/// "free", "0.02 (given)".
+[[nodiscard]] std::string rate_text(bool free, double value);
+[[nodiscard]] std::string guess_text(const CurveSpec& spec);
+/// "threshold ~ normal: mean, sd (5, 2), lapse ~ beta(2, 50)"; empty without priors.
+[[nodiscard]] std::string priors_text(const CurveSpec& spec);
+[[nodiscard]] std::int64_t answers_of(const FittedCurve& curve);
+/// What a reader should know before the numbers are believed.
+[[nodiscard]] std::vector<std::string> warnings_of(const FitReport& report,
+                                                   const FittedCurve& curve);
+
+}  // namespace palpate::data

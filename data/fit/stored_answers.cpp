@@ -1,0 +1,111 @@
+#include "data/fit/stored_answers.hpp"
+
+#include <algorithm>
+#include <exception>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/session/adaptive_runs.hpp"
+#include "data/store/adaptive_store.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// Answers on a graded stimulus: two kinds of rows of analysis_trial, with the same columns.
+constexpr std::string_view kRows = R"sql(
+SELECT study_name, participant_code, coalesce(run_name, '') AS condition, stimulus,
+       count(*) AS n, sum(rule_outcome) AS k
+FROM analysis_trial
+WHERE counts AND phase = 'main' AND run_trial_number IS NOT NULL AND (?1 = 'all' OR session_kind = ?1)
+GROUP BY 1, 2, 3, 4 HAVING max(rule_outcome) <= 1
+UNION ALL
+SELECT study_name, participant_code, friction, curvature_per_m, count(*), sum(answer_code)
+FROM analysis_trial
+WHERE counts AND phase = 'main' AND run_name IS NULL AND comparison_chosen IS NULL AND chosen_object IS NULL
+      AND answer_code IS NOT NULL AND curvature_per_m IS NOT NULL AND (?1 = 'all' OR session_kind = ?1)
+      AND study_name IN (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%')
+GROUP BY 1, 2, 3, 4
+ORDER BY 1, 2, 3, 4)sql";
+
+void add_beliefs(Database& database, const StoredChoice& choice, std::vector<Answers>& all) {
+    Statement row = database.prepare(
+        "SELECT DISTINCT participant_code, session_number, session_id, run_number, run_name FROM "
+        "analysis_trial WHERE "
+        "counts AND phase = 'main' AND run_trial_number IS NOT NULL AND study_name = ?1 AND (?2 = "
+        "'all' OR "
+        "session_kind = ?2) ORDER BY 1, 2, 4");
+    row.bind(1, choice.study).bind(2, choice.kind);
+    while (row.step()) {
+        const auto found = std::ranges::find_if(all, [&](const Answers& one) {
+            return one.participant == row.text(0) && one.condition == row.text(4);
+        });
+        if (found == all.end()) {
+            continue;
+        }
+        try {
+            const auto runs = runs_that_count(database, row.integer(2));
+            const protocols::Procedure& procedure =
+                runs.of(static_cast<std::size_t>(row.integer(3)));
+            std::vector<protocols::Estimate> estimates = procedure.estimates();
+            if (const auto jnd = procedure.jnd()) {
+                estimates.push_back(*jnd);
+            }
+            for (protocols::Estimate& one : estimates) {
+                if (one.mean && one.low) {  // a staircase believes nothing
+                    one.name = fmt::format("session {}, {}", row.integer(1), one.name);
+                    found->believed.push_back(one);
+                }
+            }
+        } catch (const std::exception&) {  // palpate verify says it
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<Answers> stored_answers(Database& database, const StoredChoice& asked) {
+    const Snapshot now(database);
+    StoredChoice choice = asked;
+    std::set<std::string> studies;
+    std::vector<std::pair<std::string, Answers>> found;
+    Statement row = database.prepare(kRows);
+    row.bind(1, choice.kind);
+    while (row.step()) {
+        const std::string study = row.text(0);
+        if (!choice.study.empty() && study != choice.study) {
+            continue;
+        }
+        studies.insert(study);
+        if (found.empty() || found.back().first != study ||
+            found.back().second.participant != row.text(1) ||
+            found.back().second.condition != row.text(2)) {
+            found.push_back({study, {.participant = row.text(1), .condition = row.text(2)}});
+        }
+        found.back().second.levels.push_back({row.real(3), row.integer(4), row.integer(5)});
+    }
+    const std::string sessions = choice.kind == "all" ? "sessions" : choice.kind + " sessions";
+    if (found.empty()) {
+        throw std::invalid_argument(fmt::format(
+            "{} has no answer of {}{} to fit: give {}a file of two intervals or yes-no with a "
+            "graded stimulus",
+            database.file(), sessions,
+            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
+            choice.kind == "all" ? "" : "--kind all for every session, or "));
+    }
+    if (studies.size() > 1) {
+        throw std::invalid_argument(
+            fmt::format("{} holds several studies: give --study and one of {}", database.file(),
+                        fmt::join(studies, ", ")));
+    }
+    choice.study = *studies.begin();
+    std::vector<Answers> all;
+    for (auto& [study, answers] : found) {
+        all.push_back(std::move(answers));
+    }
+    add_beliefs(database, choice, all);
+    return all;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "data/fit/fit_report.hpp"
+#include "data/store/database.hpp"
+
+namespace palpate::data {
+
+/// Which sessions of a file are meant.
+struct StoredChoice {
+    std::string kind = "real";  ///< real, pilot, simulated or all
+    std::string study{};        ///< needed where the file has several with such answers
+};
+
+/// Of every participant and condition of a study the answers that count, main trials alone. Where a rule chose the
+/// levels: the runs, by name, its stimulus, and how often the answer was 1 (two intervals: the comparison); with
+/// yes-no on planned objects: their curvature in 1/m, by friction, and how often yes. Sessions of a participant add
+/// up; what the rules believe stands beside them, session by session.
+/// @throws std::invalid_argument if there are none, or of several studies: which there are
+[[nodiscard]] std::vector<Answers> stored_answers(Database& database, const StoredChoice& choice);
+
+}  // namespace palpate::data

@@ -1,0 +1,259 @@
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/adaptive.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+constexpr const char* kTwoConditions = R"(stimulus,n,k,participant,condition
+1,40,2,P1,off
+2,40,5,P1,off
+3,40,11,P1,off
+4,40,19,P1,off
+5,40,30,P1,off
+6,40,36,P1,off
+7,40,39,P1,off
+1,40,1,P1,on
+2,40,3,P1,on
+3,40,4,P1,on
+4,40,12,P1,on
+5,40,21,P1,on
+6,40,33,P1,on
+7,40,37,P1,on
+)";
+
+/// glm's fit of each link, the profile of the threshold by a glm through it, and the test of equal slopes.
+constexpr const char* kInR = R"R(
+d <- read.csv(commandArgs(TRUE)[1]); exact <- list(epsilon = 1e-15, maxit = 200)
+fit <- function(f, data, link) glm(f, binomial(link), data, control = exact)
+for (link in c('probit', 'logit', 'cloglog')) {
+    u <- function(p) binomial(link)$linkfun(p)
+    for (condition in c('off', 'on')) {
+        e <- d[d$condition == condition, ]
+        m <- fit(cbind(k, n - k) ~ stimulus, e, link); b <- unname(coef(m))
+        t <- (u(.5) - b[1]) / b[2]; g <- c(-1 / b[2], -t / b[2])
+        held <- function(x) { e$away <- e$stimulus - x
+            glm(cbind(k, n - k) ~ away - 1, binomial(link), e, offset = rep(u(.5), nrow(e)), control = exact) }
+        edge <- function(from, to) uniroot(function(x) deviance(held(x)) - deviance(m) - qchisq(.95, 1), c(from, to), tol = 1e-10)$root
+        cat(sprintf('%.9g\n', c(t, b[2], (u(.75) - u(.25)) / 2 / b[2], sqrt(t(g) %*% vcov(m) %*% g), sqrt(vcov(m)[2, 2]), deviance(m),
+            edge(t - 2, t), edge(t, t + 2))), sep = '')
+    }
+    p <- anova(fit(cbind(k, n - k) ~ stimulus + condition, d, link), fit(cbind(k, n - k) ~ stimulus * condition, d, link), test = 'Chisq')
+    cat(sprintf('%.9g\n', p[2, 5]))
+}
+)R";
+
+std::vector<double> numbers_of(const std::string& text) {
+    std::istringstream stream(text);
+    std::vector<double> all;
+    for (double one = 0.0; stream >> one;) {
+        all.push_back(one);
+    }
+    return all;
+}
+
+Json fitted(std::vector<std::string> words) {
+    words.insert(words.begin(), "fit");
+    words.emplace_back("--json");
+    const Finished done = palpate_command(words);
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    return Json::parse(done.out);
+}
+
+void refused(const std::vector<std::string>& words, const std::string& why) {
+    std::vector<std::string> all{"fit"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Finished done = palpate_command(all);
+    CAPTURE(words);
+    CHECK(done.code == 2);
+    CHECK(done.out.empty());
+    CHECK_THAT(done.error, ContainsSubstring(why));
+}
+
+}  // namespace
+
+TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what R's glm says",
+          "[fit][law]") {
+    if (Process({"Rscript", "-e", "1"}).wait().code != 0) {
+        WARN("R is not installed: not checked");
+        return;
+    }
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"), kTwoConditions);
+    write(folder.file("fit.R"), kInR);
+    const Finished r = Process({"Rscript", folder.file("fit.R"), folder.file("d.csv")}).wait();
+    CAPTURE(r.error);
+    REQUIRE(r.code == 0);
+    const std::vector<double> wanted = numbers_of(r.out);
+    REQUIRE(wanted.size() == 3 * 17);
+    std::size_t at = 0;
+    for (const char* function : {"normal", "logistic", "gumbel"}) {
+        CAPTURE(function);
+        const Json all = fitted(
+            {folder.file("d.csv"), "--function", function, "--lapse", "0", "--bootstrap", "0"});
+        for (const Json& curve : all["curves"]) {
+            const Json& threshold = curve["threshold"];
+            for (const Json& got :
+                 {threshold["estimate"], curve["slope"]["estimate"], curve["jnd"]["estimate"],
+                  threshold["se"], curve["slope"]["se"], curve["deviance"],
+                  threshold["profile_95"][0], threshold["profile_95"][1]}) {
+                CAPTURE(at);
+                CHECK(got.get<double>() == Approx(wanted[at++]).epsilon(2e-7));
+            }
+            CHECK(curve["optimisers_agree"].get<bool>());
+        }
+        CHECK(all["differences"][0]["slope_p"].get<double>() == Approx(wanted[at++]).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draws it", "[fit]") {
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"), kTwoConditions);
+    const std::vector<std::string> words{"fit",         folder.file("d.csv"),
+                                         "--function",  "weibull",
+                                         "--guess",     "0.02",
+                                         "--bootstrap", "200",
+                                         "--svg",       folder.file("d.svg"),
+                                         "--at",        "3/4"};
+    const Finished text = palpate_command(words);
+    REQUIRE(text.code == 0);
+    CHECK(palpate_command(words).out == text.out);
+    const Json all = fitted({words.begin() + 1, words.end()});
+    CHECK(all["curves"].size() == 2);
+    for (const Json& curve : all["curves"]) {
+        CHECK_THAT(text.out, ContainsSubstring("P1, " + curve["condition"].get<std::string>() +
+                                               ": 7 levels, 280 answers; deviance "));
+        for (const char* quantity :
+             {"threshold", "stimulus_at", "jnd", "weber_fraction", "slope"}) {
+            const Json& told = curve[quantity];
+            for (const Json& one : {told["estimate"], told["profile_95"][0], told["profile_95"][1],
+                                    told["bootstrap_95"][0], told["bootstrap_95"][1]}) {
+                CAPTURE(quantity);
+                CHECK_THAT(text.out, ContainsSubstring(fmt::format("{:.4g}", one.get<double>())));
+            }
+            CHECK(told["profile_95"][0] < told["estimate"]);
+            CHECK(told["estimate"] < told["profile_95"][1]);
+        }
+        CHECK(curve["weber_fraction"]["estimate"].get<double>() ==
+              Approx(curve["jnd"]["estimate"].get<double>() /
+                     curve["threshold"]["estimate"].get<double>()));
+    }
+    const double difference = all["curves"][1]["threshold"]["estimate"].get<double>() -
+                              all["curves"][0]["threshold"]["estimate"].get<double>();
+    CHECK(all["differences"][0]["threshold"].get<double>() == Approx(difference));
+    CHECK(difference > 0.0);
+    CHECK(all["differences"][0]["threshold_p"].get<double>() < 0.05);
+    CHECK_THAT(text.out, ContainsSubstring("on - off, within person") &&
+                             ContainsSubstring("agree on 2 of 2 curves"));
+    CHECK_THAT(tests::slurp(folder.file("d.svg")),
+               ContainsSubstring("<svg") && ContainsSubstring("P1"));
+    const Finished other =
+        palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200", "--seed", "2"});
+    CHECK(other.out != palpate_command({"fit", folder.file("d.csv"), "--bootstrap", "200"}).out);
+}
+
+TEST_CASE("palpate fit shows its priors, and what the answers do not bound", "[fit]") {
+    const TemporaryFolder folder;
+    write(folder.file("steep.csv"), "stimulus,n,k\n1,10,0\n2,10,0\n3,10,10\n");
+    const Finished steep = palpate_command({"fit", folder.file("steep.csv"), "--lapse", "0"});
+    CHECK(steep.code == 0);
+    CHECK_THAT(steep.out, ContainsSubstring("slope b         unbounded") &&
+                              ContainsSubstring("no level lies on the rise") &&
+                              ContainsSubstring("maximum likelihood, no priors"));
+    const Finished bounded =
+        palpate_command({"fit", folder.file("steep.csv"), "--lapse", "free", "--prior",
+                         "lapse=2,50", "--prior", "slope=2,0.7", "--bootstrap", "50"});
+    CHECK_THAT(
+        bounded.out,
+        ContainsSubstring("MAP with priors slope b ~ lognormal: median, sd of ln (2, 0.7), lapse "
+                          "~ beta(2, 50)") &&
+            !ContainsSubstring("unbounded"));
+    write(folder.file("falls.csv"), "stimulus,n,k\n1,10,9\n2,10,5\n3,10,1\n");
+    CHECK_THAT(palpate_command({"fit", folder.file("falls.csv")}).out,
+               ContainsSubstring("the share of 1 does not grow with the stimulus") &&
+                   ContainsSubstring("threshold       unbounded"));
+}
+
+TEST_CASE("palpate fit refuses what it cannot take, at its place, with value and remedy", "[fit]") {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("d.csv");
+    const auto of = [&](const std::string& text, const std::string& why) {
+        write(csv, text);
+        refused({csv}, why);
+    };
+    of("stimulus,n\n1,2\n", "d.csv:1: there is no column k");
+    of("stimulus,n,k\n1,10,2\n2,10,11\n",
+       "d.csv:3:6: k is 11: give how many of the n = 10 answers were 1");
+    of("stimulus,n,k\n1,10,2\n2,  10.5,1\n",
+       "d.csv:3:5: n is 10.5: give how many answers there are");
+    of("k,stimulus,n\n1,x,3\n", "d.csv:2:3: stimulus is \"x\", not a finite number");
+    of("condition,stimulus,n,k\n\"a,\"\"b\",1,3,x\n",
+       "d.csv:2:13: k is \"x\", not a finite number");
+    of("stimulus,n,k\n", "there is no row below the head");
+    of("stimulus,n,k\n1,10,2\n1,10,3\n",
+       "there is one stimulus with answers: give two different stimuli");
+    refused({folder.file("none.csv")}, "none.csv");
+    write(csv, "stimulus,n,k\n-1,10,2\n2,10,8\n");
+    refused({csv, "--function", "weibull"},
+            "a stimulus is -1: give finite numbers from 0, or another function");
+    refused({csv, "--function", "cubic"}, "cubic");
+    refused({csv, "--guess", "often"}, "--guess is \"often\": give a number, as 0.5 or 1/3");
+    refused({csv, "--guess", "0.9"}, "the guess rate is 0.9: give a share from 0 to 0.7, or free");
+    refused({csv, "--lapse", "0.5"}, "the lapse rate is 0.5");
+    refused({csv, "--prior", "width=1,2"}, "--prior is \"width=1,2\": give threshold=MEAN,SD");
+    refused({csv, "--prior", "lapse=2,50"}, "give --lapse free");
+    refused({csv, "--at", "1.5"}, "--at is 1.5");
+    refused({csv, "--bootstrap", "-1"}, "--bootstrap");
+}
+
+TEST_CASE("palpate fit of a database fits the same answers as that of their counts",
+          "[fit][adaptive]") {
+    const TemporaryFolder folder;
+    write(folder.file("p.toml"), tests::adaptive_text(tests::kQuestPlusRule));
+    const std::string file = folder.file("a.sqlite");
+    for (const char* person : {"P1", "P2"}) {
+        REQUIRE(palpate_command({"run", folder.file("p.toml"), "--participant", person, "--db",
+                                 file, "--device", "sim"})
+                    .code == 0);
+    }
+    refused({file}, "has no answer of real sessions to fit: give --kind all");
+    const Finished counts = palpate_command(
+        {"sql", file, "--csv", "-c",
+         "SELECT participant_code AS participant, run_name AS condition, stimulus, count(*) AS n, "
+         "sum(comparison_chosen) AS k FROM analysis_trial WHERE counts AND phase = 'main' GROUP BY "
+         "1, 2, 3"});
+    write(folder.file("d.csv"), counts.out);
+    const std::vector<std::string> how{"--prior", "slope=0.5,1", "--bootstrap", "40"};
+    std::vector<std::string> of_file{file, "--kind", "simulated"};
+    std::vector<std::string> of_counts{folder.file("d.csv"), "--guess", "lapse"};
+    of_file.insert(of_file.end(), how.begin(), how.end());
+    of_counts.insert(of_counts.end(), how.begin(), how.end());
+    Json ours = fitted(of_file);
+    const Json theirs = fitted(of_counts);
+    REQUIRE(ours["curves"].size() == 4);
+    for (Json& curve : ours["curves"]) {
+        // Of the rule: threshold, sd, lapse, and the JND.
+        CHECK(curve["posterior"].size() == 4);
+        CHECK(curve["posterior"][0]["low_95"] <= curve["posterior"][0]["mean"]);
+        curve.erase("posterior");
+    }
+    CHECK(ours["curves"] == theirs["curves"]);
+    CHECK(ours["differences"] == theirs["differences"]);
+    CHECK(ours["people"] == theirs["people"]);
+}

@@ -1,0 +1,184 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/base/files.hpp"
+#include "data/fit/fit_report.hpp"
+#include "data/fit/stored_answers.hpp"
+#include "data/plot/svg_figure.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/say.hpp"
+
+namespace palpate::ui {
+namespace {
+
+struct FitWords {
+    std::string file;
+    std::string function = "normal";
+    std::optional<std::string> guess;
+    std::string lapse = "0.02";
+    std::vector<std::string> priors;
+    std::optional<std::string> at;
+    std::int64_t bootstrap = 2000;
+    std::optional<std::uint64_t> seed;
+    bool json = false;
+    std::string svg;
+    std::string kind = "real";
+    std::string study;
+};
+
+/// A number, or one over another: "1/3". @throws std::invalid_argument that names the option
+double number_of(const std::string& option, std::string_view text) {
+    const auto one = [&](std::string_view part) {
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+        if (error != std::errc{} || end != part.data() + part.size() || !std::isfinite(value)) {
+            throw std::invalid_argument(
+                fmt::format("{} is \"{}\": give a number, as 0.5 or 1/3", option, text));
+        }
+        return value;
+    };
+    const std::size_t slash = text.find('/');
+    return slash == std::string_view::npos
+             ? one(text)
+             : one(text.substr(0, slash)) / one(text.substr(slash + 1));
+}
+
+/// "slope=1.5,0.7" of --prior.
+void set_prior(data::CurveSpec& spec, const std::string& text) {
+    const std::size_t equals = text.find('=');
+    const std::size_t comma = text.find(',', equals == std::string::npos ? 0 : equals);
+    const std::string name = text.substr(0, equals);
+    std::optional<data::Prior>* target = name == "threshold" ? &spec.threshold_prior
+                                       : name == "slope"     ? &spec.slope_prior
+                                       : name == "guess"     ? &spec.guess_prior
+                                       : name == "lapse"     ? &spec.lapse_prior
+                                                             : nullptr;
+    if (target == nullptr || comma == std::string::npos) {
+        throw std::invalid_argument(
+            fmt::format("--prior is \"{}\": give threshold=MEAN,SD (weibull: MEDIAN,SD of the "
+                        "logarithm), slope=MEDIAN,SD of the "
+                        "logarithm, guess=A,B or lapse=A,B of a beta density",
+                        text));
+    }
+    *target = data::Prior{number_of("--prior " + name, text.substr(equals + 1, comma - equals - 1)),
+                          number_of("--prior " + name, text.substr(comma + 1))};
+}
+
+data::CurveSpec spec_of(const FitWords& words, bool database) {
+    data::CurveSpec spec;
+    for (std::size_t i = 0; i < protocols::kFamilyWords.size(); ++i) {
+        spec.family = protocols::kFamilyWords.at(i) == words.function
+                        ? static_cast<protocols::Family>(i)
+                        : spec.family;
+    }
+    const std::string guess = words.guess.value_or(database ? "lapse" : "0");
+    spec.two_sided = guess == "lapse";
+    spec.guess_free = guess == "free";
+    spec.lapse_free = words.lapse == "free";
+    spec.lapse = spec.lapse_free ? 0.0 : number_of("--lapse", words.lapse);
+    spec.guess = spec.two_sided ? spec.lapse : spec.guess_free ? 0.0 : number_of("--guess", guess);
+    for (const std::string& prior : words.priors) {
+        set_prior(spec, prior);
+    }
+    if (spec.guess_prior && !spec.guess_free) {
+        throw std::invalid_argument(
+            "--prior guess says what is believed of a rate that is given: give --guess free, or no "
+            "such prior");
+    }
+    if (spec.lapse_prior && !spec.lapse_free) {
+        throw std::invalid_argument(
+            "--prior lapse says what is believed of a rate that is given: give --lapse free, or no "
+            "such prior");
+    }
+    check(spec);
+    return spec;
+}
+
+bool is_database(const std::string& file) {
+    constexpr std::string_view kMagic = "SQLite format 3";
+    std::array<char, kMagic.size()> start{};
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(start.data(), start.size());
+    return stream && std::string_view(start.data(), start.size()) == kMagic;
+}
+
+void declare(CommandWords& words, FitWords& options) {
+    words
+        .add("FILE", options.file,
+             "A palpate database, or a CSV of any lab: stimulus,n,k and, if there, participant and "
+             "condition")
+        .required();
+    words
+        .add("--function", options.function,
+             "normal, logistic, weibull, gumbel, or a Weibull of a logarithmic stimulus: "
+             "weibull_log10, weibull_db")
+        .among({protocols::kFamilyWords.begin(), protocols::kFamilyWords.end()})
+        .with_default();
+    words.add("--guess", options.guess,
+              "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, or "
+              "lapse: as the "
+              "lapse rate. Without it 0; for a database lapse");
+    words.add("--lapse", options.lapse, "Share of answers that are lapses: a number, or free")
+        .with_default();
+    words
+        .add("--prior", options.priors,
+             "What is believed before (MAP): threshold=MEAN,SD, slope=MEDIAN,SD of ln, guess=A,B, "
+             "lapse=A,B (beta)")
+        .again_for_each();
+    words.add("--at", options.at, "Also the stimulus at which this share of answers is 1");
+    words.add("--bootstrap", options.bootstrap, "Samples of the bootstrap; 0: none")
+        .within(0, 1000000)
+        .with_default();
+    words.add("--seed", options.seed, "Of the bootstrap; 1 without it");
+    words.add("--json", options.json, "For programs, to standard output");
+    words.add("--svg", options.svg, "Also a drawing of the curves, into this file");
+    words
+        .add("--kind", options.kind, "Of a database, which sessions: real, pilot, simulated or all")
+        .among({"real", "pilot", "simulated", "all"})
+        .with_default();
+    words.add("--study", options.study, "Of a database with several studies, which");
+}
+
+int run(const FitWords& words) {
+    const bool database = is_database(words.file);
+    data::FitOptions options{.spec = spec_of(words, database),
+                             .bootstrap = static_cast<std::size_t>(words.bootstrap),
+                             .seed = words.seed.value_or(1)};
+    if (words.at) {
+        options.at = number_of("--at", *words.at);
+        if (!(*options.at > 0.0 && *options.at < 1.0)) {
+            throw std::invalid_argument(
+                fmt::format("--at is {}: give a share between 0 and 1", *words.at));
+        }
+    }
+    std::vector<data::Answers> answers;
+    if (database) {
+        data::Database file(words.file, data::Access::read);
+        answers = data::stored_answers(file, {.kind = words.kind, .study = words.study});
+    } else {
+        answers = data::read_answers(words.file);
+    }
+    const data::FitReport report = data::fit_all(words.file, answers, options);
+    if (!words.svg.empty()) {
+        data::write_svg(words.svg, data::fit_figure(report));
+    }
+    say("{}", words.json ? data::fit_json(report) : data::fit_text(report));
+    return 0;
+}
+
+}  // namespace
+
+Command fit_command() {
+    return make_command<FitWords>(
+        "fit", "Psychometric functions of a database or a CSV: thresholds, JND, intervals", declare,
+        run);
+}
+
+}  // namespace palpate::ui
