@@ -47,7 +47,9 @@ void declare(CommandWords& words, EmulatorOptions& options) {
         .with_default();
     words
         .add("--delay-ms", options.delay_ms,
-             "How long after a packet its answer goes out, ms; a USB port needs about 1")
+             "How long after a packet its answer goes out, ms; a USB port needs about 1. A line "
+             "delay MS "
+             "on standard input changes it")
         .within(0.0, 1000.0)
         .with_default();
     words.add("--open", options.open,
@@ -74,7 +76,9 @@ public:
     [[nodiscard]] std::vector<std::string> take() {
         pollfd input{.fd = open_ ? STDIN_FILENO : -1, .events = POLLIN, .revents = 0};
         std::array<char, 256> bytes{};
-        if (poll(&input, 1, 0) > 0) {
+        // In the background a read would stop it: what is typed is for another program.
+        if (poll(&input, 1, 0) > 0 &&
+            (isatty(STDIN_FILENO) == 0 || tcgetpgrp(STDIN_FILENO) == getpgrp())) {
             const ssize_t got = read(STDIN_FILENO, bytes.data(), bytes.size());
             open_ = got > 0;
             kept_.append(bytes.data(), open_ ? static_cast<std::size_t>(got) : 0);
@@ -92,17 +96,52 @@ private:
     bool open_ = true;
 };
 
+/// What lines of standard input do to a board: its answers take so many s from now on.
+using SetDelay = std::function<void(double)>;
+/// What they do to its handle; false: nothing.
+using HeedHandle = std::function<bool(const std::string&)>;
+
+/// "gain 2". @return none: it is another line   @throws std::invalid_argument for what is none in this range
+std::optional<double> number_after(const std::string& line,
+                                   std::string_view word,
+                                   double least,
+                                   double most) {
+    if (!line.starts_with(word)) {
+        return std::nullopt;
+    }
+    const char* const end = line.data() + line.size();
+    double number = 0.0;
+    const auto [stop, error] = std::from_chars(line.data() + word.size(), end, number);
+    if (error != std::errc{} || stop != end || !(number >= least && number <= most)) {
+        throw std::invalid_argument(
+            fmt::format("{}: give a number from {:g} to {:g}, as in {}2", line, least, most, word));
+    }
+    return number;
+}
+
 /// A board behind its port lives until somebody interrupts it.
-/// @param heed  called between its steps
 template <class Port>
-void serve(Port& port, bool delayed, const std::function<void()>& heed) {
+void serve(Port& port, const SetDelay& set_delay, const HeedHandle& heed, double delay) {
     catch_signals();
     engine::run_like_a_board();
     fmt::print("{}\n", port.path());
     std::fflush(stdout);
+    Lines lines;
     while (!interrupted()) {
-        port.step(delayed ? kDelayStepUs : kStepUs);
-        heed();
+        port.step(delay > 0.0 ? kDelayStepUs : kStepUs);
+        for (const std::string& line : lines.take()) {
+            try {
+                if (const auto ms = number_after(line, "delay ", 0.0, 1000.0)) {
+                    delay = 1e-3 * *ms;
+                    set_delay(delay);
+                    say("Answers take {:g} ms\n", *ms);
+                } else if (!heed(line)) {
+                    warn("{}: nothing here heeds this; delay 2 makes answers take 2 ms", line);
+                }
+            } catch (const std::exception& e) {
+                warn("{}", e.what());
+            }
+        }
     }
 }
 
@@ -110,37 +149,26 @@ void serve(Port& port, bool delayed, const std::function<void()>& heed) {
 void live(const EmulatorOptions& options,
           const engine::Calibration& machine,
           engine::BoardPlant& plant,
-          const std::function<void()>& heed) {
+          const HeedHandle& heed) {
     const double delay = 1e-3 * options.delay_ms;
     if (!options.open) {
         engine::HaplyBoard board(plant, machine.pantograph, *machine.haply);
         board.set_faults({.delay = delay});
         engine::PtyBoard terminal(board, options.link);
-        return serve(terminal, delay > 0.0, heed);
+        return serve(
+            terminal, [&](double s) { board.set_faults({.delay = s}); }, heed, delay);
     }
     engine::OpenBoard board(plant, machine.pantograph, *machine.board);
     board.delay_answers(delay);
+    const auto set_delay = [&](double s) {
+        board.delay_answers(s);
+    };
     if (options.udp) {
         engine::UdpBoard port(board, static_cast<std::uint16_t>(*options.udp));
-        return serve(port, delay > 0.0, heed);
+        return serve(port, set_delay, heed, delay);
     }
     engine::PtyBoard terminal(board, options.link);
-    serve(terminal, delay > 0.0, heed);
-}
-
-/// "gain 2". @return none: it is another line   @throws std::invalid_argument for what is no gain
-std::optional<double> parse_gain(const std::string& line) {
-    constexpr std::string_view kWord = "gain ";
-    if (!line.starts_with(kWord)) {
-        return std::nullopt;
-    }
-    const char* const end = line.data() + line.size();
-    double gain = 0.0;
-    const auto [stop, error] = std::from_chars(line.data() + kWord.size(), end, gain);
-    if (error != std::errc{} || stop != end || !(std::fabs(gain) <= 100.0)) {
-        throw std::invalid_argument(line + ": give a number from -100 to 100, as in gain 2");
-    }
-    return gain;
+    serve(terminal, set_delay, heed, delay);
 }
 
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
@@ -148,21 +176,15 @@ void live_free(const EmulatorOptions& options, const engine::Calibration& machin
     plant.machine = machine.pantograph;
     engine::FreeHandle handle(
         plant, options.at.empty() ? home_of(machine) : parse_place(options.at, "--at"));
-    Lines lines;
-    live(options, machine, handle, [&] {
-        for (const std::string& line : lines.take()) {
-            try {
-                if (const auto gain = parse_gain(line)) {
-                    handle.strengthen(*gain);
-                    say("The motors give {:g} times what they are asked for", *gain);
-                } else {
-                    handle.bring(parse_place(line, "brought to"));
-                    say("The handle is at {} mm", line);
-                }
-            } catch (const std::exception& e) {
-                warn("{}", e.what());
-            }
+    live(options, machine, handle, [&](const std::string& line) {
+        if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
+            handle.strengthen(*gain);
+            say("The motors give {:g} times what they are asked for\n", *gain);
+        } else {
+            handle.bring(parse_place(line, "brought to"));
+            say("The handle is at {} mm\n", line);
         }
+        return true;
     });
 }
 
@@ -184,7 +206,7 @@ int run(const EmulatorOptions& options) {
         live_free(options, machine);
     } else {
         engine::DeskHand hand(machine);
-        live(options, machine, hand, [] {});
+        live(options, machine, hand, [](const std::string&) { return false; });
     }
     return 0;
 }
