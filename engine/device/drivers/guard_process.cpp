@@ -130,6 +130,11 @@ void GuardProcess::end() noexcept {
     pid_ = -1;
 }
 
+/// One that was stopped would be waited for in vain.
+bool GuardProcess::listens() const noexcept {
+    return pid_ > 0 && !ended_or_stopped();
+}
+
 bool GuardProcess::acknowledged() const noexcept {
     pollfd answer{.fd = socket_, .events = POLLIN, .revents = 0};
     char received = 0;
@@ -147,7 +152,7 @@ bool GuardProcess::watch(int port, const GuardPackets& packets) {
     force_off();
     for (int attempt = 0; attempt < 2; ++attempt) {
         shared_->tripped.store(false);
-        if (pid_ > 0 && send_message(socket_, message, port) && acknowledged()) {
+        if (listens() && send_message(socket_, message, port) && acknowledged()) {
             return true;
         }
         end();
@@ -159,7 +164,7 @@ bool GuardProcess::watch(int port, const GuardPackets& packets) {
 }
 
 void GuardProcess::release() noexcept {
-    if (pid_ > 0 && !(send_message(socket_, GuardMessage{}, -1) && acknowledged())) {
+    if (pid_ > 0 && !(listens() && send_message(socket_, GuardMessage{}, -1) && acknowledged())) {
         kill(pid_, SIGKILL);  // it would keep the port's name taken
     }
 }

@@ -45,6 +45,7 @@ public:
 private:
     [[nodiscard]] bool start() noexcept;
     void end() noexcept;
+    [[nodiscard]] bool listens() const noexcept;
     [[nodiscard]] bool acknowledged() const noexcept;
     void show_life() noexcept;
     [[nodiscard]] bool ended_or_stopped() const noexcept;
