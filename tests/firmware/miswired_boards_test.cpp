@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "engine/commissioning/commissioning.hpp"
+#include "engine/device/drivers/board_device.hpp"
+#include "engine/device/drivers/haply_line.hpp"
+#include "engine/device/emulator/free_handle.hpp"
+#include "engine/device/emulator/haply_board.hpp"
+#include "engine/device/open/open_line.hpp"
+#include "tests/firmware/boards.hpp"
+#include "tests/support/board_link.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/scripted_guard.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+// The same miswirings on both kinds of boards, by the driver that a session uses, on the board's own clock.
+
+namespace {
+
+/// A free handle whose encoders and motors hang on the board as `encoders` and `motors` say.
+class MiswiredHandle : public BoardPlant {
+public:
+    MiswiredHandle(const Calibration& machine, const Connection& encoders, const Connection& motors)
+        : encoders_(encoders), motors_(motors), handle_(plant_of(machine), *machine.home) {
+        home_ = handle_.angles();
+    }
+
+    void bring(const Vec2& place) { handle_.bring(place); }
+    void set_torque(const Vec2& told) noexcept override {
+        asked = std::fmax(asked, glm::length(told));
+        const Vec2 came = motors_.swapped ? Vec2{told.y, told.x} : told;
+        handle_.set_torque(Vec2{motors_.factor[0], motors_.factor[1]} * came);
+    }
+    void advance(double seconds) noexcept override { handle_.advance(seconds); }
+    [[nodiscard]] JointAngles angles() const noexcept override {
+        JointAngles seen = home_;
+        for (std::size_t i = 0; i < 2; ++i) {
+            const std::size_t joint = encoders_.swapped ? 1 - i : i;
+            seen[i] += encoders_.factor[i] * (handle_.angles()[joint] - home_[joint]);
+        }
+        return seen;
+    }
+    double asked = 0.0;  ///< the most torque that the motors were told to give, N m
+
+private:
+    static PlantModel plant_of(const Calibration& machine) {
+        PlantModel plant;
+        plant.machine = machine.pantograph;
+        return plant;
+    }
+
+    Connection encoders_;
+    Connection motors_;
+    FreeHandle handle_;
+    JointAngles home_{};
+};
+
+Calibration machine_of(bool open) {
+    return open ? open_machine() : emulated_calibration("gen3");
+}
+
+template <class Board>
+Commissioned commissioned_on(Board& board,
+                             MiswiredHandle& handle,
+                             const Calibration& machine,
+                             MakeLine make_line) {
+    static const std::vector<Vec2> places = commissioning_places(machine.pantograph, *machine.home);
+    BoardCable cable(board);
+    ScriptedGuard::Script guard;
+    BoardDevice device(machine, std::make_unique<BoardLink>(cable), make_line,
+                       std::make_unique<ScriptedGuard>(guard));
+    const auto tick = [&, next = std::int64_t{0}]() mutable {
+        next = std::max(next + 1'000'000, cable.now_ns());
+        cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+        return true;
+    };
+    const auto bring = [&](const Vec2& place) {
+        handle.bring(place);
+        cable.pass(200'000'000);
+        return true;
+    };
+    return commission(device, machine.pantograph, places, PlantModel{}.handle_mass,
+                      {.bring = bring, .wait = tick, .period = 1e-3});
+}
+
+Commissioned commissioned_on_board(bool open,
+                                   const Connection& encoders,
+                                   const Connection& motors,
+                                   double& asked) {
+    const Calibration machine = machine_of(open);
+    MiswiredHandle handle(machine, encoders, motors);
+    Commissioned done;
+    if (open) {
+        OpenBoard board = OnHost::make(handle, machine);
+        done = commissioned_on(board, handle, machine, open_line);
+    } else {
+        HaplyBoard board(handle, machine.pantograph, *machine.haply);
+        done = commissioned_on(board, handle, machine, haply_line);
+    }
+    asked = handle.asked;
+    return done;
+}
+
+/// Every swap and sign, and every gain of one that is otherwise right. All 72 come with a tag.
+std::vector<Connection> wrong_connections(bool all) {
+    std::vector<Connection> wrong;
+    for (const Connection& one : all_connections()) {
+        const auto right = [&](std::size_t i) {
+            return one.factor[i] == 1.0;
+        };
+        const bool signs = std::fabs(one.factor[0]) == 1.0 && std::fabs(one.factor[1]) == 1.0;
+        const bool gain =
+            !one.swapped && (right(0) || right(1)) && one.factor[0] > 0.0 && one.factor[1] > 0.0;
+        if (!(one == Connection{}) && (all || signs || gain)) {
+            wrong.push_back(one);
+        }
+    }
+    return wrong;
+}
+
+void find_all(bool open, bool all) {
+    double asked = 0.0;
+    const Commissioned right = commissioned_on_board(open, {}, {}, asked);
+    CHECK(right.refused.empty());
+    CHECK(right.record.dynamics.handle_mass == Approx(PlantModel{}.handle_mass).epsilon(0.1));
+    for (const Connection& wrong : wrong_connections(all)) {
+        CAPTURE(open, wrong.swapped, wrong.factor[0], wrong.factor[1]);
+        const Commissioned encoders =
+            commissioned_on_board(open, wrong, {.swapped = true, .factor = {-2.0, 0.5}}, asked);
+        CHECK_THAT(encoders.refused, ContainsSubstring("encoder"));
+        CHECK(asked == 0.0);
+        const Commissioned motors = commissioned_on_board(open, {}, wrong, asked);
+        CHECK_FALSE(motors.refused.empty());
+        CHECK((motors.refused.find("swapped") != std::string::npos) == wrong.swapped);
+        for (const std::size_t i : {0U, 1U}) {
+            const std::string reversed = "motor " + std::to_string(i + 1) + " is reversed";
+            CHECK((motors.refused.find(reversed) != std::string::npos) == (wrong.factor[i] < 0.0));
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("every miswiring of an emulated Haply or open board is found and named",
+          "[commission][haply][open][law]") {
+    find_all(GENERATE(false, true), false);
+}
+
+TEST_CASE("every miswiring of both boards, all 71 of encoders and all 71 of motors",
+          "[.all-miswirings]") {
+    find_all(GENERATE(false, true), true);
+}
