@@ -46,10 +46,6 @@ std::string last_place(const std::string& text) {
     return place.substr(0, place.find(',')) + "," + place.substr(place.find(',') + 2);
 }
 
-void a_moment() {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
-}
-
 /// An emulated board whose handle nobody holds.
 class FreeBoard {
 public:
@@ -71,13 +67,10 @@ public:
     [[nodiscard]] std::string word() const { return word_; }
     /// A place, or what else the emulator takes.
     void bring(const std::string& line) {
-        const auto said = [this] {
-            return emulator_.program().out().size() + emulator_.program().error().size();
-        };
-        const std::size_t before = said();
+        const std::size_t before = emulator_.program().out().size();
         emulator_.type(line);
-        a_moment();
-        CHECK((silent_ || eventually([&] { return said() != before; })));
+        tests::pause(0.2);
+        CHECK((silent_ || eventually([&] { return emulator_.program().out().size() > before; })));
     }
 
 private:
@@ -239,9 +232,9 @@ TEST_CASE("the example of a device behind UDP is commissioned as a board is, and
     const TemporaryFolder folder;
     const std::string calibration = PALPATE_SOURCE_DIR "/examples/udp_device.toml";
     FreeBoard device(folder, tests::free_udp_port());
-    const std::string commission = "commission --device " + device.word() + " --calibration '" +
-                                   calibration + "' --handle-g 100 -o '" + folder.file("rig.toml") +
-                                   "'";
+    const std::string commission =
+        fmt::format("commission --device {} --calibration '{}' --handle-g 100 -o '{}'",
+                    device.word(), calibration, folder.file("rig.toml"));
     Finished end = operated(folder, device, commission, "0,0");
     // An ordinary program of an ordinary clock: where it gets no turn, a pulse lasts longer than was asked for.
     for (int again = 0; again < 4 && end.error.find("% of what it should") != std::string::npos;
@@ -298,7 +291,7 @@ void press_up_to(tests::XHand& hand, TypedTo& run, const std::string& name) {
             hand.focus(window);
             hand.key(window.title == "palpate: question" ? "1" : "space");
         }
-        a_moment();
+        tests::pause(0.2);
         return there;
     }));
 }
@@ -336,9 +329,9 @@ TEST_CASE(
     for (int i = 0; i < 40 && run.program().running(); ++i) {
         hand.focus(hand.find_window("palpate: "));
         hand.chord("q");
-        a_moment();
+        tests::pause(0.2);
         hand.key("y");
-        a_moment();
+        tests::pause(0.2);
     }
     const Finished end = run.program().wait();
     CAPTURE(end.error);
