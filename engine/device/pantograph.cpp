@@ -12,7 +12,7 @@ std::int32_t rounded(double value) noexcept {
     if (!(std::fabs(whole) <= kMost)) {
         return whole > kMost  ? std::numeric_limits<std::int32_t>::max()
              : whole < -kMost ? -std::numeric_limits<std::int32_t>::max()
-                             : 0;
+                              : 0;
     }
     return static_cast<std::int32_t>(whole);
 }
