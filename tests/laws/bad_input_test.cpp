@@ -362,3 +362,25 @@ TEST_CASE("a code much like one that is there is asked about, and nobody is made
     CHECK(run({"p03", "--session", "2"}).code == 0);  // known by now
     CHECK_THAT(people(), ContainsSubstring("p03") && ContainsSubstring("P3"));
 }
+
+TEST_CASE(
+    "what a full disk keeps from standard output is no success, and a pipe that was closed is",
+    "[cli][law]") {
+    const TemporaryFolder folder;
+    const std::string data = folder.file("fit.csv");
+    std::ofstream(data) << "stimulus,n,k\n-1,40,9\n0,40,21\n1,40,30\n";
+    for (const std::string& words : {std::string("sequence shape_friction_demo --participant P1"),
+                                     std::string("check shape_friction_demo"), "fit '" + data + "'",
+                                     "fit --json '" + data + "'", std::string("--version")}) {
+        CAPTURE(words);
+        const auto run = [&](const std::string& where) {
+            return tests::Process({"bash", "-o", "pipefail", "-c",
+                                   "'" + tests::palpate_program() + "' " + words + where})
+                .wait();
+        };
+        const Finished full = run(" >/dev/full");
+        CHECK(full.code == 1);
+        CHECK_THAT(full.error, ContainsSubstring("standard output: cannot be written"));
+        CHECK(run(" | true").error.find("cannot be written") == std::string::npos);
+    }
+}

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/order/constrained_order.hpp"
 #include "data/csv/number_table.hpp"
@@ -57,6 +60,17 @@ void hide_addresses(int argc, char** argv) {
     }
 }
 
+/// A full disk behind standard output is no success. Who closes a pipe has read enough.
+int heard(int code) {
+    struct stat out {};
+    const bool lost = std::fflush(stdout) != 0 || std::ferror(stdout) != 0;
+    if (code != 0 || !lost || (fstat(STDOUT_FILENO, &out) == 0 && S_ISFIFO(out.st_mode))) {
+        return code;
+    }
+    warn("standard output: cannot be written; check the space on the disk");
+    return kExitFailure;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -64,7 +78,7 @@ int main(int argc, char** argv) {
         const std::vector<Command> commands = all_commands();
         const Parsed parsed = parse_command_line(commands, kVersion, argc, argv);
         hide_addresses(argc, argv);
-        return parsed.command ? commands[*parsed.command].run() : parsed.code;
+        return heard(parsed.command ? commands[*parsed.command].run() : parsed.code);
     } catch (const palpate::protocols::ProtocolError& e) {
         say_to(stderr, std::string(e.what()) + "\n");
         return kExitUsage;
