@@ -101,8 +101,9 @@ void operate(TypedTo& operated, FreeBoard& board, const std::string& seen = "no 
 
 /// A busy machine left the board, or the program, without its turn.
 bool starved(const std::string& error) {
-    for (const char* said : {"stopped answering", "switched its motors off", "falls silent",
-                             "runs wrong", "does not answer", "too long for a force"}) {
+    for (const char* said :
+         {"stopped answering", "switched its motors off", "falls silent", "runs wrong",
+          "does not answer", "too long for a force", "late too often", "became later", "is gone"}) {
         if (error.find(said) != std::string::npos) {
             return true;
         }
