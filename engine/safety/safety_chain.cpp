@@ -48,6 +48,11 @@ bool silent_too_long(SafetyState& state, const SafetyLimits& limits, bool fresh)
     return limits.silent_run > 0 && state.silent >= limits.silent_run;
 }
 
+/// Nobody knows where the handle is: no force until it is known again.
+bool quiet(const SafetyState& state, const SafetyLimits& limits) noexcept {
+    return limits.quiet_run > 0 && state.silent >= limits.quiet_run;
+}
+
 /// E of this tick is above its limit, or not a number. Without a limit nothing is summed.
 bool too_active(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     return std::isfinite(limits.energy) &&
@@ -117,7 +122,8 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
     if (silent_too_long(state, limits, input.fresh)) {
         return Trip::device_silent;
     }
-    if (delayed(state.delay, input.behind, limits.spare_delay, limits.period)) {
+    if (!quiet(state, limits) &&
+        delayed(state.delay, input.behind, limits.spare_delay, limits.period)) {
         return Trip::delayed;
     }
     if (too_active(state, limits, input)) {
@@ -139,10 +145,11 @@ Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInpu
     Command command;
     const Vec2 strong = saturated(input.force, limits.max_force);
     command.saturated = strong != input.force;
-    state.gain = ramped(state.gain, limits.ramp_step, input.enable);
+    const bool off = quiet(state, limits);
+    state.gain = off ? 0.0 : ramped(state.gain, limits.ramp_step, input.enable);
     command.ramped = state.gain < 1.0;
     const Vec2 target = state.gain * strong;
-    command.force = within_slew(state.command, target, limits.slew);
+    command.force = off ? Vec2{} : within_slew(state.command, target, limits.slew);
     command.force_slew = command.force != target;
     return command;
 }

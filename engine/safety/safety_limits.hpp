@@ -19,6 +19,9 @@ struct SafetyLimits {
     double jump = std::numeric_limits<double>::infinity();  ///< m of HIP between two fresh readings
     std::int32_t late_run = 0;    ///< late ticks in a row that trip; 0: never
     std::int32_t late_share = 0;  ///< late ticks among the last 100 that trip; 0: never
+    std::int32_t quiet_run =
+        0;  ///< ticks in a row without a fresh reading that take the force away until
+            ///< there is one; 0: none do
     std::int32_t silent_run = 0;  ///< ticks in a row without a fresh reading that trip; 0: never
     double energy = std::numeric_limits<double>::infinity();  ///< J, of the energy observer
     bool watch_runaway = false;  ///< trip on a handle that speeds up against the full force

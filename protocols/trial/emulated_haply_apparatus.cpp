@@ -29,6 +29,7 @@ constexpr engine::GuardTiming kGuard{.wait_ms = 5, .patience = 1000, .alive_ms =
 engine::ServoSpec patient(engine::ServoSpec spec) {
     spec.limits.late_run = 0;
     spec.limits.late_share = 0;
+    spec.limits.quiet_run = 0;
     spec.limits.silent_run = 0;  // the driver's own silence is left
     spec.limits.spare_delay = std::numeric_limits<double>::infinity();
     spec.limits.screen_silence = std::numeric_limits<double>::infinity();

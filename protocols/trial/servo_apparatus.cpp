@@ -12,8 +12,10 @@ namespace {
 
 /// m/s between two readings beyond any hand: an encoder skipped or a cable came loose.
 constexpr double kJumpSpeed = 10.0;
-/// s without a new reading after which the force has nothing to stand on.
-constexpr double kSilence = 0.010;
+/// s without a new reading after which the force has nothing to stand on: it is off until there is one. And
+/// after which nobody answers: what a kernel's workers keep back on a busy machine was never as old.
+constexpr double kQuiet = 0.010;
+constexpr double kSilence = 0.040;
 /// s without a sign of life of the screen, after which nobody could end the force.
 constexpr double kScreenSilence = 0.25;
 /// Ticks that readings may be older than the device promised, whatever stiffness and damping: a busy
@@ -42,6 +44,7 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
         limits.jump = kJumpSpeed * period;
         limits.late_run = static_cast<std::int32_t>(safety.late_run);
         limits.late_share = static_cast<std::int32_t>(safety.late_share);
+        limits.quiet_run = static_cast<std::int32_t>(std::ceil(kQuiet / period));
         limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
         limits.energy = safety.energy_limit;
         limits.damping = std::max(traits.damping.value_or(0.0),

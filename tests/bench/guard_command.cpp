@@ -93,11 +93,54 @@ std::vector<double> windowed_delays(int kills) {
     return ms;
 }
 
+/// How long a hand keeps its force on a busy machine, in `runs` sessions one after the other.
+/// @param seconds  as much as is looked for in each
+/// @param busy     programs beside it that never rest
+int held(double seconds, int runs, int busy) {
+    int broken = 0;
+    for (int run = 0; run < runs; ++run) {
+        tests::PressedDesk desk(tests::PressingHand::Does::presses);
+        if (!desk.feel()) {
+            throw std::runtime_error("the emulated board got no torque");
+        }
+        const std::vector<std::string> rests_never{"sh", "-c", "while :; do :; done"};
+        std::vector<std::unique_ptr<tests::Process>> others;
+        for (int i = 0; i < busy; ++i) {
+            others.push_back(std::make_unique<tests::Process>(rests_never));
+        }
+        const std::int64_t start = now_ns();
+        const auto since = [&] {
+            return 1e-9 * static_cast<double>(now_ns() - start);
+        };
+        // A hand that turns back or lets up has no force for a moment: what counts is a fault.
+        const auto fault = [&] {
+            return desk.session->ask(
+                "SELECT group_concat(fault_cause) FROM trial WHERE fault_cause <> ''");
+        };
+        while (since() < seconds && fault().empty()) {
+            tests::pause(0.1);
+        }
+        const std::string cause = fault();
+        broken += cause.empty() ? 0 : 1;
+        std::printf("%-34s %7d %9.3f %s\n", "held, s", busy, since(),
+                    cause.empty() ? "no fault" : cause.c_str());
+        std::fflush(stdout);
+        for (const auto& other : others) {
+            other->signal(SIGKILL);
+        }
+    }
+    return broken;
+}
+
 #else
 constexpr bool kWindow = false;
 
 std::vector<double> windowed_delays(int /*kills*/) {
     return {};
+}
+
+int held(double /*seconds*/, int /*runs*/, int /*busy*/) {
+    throw WrongWord("--hold needs a window: not built, libxtst-dev is missing");
 }
 #endif
 
@@ -107,7 +150,14 @@ int guard_command(const std::vector<std::string>& arguments) {
     Words words(arguments);
     const int kills = number(words.value("--kills", "100"), "--kills");
     const std::string csv_name = words.value("--csv");
-    words.finish("guard takes --kills N and --csv FILE");
+    const std::string hold = words.value("--hold");
+    const int busy = number(words.value("--busy", "2"), "--busy");
+    words.finish("guard takes --kills N and --csv FILE, or --hold SECONDS and --busy PROGRAMS");
+    if (!hold.empty()) {
+        std::cout << machine() << "\nforce in its window on a busy machine, three sessions\n";
+        std::printf("%-34s %7s %9s\n", "palpate", "busy", "s");
+        return held(number(hold, "--hold"), 3, busy) == 0 ? 0 : 1;
+    }
     std::ofstream csv = open_output(csv_name);
     if (csv.is_open()) {
         csv << "machine,end,kills,p50_ms,p99_ms,worst_ms\n";

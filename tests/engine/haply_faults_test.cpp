@@ -103,8 +103,8 @@ TEST_CASE("a late answer is no fault but not fresh, and one that stays away is",
         ++ticks;
     }
     CHECK(reading.fault == DeviceFault::silent);
-    CHECK(ticks >= 18);
-    CHECK(ticks <= 26);
+    CHECK(ticks >= 38);
+    CHECK(ticks <= 46);
     bench.ticks({0.1, 0.0}, 10);
     CHECK(bench.board.torque() == Vec2{});
 }

@@ -197,6 +197,44 @@ TEST_CASE("a device without a new reading trips after the ticks allowed, not bef
     CHECK((make_safe(state, limits, {.fresh = false}).trip == Trip::device_silent));
 }
 
+TEST_CASE("where no new reading comes there is no force until one does, and then it ramps in",
+          "[safety][law]") {
+    Random random(GENERATE(range(1, 20)));
+    const std::int32_t quiet = 1 + random.below(20);
+    const double step = random.in(0.01, 1.0);
+    const SafetyLimits limits{.ramp_step = step,
+                              .slew = random.coin() ? 0.05 : 10.0,
+                              .quiet_run = quiet,
+                              .silent_run = quiet + 200,
+                              .spare_delay = 2.0};
+    SafetyState state;
+    const SafetyInput pressed{.force = {1.0, 0.0}};
+    for (int round = 0; round < 5; ++round) {
+        double last = 0.0;
+        for (int k = 1; k <= 400; ++k) {
+            const Command c = make_safe(state, limits, pressed);
+            REQUIRE(c.force.x <= std::min(1.0, k * step) + 1e-12);
+            REQUIRE(c.force.x <= last + limits.slew + 1e-12);
+            last = c.force.x;
+        }
+        CHECK(last == 1.0);
+        const int gap = 1 + random.below(100);
+        for (int k = 1; k <= gap; ++k) {
+            const double age = k;  // beyond what may be borne, were there a force
+            const Command c =
+                make_safe(state, limits, {.force = {1.0, 0.0}, .fresh = false, .behind = age});
+            REQUIRE((c.trip == Trip::none));
+            REQUIRE(c.force.x == (k < quiet ? 1.0 : 0.0));
+            REQUIRE(c.ramped == (k >= quiet));
+        }
+        if (gap < quiet) {
+            CHECK(make_safe(state, limits, pressed).force.x == 1.0);
+        }
+        state.gain = gap < quiet ? 0.0 : state.gain;
+        state.command = {};
+    }
+}
+
 TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once",
           "[safety][law]") {
     const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{400}));
@@ -213,6 +251,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
                               .jump = perhaps(0.01),
                               .late_run = random.below(30),
                               .late_share = random.below(100),
+                              .quiet_run = random.below(10),
                               .silent_run = random.below(20),
                               .energy = perhaps(random.in(0.01, 1.0)),
                               .stiffness = random.in(100.0, 4000.0),
@@ -240,6 +279,7 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
     };
     SafetyState state;
     Command last;
+    std::int32_t unheard = 0;
     for (int k = 0; k < 500; ++k) {
         const SafetyInput input{.force = vector(12.0),
                                 .spring = vector(0.01),
@@ -259,7 +299,8 @@ TEST_CASE("whatever comes in, the command is finite and keeps all bounds at once
         REQUIRE(glm::length(c.force) <= limits.max_force * (1.0 + 1e-12));
         REQUIRE(glm::length(c.force) <=
                 (k + 1) * limits.ramp_step * limits.max_force * (1.0 + 1e-12));
-        if (c.trip == Trip::none) {
+        unheard = input.fresh ? 0 : unheard + 1;
+        if (c.trip == Trip::none && (limits.quiet_run == 0 || unheard < limits.quiet_run)) {
             REQUIRE(glm::length(c.force - last.force) <= limits.slew * (1.0 + 1e-12));
         } else {
             REQUIRE(c.force == Vec2{});

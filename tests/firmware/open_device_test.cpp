@@ -210,7 +210,7 @@ TEMPLATE_TEST_CASE("a board that is reset in a trial has forgotten where it was"
     REQUIRE(desk.ticks(kGuardedPress, 30).ok());
     desk.board.power_cycle();
     const bool at_once = GENERATE(true, false);
-    desk.cable.pass(at_once ? 3'000'000 : 25'000'000);
+    desk.cable.pass(at_once ? 3'000'000 : 45'000'000);
     const DeviceFault fault = desk.ticks(kGuardedPress, 3).fault;
     CHECK(fault == (at_once ? DeviceFault::lost : DeviceFault::silent));
     CHECK_FALSE(desk.board.enabled());
@@ -259,7 +259,7 @@ TEST_CASE("answers that are lost now and then make a reading old, and no fault",
     CHECK(stale > 40);
     CHECK(stale < 250);
     desk.board.hush(true);
-    CHECK(desk.ticks(kGuardedPress, 30).fault == DeviceFault::silent);
+    CHECK(desk.ticks(kGuardedPress, 50).fault == DeviceFault::silent);
     desk.ticks({}, 30);
     CHECK_FALSE(desk.board.enabled());
 }

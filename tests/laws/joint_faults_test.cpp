@@ -53,9 +53,9 @@ struct Event {
 
 constexpr double kMs = 1e-3;
 constexpr double kNever = 1e9;
-/// s: of the driver's patience, the board's watchdog, the guard's patience, and of the screen's; a tick and the wire
-/// beside.
-constexpr double kSilence = 0.024;
+/// s: without a reading in the chain, of the board's watchdog, the guard's patience and the screen's; a tick
+/// and the wire beside.
+constexpr double kSilence = 0.014;
 constexpr double kWatchdog = 0.022;
 constexpr double kGuardPatience = 0.028;
 constexpr double kScreen = 0.254;

@@ -15,7 +15,7 @@ namespace palpate::engine {
 struct BoardTiming {
     double period = 1e-3;    ///< between ticks
     double patience = 0.5;   ///< share of the period that read() waits for an answer that is due
-    double silence = 0.020;  ///< without an answer for this long the board counts as silent
+    double silence = 0.040;  ///< without an answer for this long the board counts as silent
     double still = 1.0;      ///< the handle rests for this long before its pose is taken for home
 };
 
