@@ -13,6 +13,7 @@ constexpr double kMostJump = 10.0;     ///< m/s between two readings
 constexpr double kSilence = 0.010;     ///< s without a new reading
 constexpr int kAgain = 12;             ///< times that a pulse is tried again
 constexpr int kLateAnswers = 3;        ///< ticks in a row without a new reading that times bear
+constexpr int kLateTicks = 3;          ///< ticks of a pulse that may come late: ms, caught up with
 constexpr double kStill = 0.040;       ///< s within a count
 constexpr double kPatience = 0.6;      ///< s for the handle to come to rest
 constexpr double kAfterwards = 0.060;  ///< s, recorded after the force
@@ -113,10 +114,12 @@ Pulse PulseRunner::give_once(const Vec2& direction, const PulsePlan& plan) {
     std::size_t end = 2 * longest + rest;
     Vec2 force = pulse.force;
     int late_answers = 0;
+    int late_ticks = 0;
     for (std::size_t k = 0; k < end && pulse.trip == Trip::none; ++k) {
         const Tick now = tick(force);
         late_answers = now.reading.fresh ? 0 : late_answers + 1;
-        pulse.steady = pulse.steady && now.in_time && late_answers <= kLateAnswers;
+        late_ticks += now.in_time ? 0 : 1;
+        pulse.steady = pulse.steady && late_ticks <= kLateTicks && late_answers <= kLateAnswers;
         if (k == 0) {
             pulse.place = now.reading.hip;
         }

@@ -55,8 +55,8 @@ public:
 
     /// Waits for the handle to rest, pushes it along `direction` until it has moved or the time is up,
     /// then as long the other way, so that it ends near where it was and at rest. At most a second and
-    /// a half. A pulse in which ticks or answers came late tells nothing of the machine: it is given
-    /// again, and refused in the end with Trip::late.
+    /// a half. A pulse in which several ticks or answers came late tells nothing of the machine: it
+    /// is given again, and refused in the end with Trip::late.
     /// @param direction  of length 1
     [[nodiscard]] Pulse give(const Vec2& direction, const PulsePlan& plan);
 

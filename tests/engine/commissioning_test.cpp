@@ -160,12 +160,14 @@ TEST_CASE("the short form passes the rig that was commissioned, and no other",
     CHECK_THAT(opened(held, {}).refused, ContainsSubstring("is somebody holding it"));
 }
 
-TEST_CASE("a pulse in which ticks came late is given again, and at last refused as late",
+TEST_CASE("a pulse in which four ticks came late is given again, and at last refused as late",
           "[commissioning][law]") {
     MiswiredMachine device(plant_of("gen3"), {}, {});
     device.bring(kHome);
     int pulses = 0;
     int spoilt = GENERATE(0, 1, 7, 1000);
+    const int late = GENERATE(3, 4);  // ticks, together or apart; three are borne
+    const int apart = GENERATE(1, 9);
     int tick = 0;
     bool pushed = false;
     const PlantModel plant = plant_of("gen3");
@@ -174,12 +176,14 @@ TEST_CASE("a pulse in which ticks came late is given again, and at last refused 
         pulses += pushes && !pushed ? 1 : 0;
         tick = pushes ? tick + 1 : 0;
         pushed = pushes;
-        return tick != 20 || pulses > spoilt;
+        const bool is_late = tick >= 20 && tick < 20 + late * apart && (tick - 20) % apart == 0;
+        return !is_late || pulses > spoilt;
     });
     const Pulse pulse = runner.give({1.0, 0.0}, {.force = 0.3});
-    CHECK(pulse.trip == (spoilt < 1000 ? Trip::none : Trip::late));
-    CHECK(pulse.steady == (spoilt < 1000));
-    CHECK(pulses == std::min(spoilt, 12) + 1);
+    const bool borne = late <= 3 || spoilt < 1000;
+    CHECK(pulse.trip == (borne ? Trip::none : Trip::late));
+    CHECK(pulse.steady == borne);
+    CHECK(pulses == (late <= 3 ? 1 : std::min(spoilt, 12) + 1));
 }
 
 TEST_CASE("marks that do not tell the encoders apart are refused", "[commissioning]") {
