@@ -163,6 +163,7 @@ private:
         }
         for (const std::size_t place : text_places_) {
             table.texts.push_back(plain_text(fields[place].text));
+            table.text_characters.push_back(static_cast<std::uint32_t>(fields[place].character));
         }
         table.lines.push_back(number_);
     }
@@ -206,6 +207,12 @@ std::optional<std::string_view> NumberTable::text(std::size_t row, std::string_v
              : std::optional<std::string_view>(
                    texts[row * text_columns.size() +
                          static_cast<std::size_t>(found - text_columns.begin())]);
+}
+
+std::string NumberTable::text_place(std::size_t row, std::string_view column) const {
+    const auto at =
+        static_cast<std::size_t>(std::ranges::find(text_columns, column) - text_columns.begin());
+    return fmt::format("{}:{}", lines[row], text_characters[row * text_columns.size() + at]);
 }
 
 NumberTable parse_numbers(std::string_view text,

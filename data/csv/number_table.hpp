@@ -26,6 +26,8 @@ struct NumberTable {
     std::vector<std::uint32_t> characters;  ///< of each value: where in its line it begins, from 1
     std::vector<std::string> text_columns;  ///< those of `texts` that the file has
     std::vector<std::string> texts;         ///< row by row
+    std::vector<std::uint32_t>
+        text_characters;  ///< of each text: where in its line it begins, from 1
 
     [[nodiscard]] std::size_t rows() const noexcept { return lines.size(); }
     [[nodiscard]] double at(std::size_t row, std::size_t column) const {
@@ -36,6 +38,8 @@ struct NumberTable {
     /// The text of a column; nothing if the file has no such column.
     [[nodiscard]] std::optional<std::string_view> text(std::size_t row,
                                                        std::string_view column) const;
+    /// "line:character" of a text. @pre the file has the column
+    [[nodiscard]] std::string text_place(std::size_t row, std::string_view column) const;
 };
 
 /// Reads the columns `wanted` of a CSV text, in that order; other columns are not looked at. Columns of

@@ -46,4 +46,17 @@ double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m) {
     return 0.5 * (low + high);
 }
 
+YesNo yes_no(std::int64_t hits,
+             std::int64_t signals,
+             std::int64_t false_alarms,
+             std::int64_t noises) {
+    const auto z = [](std::int64_t yes, std::int64_t n) {
+        return protocols::normal_quantile((static_cast<double>(yes) + 0.5) /
+                                          (static_cast<double>(n) + 1.0));
+    };
+    const double hit = z(hits, signals);
+    const double alarm = z(false_alarms, noises);
+    return {.d_prime = hit - alarm, .criterion = -0.5 * (hit + alarm)};
+}
+
 }  // namespace palpate::data

@@ -21,4 +21,17 @@ namespace palpate::data {
 /// @pre 0 <= hits <= n, n >= 1, m >= 2
 [[nodiscard]] double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m);
 
+struct YesNo {
+    double d_prime = 0.0;    ///< z(hit rate) - z(false alarm rate)
+    double criterion = 0.0;  ///< c = -(z(hit rate) + z(false alarm rate)) / 2: above 0 rather no
+};
+
+/// Of yes/no answers. Rates with the log-linear correction (M. J. Hautus, Behav. Res. Methods Instrum. Comput. 27:46,
+/// 1995): half a yes and one trial more, in each row, whether it is needed or not.
+/// @pre 0 <= hits <= signals, 0 <= false_alarms <= noises, signals and noises >= 1
+[[nodiscard]] YesNo yes_no(std::int64_t hits,
+                           std::int64_t signals,
+                           std::int64_t false_alarms,
+                           std::int64_t noises);
+
 }  // namespace palpate::data

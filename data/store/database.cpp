@@ -5,6 +5,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -290,6 +291,14 @@ void Database::require_in_place() const {
                         "the file wherever it is now: put it back and run again",
                         connection_.file));
     }
+}
+
+bool is_database(const std::string& file) {
+    constexpr std::string_view kMagic = "SQLite format 3";
+    std::array<char, kMagic.size()> start{};
+    std::ifstream stream(file, std::ios::binary);
+    stream.read(start.data(), start.size());
+    return stream && std::string_view(start.data(), start.size()) == kMagic;
 }
 
 Transaction::Transaction(Database& database) : database_(&database) {

@@ -12,6 +12,9 @@ namespace palpate::data {
 
 enum class Access { read, write };
 
+/// Whether a file begins as those of SQLite do. False where it cannot be read.
+[[nodiscard]] bool is_database(const std::string& file);
+
 /// One palpate database file.
 class Database {
 public:

@@ -8,7 +8,7 @@ BEGIN {
     links["stimuli"] = "palpate::engine"
     links["protocols"] = "palpate::stimuli tomlplusplus::tomlplusplus Boost::headers"
     links["data"] = "palpate::protocols SQLite::SQLite3 ZLIB::ZLIB PkgConfig::SODIUM PkgConfig::PQ Boost::headers" \
-                    " PostgreSQL::PostgreSQL palpate::xxhash" \
+                    " PostgreSQL::PostgreSQL palpate::xxhash Eigen3::Eigen" \
                     " nlohmann_json::nlohmann_json"
     links["ui"] = "palpate::data CLI11::CLI11 SDL2::SDL2 PkgConfig::SDL2_TTF PkgConfig::SDL2_IMAGE"
     scopes = "PUBLIC PRIVATE INTERFACE palpate::warnings"

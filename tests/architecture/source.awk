@@ -27,8 +27,9 @@ BEGIN {
     where["xxHash"] = "data"
     where["SDL2"] = "ui"
     where["CLI11"] = "ui"
-    where["nlohmann"] = "data/export data/fit ui"
-    where["Eigen"] = "engine/deformation"
+    where["nlohmann"] = "data/export data/fit data/inference ui"
+    # Curves that yield, and the few parameters of the mixed model; nothing that a tick computes.
+    where["Eigen"] = "engine/deformation data/inference"
     where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \

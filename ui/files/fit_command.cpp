@@ -1,7 +1,5 @@
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -101,14 +99,6 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
     return spec;
 }
 
-bool is_database(const std::string& file) {
-    constexpr std::string_view kMagic = "SQLite format 3";
-    std::array<char, kMagic.size()> start{};
-    std::ifstream stream(file, std::ios::binary);
-    stream.read(start.data(), start.size());
-    return stream && std::string_view(start.data(), start.size()) == kMagic;
-}
-
 void declare(CommandWords& words, FitWords& options) {
     words
         .add("FILE", options.file,
@@ -147,7 +137,7 @@ void declare(CommandWords& words, FitWords& options) {
 }
 
 int run(const FitWords& words) {
-    const bool database = is_database(words.file);
+    const bool database = data::is_database(words.file);
     data::FitOptions options{.spec = spec_of(words, database),
                              .bootstrap = static_cast<std::size_t>(words.bootstrap),
                              .seed = words.seed.value_or(1)};

@@ -1,0 +1,118 @@
+#include <algorithm>
+
+#include "data/inference/stats_parts.hpp"
+
+namespace palpate::data {
+namespace {
+
+using Of = std::optional<double> (*)(const PersonCell&);
+
+struct Kind {
+    const char* key;
+    const char* title;
+    Of value;
+};
+
+constexpr Kind kKinds[] = {
+    {"share", "",
+     [](const PersonCell& cell) {
+         return cell.n > 0
+                  ? std::optional(static_cast<double>(cell.k) / static_cast<double>(cell.n))
+                  : std::nullopt;
+     }},
+    {"d_prime", "d'",
+     [](const PersonCell& cell) {
+         return cell.d_prime;
+     }},
+    {"criterion", "criterion c",
+     [](const PersonCell& cell) {
+         return cell.criterion;
+     }},
+    {"bits", "transmitted bits (Miller-Madow)",
+     [](const PersonCell& cell) {
+         return cell.bits ? std::optional(cell.bits->bits.miller_madow) : std::nullopt;
+     }},
+    {"log_rt", "ln of response time in s",
+     [](const PersonCell& cell) {
+         return cell.log_rt;
+     }},
+    {"log_explore", "ln of exploration time in s",
+     [](const PersonCell& cell) {
+         return cell.log_explore;
+     }},
+    {"confidence", "confidence",
+     [](const PersonCell& cell) {
+         return cell.confidence;
+     }},
+};
+
+Measure measure_of(const StatsReport& report, const StatsPart& part, const Kind& kind) {
+    Measure made{.key = kind.key, .title = kind.title};
+    for (const PersonStats& person : part.people) {
+        auto& row = made.values.emplace_back();
+        for (const PersonCell& cell : person.cells) {
+            row.push_back(kind.value(cell));
+        }
+    }
+    const bool share = made.key == "share";
+    for (std::size_t friction = 0; friction < report.table.frictions.size(); ++friction) {
+        std::vector<double> values;
+        std::vector<double> differences;
+        for (const auto& row : made.values) {
+            if (row[friction]) {
+                values.push_back(*row[friction]);
+            }
+            if (friction > 0 && row[friction] && row[0]) {
+                differences.push_back(*row[friction] - *row[0]);
+            }
+        }
+        made.means.push_back(values.empty() ? std::nullopt
+                             : share        ? std::optional(mean_share_over_people(values))
+                                            : std::optional(mean_over_people(values)));
+        made.effects.push_back(
+            differences.empty()
+                ? std::nullopt
+                : std::optional(test_of(std::move(differences), 0.0, report.options.prior_scale)));
+    }
+    return made;
+}
+
+}  // namespace
+
+std::string share_title(const StatsReport& report) {
+    return report.right_known ? "share correct" : "share of yes";
+}
+
+void add_measures(const StatsReport& report, StatsPart& part) {
+    for (const Kind& kind : kKinds) {
+        Measure measure = measure_of(report, part, kind);
+        if (measure.key == "share") {
+            measure.title = share_title(report);
+        }
+        if (std::ranges::any_of(measure.means, [](const auto& mean) { return mean.has_value(); })) {
+            part.measures.push_back(std::move(measure));
+        }
+    }
+}
+
+void add_tests(const StatsReport& report, StatsPart& part) {
+    const auto add = [&](const char* key, double nothing, const auto& value) {
+        std::vector<double> values;
+        for (const PersonStats& person : part.people) {
+            if (const std::optional<double> one = value(person)) {
+                values.push_back(*one);
+            }
+        }
+        if (!values.empty()) {
+            part.tests.emplace_back(
+                key, test_of(std::move(values), nothing, report.options.prior_scale));
+        }
+    };
+    add("confidence_area", 0.5, [](const PersonStats& one) { return one.confidence_area; });
+    add("share_per_trial", 0.0, [](const PersonStats& one) { return one.answers.trial; });
+    add("share_since_break", 0.0, [](const PersonStats& one) { return one.answers.since_break; });
+    add("log_rt_per_trial", 0.0, [](const PersonStats& one) { return one.log_rt.trial; });
+    add("log_rt_since_break", 0.0, [](const PersonStats& one) { return one.log_rt.since_break; });
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,234 @@
+#include "data/inference/stats_parts.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace palpate::data {
+namespace {
+
+/// Streams of PCG32: a person's permutations under a friction, and the samples of a simulated null.
+constexpr std::uint64_t kPermutationStreams = std::uint64_t{1} << 32;
+constexpr std::uint64_t kNullStreams = std::uint64_t{1} << 40;
+
+using Taken = std::vector<const Trial*>;
+
+std::optional<double> mean_of_trials(const Taken& trials,
+                                     std::optional<double> Trial::*member,
+                                     bool logarithm) {
+    double sum = 0.0;
+    double n = 0.0;
+    for (const Trial* one : trials) {
+        if (const auto& value = one->*member) {
+            sum += logarithm ? std::log(*value) : *value;
+            n += 1.0;
+        }
+    }
+    return n > 0.0 ? std::optional(sum / n) : std::nullopt;
+}
+
+bool is_signal(const StatsReport& report, const Trial& trial) {
+    return std::ranges::find(report.options.signals, report.table.shapes[trial.shape]) !=
+           report.options.signals.end();
+}
+
+void add_sensitivity(const StatsReport& report, const Taken& trials, PersonCell& cell) {
+    if (!report.yes_no) {
+        cell.d_prime =
+            d_prime(cell.k, cell.n, static_cast<std::int64_t>(report.table.alternatives));
+        return;
+    }
+    std::int64_t signals = 0;
+    std::int64_t hits = 0;
+    std::int64_t alarms = 0;
+    for (const Trial* one : trials) {
+        const bool yes = report.table.responses[one->response] == "yes";
+        const bool signal = is_signal(report, *one);
+        signals += signal ? 1 : 0;
+        hits += signal && yes ? 1 : 0;
+        alarms += !signal && yes ? 1 : 0;
+    }
+    if (report.right_known && signals > 0 && signals < cell.n) {
+        const YesNo both = yes_no(hits, signals, alarms, cell.n - signals);
+        cell.d_prime = both.d_prime;
+        cell.criterion = both.criterion;
+    }
+}
+
+PersonCell cell_of(const StatsReport& report, const Taken& trials, std::uint64_t stream) {
+    PersonCell cell{.n = static_cast<std::int64_t>(trials.size())};
+    if (trials.empty()) {
+        return cell;
+    }
+    std::vector<std::size_t> shapes;
+    std::vector<std::size_t> responses;
+    for (const Trial* one : trials) {
+        cell.k += hit(report, *one) ? 1 : 0;
+        shapes.push_back(one->shape);
+        responses.push_back(one->response);
+    }
+    cell.wilson = wilson(cell.k, cell.n);
+    cell.clopper_pearson = clopper_pearson(cell.k, cell.n);
+    add_sensitivity(report, trials, cell);
+    cell.bits =
+        transmitted(shapes, responses, report.options.permutations, report.options.seed, stream);
+    cell.log_rt = mean_of_trials(trials, &Trial::rt_s, true);
+    cell.log_explore = mean_of_trials(trials, &Trial::explore_s, true);
+    cell.confidence = mean_of_trials(trials, &Trial::confidence, false);
+    return cell;
+}
+
+/// Of all frictions together: what they do is balanced over the trials.
+void add_trends(const StatsReport& report, const Taken& trials, PersonStats& person) {
+    std::vector<Moment> answers;
+    std::vector<Moment> times;
+    for (const Trial* one : trials) {
+        Moment moment{.trial = static_cast<double>(one->number), .since_break = one->since_break};
+        moment.value = hit(report, *one) ? 1.0 : 0.0;
+        answers.push_back(moment);
+        if (one->rt_s) {
+            moment.value = std::log(*one->rt_s);
+            times.push_back(moment);
+        }
+    }
+    person.answers = trend(answers);
+    person.log_rt = trend(times);
+}
+
+void add_confidence(const StatsReport& report, const Taken& trials, PersonStats& person) {
+    std::vector<double> right;
+    std::vector<double> wrong;
+    for (const Trial* one : trials) {
+        if (one->confidence) {
+            (hit(report, *one) ? right : wrong).push_back(*one->confidence);
+        }
+    }
+    person.confidence_area = type_2_area(right, wrong);
+}
+
+std::vector<ConfidenceLevel> levels_of(const StatsReport& report, const std::vector<Taken>& all) {
+    struct Used {
+        double n = 0.0;
+        double right = 0.0;
+    };
+    std::map<double, std::vector<Used>> levels;
+    for (std::size_t person = 0; person < all.size(); ++person) {
+        for (const Trial* one : all[person]) {
+            if (one->confidence) {
+                auto& used = levels[*one->confidence];
+                used.resize(all.size());
+                used[person].n += 1.0;
+                used[person].right += hit(report, *one) ? 1.0 : 0.0;
+            }
+        }
+    }
+    std::vector<ConfidenceLevel> told;
+    for (const auto& [level, used] : levels) {
+        std::vector<double> shares;
+        double n = 0.0;
+        for (const Used& one : used) {
+            n += one.n;
+            if (one.n > 0.0) {
+                shares.push_back(one.right / one.n);
+            }
+        }
+        told.push_back({.level = level,
+                        .n = static_cast<std::int64_t>(n),
+                        .share = mean_share_over_people(shares)});
+    }
+    return told;
+}
+
+std::optional<TwoCounts> two_counts(const PersonStats& person, std::size_t friction) {
+    const PersonCell& first = person.cells[0];
+    const PersonCell& other = person.cells[friction];
+    if (first.n + other.n == 0) {
+        return std::nullopt;
+    }
+    return TwoCounts{.n = {static_cast<double>(first.n), static_cast<double>(other.n)},
+                     .k = {static_cast<double>(first.k), static_cast<double>(other.k)}};
+}
+
+}  // namespace
+
+bool hit(const StatsReport& report, const Trial& trial) {
+    const std::string& response = report.table.responses[trial.response];
+    if (!report.yes_no) {
+        return response == report.table.shapes[trial.shape];
+    }
+    const bool yes = response == "yes";
+    return report.right_known ? yes == is_signal(report, trial) : yes;
+}
+
+StatsPart part_of(const StatsReport& report, const std::function<bool(const Trial&)>& takes) {
+    const TrialTable& table = report.table;
+    std::vector<Taken> of_all(table.subjects.size());
+    StatsPart part;
+    for (const Trial& one : table.trials) {
+        if (takes(one)) {
+            of_all[one.subject].push_back(&one);
+            ++part.trials;
+        }
+    }
+    std::vector<Taken> kept;
+    for (std::size_t subject = 0; subject < of_all.size(); ++subject) {
+        const Taken& trials = of_all[subject];
+        if (trials.empty()) {
+            continue;
+        }
+        PersonStats& person = part.people.emplace_back();
+        person.subject = table.subjects[subject];
+        for (std::size_t friction = 0; friction < table.frictions.size(); ++friction) {
+            Taken some;
+            std::ranges::copy_if(trials, std::back_inserter(some),
+                                 [&](const Trial* one) { return one->friction == friction; });
+            person.cells.push_back(cell_of(
+                report, some, kPermutationStreams + subject * table.frictions.size() + friction));
+        }
+        add_trends(report, trials, person);
+        if (report.right_known) {
+            add_confidence(report, trials, person);
+        }
+        kept.push_back(trials);
+    }
+    if (report.right_known) {
+        part.levels = levels_of(report, kept);
+    }
+    add_measures(report, part);
+    add_mixed(report, part);
+    add_tests(report, part);
+    return part;
+}
+
+void add_mixed(const StatsReport& report, StatsPart& part) {
+    for (std::size_t friction = 1; friction < report.table.frictions.size(); ++friction) {
+        std::vector<TwoCounts> people;
+        std::array<double, 2> n{};
+        for (const PersonStats& person : part.people) {
+            if (const auto counts = two_counts(person, friction)) {
+                people.push_back(*counts);
+                n[0] += counts->n[0];
+                n[1] += counts->n[1];
+            }
+        }
+        if (people.size() < 2 || n[0] == 0.0 || n[1] == 0.0) {
+            continue;
+        }
+        const int nodes = report.options.nodes;
+        MixedStats made{.friction = friction, .people = people.size()};
+        made.laplace = fit_mixed(people, {});
+        made.laplace_null = fit_mixed(people, {.effect = false});
+        made.laplace_intercept = fit_mixed(people, {.slope = false});
+        made.quadrature = fit_mixed(people, {.nodes = nodes}, &made.laplace);
+        made.quadrature_null =
+            fit_mixed(people, {.effect = false, .nodes = nodes}, &made.laplace_null);
+        if (report.options.simulations > 0) {
+            made.simulated = simulate_null(
+                people, made.laplace_null, likelihood_ratio(made.laplace, made.laplace_null),
+                report.options.simulations, report.options.seed, kNullStreams * friction);
+        }
+        part.mixed.push_back(made);
+    }
+}
+
+}  // namespace palpate::data

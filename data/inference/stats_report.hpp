@@ -1,0 +1,133 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data/inference/mixed_logit.hpp"
+#include "data/inference/person_numbers.hpp"
+#include "data/inference/trials.hpp"
+#include "data/statistics/d_prime.hpp"
+#include "data/statistics/over_people.hpp"
+#include "data/statistics/paired.hpp"
+
+/// All statistics of a table of trials, and what is said of them.
+namespace palpate::data {
+
+struct StatsOptions {
+    std::vector<std::string> signals{};  ///< of yes/no: the shapes that ought to be called yes
+    std::size_t alternatives = 0;        ///< pictures an answer was one of; 0: as the table has it
+    std::size_t permutations = 999;      ///< of each person's answers; 0: none
+    std::size_t simulations = 999;       ///< of the likelihood ratio's null; 0: none
+    std::uint64_t seed = 1;
+    int nodes = 15;                  ///< of the adaptive quadrature, a side
+    double prior_scale = kJzsScale;  ///< r of the Bayes factor
+};
+
+/// One person under one friction.
+struct PersonCell {
+    std::int64_t n = 0;
+    std::int64_t k = 0;  ///< answers that are right; of yes/no without signals: yes
+    Interval wilson{};
+    Interval clopper_pearson{};
+    std::optional<double> d_prime{};
+    std::optional<double> criterion{};  ///< of yes/no
+    std::optional<Transmitted> bits{};
+    std::optional<double> log_rt{};  ///< mean of ln(s)
+    std::optional<double> log_explore{};
+    std::optional<double> confidence{};  ///< mean
+};
+
+struct PersonStats {
+    std::string subject{};
+    std::vector<PersonCell> cells{};  ///< a friction each
+    std::optional<double> confidence_area{};
+    Trend answers{};  ///< of answers as 0 and 1, a trial
+    Trend log_rt{};
+};
+
+/// One number a person, against another that means nothing.
+struct PeopleTest {
+    std::vector<double> values{};  ///< of those who have it
+    PeopleMean mean{};
+    std::optional<PairedT> t{};
+    SignFlip flip{};
+    SignedRank rank{};
+    std::optional<double> bayes{};  ///< BF10
+};
+
+/// @pre one value or more
+[[nodiscard]] PeopleTest test_of(std::vector<double> values, double nothing, double prior_scale);
+
+/// What people have under each friction, and the differences within person.
+struct Measure {
+    std::string
+        key{};  ///< "share", "d_prime", "criterion", "bits", "log_rt", "log_explore", "confidence"
+    std::string title{};                                       ///< "share correct"
+    std::vector<std::vector<std::optional<double>>> values{};  ///< by person, then friction
+    std::vector<std::optional<PeopleMean>> means{};            ///< by friction
+    std::vector<std::optional<PeopleTest>> effects{};          ///< by friction; of the first none
+};
+
+/// The mixed model of one friction and the first.
+struct MixedStats {
+    std::size_t friction = 0;
+    std::size_t people = 0;
+    MixedFit laplace{};
+    MixedFit laplace_null{};       ///< without the effect
+    MixedFit laplace_intercept{};  ///< people differ in one number alone
+    MixedFit quadrature{};
+    MixedFit quadrature_null{};
+    std::optional<SimulatedNull> simulated{};
+};
+
+/// Answers given with one level of confidence.
+struct ConfidenceLevel {
+    double level = 0.0;
+    std::int64_t n = 0;
+    PeopleMean share{};  ///< of answers that are right, over those people who used the level
+};
+
+/// All statistics of one choice of trials.
+struct StatsPart {
+    std::size_t trials = 0;
+    std::vector<PersonStats> people{};
+    std::vector<Measure> measures{};
+    std::vector<MixedStats> mixed{};
+    std::vector<ConfidenceLevel> levels{};
+    /// By key: "confidence_area" (against 0.5), "share_per_trial", "share_since_break", "log_rt_per_trial",
+    /// "log_rt_since_break" (against 0).
+    std::vector<std::pair<std::string, PeopleTest>> tests{};
+};
+
+struct ExcludedTrials {
+    std::string subject{};
+    std::string why{};
+    std::size_t trials = 0;
+};
+
+struct StatsReport {
+    TrialTable table{};
+    StatsOptions options{};
+    bool yes_no = false;
+    bool right_known =
+        true;  ///< false: of yes/no without signals answers are yes or no, not right or wrong
+    std::vector<ExcludedTrials> excluded{};
+    StatsPart applied{};                     ///< without what is excluded
+    std::optional<StatsPart> not_applied{};  ///< with it; nothing where nothing is
+};
+
+/// @throws std::invalid_argument with value and remedy: options that do not fit the table, or nothing that counts
+[[nodiscard]] StatsReport stats_of(TrialTable table, const StatsOptions& options);
+
+/// Tables for people.
+[[nodiscard]] std::string stats_text(const StatsReport& report);
+/// The same for programs; what is not known is null.
+[[nodiscard]] std::string stats_json(const StatsReport& report);
+/// A script of R that computes the same from `trials` (trials_csv(), beside the script), with lme4 where it is
+/// installed: lines of a place in stats_json(), a tab, and the number.
+[[nodiscard]] std::string stats_r(const StatsReport& report, const std::string& trials);
+
+}  // namespace palpate::data

@@ -1,0 +1,312 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/inference/stats_parts.hpp"
+
+namespace palpate::data {
+namespace {
+
+std::string number_or_dash(const std::optional<double>& value, int digits = 3) {
+    return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
+}
+
+std::string ends_text(const std::optional<Interval>& interval) {
+    return interval ? fmt::format("{:.3f} to {:.3f}", interval->low, interval->high)
+                    : std::string("no interval");
+}
+
+std::string small_p(double p) {
+    return p < 0.001 ? std::string("p < 0.001") : fmt::format("p = {:.3f}", p);
+}
+
+std::string trimmed_line(const std::string& line) {
+    return line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
+}
+
+std::string title_text(const StatsReport& report) {
+    const TrialTable& table = report.table;
+    std::string text = table.source;
+    if (!table.study.empty()) {
+        text += fmt::format(": study {}, {} data", table.study, table.kind);
+        text += table.kind == "simulated" ? ": participant and device are SIMULATED"
+              : table.kind == "pilot"     ? ": PILOT, not for analysis"
+                                          : "";
+    }
+    if (report.yes_no) {
+        text += "\n  Answers are yes and no; ";
+        text += report.right_known
+                  ? fmt::format("yes is right for {}", fmt::join(report.options.signals, ", "))
+                  : "none is right or wrong: --signal SHAPE says for which yes is right";
+    } else {
+        text += fmt::format("\n  Answers name one of {} shapes: chance is {:.3f}",
+                            table.alternatives, 1.0 / static_cast<double>(table.alternatives));
+    }
+    return text +
+           fmt::format(
+               ".\n  Intervals are of 95 %. Nothing here pools the trials of several people: "
+               "the person is the unit. Seed {}.\n",
+               report.options.seed);
+}
+
+std::string excluded_text(const StatsReport& report) {
+    if (report.excluded.empty()) {
+        return "  Nothing is excluded: with and without exclusions it is the same.\n";
+    }
+    std::string text = "  Excluded, and below left out first, then left in:\n";
+    for (const ExcludedTrials& one : report.excluded) {
+        text += fmt::format("    {}  {}: {}\n", one.subject, counted(one.trials, "trial"), one.why);
+    }
+    return text;
+}
+
+std::string bits_text(const std::optional<Transmitted>& bits) {
+    return bits ? fmt::format("{:.2f} {:>5.2f} {:>5.2f}  {:.3f}  {:<13}", bits->bits.plug_in,
+                              bits->bits.miller_madow, bits->null_mean, bits->null_p,
+                              bits->interval ? fmt::format("{:.2f} to {:.2f}", bits->interval->low,
+                                                           bits->interval->high)
+                                             : "-")
+                : fmt::format("{:<35}", "-");
+}
+
+std::string cells_text(const StatsReport& report, const StatsPart& part) {
+    std::size_t who = 6;
+    std::size_t what = 8;
+    for (const PersonStats& person : part.people) {
+        who = std::max(who, person.subject.size());
+    }
+    for (const std::string& friction : report.table.frictions) {
+        what = std::max(what, friction.size());
+    }
+    std::string text = fmt::format(
+        "\n  Person by person: {}, with intervals of this person's own trials; d' {};\n  bits: "
+        "plug-in, Miller-Madow, mean of {} permutations (a guesser's), their p, "
+        "interval; seconds: geometric means\n",
+        share_title(report),
+        report.yes_no ? "and criterion c with the log-linear correction (Hautus 1995)"
+                      : fmt::format("of {} alternatives, unbiased observer (n of n counts as n - "
+                                    "1/2)",
+                                    report.table.alternatives),
+        report.options.permutations);
+    text += trimmed_line(
+        fmt::format("  {:<{}}  {:<{}}  {:<10}  {:<14}  {:<15}  {:>6}{}  {:<35}  {:>6}  {:>7}  {}",
+                    "person", who, "friction", what, "k of n", "Wilson", "Clopper-Pearson", "d'",
+                    report.yes_no ? "       c" : "", "bits   MM  null  p      interval", "rt s",
+                    "felt s", "confidence"));
+    const auto seconds = [](const std::optional<double>& log) {
+        return log ? fmt::format("{:.2f}", std::exp(*log)) : std::string("-");
+    };
+    for (const PersonStats& person : part.people) {
+        for (std::size_t f = 0; f < person.cells.size(); ++f) {
+            const PersonCell& cell = person.cells[f];
+            text += trimmed_line(fmt::format(
+                "  {:<{}}  {:<{}}  {:<10}  {:<14}  {:<15}  {:>6}{}  {:<35}  {:>6}  {:>7}  {}",
+                person.subject, who, report.table.frictions[f], what,
+                fmt::format("{} of {}", cell.k, cell.n),
+                fmt::format("{:.3f} to {:.3f}", cell.wilson.low, cell.wilson.high),
+                fmt::format("{:.3f} to {:.3f}", cell.clopper_pearson.low,
+                            cell.clopper_pearson.high),
+                number_or_dash(cell.d_prime, 2),
+                report.yes_no ? fmt::format("  {:>6}", number_or_dash(cell.criterion, 2)) : "",
+                bits_text(cell.bits), seconds(cell.log_rt), seconds(cell.log_explore),
+                number_or_dash(cell.confidence, 2)));
+        }
+    }
+    return text;
+}
+
+std::string tests_text(const PeopleTest& test) {
+    if (test.values.size() < 2) {
+        return "one person: nothing follows for others";
+    }
+    std::string text = test.t ? fmt::format("t({:.0f}) = {:.3f}, {}, dz {:.2f}; ", test.t->df,
+                                            test.t->t, small_p(test.t->p), test.t->dz)
+                              : std::string("all the same: no t; ");
+    text += fmt::format("sign-flip {}{}; Wilcoxon V = {:g} of {}, {}{}", small_p(test.flip.p),
+                        test.flip.exact ? "" : " (drawn)", test.rank.v, test.rank.ranked,
+                        small_p(test.rank.p), test.rank.exact ? "" : " (normal)");
+    return test.bayes ? text + fmt::format("; BF10 = {:.3g}", *test.bayes) : text;
+}
+
+std::string measures_text(const StatsReport& report, const StatsPart& part) {
+    const auto& frictions = report.table.frictions;
+    std::string text = "\n  Over people: means (Student's interval; of shares on the logit)";
+    if (frictions.size() > 1) {
+        text += fmt::format(
+            ", and what friction changes within person, against {}:\n  paired t "
+            "with its interval; sign-flip: all patterns of signs; Wilcoxon: exact, "
+            "ties and all; BF10: JZS, Cauchy prior of r = {:.4g}\n  (Rouder et al. "
+            "2009; above 1 for an effect, below for none)",
+            frictions[0], report.options.prior_scale);
+    }
+    text += '\n';
+    for (const Measure& one : part.measures) {
+        text += fmt::format("  {}\n", one.title);
+        for (std::size_t f = 0; f < frictions.size(); ++f) {
+            if (one.means[f]) {
+                text += fmt::format("    {:<20} {:>8.3f}   {:<20}  {} people\n", frictions[f],
+                                    one.means[f]->mean, ends_text(one.means[f]->interval),
+                                    one.means[f]->people);
+            }
+        }
+        for (std::size_t f = 1; f < frictions.size(); ++f) {
+            if (one.effects[f]) {
+                text += fmt::format(
+                    "    {:<20} {:>8.3f}   {:<20}  {}\n",
+                    fmt::format("{} - {}", frictions[f], frictions[0]), one.effects[f]->mean.mean,
+                    ends_text(one.effects[f]->mean.interval), tests_text(*one.effects[f]));
+            }
+        }
+    }
+    return text;
+}
+
+std::string estimate_text(double value, const std::optional<double>& se) {
+    return se ? fmt::format("{:.4f} (se {:.4f})", value, *se) : fmt::format("{:.4f}", value);
+}
+
+std::string mixed_text(const StatsReport& report, const MixedStats& mixed) {
+    const std::string& other = report.table.frictions[mixed.friction];
+    const MixedFit& one = mixed.laplace;
+    const MixedFit& two = mixed.quadrature;
+    std::string text = fmt::format(
+        "\n  Mixed model, second: logit {} ~ friction + (friction | subject), {} against {}, {} "
+        "people\n    {:<24} {:<24} adaptive Gauss-Hermite, {} x {} nodes\n",
+        report.right_known ? "right" : "yes", other, report.table.frictions[0], mixed.people, "",
+        "Laplace", report.options.nodes, report.options.nodes);
+    const auto row = [&](const std::string& name, const std::string& first,
+                         const std::string& second) {
+        text += fmt::format("    {:<24} {:<24} {}\n", name, first, second);
+    };
+    row("intercept", estimate_text(one.intercept, one.intercept_se),
+        estimate_text(two.intercept, two.intercept_se));
+    row("friction " + other, estimate_text(one.effect, one.effect_se),
+        estimate_text(two.effect, two.effect_se));
+    row("sd of intercepts", fmt::format("{:.4f}", one.sd_intercept),
+        fmt::format("{:.4f}", two.sd_intercept));
+    row("sd of friction", fmt::format("{:.4f}", one.sd_slope), fmt::format("{:.4f}", two.sd_slope));
+    row("their correlation", number_or_dash(one.correlation, 4),
+        number_or_dash(two.correlation, 4));
+    row("log-likelihood", fmt::format("{:.4f}", one.log_likelihood),
+        fmt::format("{:.4f}", two.log_likelihood));
+    const auto ratio_text = [](const MixedFit& full, const MixedFit& less) {
+        const double ratio = likelihood_ratio(full, less);
+        return fmt::format("{:.4f}, {}", ratio, small_p(chi_square_p(ratio, 1)));
+    };
+    row("no effect: ratio", ratio_text(one, mixed.laplace_null),
+        ratio_text(two, mixed.quadrature_null));
+    if (mixed.simulated) {
+        row("  by simulation", small_p(mixed.simulated->p), "");
+    }
+    const double slopes = likelihood_ratio(one, mixed.laplace_intercept);
+    row("no spread of it: ratio",
+        fmt::format("{:.4f}, {}", slopes, small_p(slope_variance_p(slopes))), "");
+    text += fmt::format(
+        "    No effect: both models keep the spread of friction's effect, so nothing lies on a "
+        "boundary, and the ratio is\n    chi-square of 1 df for many people; for few it is larger "
+        "by chance more often{}.\n    No spread: a variance on its boundary; half chi-square of 1 "
+        "df, half of 2 (Self & Liang 1987, Stram & Lee 1994).\n",
+        mixed.simulated ? fmt::format(", so trust the p of {} samples of the fitted null",
+                                      mixed.simulated->samples)
+                        : "");
+    for (const std::string& warning : warnings_of(mixed)) {
+        text += "    WARNING: " + warning + ".\n";
+    }
+    return text;
+}
+
+std::string confidence_text(const StatsPart& part) {
+    if (part.levels.empty()) {
+        return {};
+    }
+    std::string text =
+        "\n  Confidence: share correct at each level, mean over the people who used it\n";
+    for (const ConfidenceLevel& one : part.levels) {
+        text +=
+            fmt::format("    {:<8g} {:>8.3f}   {:<20}  {} people, {}\n", one.level, one.share.mean,
+                        ends_text(one.share.interval), one.share.people, counted(one.n, "answer"));
+    }
+    return text;
+}
+
+std::string trends_text(const StatsReport& report, const StatsPart& part) {
+    std::string text =
+        "\n  Within person, then over people: does confidence know (area under the type 2 ROC, "
+        "0.5: "
+        "no), and what do\n  time and rest change (slopes of least squares, of 100 trials; beside "
+        "it of 10 trials since the last break)\n";
+    for (const auto& [key, test] : part.tests) {
+        const bool area = key == "confidence_area";
+        const bool rest = key.ends_with("since_break");
+        const double scale = area ? 1.0 : rest ? 10.0 : 100.0;
+        const std::string name =
+            area ? "confidence, area"
+                 : fmt::format("{}, {}", key.starts_with("share") ? share_title(report) : "ln rt",
+                               rest ? "10 since a break" : "100 trials");
+        std::optional<Interval> interval = test.mean.interval;
+        if (interval) {
+            interval = Interval{scale * interval->low, scale * interval->high};
+        }
+        text += fmt::format("    {:<32} {:>8.3f}   {:<20}  {}\n", name, scale * test.mean.mean,
+                            ends_text(interval), tests_text(test));
+    }
+    return part.tests.empty() ? std::string() : text;
+}
+
+std::string part_text(const StatsReport& report, const StatsPart& part, const std::string& title) {
+    std::string text =
+        fmt::format("\n{}: {}, {}\n", title, counted(part.people.size(), "person", "people"),
+                    counted(part.trials, "answer"));
+    text += cells_text(report, part) + measures_text(report, part);
+    for (const MixedStats& mixed : part.mixed) {
+        text += mixed_text(report, mixed);
+    }
+    return text + confidence_text(part) + trends_text(report, part);
+}
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const MixedStats& mixed) {
+    std::vector<std::string> all;
+    const auto add = [&](const char* method, const MixedFit& fit) {
+        if (fit.unbounded) {
+            all.push_back(fmt::format(
+                "{}: an effect has no end (a condition has answers of one kind alone): its "
+                "estimate, se and ratio say nothing",
+                method));
+        }
+        if (fit.singular) {
+            all.push_back(fmt::format(
+                "{}: the fit is singular: the spread of intercepts and effects over people has "
+                "lost "
+                "a dimension (a variance of 0, or a correlation of -1 or 1); too few people or "
+                "trials for this model, and its standard errors are too small",
+                method));
+        }
+        if (!fit.converged) {
+            all.push_back(
+                fmt::format("{}: no maximum was found: do not use these numbers", method));
+        }
+    };
+    add("Laplace", mixed.laplace);
+    add("Gauss-Hermite", mixed.quadrature);
+    if (mixed.people < 6) {
+        all.push_back(fmt::format(
+            "{} people: a spread over people is hardly known from fewer than 6", mixed.people));
+    }
+    return all;
+}
+
+std::string stats_text(const StatsReport& report) {
+    std::string text = title_text(report) + excluded_text(report);
+    text += part_text(report, report.applied,
+                      report.not_applied ? "Exclusions applied" : "All answers");
+    if (report.not_applied) {
+        text += part_text(report, *report.not_applied, "Exclusions NOT applied");
+    }
+    return text;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/analysis/exclusion.hpp"
+#include "data/inference/trial_names.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// Answers without a rule: named pictures, or yes and no.
+constexpr std::string_view kAnswered = R"sql(
+SELECT study_name, participant_code, subject, analysis_trial.planned_object, friction,
+       coalesce(chosen_object, iif(answer_code = 1, 'yes', 'no')), reaction_s, done_s - first_contact_s, confidence,
+       trials_since_break, iif(counts, '', coalesce(exclusion, 'does not count'))
+FROM analysis_trial JOIN participant USING (participant_code)
+WHERE phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_number IS NULL
+      AND (chosen_object IS NOT NULL OR study_name IN
+           (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%'))
+ORDER BY study_name, participant_code, session_number, trial_number)sql";
+
+std::optional<double> known(const Statement& row, int column, bool above_zero) {
+    constexpr int kNull = 5;
+    if (row.type(column) == kNull || (above_zero && row.real(column) <= 0.0)) {
+        return std::nullopt;
+    }
+    return row.real(column);
+}
+
+/// Whom the protocol's rules leave out, and why, by code.
+std::map<std::string, std::string> left_out(Database& database, const TrialChoice& choice) {
+    std::map<std::string, std::string> why;
+    for (const Judged& one : judge(database, choice.study, choice.kind).all) {
+        if (!one.broken.empty()) {
+            why[one.participant] = fmt::format("{}", fmt::join(one.broken, "; "));
+        }
+    }
+    return why;
+}
+
+/// By the least static friction of the conditions' plans, as everywhere.
+std::string least_friction(Database& database, const TrialChoice& choice) {
+    Statement row = database.prepare(
+        "SELECT friction FROM plan JOIN session USING (session_id) JOIN study USING (study_id) "
+        "WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' GROUP BY 1 ORDER BY "
+        "min(mu_s), friction LIMIT 1");
+    row.bind(1, choice.study).bind(2, choice.kind).step();
+    return row.text(0);
+}
+
+std::size_t pictures_of(Database& database, const TrialChoice& choice) {
+    Statement row = database.prepare(
+        "SELECT coalesce(max(n), 0) FROM (SELECT count(*) AS n FROM picture JOIN session USING "
+        "(session_id) JOIN study USING (study_id) WHERE study_name = ?1 AND session_kind = ?2 "
+        "GROUP BY session_id)");
+    row.bind(1, choice.study).bind(2, choice.kind).step();
+    return static_cast<std::size_t>(row.integer(0));
+}
+
+}  // namespace
+
+TrialTable stored_trials(Database& database, const TrialChoice& asked) {
+    const Snapshot now(database);
+    TrialChoice choice = asked;
+    std::set<std::string> studies;
+    std::vector<NamedTrial> all;
+    std::vector<std::string> codes;
+    std::string before;
+    std::int64_t number = 0;
+    Statement row = database.prepare(kAnswered);
+    row.bind(1, choice.kind);
+    while (row.step()) {
+        const std::string study = row.text(0);
+        if (!choice.study.empty() && study != choice.study) {
+            continue;
+        }
+        studies.insert(study);
+        codes.push_back(row.text(1));
+        number = codes.back() == before ? number + 1 : 1;
+        before = codes.back();
+        NamedTrial& one = all.emplace_back();
+        one = {.subject = choice.codes ? codes.back() : fmt::format("sub-{:010}", row.integer(2)),
+               .shape = row.text(3),
+               .friction = row.text(4),
+               .response = row.text(5)};
+        one.trial = {.number = number,
+                     .rt_s = known(row, 6, true),
+                     .explore_s = known(row, 7, true),
+                     .confidence = known(row, 8, false),
+                     .since_break = known(row, 9, false),
+                     .excluded = row.text(10)};
+    }
+    if (all.empty()) {
+        throw std::invalid_argument(fmt::format(
+            "{} has no answer of identification or yes-no in {} sessions{}: --kind chooses others; "
+            "palpate fit is for runs of a rule, palpate summary for ratings",
+            database.file(), choice.kind,
+            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study)));
+    }
+    if (studies.size() > 1) {
+        throw std::invalid_argument(
+            fmt::format("{} holds several studies: give --study and one of {}", database.file(),
+                        fmt::join(studies, ", ")));
+    }
+    choice.study = *studies.begin();
+    const auto why = left_out(database, choice);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (const auto found = why.find(codes[i]); found != why.end()) {
+            all[i].trial.excluded = found->second;
+        }
+    }
+    TrialTable table = table_of_names(std::move(all));
+    table.source = database.file();
+    table.study = choice.study;
+    table.kind = choice.kind;
+    if (table.alternatives > 0) {
+        table.alternatives = std::max<std::size_t>(pictures_of(database, choice), 2);
+    }
+    const std::string least = least_friction(database, choice);
+    if (std::ranges::find(table.frictions, least) != table.frictions.end()) {
+        compare_with(table, least);
+    }
+    return table;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,203 @@
+#include "data/inference/trials.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/csv/csv_text.hpp"
+#include "data/csv/number_table.hpp"
+#include "data/inference/trial_names.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::array<std::string_view, 4> kNamed{"subject", "shape", "friction", "response"};
+constexpr double kLatest = 1e9;
+
+/// One file's rows, field by field, with its places in what is refused.
+class Rows {
+public:
+    Rows(const std::filesystem::path& file, const NumberTable& table)
+        : file_(file.string()), table_(table) {
+        for (const std::string_view name : kNamed) {
+            if (std::ranges::find(table.text_columns, name) == table.text_columns.end()) {
+                throw CsvError(fmt::format(
+                    "{}:1: there is no column {}: give a head with subject,trial,shape,friction,"
+                    "response and, if known, rt_s,confidence,explore_s,since_break,excluded",
+                    file_, name));
+            }
+        }
+    }
+
+    [[noreturn]] void refuse(std::size_t row,
+                             std::string_view column,
+                             const std::string& remedy) const {
+        throw CsvError(fmt::format("{}:{}: {} is \"{}\": {}", file_, table_.text_place(row, column),
+                                   column, table_.text(row, column)->substr(0, 40), remedy));
+    }
+
+    [[nodiscard]] std::string name(std::size_t row, std::string_view column) const {
+        const std::string_view text = *table_.text(row, column);
+        if (text.empty() || !is_utf8(text)) {
+            refuse(row, column, "give a name in UTF-8, or leave the row out");
+        }
+        return std::string(text);
+    }
+
+    [[nodiscard]] std::int64_t number(std::size_t row) const {
+        const double value = table_.at(row, 0);
+        if (!(value >= 0.0 && value <= kLatest) || value != std::floor(value)) {
+            throw CsvError(fmt::format(
+                "{}:{}: trial is {:g}: give the trial's number in the order run, a whole number "
+                "from 0 to 1000000000",
+                file_, table_.place(row, 0), value));
+        }
+        return static_cast<std::int64_t>(value);
+    }
+
+    /// Nothing for an empty field, or a file without the column.
+    [[nodiscard]] std::optional<double> value(std::size_t row,
+                                              std::string_view column,
+                                              bool above_zero) const {
+        const auto text = table_.text(row, column);
+        if (!text || text->empty() || *text == "NA" || *text == "n/a") {
+            return std::nullopt;
+        }
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
+        if (error != std::errc{} || end != text->data() + text->size() || !std::isfinite(value) ||
+            (above_zero && value <= 0.0)) {
+            refuse(row, column,
+                   above_zero ? "give seconds above 0, or nothing where it is not known"
+                              : "give a finite number, or nothing where it is not known");
+        }
+        return value;
+    }
+
+    [[nodiscard]] std::string excluded(std::size_t row) const {
+        const std::string_view text = table_.text(row, "excluded").value_or("");
+        return text == "0" || text == "NA" ? std::string() : std::string(text);
+    }
+
+private:
+    std::string file_;
+    const NumberTable& table_;
+};
+
+std::string field_of(const std::optional<double>& value) {
+    return value ? fmt::format("{}", *value) : std::string();
+}
+
+}  // namespace
+
+TrialTable table_of_names(std::vector<NamedTrial> all) {
+    TrialTable table;
+    const auto list = [&](std::vector<std::string>& names, std::string NamedTrial::*member) {
+        std::set<std::string> set;
+        for (const NamedTrial& one : all) {
+            set.insert(one.*member);
+        }
+        names.assign(set.begin(), set.end());
+    };
+    list(table.subjects, &NamedTrial::subject);
+    list(table.shapes, &NamedTrial::shape);
+    list(table.frictions, &NamedTrial::friction);
+    list(table.responses, &NamedTrial::response);
+    const auto place = [](const std::vector<std::string>& names, const std::string& name) {
+        return static_cast<std::size_t>(std::ranges::lower_bound(names, name) - names.begin());
+    };
+    for (NamedTrial& one : all) {
+        Trial& trial = table.trials.emplace_back(std::move(one.trial));
+        trial.subject = place(table.subjects, one.subject);
+        trial.shape = place(table.shapes, one.shape);
+        trial.friction = place(table.frictions, one.friction);
+        trial.response = place(table.responses, one.response);
+    }
+    std::ranges::stable_sort(table.trials, [](const Trial& a, const Trial& b) {
+        return std::pair(a.subject, a.number) < std::pair(b.subject, b.number);
+    });
+    const bool yes_no = std::ranges::all_of(
+        table.responses, [](const std::string& name) { return name == "yes" || name == "no"; });
+    if (!yes_no) {
+        std::set<std::string> pictures(table.shapes.begin(), table.shapes.end());
+        pictures.insert(table.responses.begin(), table.responses.end());
+        table.alternatives = pictures.size();
+    }
+    return table;
+}
+
+TrialTable read_trials(const std::filesystem::path& file) {
+    constexpr std::array<std::string_view, 1> kNumbers{"trial"};
+    constexpr std::array<std::string_view, 9> kTexts{"subject",   "shape",       "friction",
+                                                     "response",  "rt_s",        "confidence",
+                                                     "explore_s", "since_break", "excluded"};
+    const NumberTable read = read_numbers(file, kNumbers, {}, kTexts);
+    const Rows rows(file, read);
+    std::vector<NamedTrial> all;
+    std::map<std::pair<std::string, std::int64_t>, std::size_t> seen;
+    for (std::size_t row = 0; row < read.rows(); ++row) {
+        NamedTrial one{.subject = rows.name(row, "subject"),
+                       .shape = rows.name(row, "shape"),
+                       .friction = rows.name(row, "friction"),
+                       .response = rows.name(row, "response")};
+        one.trial.number = rows.number(row);
+        one.trial.rt_s = rows.value(row, "rt_s", true);
+        one.trial.explore_s = rows.value(row, "explore_s", true);
+        one.trial.confidence = rows.value(row, "confidence", false);
+        one.trial.since_break = rows.value(row, "since_break", false);
+        one.trial.excluded = rows.excluded(row);
+        const auto [first, is_new] = seen.try_emplace({one.subject, one.trial.number}, row);
+        if (!is_new) {
+            throw CsvError(fmt::format(
+                "{}:{}: trial {} of this subject stands in line {} too: number the trials of a "
+                "subject in the order run, each once",
+                file.string(), read.place(row, 0), one.trial.number, read.lines[first->second]));
+        }
+        all.push_back(std::move(one));
+    }
+    if (all.empty()) {
+        throw CsvError(
+            fmt::format("{}: there is no row below the head: give "
+                        "subject,trial,shape,friction,response, a row a trial",
+                        file.string()));
+    }
+    TrialTable table = table_of_names(std::move(all));
+    table.source = file.string();
+    return table;
+}
+
+std::string trials_csv(const TrialTable& table) {
+    std::string text =
+        "subject,trial,shape,friction,response,rt_s,confidence,explore_s,since_break,excluded\n";
+    for (const Trial& one : table.trials) {
+        text += fmt::format(
+            "{},{},{},{},{},{},{},{},{},{}\n", csv_field(table.subjects[one.subject]), one.number,
+            csv_field(table.shapes[one.shape]), csv_field(table.frictions[one.friction]),
+            csv_field(table.responses[one.response]), field_of(one.rt_s), field_of(one.confidence),
+            field_of(one.explore_s), field_of(one.since_break),
+            one.excluded.empty() ? "" : csv_field(one.excluded));
+    }
+    return text;
+}
+
+void compare_with(TrialTable& table, const std::string& friction) {
+    const auto found = std::ranges::find(table.frictions, friction);
+    if (found == table.frictions.end()) {
+        throw std::invalid_argument(fmt::format("--baseline is {}: give one of {}", friction,
+                                                fmt::join(table.frictions, ", ")));
+    }
+    const auto at = static_cast<std::size_t>(found - table.frictions.begin());
+    std::rotate(table.frictions.begin(), found, found + 1);
+    for (Trial& one : table.trials) {
+        one.friction = one.friction == at ? 0 : one.friction < at ? one.friction + 1 : one.friction;
+    }
+}
+
+}  // namespace palpate::data

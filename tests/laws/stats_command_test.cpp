@@ -1,0 +1,355 @@
+#include <cmath>
+#include <map>
+#include <random>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::ordered_json;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+/// Made-up people of any lab: three shapes, two frictions, a break every 15 trials; one person is left out, and some
+/// trials are. Friction makes everybody worse, more or less.
+std::string made_up(std::size_t people, int trials, bool excluded) {
+    const std::vector<std::string> shapes{"concave", "straight", "convex"};
+    std::mt19937_64 random(17);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> uniform;
+    std::string text =
+        "subject,trial,shape,friction,response,rt_s,confidence,explore_s,since_break,excluded\n";
+    for (std::size_t person = 0; person < people; ++person) {
+        const double logit = 0.8 + 0.6 * normal(random);
+        const double effect = -0.8 + 0.7 * normal(random);
+        for (int i = 0; i < trials; ++i) {
+            const bool on = i % 2 == 1;
+            const std::size_t felt = (static_cast<std::size_t>(i) / 2) % 3;
+            const bool right =
+                uniform(random) < 1.0 / (1.0 + std::exp(-(logit + (on ? effect : 0.0) + 0.01 * i)));
+            const std::size_t named = right ? felt : (felt + 1 + random() % 2) % 3;
+            const int sure = 1 + static_cast<int>(random() % 3) + (right ? 1 : 0);
+            const std::string why = !excluded                  ? ""
+                                  : person == 1                ? "catch trials"
+                                  : person == 2 && i % 20 == 7 ? "marked"
+                                                               : "";
+            text += fmt::format(
+                "P{:02},{},{},{},{},{:.4f},{},{},{},{}\n", person, i + 1, shapes[felt],
+                on ? "on" : "off", shapes[named],
+                std::exp(0.3 + 0.3 * normal(random) - 0.002 * i + (on ? 0.1 : 0.0)), sure,
+                person == 3 && i % 9 == 0 ? "" : fmt::format("{:.3f}", 8.0 + 2.0 * uniform(random)),
+                i % 15, why);
+        }
+    }
+    return text;
+}
+
+/// Whether a surface is curved, said by three people.
+std::string yes_and_no() {
+    std::string text = "subject,trial,shape,friction,response\n";
+    std::mt19937 random(5);
+    for (const char* person : {"A", "B", "C"}) {
+        for (int i = 0; i < 40; ++i) {
+            const bool curved = i % 4 < 2;
+            text += fmt::format("{},{},{},{},{}\n", person, i, curved ? "curved" : "flat",
+                                i % 2 == 0 ? "dry" : "oiled",
+                                random() % 10 < (curved ? 7U : 3U) ? "yes" : "no");
+        }
+    }
+    return text;
+}
+
+Finished stats(std::vector<std::string> words) {
+    words.insert(words.begin(), "stats");
+    return palpate_command(words);
+}
+
+Json numbers_of(std::vector<std::string> words) {
+    words.emplace_back("--json");
+    const Finished done = stats(words);
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    return Json::parse(done.out);
+}
+
+void refused(const std::vector<std::string>& words, const std::string& why) {
+    const Finished done = stats(words);
+    CAPTURE(words);
+    CHECK(done.code == 2);
+    CHECK(done.out.empty());
+    CHECK_THAT(done.error, ContainsSubstring(why));
+}
+
+/// What the script prints against the JSON; how many numbers of each kind there were.
+std::map<std::string, int> compare(const std::string& printed, const Json& ours) {
+    std::map<std::string, int> kinds;
+    std::istringstream lines(printed);
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t tab = line.find('\t');
+        REQUIRE(tab != std::string::npos);
+        const std::string place = line.substr(0, tab);
+        CAPTURE(line);
+        REQUIRE(ours.contains(Json::json_pointer(place)));
+        const Json& told = ours.at(Json::json_pointer(place));
+        REQUIRE(told.is_number());
+        const bool mixed = place.find("/mixed_model/") != std::string::npos;
+        const bool spread = place.find("_se") != std::string::npos ||
+                            place.find("/sd_") != std::string::npos ||
+                            place.find("/correlation") != std::string::npos;
+        const double wanted = std::stod(line.substr(tab + 1));
+        const double share = !mixed ? 2e-8 : spread ? 2e-3 : 2e-4;
+        CHECK(told.get<double>() == Approx(wanted).epsilon(share).margin(mixed ? 2e-5 : 1e-9));
+        ++kinds[place.substr(place.find_last_of('/') + 1)];
+        ++kinds[mixed ? (place.find("laplace") == std::string::npos ? "of the grid" : "of lme4")
+                      : "of base R"];
+    }
+    return kinds;
+}
+
+}  // namespace
+
+TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied and not",
+          "[stats][law]") {
+    const Finished known =
+        Process({"Rscript", "-e", "cat(nzchar(system.file(package = 'lme4')))"}).wait();
+    if (known.code != 0) {
+        WARN("R is not installed: skipped");
+        return;
+    }
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"), made_up(8, 50, true));
+    write(folder.file("yes.csv"), yes_and_no());
+    const std::vector<std::string> how{"--simulations", "0", "--permutations", "0"};
+    const auto with = [&](std::vector<std::string> words) {
+        words.insert(words.end(), how.begin(), how.end());
+        return numbers_of(words);
+    };
+    const Json ours = with({folder.file("d.csv"), "--emit-r", folder.file("again.R")});
+    const Json yes = with({folder.file("yes.csv"), "--signal", "curved", "--baseline", "oiled",
+                           "--emit-r", folder.file("again_yes.R")});
+    // One R for both: to load lme4 takes longer than all else.
+    const Finished r =
+        Process({"sh", "-c",
+                 "cd '" + folder.path().string() +
+                     "' && Rscript -e \"for (s in c('again', 'again_yes')) { sink(paste0(s, "
+                     "'.out')); source(paste0(s, '.R')); sink() }\""})
+            .wait();
+    CAPTURE(r.error);
+    REQUIRE(r.code == 0);
+    auto kinds = compare(tests::slurp(folder.file("again.out")), ours);
+    CHECK(kinds["of base R"] > 700);
+    CHECK(kinds["of the grid"] == 14);
+    CHECK(kinds["bayes_factor_10"] >= 20);
+    auto of_yes = compare(tests::slurp(folder.file("again_yes.out")), yes);
+    CHECK(of_yes["criterion"] == 6);
+    CHECK(of_yes["d_prime"] == 6);
+    if (known.out == "TRUE") {
+        CHECK(kinds["of lme4"] >= 18);
+    } else {
+        WARN("R's lme4 is not installed: the mixed model by Laplace was skipped");
+    }
+
+    CHECK(yes["frictions"] == Json({"oiled", "dry"}));
+    CHECK(yes["not_applied"].is_null());
+    CHECK(ours["applied"]["answers"] == 8 * 50 - 50 - 3);
+    CHECK(ours["not_applied"]["answers"] == 8 * 50);
+    CHECK_FALSE(ours["applied"]["people"].contains("P01"));
+    CHECK(ours["not_applied"]["people"].contains("P01"));
+    CHECK(ours["excluded"][0] ==
+          Json({{"subject", "P01"}, {"why", "catch trials"}, {"trials", 50}}));
+    CHECK(ours["excluded"][1]["trials"] == 3);
+    // The script that somebody may have changed, and its trials, are never written over.
+    refused({folder.file("d.csv"), "--emit-r", folder.file("again.R")}, "again.csv");
+    // The trials beside it are the same table.
+    Json again = with({folder.file("again.csv")});
+    again["source"] = ours["source"];
+    CHECK(again == ours);
+    const Finished bare = stats({folder.file("yes.csv"), "--simulations", "0"});
+    CHECK_THAT(bare.out, ContainsSubstring("share of yes") &&
+                             ContainsSubstring("none is right or wrong: --signal SHAPE"));
+}
+
+TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[stats]") {
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"), made_up(6, 40, false));
+    const std::vector<std::string> words{folder.file("d.csv"), "--simulations", "60"};
+    const Finished text = stats(words);
+    REQUIRE(text.code == 0);
+    CHECK(stats(words).out == text.out);
+    const Json all = numbers_of(words);
+    CHECK_THAT(text.out, ContainsSubstring("Nothing is excluded"));
+    const Json& part = all["applied"];
+    for (const auto& [name, person] : part["people"].items()) {
+        for (const auto& [friction, cell] : person["friction"].items()) {
+            CHECK_THAT(text.out, ContainsSubstring(fmt::format("{} of {}", cell["k"].get<int>(),
+                                                               cell["n"].get<int>())) &&
+                                     ContainsSubstring(fmt::format(
+                                         "{:.3f} to {:.3f}", cell["wilson_95"][0].get<double>(),
+                                         cell["wilson_95"][1].get<double>())));
+        }
+    }
+    for (const auto& [key, measure] : part["measures"].items()) {
+        const Json& effect = measure["effects"]["on"];
+        CAPTURE(key);
+        CHECK_THAT(text.out,
+                   ContainsSubstring(fmt::format("{:.3f}", effect["mean"].get<double>())) &&
+                       ContainsSubstring(fmt::format("t(5) = {:.3f}", effect["t"].get<double>())));
+        CHECK(effect["interval_95"][0] < effect["mean"]);
+    }
+    const Json& mixed = part["mixed_model"]["on"];
+    CHECK_THAT(text.out, ContainsSubstring(fmt::format(
+                             "{:.4f} (se {:.4f})", mixed["laplace"]["effect"].get<double>(),
+                             mixed["laplace"]["effect_se"].get<double>())) &&
+                             ContainsSubstring(fmt::format(
+                                 "{:.4f}", mixed["quadrature"]["log_likelihood"].get<double>())) &&
+                             ContainsSubstring("half chi-square of 1 df, half of 2"));
+    CHECK(mixed["laplace"]["no_effect"]["simulated_p"].get<double>() > 0.0);
+    const Json other = numbers_of({folder.file("d.csv"), "--simulations", "60", "--seed", "2"});
+    CHECK(other["applied"]["measures"] == part["measures"]);
+    CHECK(other["applied"]["people"] != part["people"]);
+}
+
+TEST_CASE("palpate stats of a few people says what cannot be known from them", "[stats]") {
+    const TemporaryFolder folder;
+    write(folder.file("one.csv"), made_up(1, 30, false));
+    const Finished one = stats({folder.file("one.csv")});
+    CHECK(one.code == 0);
+    CHECK_THAT(one.out, ContainsSubstring("one person: nothing follows for others") &&
+                            !ContainsSubstring("Mixed model"));
+    std::string alike = "subject,trial,shape,friction,response\n";
+    for (const char* person : {"A", "B", "C"}) {
+        for (int i = 0; i < 20; ++i) {
+            alike += fmt::format("{},{},a,{},{}\n", person, i, i % 2 == 0 ? "off" : "on",
+                                 i % 2 == 0 || i < 10 ? "a" : "b");
+        }
+    }
+    write(folder.file("alike.csv"), alike);
+    const Finished same = stats({folder.file("alike.csv"), "--simulations", "0"});
+    CHECK(same.code == 0);
+    CHECK_THAT(same.out, ContainsSubstring("all the same: no t") &&
+                             ContainsSubstring("an effect has no end") &&
+                             ContainsSubstring("the fit is singular") &&
+                             ContainsSubstring("hardly known from fewer than 6"));
+}
+
+TEST_CASE("palpate stats refuses what it cannot take, at its place, with value and remedy",
+          "[stats]") {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("d.csv");
+    const auto of = [&](const std::string& text, const std::string& why) {
+        write(csv, text);
+        refused({csv}, why);
+    };
+    const std::string head = "subject,trial,shape,friction,response";
+    of("subject,trial,shape,friction\n", "d.csv:1: there is no column response");
+    of("subject,shape,friction,response\nA,a,on,a\n", "d.csv:1: there is no column trial");
+    of(head + "\n", "there is no row below the head");
+    of(head + "\nA,1,a,on,a\nA,one,a,on,a\n", "d.csv:3:3: trial is \"one\"");
+    of(head + "\nA,1.5,a,on,a\n", "d.csv:2:3: trial is 1.5: give the trial's number");
+    of(head + "\nA,1,a,,a\n", "d.csv:2:7: friction is \"\": give a name");
+    of(head + "\nA,1,a,on,a\nB,1,a,on,a\nA,1,a,off,b\n",
+       "d.csv:4:3: trial 1 of this subject stands in line 2 too");
+    of(head + ",rt_s\nA,1,a,on,a,0.5\nA,2,a,on,a,-1\n",
+       "d.csv:3:12: rt_s is \"-1\": give seconds above 0");
+    of(head + ",confidence\nA,1,a,on,a,sure\n",
+       "d.csv:2:12: confidence is \"sure\": give a finite number");
+    of(head + ",excluded\nA,1,a,on,a,late\n", "all 1 trials are excluded");
+    refused({folder.file("none.csv")}, "none.csv");
+    write(csv, head + "\nA,1,a,on,a\nA,2,b,off,a\n");
+    refused({csv, "--baseline", "wet"}, "--baseline is wet: give one of off, on");
+    refused({csv, "--signal", "a"}, "--signal is for answers of yes and no alone");
+    refused({csv, "--signal", "c"}, "--signal is c: give one of a, b");
+    refused({csv, "--alternatives", "1"}, "--alternatives");
+    refused({csv, "--nodes", "41"}, "--nodes");
+    refused({csv, "--emit-r", folder.file("x.csv")}, "give a script's name, as analysis.R");
+    write(csv, head + "\nA,1,a,on,yes\nA,2,b,off,no\n");
+    refused({csv, "--alternatives", "4"}, "these answers are yes and no");
+}
+
+TEST_CASE("palpate stats of a database says what its trials say, of one kind, and names nobody",
+          "[stats]") {
+    const TemporaryFolder folder;
+    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 4");
+    protocol.replace(protocol.find("break_every = 0"), 15, "break_every = 5");
+    write(folder.file("p.toml"), protocol +
+                                     "\n[response]\nconfidence = true\n\n[exclusion]\n"
+                                     "share_correct_min = 0.7\n");
+    const std::string file = folder.file("a.sqlite");
+    for (const char* person : {"Ada", "Bob", "Cem"}) {
+        const Finished done = palpate_command({"run", folder.file("p.toml"), "--participant",
+                                               person, "--db", file, "--device", "sim"});
+        CAPTURE(done.error);
+        REQUIRE(done.code == 0);
+    }
+    refused({file}, "has no answer of identification or yes-no in real sessions: --kind chooses");
+    refused({file, "--kind", "all"}, "--kind");
+    const std::vector<std::string> words{file, "--kind", "simulated", "--simulations", "0"};
+    const Finished text = stats(words);
+    REQUIRE(text.code == 0);
+    CHECK_THAT(text.out, ContainsSubstring("participant and device are SIMULATED") &&
+                             ContainsSubstring("sub-") && !ContainsSubstring("Ada") &&
+                             ContainsSubstring("Confidence: share correct at each level"));
+    std::vector<std::string> scripted = words;
+    scripted.insert(scripted.end(), {"--emit-r", folder.file("again.R")});
+    Json ours = numbers_of(scripted);
+    CHECK_THAT(tests::slurp(folder.file("again.csv")), !ContainsSubstring("Ada"));
+    CHECK(ours["kind"] == "simulated");
+    CHECK(ours["alternatives"] == 2);
+
+    // Counts, by SQL; with and without those whom the protocol's rule leaves out.
+    std::vector<std::string> coded = words;
+    coded.emplace_back("--keep-codes");
+    const Json named = numbers_of(coded);
+    const Json& part = named["not_applied"].is_null() ? named["applied"] : named["not_applied"];
+    const Finished counts =
+        palpate_command({"sql", file, "--csv", "-c",
+                         "SELECT participant_code, friction, count(*) AS n, sum(correct) AS k, "
+                         "avg(ln(reaction_s)) AS rt FROM analysis_trial WHERE counts AND phase = "
+                         "'main' GROUP BY 1, "
+                         "2"});
+    std::istringstream rows(counts.out);
+    std::string row;
+    std::getline(rows, row);
+    std::size_t poor = 0;
+    std::map<std::string, int> right;
+    int compared = 0;
+    while (std::getline(rows, row)) {
+        std::vector<std::string> fields;
+        std::istringstream stream(row);
+        for (std::string field; std::getline(stream, field, ',');) {
+            fields.push_back(field);
+        }
+        REQUIRE(fields.size() == 5);
+        const Json& cell = part["people"][fields[0]]["friction"][fields[1]];
+        CHECK(cell["n"] == std::stoi(fields[2]));
+        CHECK(cell["k"] == std::stoi(fields[3]));
+        CHECK(cell["log_rt"].get<double>() == Approx(std::stod(fields[4])));
+        right[fields[0]] += std::stoi(fields[3]);
+        ++compared;
+    }
+    CHECK(compared == 6);
+    for (const auto& [person, k] : right) {
+        poor += k < 0.7 * 16 ? 1U : 0U;
+    }
+    CHECK(named["excluded"].size() == poor);
+    CHECK(named["not_applied"].is_null() == (poor == 0));
+
+    // The trials beside the script are the same table.
+    Json again = numbers_of({folder.file("again.csv"), "--simulations", "0"});
+    for (const char* of_file : {"source", "study", "kind"}) {
+        again[of_file] = ours[of_file];
+    }
+    CHECK(again == ours);
+}
