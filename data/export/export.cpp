@@ -1,5 +1,6 @@
 #include "data/export/export.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -8,29 +9,19 @@
 #include "data/export/csv_export.hpp"
 #include "data/export/new_folder.hpp"
 #include "data/export/parquet_export.hpp"
+#include "data/export/peer_export.hpp"
 #include "data/export/procedure_export.hpp"
 #include "data/export/psych_ds_export.hpp"
 
 namespace palpate::data {
 
 ExportFormat parse_export_format(std::string_view word) {
-    if (word == "csv") {
-        return ExportFormat::csv;
+    const auto found = std::ranges::find(kExportWords, word);
+    if (found == kExportWords.end()) {
+        throw std::invalid_argument(fmt::format("\"{}\" is no format: give one of {}", word,
+                                                fmt::join(kExportWords, ", ")));
     }
-    if (word == "bids") {
-        return ExportFormat::bids;
-    }
-    if (word == "psych-ds") {
-        return ExportFormat::psych_ds;
-    }
-    if (word == "parquet") {
-        return ExportFormat::parquet;
-    }
-    if (word == "procedure") {
-        return ExportFormat::procedure;
-    }
-    throw std::invalid_argument(
-        fmt::format("\"{}\" is no format: give csv, bids, psych-ds, parquet or procedure", word));
+    return static_cast<ExportFormat>(found - kExportWords.begin());
 }
 
 Exported export_file(const std::string& file,
@@ -55,6 +46,15 @@ Exported export_file(const std::string& file,
             break;
         case ExportFormat::procedure:
             export_procedures(database, selection, built.path());
+            break;
+        case ExportFormat::quickpsy:
+            export_quickpsy(database, selection, built.path());
+            break;
+        case ExportFormat::psignifit:
+            export_psignifit(database, selection, built.path());
+            break;
+        case ExportFormat::psychopy:
+            export_psychopy(database, selection, built.path());
             break;
     }
     built.keep(options.details || options.keep_codes);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -10,9 +11,22 @@
 
 namespace palpate::data {
 
-enum class ExportFormat : std::uint8_t { csv, bids, psych_ds, parquet, procedure };
+enum class ExportFormat : std::uint8_t {
+    csv,
+    bids,
+    psych_ds,
+    parquet,
+    procedure,
+    quickpsy,
+    psignifit,
+    psychopy
+};
 
-/// csv, bids, psych-ds, parquet, procedure. @throws std::invalid_argument for another word
+/// In the order of ExportFormat.
+inline constexpr std::array<std::string_view, 8> kExportWords{
+    "csv", "bids", "psych-ds", "parquet", "procedure", "quickpsy", "psignifit", "psychopy"};
+
+/// The words of kExportWords. @throws std::invalid_argument for another word
 [[nodiscard]] ExportFormat parse_export_format(std::string_view word);
 
 struct Exported {

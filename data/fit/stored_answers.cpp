@@ -9,25 +9,10 @@
 
 #include "protocols/session/adaptive_runs.hpp"
 #include "data/store/adaptive_store.hpp"
+#include "data/store/graded_answers.hpp"
 
 namespace palpate::data {
 namespace {
-
-/// Answers on a graded stimulus: two kinds of rows of analysis_trial, with the same columns.
-constexpr std::string_view kRows = R"sql(
-SELECT study_name, participant_code, coalesce(run_name, '') AS condition, stimulus,
-       count(*) AS n, sum(rule_outcome) AS k
-FROM analysis_trial
-WHERE counts AND phase = 'main' AND run_trial_number IS NOT NULL AND (?1 = 'all' OR session_kind = ?1)
-GROUP BY 1, 2, 3, 4 HAVING max(rule_outcome) <= 1
-UNION ALL
-SELECT study_name, participant_code, friction, curvature_per_m, count(*), sum(answer_code)
-FROM analysis_trial
-WHERE counts AND phase = 'main' AND run_name IS NULL AND comparison_chosen IS NULL AND chosen_object IS NULL
-      AND answer_code IS NOT NULL AND curvature_per_m IS NOT NULL AND (?1 = 'all' OR session_kind = ?1)
-      AND study_name IN (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%')
-GROUP BY 1, 2, 3, 4
-ORDER BY 1, 2, 3, 4)sql";
 
 void add_beliefs(Database& database, const StoredChoice& choice, std::vector<Answers>& all) {
     Statement row = database.prepare(
@@ -70,7 +55,11 @@ std::vector<Answers> stored_answers(Database& database, const StoredChoice& aske
     StoredChoice choice = asked;
     std::set<std::string> studies;
     std::vector<std::pair<std::string, Answers>> found;
-    Statement row = database.prepare(kRows);
+    Statement row = database.prepare(fmt::format(
+        "SELECT study_name, participant_code, condition, stimulus, count(*), sum(k) FROM ({}) "
+        "WHERE ?1 IN ('all', session_kind) GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, "
+        "3, 4",
+        kGradedAnswers));
     row.bind(1, choice.kind);
     while (row.step()) {
         const std::string study = row.text(0);

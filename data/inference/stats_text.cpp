@@ -208,7 +208,8 @@ std::string mixed_text(const StatsReport& report, const MixedStats& mixed) {
         "boundary, and the ratio is\n    chi-square of 1 df for many people; for few it is larger "
         "by chance more often{}.\n    No spread: a variance on its boundary; half chi-square of 1 "
         "df, half of 2 (Self & Liang 1987, Stram & Lee 1994).\n",
-        mixed.simulated ? fmt::format(", so trust the p of {} samples of the fitted null",
+        mixed.simulated ? fmt::format("; beside it stands the p of {} samples of the "
+                                      "fitted null, and before it the tests within person",
                                       mixed.simulated->samples)
                         : "");
     for (const std::string& warning : warnings_of(mixed)) {

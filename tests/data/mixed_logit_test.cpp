@@ -203,7 +203,11 @@ TEST_CASE("of studies without an effect every test within person finds one in ab
         const double found = likelihood_ratio(full, null);
         ratio += chi_square_p(found, 1) < 0.05 ? 1 : 0;
         if (asked != nullptr && study < kSimulated) {
-            simulated += simulate_null(people, null, found, 199, 1, 1).p <= 0.05 ? 1 : 0;
+            simulated +=
+                simulate_null(people, null, found, 199, 1, 1000U * static_cast<unsigned>(study))
+                            .p <= 0.05
+                    ? 1
+                    : 0;
         }
     }
     const double error = std::sqrt(0.05 * 0.95 / studies);

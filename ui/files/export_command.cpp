@@ -21,9 +21,10 @@ struct ExportWords {
 void declare(CommandWords& words, ExportWords& options) {
     words.add("FILE", options.database, "A database; only read").required();
     words
-        .add("--format", options.format,
-             "csv, bids, psych-ds, parquet, or procedure: runs of a rule for palpate procedure")
-        .among({"csv", "bids", "psych-ds", "parquet", "procedure"})
+        .add("--format,--as", options.format,
+             "csv, bids, psych-ds, parquet; procedure: runs of a rule for palpate procedure; "
+             "quickpsy, psignifit: counts at each stimulus; psychopy: as its wide CSV")
+        .among({data::kExportWords.begin(), data::kExportWords.end()})
         .with_default();
     words.add("-o,--output", options.directory, "A new folder").required();
     words.add("--kind", options.kind, "Which sessions: real, pilot, simulated or all")

@@ -1,0 +1,153 @@
+#include "data/export/peer_export.hpp"
+
+#include <functional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/files.hpp"
+#include "data/export/delimited_file.hpp"
+#include "data/store/graded_answers.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// How often a stimulus of one participant and condition was answered with 1.
+struct GradedCount {
+    std::string subject;
+    std::string study;
+    std::string kind;
+    std::string condition;
+    double stimulus = 0.0;
+    std::int64_t n = 0;
+    std::int64_t k = 0;
+};
+
+void each_count(Database& database, const std::function<void(const GradedCount&)>& take) {
+    Statement row = database.prepare(fmt::format(
+        "SELECT chosen.subject, chosen.label, session_kind, condition, stimulus, count(*), sum(k) "
+        "FROM ({}) JOIN chosen USING (session_id) GROUP BY 1, 2, 3, 4, 5 HAVING max(k) <= 1 ORDER "
+        "BY 1, 2, 3, 4, 5",
+        kGradedAnswers));
+    bool any = false;
+    while (row.step()) {
+        any = true;
+        take({row.text(0), row.text(1), row.text(2), row.text(3), row.real(4), row.integer(5),
+              row.integer(6)});
+    }
+    if (!any) {
+        throw std::invalid_argument(
+            "no session has two-interval or yes-no answers on a graded stimulus: take another "
+            "format, as csv or psychopy");
+    }
+}
+
+void write_words(DelimitedFile& file, std::initializer_list<std::string_view> words) {
+    for (const std::string_view word : words) {
+        file.text(word);
+    }
+    file.end_row();
+}
+
+}  // namespace
+
+void export_quickpsy(Database& database,
+                     const Selection& /*selection*/,
+                     const std::filesystem::path& folder) {
+    DelimitedFile file(folder / "quickpsy.csv", Delimited::csv);
+    write_words(file, {"participant", "study", "kind", "condition", "x", "k", "n"});
+    each_count(database, [&](const GradedCount& one) {
+        file.text(one.subject);
+        file.text(one.study);
+        file.text(one.kind);
+        file.text(one.condition);
+        file.real(one.stimulus);
+        file.integer(one.k);
+        file.integer(one.n);
+        file.end_row();
+    });
+    file.close();
+    write_whole(
+        folder / "README.txt",
+        "k of n answers at x were yes, or the comparison. In R, with quickpsy 0.1.6:\n\n"
+        "d <- read.csv('quickpsy.csv')\n"
+        "quickpsy::quickpsy(d, x, k, n, grouping = c('participant', 'condition'))\n\n"
+        "(up to 0.1.5: grouping = .(participant, condition)). Take one kind of sessions.\n");
+}
+
+void export_psignifit(Database& database,
+                      const Selection& /*selection*/,
+                      const std::filesystem::path& folder) {
+    DelimitedFile index(folder / "index.csv", Delimited::csv);
+    write_words(index, {"file", "participant", "study", "kind", "condition"});
+    std::string before;
+    std::string lines;
+    std::string name;
+    std::size_t files = 0;
+    const auto keep = [&] {
+        if (!name.empty()) {
+            write_whole(folder / name, lines);
+        }
+        lines.clear();
+    };
+    each_count(database, [&](const GradedCount& one) {
+        const std::string whose =
+            fmt::format("{}\n{}\n{}\n{}", one.subject, one.study, one.kind, one.condition);
+        if (whose != before) {
+            keep();
+            name = fmt::format("{}_{}_{}_{:03}.csv", one.subject, one.study, one.kind, ++files);
+            write_words(index, {name, one.subject, one.study, one.kind, one.condition});
+            before = whose;
+        }
+        lines += fmt::format("{},{},{}\n", one.stimulus, one.k, one.n);
+    });
+    keep();
+    index.close();
+    write_whole(folder / "README.txt",
+                "index.csv says whose each file is. Its lines are x,k,n: k of n answers at x were "
+                "yes, or the comparison.\nIn Python, with psignifit 4:\n\n"
+                "import numpy, psignifit\n"
+                "data = numpy.loadtxt(FILE, delimiter=',', ndmin=2)\n"
+                "psignifit.psignifit(data, experiment_type='equal asymptote')\n");
+}
+
+void export_psychopy(Database& database,
+                     const Selection& selection,
+                     const std::filesystem::path& folder) {
+    Statement row = database.prepare(
+        "SELECT analysis_trial.attempt - 1, plan_position, phase, planned_object, friction, "
+        "curvature_per_m, run_name, stimulus, coalesce(chosen_object, answer_code), correct, "
+        "reaction_s, confidence, counts FROM analysis_trial WHERE session_id = ?1 AND answer_code "
+        "IS NOT NULL ORDER BY trial_number");
+    for (const ChosenSession& session : selection.sessions()) {
+        DelimitedFile file(folder / fmt::format("{}_{}_ses-{:02}.csv", session.subject,
+                                                session.label, session.number),
+                           Delimited::csv);
+        write_words(file, {"trials.thisN", "trials.thisRepN", "trials.thisIndex", "phase",
+                           "planned_object", "friction", "curvature_per_m", "run_name", "stimulus",
+                           "key_resp.keys", "key_resp.corr", "key_resp.rt", "confidence", "counts",
+                           "participant", "session", "expName"});
+        row.bind(1, session.id);
+        for (std::int64_t n = 0; row.step(); ++n) {
+            file.integer(n);
+            for (int column = 0; column < row.columns(); ++column) {
+                file.value(row, column);
+            }
+            file.text(session.subject);
+            file.integer(session.number);
+            file.text(session.study);
+            file.end_row();
+        }
+        row.reset();
+        file.close();
+    }
+    write_whole(
+        folder / "README.txt",
+        "A file a session, with the columns of PsychoPy's wide CSV: a row an answer, in the "
+        "order given.\n"
+        "trials.thisN counts them from 0; trials.thisIndex is the place in the plan; "
+        "trials.thisRepN says how often\nthat place was tried before. For analysis take "
+        "phase main and counts 1. Times are in s.\n");
+}
+
+}  // namespace palpate::data

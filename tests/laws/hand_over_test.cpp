@@ -1,0 +1,221 @@
+#include <filesystem>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "tests/support/adaptive.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+Finished succeeded(const std::vector<std::string>& words) {
+    const Finished done = palpate_command(words);
+    CAPTURE(words, done.error);
+    REQUIRE(done.code == 0);
+    return done;
+}
+
+std::vector<std::string> lines_of_text(const std::string& text) {
+    std::vector<std::string> lines;
+    std::istringstream stream(text);
+    for (std::string line; std::getline(stream, line);) {
+        lines.push_back(line);
+    }
+    return lines;
+}
+
+/// What SQL says, without its head.
+std::string by_sql(const std::string& file, const std::string& query) {
+    const std::string out = succeeded({"sql", file, "--csv", "-c", query}).out;
+    return out.substr(out.find('\n') + 1);
+}
+
+/// Two people of a small study without a rule: two shapes, names of frictions that do not sort as their friction does.
+std::string identified(const TemporaryFolder& folder) {
+    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 2");
+    protocol.replace(protocol.find("name = \"off\""), 12, "name = \"smooth\"");
+    protocol.replace(protocol.find("name = \"on\""), 11, "name = \"rough\"");
+    write(folder.file("p.toml"), protocol);
+    const std::string file = folder.file("a.sqlite");
+    for (const char* person : {"Ada", "Bob"}) {
+        (void)succeeded({"run", folder.file("p.toml"), "--participant", person, "--db", file,
+                         "--device", "sim"});
+    }
+    return file;
+}
+
+std::string graded(const TemporaryFolder& folder) {
+    write(folder.file("q.toml"), tests::adaptive_text(tests::kQuestPlusRule));
+    const std::string file = folder.file("q.sqlite");
+    for (const char* person : {"Ada", "Bob"}) {
+        (void)succeeded({"run", folder.file("q.toml"), "--participant", person, "--db", file,
+                         "--device", "sim"});
+    }
+    return file;
+}
+
+}  // namespace
+
+TEST_CASE("scripts to begin with load an export in R and Python, factors and levels set",
+          "[export][stats]") {
+    const TemporaryFolder folder;
+    const std::string file = identified(folder);
+    const std::string out = folder.file("shared");
+    (void)succeeded({"export", file, "--kind", "all", "-o", out});
+    const Finished made = succeeded({"analysis", "init", out});
+    CHECK_THAT(made.out, ContainsSubstring("analysis.R\n") && ContainsSubstring("analysis.py\n"));
+    const std::string wanted =
+        "smooth rough|concave convex|real pilot simulated|16|" +
+        by_sql(file,
+               "SELECT sum(correct) FROM analysis_trial WHERE counts AND phase = 'main' AND "
+               "session_kind = 'simulated'");
+    if (const Finished r =
+            Process({"sh", "-c",
+                     "cd '" + out +
+                         "' && Rscript analysis.R && Rscript -e \"sink('/dev/null'); "
+                         "source('analysis.R'); sink(); cat(levels(main\\$friction)); cat('|'); "
+                         "cat(levels(main\\$planned_object)); cat('|'); "
+                         "cat(levels(trials\\$session_kind)); cat('|'); cat(nrow(main)); cat('|'); "
+                         "cat(sum(main\\$correct), '\\n', sep = '')\""})
+                .wait();
+        r.code == 0) {
+        CHECK(lines_of_text(r.out).back() + '\n' == wanted);
+        CHECK_THAT(r.out, ContainsSubstring("smooth rough\n"));
+    } else {
+        CHECK(Process({"Rscript", "-e", "1"}).wait().code != 0);  // else the script is wrong
+        WARN("R is not installed: skipped");
+    }
+    bool pandas = false;
+    for (const char* python : {"python3", "/usr/bin/python3"}) {
+        if (pandas || Process({python, "-c", "import pandas"}).wait().code != 0) {
+            continue;
+        }
+        pandas = true;
+        const Finished py =
+            Process(
+                {"sh", "-c",
+                 "cd '" + out + "' && " + python +
+                     " -c \"import analysis as a; print(*a.main.friction.cat.categories, "
+                     "sep=' ', end='|'); print(*a.main.planned_object.cat.categories, sep=' ', "
+                     "end='|'); print(*a.trials.session_kind.cat.categories, sep=' ', end='|'); "
+                     "print(len(a.main), int(a.main.correct.sum()), sep='|')\""})
+                .wait();
+        CAPTURE(py.error);
+        REQUIRE(py.code == 0);
+        CHECK(lines_of_text(py.out).back() + '\n' == wanted);
+    }
+    if (!pandas) {
+        WARN("pandas is not installed: skipped");
+    }
+    const Finished again = palpate_command({"analysis", "init", out});
+    CHECK(again.code == 2);
+    CHECK_THAT(again.error, ContainsSubstring("analysis.R is there already, and stays as it is"));
+    const Finished none = palpate_command({"analysis", "init", folder.path().string()});
+    CHECK(none.code == 2);
+    CHECK_THAT(none.error, ContainsSubstring("is no export: it has no columns.csv"));
+}
+
+TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no name",
+          "[export][fit][law]") {
+    const TemporaryFolder folder;
+    const std::string file = graded(folder);
+    const std::string wanted = by_sql(
+        file,
+        "SELECT printf('sub-%010d', subject), 'adaptive', session_kind, run_name, stimulus, "
+        "sum(comparison_chosen), count(*) FROM analysis_trial JOIN participant USING "
+        "(participant_code) WHERE counts AND phase = 'main' GROUP BY 1, 3, 4, 5 ORDER BY 1, 3, 4, "
+        "5");
+    (void)succeeded({"export", file, "--as", "quickpsy", "--kind", "all", "-o", folder.file("q")});
+    const auto ours = lines_of_text(tests::slurp(folder.file("q/quickpsy.csv")));
+    const auto theirs = lines_of_text(wanted);
+    REQUIRE(ours.size() == theirs.size() + 1);
+    CHECK(ours[0] == "participant,study,kind,condition,x,k,n");
+    (void)succeeded({"export", file, "--as", "psignifit", "--kind", "all", "-o", folder.file("p")});
+    std::map<std::string, std::string> files;  // by whose they are
+    for (const std::string& line : lines_of_text(tests::slurp(folder.file("p/index.csv")))) {
+        files[line.substr(line.find(',') + 1)] = line.substr(0, line.find(','));
+    }
+    std::map<std::string, std::string> counts;
+    for (std::size_t i = 0; i < theirs.size(); ++i) {
+        std::vector<std::string> fields;
+        std::istringstream stream(theirs[i]);
+        for (std::string field; std::getline(stream, field, ',');) {
+            fields.push_back(field);
+        }
+        std::istringstream mine(ours[i + 1]);
+        std::vector<std::string> told;
+        for (std::string field; std::getline(mine, field, ',');) {
+            told.push_back(field);
+        }
+        REQUIRE(told.size() == 7);
+        for (const std::size_t same : {0U, 2U, 3U, 5U, 6U}) {
+            CHECK(told[same] == fields[same]);
+        }
+        CHECK(std::stod(told[4]) == std::stod(fields[4]));
+        counts[fmt::format("{},{},{},{}", told[0], told[1], told[2], told[3])] +=
+            fmt::format("{},{},{}\n", told[4], told[5], told[6]);
+    }
+    CHECK(files.size() == counts.size() + 1);
+    for (const auto& [whose, text] : counts) {
+        CAPTURE(whose);
+        REQUIRE(files.contains(whose));
+        CHECK(tests::slurp(folder.file("p/" + files[whose])) == text);
+    }
+    for (const char* named : {"q/quickpsy.csv", "p/index.csv", "q/README.txt", "p/README.txt"}) {
+        CHECK_THAT(tests::slurp(folder.file(named)), !ContainsSubstring("Ada"));
+    }
+    const TemporaryFolder other;
+    const Finished none = palpate_command(
+        {"export", identified(other), "--as", "quickpsy", "--kind", "all", "-o", other.file("q")});
+    CHECK(none.code == 2);
+    CHECK_THAT(none.error, ContainsSubstring("no session has two-interval or yes-no answers"));
+    CHECK_FALSE(std::filesystem::exists(other.file("q")));
+}
+
+TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[export]") {
+    const TemporaryFolder folder;
+    const std::string file = identified(folder);
+    (void)succeeded({"export", file, "--as", "psychopy", "--kind", "all", "-o", folder.file("w")});
+    std::size_t files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder.file("w"))) {
+        const std::string name = entry.path().filename();
+        if (name == "README.txt") {
+            continue;
+        }
+        ++files;
+        CAPTURE(name);
+        const std::string subject = name.substr(0, name.find('_'));
+        const auto rows = lines_of_text(tests::slurp(entry.path()));
+        const auto wanted = lines_of_text(by_sql(
+            file,
+            "SELECT row_number() OVER (ORDER BY trial_number) - 1, attempt - 1, plan_position, "
+            "phase, planned_object, friction, CAST(curvature_per_m AS INTEGER), '', '', "
+            "chosen_object, correct FROM analysis_trial JOIN participant USING (participant_code) "
+            "WHERE printf('sub-%010d', subject) = '" +
+                subject + "' ORDER BY trial_number"));
+        CHECK(rows[0].starts_with("trials.thisN,trials.thisRepN,trials.thisIndex,phase,"));
+        REQUIRE(rows.size() == wanted.size() + 1);
+        for (std::size_t i = 0; i < wanted.size(); ++i) {
+            std::string plain = wanted[i];
+            for (std::size_t at = plain.find("\"\""); at != std::string::npos;
+                 at = plain.find("\"\"")) {
+                plain.erase(at, 2);
+            }
+            CHECK_THAT(rows[i + 1], ContainsSubstring(plain + ','));
+            CHECK_THAT(rows[i + 1], ContainsSubstring("," + subject + ",1,four_trials"));
+        }
+    }
+    CHECK(files == 2);
+}
