@@ -109,6 +109,7 @@ void add_tests(const StatsReport& report, StatsPart& part) {
         }
     };
     add("confidence_area", 0.5, [](const PersonStats& one) { return one.confidence_area; });
+    add("overconfidence", 0.0, [](const PersonStats& one) { return one.overconfidence; });
     add("share_per_trial", 0.0, [](const PersonStats& one) { return one.answers.trial; });
     add("share_since_break", 0.0, [](const PersonStats& one) { return one.answers.since_break; });
     add("log_rt_per_trial", 0.0, [](const PersonStats& one) { return one.log_rt.trial; });

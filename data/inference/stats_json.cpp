@@ -129,6 +129,8 @@ Json part_json(const StatsReport& report, const StatsPart& part) {
             told["friction"][report.table.frictions[f]] = cell_json(person.cells[f]);
         }
         told["confidence_area"] = finite(person.confidence_area);
+        told["overconfidence"] = finite(person.overconfidence);
+        told["brier"] = finite(person.brier);
         told["share_per_trial"] = finite(person.answers.trial);
         told["share_since_break"] = finite(person.answers.since_break);
         told["log_rt_per_trial"] = finite(person.log_rt.trial);

@@ -98,12 +98,22 @@ void add_trends(const StatsReport& report, const Taken& trials, PersonStats& per
 void add_confidence(const StatsReport& report, const Taken& trials, PersonStats& person) {
     std::vector<double> right;
     std::vector<double> wrong;
+    double over = 0.0;
+    double squares = 0.0;
     for (const Trial* one : trials) {
         if (one->confidence) {
+            const double off = *one->confidence - (hit(report, *one) ? 1.0 : 0.0);
             (hit(report, *one) ? right : wrong).push_back(*one->confidence);
+            over += off;
+            squares += off * off;
         }
     }
     person.confidence_area = type_2_area(right, wrong);
+    if (const auto n = static_cast<double>(right.size() + wrong.size());
+        report.probability && n > 0.0) {
+        person.overconfidence = over / n;
+        person.brier = squares / n;
+    }
 }
 
 std::vector<ConfidenceLevel> levels_of(const StatsReport& report, const std::vector<Taken>& all) {
@@ -123,6 +133,10 @@ std::vector<ConfidenceLevel> levels_of(const StatsReport& report, const std::vec
         }
     }
     std::vector<ConfidenceLevel> told;
+    constexpr std::size_t kMostLevels = 12;  // of more the table would be a scatter of answers
+    if (levels.size() > kMostLevels) {
+        return told;
+    }
     for (const auto& [level, used] : levels) {
         std::vector<double> shares;
         double n = 0.0;

@@ -15,6 +15,8 @@ all$excluded[is.na(all$excluded)] <- ''
 all$right <- as.numeric(if (!yes_no) all$response == all$shape else if (length(signals))
     (all$response == 'yes') == (all$shape %in% signals) else all$response == 'yes')
 right_known <- !yes_no || length(signals) > 0
+sure <- all$confidence[!is.na(all$confidence)]
+probability <- length(sure) > 0 && all(sure >= 0 & sure <= 1) && any(sure > 0 & sure < 1)
 
 key <- function(x) gsub('/', '~1', gsub('~', '~0', x, fixed = TRUE), fixed = TRUE)
 say <- function(place, value) for (i in seq_along(value)) if (length(value[i]) && is.finite(value[i]))
@@ -148,8 +150,8 @@ part <- function(d, at) {
     people <- sort(unique(d$subject), method = 'radix')
     names <- c('share', 'd_prime', 'criterion', 'bits', 'log_rt', 'log_explore', 'confidence')
     value <- array(NA, c(length(people), length(frictions), length(names)), list(people, frictions, names))
-    slopes <- matrix(NA, length(people), 5, dimnames = list(people, c('confidence_area', 'share_per_trial',
-        'share_since_break', 'log_rt_per_trial', 'log_rt_since_break')))
+    slopes <- matrix(NA, length(people), 6, dimnames = list(people, c('confidence_area', 'overconfidence',
+        'share_per_trial', 'share_since_break', 'log_rt_per_trial', 'log_rt_since_break')))
     for (i in people) {
         own <- d[d$subject == i, ]; to <- paste0(at, '/people/', key(i))
         for (f in frictions) {
@@ -179,8 +181,12 @@ part <- function(d, at) {
         a <- a[!is.na(a)]; b <- b[!is.na(b)]
         if (right_known && length(a) && length(b))
             slopes[i, 1] <- mean(outer(a, b, function(a, b) (a > b) + (a == b) / 2))
-        slopes[i, 2:3] <- trend(own, own$right)
-        timed <- own[!is.na(own$rt_s), ]; slopes[i, 4:5] <- trend(timed, log(timed$rt_s))
+        off <- (own$confidence - own$right)[!is.na(own$confidence)]
+        if (right_known && probability && length(off)) {
+            slopes[i, 2] <- mean(off); say(paste0(to, '/brier'), mean(off^2))
+        }
+        slopes[i, 3:4] <- trend(own, own$right)
+        timed <- own[!is.na(own$rt_s), ]; slopes[i, 5:6] <- trend(timed, log(timed$rt_s))
         for (what in colnames(slopes)) say(paste0(to, '/', what), slopes[i, what])
     }
     for (what in names) for (f in frictions) {
@@ -191,6 +197,7 @@ part <- function(d, at) {
     for (what in colnames(slopes)) tests(slopes[, what], if (what == 'confidence_area') .5 else 0,
         paste0(at, '/within_person/', what))
     levels <- if (right_known) sort(unique(d$confidence)) else numeric()
+    if (length(levels) > 12) levels <- numeric()
     for (j in seq_along(levels)) {
         e <- d[which(d$confidence == levels[j]), ]
         say(paste0(at, '/confidence/', j - 1, '/level'), levels[j])

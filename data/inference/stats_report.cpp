@@ -40,6 +40,18 @@ void check_alternatives(const TrialTable& table, const StatsOptions& options) {
     }
 }
 
+bool is_probability(const TrialTable& table) {
+    bool between = false;
+    for (const Trial& one : table.trials) {
+        const double sure = one.confidence.value_or(0.0);
+        if (sure < 0.0 || sure > 1.0) {
+            return false;
+        }
+        between = between || (sure > 0.0 && sure < 1.0);
+    }
+    return between;
+}
+
 std::vector<ExcludedTrials> excluded_of(const TrialTable& table) {
     std::vector<ExcludedTrials> all;
     for (const Trial& one : table.trials) {
@@ -86,6 +98,7 @@ StatsReport stats_of(TrialTable table, const StatsOptions& options) {
     if (options.alternatives > 0) {
         report.table.alternatives = options.alternatives;
     }
+    report.probability = is_probability(all);
     report.excluded = excluded_of(all);
     report.applied = part_of(report, [](const Trial& one) { return one.excluded.empty(); });
     if (report.applied.trials == 0) {

@@ -44,6 +44,10 @@ struct PersonStats {
     std::string subject{};
     std::vector<PersonCell> cells{};  ///< a friction each
     std::optional<double> confidence_area{};
+    /// Where confidence is a probability: its mean less the share of right answers, and the mean of (confidence - right)^2
+    /// (G. W. Brier, Mon. Weather Rev. 78:1, 1950).
+    std::optional<double> overconfidence{};
+    std::optional<double> brier{};
     Trend answers{};  ///< of answers as 0 and 1, a trial
     Trend log_rt{};
 };
@@ -96,8 +100,8 @@ struct StatsPart {
     std::vector<PersonStats> people{};
     std::vector<Measure> measures{};
     std::vector<MixedStats> mixed{};
-    std::vector<ConfidenceLevel> levels{};
-    /// By key: "confidence_area" (against 0.5), "share_per_trial", "share_since_break", "log_rt_per_trial",
+    std::vector<ConfidenceLevel> levels{};  ///< of no more than 12 different ones
+    /// By key: "confidence_area" (against 0.5), "overconfidence", "share_per_trial", "share_since_break", "log_rt_per_trial",
     /// "log_rt_since_break" (against 0).
     std::vector<std::pair<std::string, PeopleTest>> tests{};
 };
@@ -112,8 +116,9 @@ struct StatsReport {
     TrialTable table{};
     StatsOptions options{};
     bool yes_no = false;
-    bool right_known =
-        true;  ///< false: of yes/no without signals answers are yes or no, not right or wrong
+    bool probability = false;  ///< all confidence lies from 0 to 1, and some between
+    /// false: of yes/no without signals answers are yes or no, not right or wrong
+    bool right_known = true;
     std::vector<ExcludedTrials> excluded{};
     StatsPart applied{};                     ///< without what is excluded
     std::optional<StatsPart> not_applied{};  ///< with it; nothing where nothing is

@@ -10,7 +10,9 @@ namespace palpate::data {
 namespace {
 
 std::string number_or_dash(const std::optional<double>& value, int digits = 3) {
-    return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
+    const double least = 0.5 * std::pow(10.0, -digits);  // below it -0.00 would stand there
+    return value ? fmt::format("{:.{}f}", std::fabs(*value) < least ? 0.0 : *value, digits)
+                 : std::string("-");
 }
 
 std::string ends_text(const std::optional<Interval>& interval) {
@@ -239,13 +241,15 @@ std::string trends_text(const StatsReport& report, const StatsPart& part) {
         "no), and what do\n  time and rest change (slopes of least squares, of 100 trials; beside "
         "it of 10 trials since the last break)\n";
     for (const auto& [key, test] : part.tests) {
-        const bool area = key == "confidence_area";
+        const bool sure = key == "confidence_area" || key == "overconfidence";
         const bool rest = key.ends_with("since_break");
-        const double scale = area ? 1.0 : rest ? 10.0 : 100.0;
+        const double scale = sure ? 1.0 : rest ? 10.0 : 100.0;
         const std::string name =
-            area ? "confidence, area"
-                 : fmt::format("{}, {}", key.starts_with("share") ? share_title(report) : "ln rt",
-                               rest ? "10 since a break" : "100 trials");
+            key == "confidence_area" ? "confidence, area"
+            : key == "overconfidence"
+                ? "confidence less share correct"
+                : fmt::format("{}, {}", key.starts_with("share") ? share_title(report) : "ln rt",
+                              rest ? "10 since a break" : "100 trials");
         std::optional<Interval> interval = test.mean.interval;
         if (interval) {
             interval = Interval{scale * interval->low, scale * interval->high};

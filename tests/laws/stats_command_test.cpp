@@ -57,14 +57,15 @@ std::string made_up(std::size_t people, int trials, bool excluded) {
 
 /// Whether a surface is curved, said by three people.
 std::string yes_and_no() {
-    std::string text = "subject,trial,shape,friction,response\n";
+    std::string text = "subject,trial,shape,friction,response,confidence\n";
     std::mt19937 random(5);
     for (const char* person : {"A", "B", "C"}) {
         for (int i = 0; i < 40; ++i) {
             const bool curved = i % 4 < 2;
-            text += fmt::format("{},{},{},{},{}\n", person, i, curved ? "curved" : "flat",
-                                i % 2 == 0 ? "dry" : "oiled",
-                                random() % 10 < (curved ? 7U : 3U) ? "yes" : "no");
+            const bool yes = random() % 10 < (curved ? 7U : 3U);
+            text += fmt::format("{},{},{},{},{},{:.2f}\n", person, i, curved ? "curved" : "flat",
+                                i % 2 == 0 ? "dry" : "oiled", yes ? "yes" : "no",
+                                0.5 + 0.01 * static_cast<double>(random() % 50));
         }
     }
     return text;
@@ -154,6 +155,8 @@ TEST_CASE("palpate stats says what its own scripts of R say, exclusions applied 
     auto of_yes = compare(tests::slurp(folder.file("again_yes.out")), yes);
     CHECK(of_yes["criterion"] == 6);
     CHECK(of_yes["d_prime"] == 6);
+    CHECK(of_yes["brier"] == 3);
+    CHECK(of_yes["overconfidence"] == 3);
     if (known.out == "TRUE") {
         CHECK(kinds["of lme4"] >= 18);
     } else {
@@ -187,6 +190,10 @@ TEST_CASE("palpate stats prints what its JSON holds, the same every time", "[sta
     const Finished text = stats(words);
     REQUIRE(text.code == 0);
     CHECK(stats(words).out == text.out);
+    const Finished one_core = Process({"taskset", "-c", "0", tests::palpate_program(), "stats",
+                                       words[0], words[1], words[2]})
+                                  .wait();
+    CHECK(one_core.out == text.out);
     const Json all = numbers_of(words);
     CHECK_THAT(text.out, ContainsSubstring("Nothing is excluded"));
     const Json& part = all["applied"];
