@@ -28,6 +28,13 @@ Exported export_file(const std::string& file,
                      ExportFormat format,
                      const ExportOptions& options,
                      const std::filesystem::path& folder) {
+    if (format >= ExportFormat::procedure &&
+        (options.details || options.traces || options.keep_codes)) {
+        throw std::invalid_argument(fmt::format(
+            "{} holds no more than answers: details, codes and ticks go with csv, bids, "
+            "psych-ds and parquet",
+            kExportWords.at(static_cast<std::size_t>(format))));
+    }
     Database database(file, Access::read);
     NewFolder built(folder);
     const Selection selection(database, options);

@@ -218,4 +218,8 @@ TEST_CASE("PsychoPy's wide CSV has a row an answer, in the order given", "[expor
         }
     }
     CHECK(files == 2);
+    const Finished more = palpate_command({"export", file, "--as", "psychopy", "--keep-codes",
+                                           "--kind", "all", "-o", folder.file("x")});
+    CHECK(more.code == 2);
+    CHECK_THAT(more.error, ContainsSubstring("psychopy holds no more than answers"));
 }
