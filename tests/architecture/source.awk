@@ -26,6 +26,7 @@ BEGIN {
     where["Boost.Multiprecision"] = "protocols/order"
     where["xxHash"] = "data"
     where["SDL2"] = "ui"
+    where["libpng"] = "ui/subject ui/session"
     where["CLI11"] = "ui"
     where["nlohmann"] = "data/export data/fit data/inference ui"
     # Curves that yield, and the few parameters of the mixed model; nothing that a tick computes.
@@ -117,6 +118,7 @@ function library_of(path) {
     if (path ~ /^(zlib|zconf)\.h$/) return "zlib"
     if (path ~ /^xxh(ash|3)\.h$/) return "xxHash"
     if (path ~ /^SDL/) return "SDL2"
+    if (path == "png.h") return "libpng"
     if (path ~ /^CLI\//) return "CLI11"
     if (path ~ /^nlohmann\//) return "nlohmann"
     if (path ~ /^Eigen\//) return "Eigen"

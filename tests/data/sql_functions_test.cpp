@@ -85,15 +85,15 @@ double phi(double z) {
 
 // R. G. Newcombe, Statistics in Medicine 17:857 (1998), table I: methods 3 (score) and 5 (exact).
 TEST_CASE("intervals of shares are those of Newcombe's table", "[sql][functions]") {
-    struct Row {
+    struct Interval {
         int k;
         int n;
         double wilson_low, wilson_high, exact_low, exact_high;
     };
-    const auto row = GENERATE(values<Row>({{81, 263, .2553, .3662, .2527, .3676},
-                                           {15, 148, .0624, .1605, .0578, .1617},
-                                           {0, 20, .0000, .1611, .0000, .1684},
-                                           {1, 29, .0061, .1718, .0009, .1776}}));
+    const auto row = GENERATE(values<Interval>({{81, 263, .2553, .3662, .2527, .3676},
+                                                {15, 148, .0624, .1605, .0578, .1617},
+                                                {0, 20, .0000, .1611, .0000, .1684},
+                                                {1, 29, .0061, .1718, .0009, .1776}}));
     Asked asked;
     const auto value = [&](const std::string& name) {
         return asked.real(fmt::format("SELECT {}({}, {})", name, row.k, row.n));

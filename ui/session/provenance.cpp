@@ -5,10 +5,10 @@
 
 #include <CLI/Version.hpp>
 #include <SDL2/SDL.h>
-#include <SDL2/SDL_image.h>
 #include <SDL2/SDL_ttf.h>
 #include <fmt/format.h>
 #include <gnu/libc-version.h>
+#include <png.h>
 #include <sys/utsname.h>
 
 #include "protocols/file/document.hpp"
@@ -64,7 +64,7 @@ std::vector<std::pair<std::string, std::string>> provenance() {
         {"CLI11", CLI11_VERSION},
         {"SDL2", sdl_version()},
         {"SDL2_ttf", text_of(*TTF_Linked_Version())},
-        {"SDL2_image", text_of(*IMG_Linked_Version())},
+        {"libpng", png_get_libpng_ver(nullptr)},
         {"system", line_of("/etc/os-release", "PRETTY_NAME=", '=')},
         {"kernel", std::string(system.sysname) + " " + system.release},
         {"machine", system.machine},

@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include <SDL.h>
-#include <SDL_image.h>
 #include <SDL_ttf.h>
 #include <fmt/format.h>
+#include <png.h>
 
 #include "ui/subject/display.hpp"
 
@@ -318,8 +318,14 @@ std::vector<std::uint8_t> Window::pixels() const {
 
 void Window::save_png(const std::string& file) const {
     const Own<SDL_Surface> surface = parts_->snapshot();
-    if (IMG_SavePNG(surface.get(), file.c_str()) != 0) {
-        throw std::runtime_error(fmt::format("{} cannot be written: {}", file, SDL_GetError()));
+    png_image image{};
+    image.version = PNG_IMAGE_VERSION;
+    image.width = static_cast<png_uint_32>(surface->w);
+    image.height = static_cast<png_uint_32>(surface->h);
+    image.format = PNG_FORMAT_RGBA;
+    if (png_image_write_to_file(&image, file.c_str(), 0, surface->pixels, surface->pitch,
+                                nullptr) == 0) {
+        throw std::runtime_error(fmt::format("{} cannot be written: {}", file, image.message));
     }
 }
 
