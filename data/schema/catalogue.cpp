@@ -208,6 +208,21 @@ CREATE TABLE presentation (
     path_length_m       REAL,                       -- of HIP
     mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact
     max_normal_force_n  REAL,                       -- largest rendered normal force
+    before_vertex_ticks INTEGER,                    -- in contact with segment 0, before vertex 0
+    vertex_ticks        INTEGER,                    -- in contact on vertex 0 itself
+    after_vertex_ticks  INTEGER,                    -- in contact with segment 1, after vertex 0
+    strokes             INTEGER,                    -- along the surface, 5 mm or more in one direction
+    strokes_before_vertex INTEGER,                  -- of these: had gone 5 mm on segment 0
+    strokes_after_vertex INTEGER,                   -- of these: had gone 5 mm on segment 1
+    reversals           INTEGER,                    -- of these: came back on the one before, without a lift
+    stick_events        INTEGER,                    -- times that a sliding god-object stuck again
+    speed_p10_m_per_s   REAL,                       -- of HIP in contact, over 20 ms: a tenth is no faster
+    speed_p50_m_per_s   REAL,                       -- a half is no faster
+    speed_p90_m_per_s   REAL,                       -- nine tenths are no faster
+    normal_force_p10_n  REAL,                       -- rendered, over contact ticks: a tenth is no stronger
+    normal_force_p50_n  REAL,                       -- a half is no stronger
+    normal_force_p90_n  REAL,                       -- nine tenths are no stronger
+    covered_share       REAL,                       -- share of the outline, its base left out, that the god-object visited
     PRIMARY KEY (trial_id, interval)
 ) STRICT;
 

@@ -96,6 +96,49 @@ LEFT JOIN (SELECT session_id, row_number() OVER (PARTITION BY session_id ORDER B
            FROM event) AS rested
     ON rested.session_id = trial.session_id AND rested.events = trial.seal_events;
 
+CREATE VIEW exploration AS
+-- One row per interval that was felt: what the hand did there.
+SELECT trial.trial_id AS trial_id,
+       study.study_name AS study_name,
+       participant.participant_code AS participant_code,
+       session.session_number AS session_number,
+       session.session_kind AS session_kind,
+       trial.plan_position AS plan_position,
+       trial.attempt AS attempt,
+       plan.phase AS phase,
+       presentation.interval AS interval,
+       presentation.felt_object AS felt_object,
+       presentation.curvature_per_m AS curvature_per_m,
+       presentation.friction AS friction,
+       trial.outcome AS outcome,
+       response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
+       presentation.done_s AS done_s,
+       presentation.contact_ticks / session.rate_hz AS contact_s,  -- time in contact
+       presentation.before_vertex_ticks / session.rate_hz AS before_vertex_s,  -- in contact with segment 0, before vertex 0
+       presentation.vertex_ticks / session.rate_hz AS vertex_s,  -- in contact on vertex 0 itself
+       presentation.after_vertex_ticks / session.rate_hz AS after_vertex_s,  -- in contact with segment 1, after vertex 0
+       presentation.strokes AS strokes,
+       presentation.strokes_before_vertex AS strokes_before_vertex,
+       presentation.strokes_after_vertex AS strokes_after_vertex,
+       presentation.reversals AS reversals,
+       presentation.stick_events AS stick_events,
+       presentation.path_length_m AS path_length_m,
+       presentation.speed_p10_m_per_s AS speed_p10_m_per_s,
+       presentation.speed_p50_m_per_s AS speed_p50_m_per_s,
+       presentation.speed_p90_m_per_s AS speed_p90_m_per_s,
+       presentation.normal_force_p10_n AS normal_force_p10_n,
+       presentation.normal_force_p50_n AS normal_force_p50_n,
+       presentation.normal_force_p90_n AS normal_force_p90_n,
+       presentation.covered_share AS covered_share
+FROM presentation
+JOIN trial USING (trial_id)
+JOIN plan USING (session_id, plan_position)
+JOIN session USING (session_id)
+JOIN participant USING (participant_id)
+JOIN study USING (study_id)
+LEFT JOIN response USING (trial_id)
+WHERE presentation.ticks IS NOT NULL;
+
 CREATE VIEW confusion AS
 -- How often each object was taken for which, main trials only.
 SELECT study_name,      -- the protocol's id

@@ -32,7 +32,7 @@ struct SessionFrame {
 /// One interval of a trial: its row of presentation, and its ticks.
 struct CheckedInterval {
     StoredRow row;
-    /// What the ticks follow from, until they are checked.
+    /// What the ticks follow from, until all that they say is checked.
     std::unique_ptr<const engine::Scene> scene;
     StoredChunks chunks;
     StoredTrace trace;

@@ -135,10 +135,10 @@ void check_shared(std::string_view table,
 }
 
 protocols::TrialSummary summary_of(const SessionFrame& frame,
-                                   const StoredTrace& trace,
+                                   const CheckedInterval& interval,
                                    std::int64_t felt) {
-    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness);
-    meter.add(std::span(trace.ticks).first(static_cast<std::size_t>(felt)));
+    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness, interval.scene->outline());
+    meter.add(std::span(interval.trace.ticks).first(static_cast<std::size_t>(felt)));
     return meter.summary();
 }
 
@@ -149,13 +149,14 @@ bool all_whole(std::span<const CheckedInterval> intervals) {
 
 }  // namespace
 
-void check_summary(const SessionFrame& frame,
-                   const StoredRow& trial,
-                   std::span<const CheckedInterval> intervals,
-                   bool answered_by_numbers,
-                   Findings& findings) {
+std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
+                                                   const StoredRow& trial,
+                                                   std::span<const CheckedInterval> intervals,
+                                                   bool answered_by_numbers,
+                                                   Findings& findings) {
+    std::vector<protocols::TrialSummary> felt;
     if (!all_whole(intervals) || intervals.empty()) {
-        return;  // said already, or nothing was begun
+        return felt;  // said already, or nothing was begun
     }
     const auto period_ns = engine::tick_period_ns(frame.protocol.apparatus.rate_hz);
     const std::string outcome = trial.text("outcome");
@@ -164,12 +165,13 @@ void check_summary(const SessionFrame& frame,
         const StoredRow& row = intervals[i].row;
         const StoredTrace& trace = intervals[i].trace;
         const bool last = i + 1 == intervals.size();
-        const std::int64_t felt =
+        const std::int64_t ticks =
             felt_ticks(frame, row, last && outcome == "faulted", trace, findings);
-        const protocols::TrialSummary one = summary_of(frame, trace, felt);
+        const protocols::TrialSummary& one =
+            felt.emplace_back(summary_of(frame, intervals[i], ticks));
         check_shared("presentation", row, one, findings);
         const bool pressed = outcome != "timed_out" || intervals.size() > 1;
-        check_done("presentation", row, pressed, felt, period_ns,
+        check_done("presentation", row, pressed, ticks, period_ns,
                    answered_by_numbers && on_virtual_clock(trace), findings);
         sum = i == 0 ? one : together(sum, one);
     }
@@ -177,22 +179,16 @@ void check_summary(const SessionFrame& frame,
     findings.expect("trial", "done_s", trial, intervals.back().row.at("done_s"));
     findings.expect("trial", "done_uncertainty_s", trial,
                     intervals.back().row.at("done_uncertainty_s"));
+    return felt;
 }
 
 void check_invalid(const SessionFrame& frame,
                    const StoredRow& trial,
                    const std::optional<std::string>& mark,
-                   std::span<const CheckedInterval> intervals,
+                   std::span<const protocols::TrialSummary> felt,
                    Findings& findings) {
-    if (!all_whole(intervals) || frame.replayed) {
+    if (frame.replayed) {
         return;
-    }
-    std::vector<protocols::TrialSummary> felt;
-    for (const CheckedInterval& one : intervals) {
-        felt.push_back(summary_of(
-            frame, one.trace,
-            std::clamp<std::int64_t>(one.row.integer("ticks"), 0,
-                                     static_cast<std::int64_t>(one.trace.ticks.size()))));
     }
     std::string why = why_invalid(frame.protocol, felt, !frame.simulated);
     if (mark && why.empty()) {

@@ -11,18 +11,19 @@ namespace palpate::data {
 ///
 /// How many ticks were felt (the rest is the ramp out of the force) is known where the clock was virtual;
 /// on a real one the stored number is believed as far as a whole ramp stands behind it.
-void check_summary(const SessionFrame& frame,
-                   const StoredRow& trial,
-                   std::span<const CheckedInterval> intervals,
-                   bool answered_by_numbers,
-                   Findings& findings);
+/// @return what was felt of each interval; nothing where ticks are missing
+std::vector<protocols::TrialSummary> check_summary(const SessionFrame& frame,
+                                                   const StoredRow& trial,
+                                                   std::span<const CheckedInterval> intervals,
+                                                   bool answered_by_numbers,
+                                                   Findings& findings);
 
 /// Why an answer does not count: by the rules of [invalid], or because somebody marked it.
-/// @param mark  the reason of its mark, if it has one
+/// @param mark  the reason of its mark, if it has one   @param felt  of each interval, from check_summary()
 void check_invalid(const SessionFrame& frame,
                    const StoredRow& trial,
                    const std::optional<std::string>& mark,
-                   std::span<const CheckedInterval> intervals,
+                   std::span<const protocols::TrialSummary> felt,
                    Findings& findings);
 
 /// The rows of fault_tick: the last ticks of the last interval, at most 100, for a faulted trial; none else.

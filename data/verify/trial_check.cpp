@@ -194,10 +194,13 @@ void TrialCheck::check_ticks_of(Pending& pending) const {
     }
     if (!never_ended(trial.text("outcome"))) {
         const bool by_numbers = !pending.response || pending.response->text("input") == "simulated";
-        check_summary(frame_, trial, intervals, by_numbers, findings);
-        if (pending.response) {
-            check_invalid(frame_, trial, pending.mark, intervals, findings);
+        const auto felt = check_summary(frame_, trial, intervals, by_numbers, findings);
+        if (pending.response && felt.size() == intervals.size()) {
+            check_invalid(frame_, trial, pending.mark, felt, findings);
         }
+    }
+    for (CheckedInterval& one : pending.intervals) {
+        one.scene.reset();
     }
     const StoredTrace none;
     check_fault_ticks(pending.fault_ticks, trial, intervals.empty() ? none : intervals.back().trace,

@@ -12,6 +12,7 @@
 #include "engine/safety/trip.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/session/adaptive_runs.hpp"
+#include "protocols/session/exploration_meter.hpp"
 #include "protocols/trial/observer.hpp"
 #include "protocols/trial/presentation.hpp"
 
@@ -42,12 +43,20 @@ struct TrialSummary {
     double path_length_m = 0.0;        ///< of HIP
     double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
     double max_normal_force_n = 0.0;
-    double energy_j = 0.0;     ///< work done on the user, sum F[k] . (h[k+1] - h[k])
-    std::int64_t strokes = 0;  ///< along the surface, see StrokeCounter
+    double energy_j = 0.0;                   ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    std::int64_t strokes = 0;                ///< along the surface, see StrokeCounter
+    std::int64_t strokes_before_vertex = 0;  ///< of these: counted on segment 0
+    std::int64_t strokes_after_vertex = 0;   ///< counted on segment 1
+    std::int64_t reversals = 0;              ///< strokes that came back on the one before
     double mean_speed_m_per_s =
         0.0;  ///< of HIP in contact: its path by its time, 0 without contact
     std::int64_t before_vertex_ticks = 0;  ///< in contact with segment 0: up to vertex 0
     std::int64_t after_vertex_ticks = 0;   ///< with segment 1: from vertex 0 on
+    std::int64_t vertex_ticks = 0;         ///< in contact on vertex 0 itself
+    std::int64_t stick_events = 0;         ///< times that a sliding god-object stuck again
+    Deciles speed{};                       ///< m/s, see ExplorationMeter
+    Deciles normal_force{};                ///< N, rendered, of contact ticks
+    double covered_share = 0.0;  ///< share of the outline that was visited, see OutlineCover
     std::int64_t contact_episodes = 0;
     double worst_episode_j =
         0.0;  ///< largest engine::EnergyLedger balance of an episode, <= 0: passive

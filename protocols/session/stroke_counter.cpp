@@ -27,6 +27,7 @@ void StrokeCounter::add(const engine::TickRecord& tick) noexcept {
         place_ = low_ = high_ = 0.0;
     }
     last_contact_ = tick.time_ns;
+    segment_ = tick.segment >= 0 ? tick.segment : segment_;
     const engine::Vec2 t = along(tick);
     const double length = glm::length(t);
     if (length > 0.0) {
@@ -39,14 +40,21 @@ void StrokeCounter::go(double step) noexcept {
     low_ = std::min(low_, place_);
     high_ = std::max(high_, place_);
     if (direction_ <= 0 && place_ - low_ >= kStroke) {
-        direction_ = 1;
-        ++strokes_;
+        count(1);
         high_ = place_;
     } else if (direction_ >= 0 && high_ - place_ >= kStroke) {
-        direction_ = -1;
-        ++strokes_;
+        count(-1);
         low_ = place_;
     }
+}
+
+void StrokeCounter::count(int direction) noexcept {
+    ++strokes_;
+    reversals_ += direction_ != 0 ? 1 : 0;
+    if (segment_ == 0 || segment_ == 1) {
+        ++on_side_[static_cast<std::size_t>(segment_)];
+    }
+    direction_ = direction;
 }
 
 }  // namespace palpate::protocols

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "engine/realtime/tick_record.hpp"
@@ -24,11 +25,20 @@ public:
     /// The next tick. Where the force is 0 there is no tangent, and the tick adds nothing.
     void add(const engine::TickRecord& tick) noexcept;
     [[nodiscard]] std::int64_t strokes() const noexcept { return strokes_; }
+    /// Of these, those that had gone kStroke on segment 0; on a vertex, where the god-object was before.
+    [[nodiscard]] std::int64_t before_vertex() const noexcept { return on_side_[0]; }
+    [[nodiscard]] std::int64_t after_vertex() const noexcept { return on_side_[1]; }
+    /// Of these, those that came back on the one before without a lift.
+    [[nodiscard]] std::int64_t reversals() const noexcept { return reversals_; }
 
 private:
     void go(double step) noexcept;
+    void count(int direction) noexcept;
 
     std::int64_t strokes_ = 0;
+    std::int64_t reversals_ = 0;
+    std::array<std::int64_t, 2> on_side_{};
+    int segment_ = -1;    ///< of the god-object, vertices left out
     int direction_ = 0;   ///< of the stroke that goes on; 0: none yet
     double place_ = 0.0;  ///< along the surface, m
     double low_ = 0.0;    ///< of place_ since the last turn

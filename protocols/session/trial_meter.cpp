@@ -23,6 +23,7 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         last_force_ = tick.force;
         last_time_ = tick.time_ns;
         strokes_.add(tick);
+        exploration_.add(tick);
         ++sum_.ticks;
         sum_.late_ticks += (tick.flags & engine::tick_late) != 0 ? 1 : 0;
         sum_.saturated_ticks += (tick.flags & engine::tick_saturated) != 0 ? 1 : 0;
@@ -48,6 +49,14 @@ TrialSummary TrialMeter::summary() const {
     summary.contact_episodes = ledger_.episodes();
     summary.worst_episode_j = ledger_.worst();
     summary.strokes = strokes_.strokes();
+    summary.strokes_before_vertex = strokes_.before_vertex();
+    summary.strokes_after_vertex = strokes_.after_vertex();
+    summary.reversals = strokes_.reversals();
+    summary.vertex_ticks = exploration_.vertex_ticks();
+    summary.stick_events = exploration_.stick_events();
+    summary.speed = exploration_.speed();
+    summary.normal_force = exploration_.normal_force();
+    summary.covered_share = exploration_.covered_share();
     if (contact_time_ > 0.0) {
         summary.mean_speed_m_per_s = contact_path_ / contact_time_;
     }
@@ -63,6 +72,8 @@ TrialSummary together(const TrialSummary& a, const TrialSummary& b) {
          {&TrialSummary::ticks, &TrialSummary::contact_ticks, &TrialSummary::slip_ticks,
           &TrialSummary::late_ticks, &TrialSummary::saturated_ticks, &TrialSummary::skipped_ticks,
           &TrialSummary::slewed_ticks, &TrialSummary::stale_ticks, &TrialSummary::strokes,
+          &TrialSummary::strokes_before_vertex, &TrialSummary::strokes_after_vertex,
+          &TrialSummary::reversals, &TrialSummary::vertex_ticks, &TrialSummary::stick_events,
           &TrialSummary::before_vertex_ticks, &TrialSummary::after_vertex_ticks,
           &TrialSummary::contact_episodes}) {
         all.*member += b.*member;

@@ -6,6 +6,7 @@
 
 #include "engine/rendering/energy_ledger.hpp"
 #include "protocols/protocol/protocol.hpp"
+#include "protocols/session/exploration_meter.hpp"
 #include "protocols/session/recorder.hpp"
 #include "protocols/session/stroke_counter.hpp"
 
@@ -14,8 +15,9 @@ namespace palpate::protocols {
 /// Adds up a trial's ticks while they come.
 class TrialMeter {
 public:
-    /// @param stiffness  K of the contact, N/m
-    explicit TrialMeter(double stiffness) : ledger_(stiffness) {}
+    /// @param stiffness  K of the contact, N/m   @param outline  of what is felt
+    TrialMeter(double stiffness, const engine::Outline& outline)
+        : ledger_(stiffness), exploration_(outline) {}
     void add(std::span<const engine::TickRecord> ticks);
     [[nodiscard]] TrialSummary summary() const;
 
@@ -23,6 +25,7 @@ private:
     TrialSummary sum_{};
     engine::EnergyLedger<2> ledger_;
     StrokeCounter strokes_;
+    ExplorationMeter exploration_;
     double force_sum_ = 0.0;     ///< N, over contact ticks
     double contact_path_ = 0.0;  ///< m, of the steps that end in contact
     double contact_time_ = 0.0;  ///< s, of these steps
@@ -33,7 +36,8 @@ private:
 };
 
 /// Two intervals as one: counts and ways are added up, the mean force weighs by contact, the largest and the
-/// first remain. first_contact_s is that of the first interval with any, within it.
+/// first remain. first_contact_s is that of the first interval with any, within it. Deciles and covered_share are
+/// of an interval alone, and stay those of the first.
 [[nodiscard]] TrialSummary together(const TrialSummary& first, const TrialSummary& second);
 
 /// Which rules an answered trial breaks, with its numbers: "contact 0.31 s, below 1 s". Empty: it counts.

@@ -127,7 +127,7 @@ void TrialRunner::feel(TrialId id,
                        const engine::Scene& scene,
                        const TrialView& view,
                        TrialResult& result) {
-    meter_ = TrialMeter(protocol_.apparatus.stiffness);
+    meter_.emplace(protocol_.apparatus.stiffness, scene.outline());
     tripped_s_.reset();
     result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
     {
@@ -137,11 +137,10 @@ void TrialRunner::feel(TrialId id,
         drain(id, false);
     }
     note_fault(id, planned, result);
-    result.intervals.push_back({.done_s = result.done_s,
-                                .done_uncertainty_s = result.done_uncertainty_s,
-                                .summary = meter_.summary()});
-    result.summary = result.intervals.size() == 1 ? meter_.summary()
-                                                  : together(result.summary, meter_.summary());
+    const TrialSummary sum = meter_->summary();
+    result.intervals.push_back(
+        {.done_s = result.done_s, .done_uncertainty_s = result.done_uncertainty_s, .summary = sum});
+    result.summary = result.intervals.size() == 1 ? sum : together(result.summary, sum);
 }
 
 void TrialRunner::explore(TrialId id, const TrialView& view, TrialResult& result) {
@@ -260,7 +259,7 @@ void TrialRunner::drain(TrialId id, bool exploring) {
             }
         }
         if (exploring) {
-            meter_.add(ticks);
+            meter_->add(ticks);
             ports_.observer.feel(ticks);
         }
         ports_.recorder.append(id, ticks);

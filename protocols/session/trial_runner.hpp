@@ -63,7 +63,7 @@ private:
     std::vector<Picture> pictures_;
     TrialId last_ = 0;
     Question question_;
-    TrialMeter meter_{1.0};
+    std::optional<TrialMeter> meter_;  ///< of the running interval
     std::optional<double> tripped_s_;  ///< when the running trial's force went off by itself
     std::int64_t dropped_ = 0;         ///< ticks lost so far in this run
     std::array<engine::TickRecord, 256> buffer_{};

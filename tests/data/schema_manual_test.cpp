@@ -18,6 +18,7 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
     // What has no unit though it is REAL.
     const std::set<std::string> plain{"mu_s", "mu_d", "mu_s_1", "mu_s_2", "comparison_mu_s",
                                       "slip_decay", "heal_decay", "u", "mu", "scale",
+                                      "covered_share",
                                       // In the unit of what the rule varies, on its scale.
                                       "stimulus", "estimate"};
     std::size_t columns = 0;

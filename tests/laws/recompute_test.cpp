@@ -38,6 +38,7 @@ TEST_CASE(
     for (const char* edit :
          {"UPDATE trial SET strokes = strokes + 1 WHERE trial_id = 2",
           "UPDATE trial SET mean_speed_m_per_s = mean_speed_m_per_s * 1.0001 WHERE trial_id = 2",
+          "UPDATE presentation SET reversals = reversals + 1 WHERE trial_id = 2",
           "UPDATE presentation SET path_length_m = path_length_m * 1.0001 WHERE trial_id = 2",
           "DROP VIEW confusion; CREATE VIEW confusion AS SELECT study_name, session_kind, "
           "friction, planned_object, chosen_object, count(*) + 1 AS n FROM analysis_trial WHERE "

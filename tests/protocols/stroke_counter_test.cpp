@@ -1,6 +1,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "stimuli/two_curve.hpp"
 #include "protocols/session/stroke_counter.hpp"
 #include "protocols/session/trial_meter.hpp"
 #include "tests/support/catch.hpp"
@@ -80,7 +81,8 @@ TEST_CASE("a bounce does not end a stroke, lifting the hand does", "[strokes][la
 }
 
 TEST_CASE("the meter says speed in contact and time on each side of the vertex", "[strokes]") {
-    protocols::TrialMeter meter(1000.0);
+    const auto outline = stimuli::make_outline({.curvature = 0.0});
+    protocols::TrialMeter meter(1000.0, *outline);
     std::vector<TickRecord> ticks;
     for (int k = 0; k < 1000; ++k) {  // 0.1 m/s along a line, 200 ticks of it in the air
         TickRecord tick = tick_at(k, 1e-4 * k, 0.7);
@@ -95,4 +97,7 @@ TEST_CASE("the meter says speed in contact and time on each side of the vertex",
     CHECK(sum.before_vertex_ticks == 500);
     CHECK(sum.after_vertex_ticks == 290);
     CHECK(sum.strokes == 2);
+    CHECK(sum.strokes_before_vertex == 1);
+    CHECK(sum.strokes_after_vertex == 1);
+    CHECK(sum.reversals == 0);
 }

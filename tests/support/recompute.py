@@ -4,21 +4,25 @@ usage: recompute.py FILE SAMPLE.csv DATA.md
 (SAMPLE: all of sample by trial_id, interval, tick; DATA.md: the queries of its ten usual questions are run, and
 their answers computed from the tables; prints what differs)
 """
-import csv, datetime, json, math, re, sqlite3, sys
+import csv, datetime, json, math, re, sqlite3, sys, tomllib
 from collections import Counter, defaultdict
 
+HAND = ("strokes_before_vertex strokes_after_vertex reversals stick_events speed_p10_m_per_s speed_p50_m_per_s speed_p90_m_per_s "
+        "normal_force_p10_n normal_force_p50_n normal_force_p90_n").split()
 FELT = "ticks contact_ticks slip_ticks late_ticks saturated_ticks".split()
 
 
 def strokes(ticks):
-    """Turns of 5 mm or more along the surface; a lift of more than 0.1 s begins a new one."""
-    n, direction, place, low, high, last = 0, 0, 0.0, 0.0, 0.0, 0.0
+    """Turns of 5 mm or more along the surface; a lift of more than 0.1 s begins a new one.
+    -> (where each was counted: 0 or 1, before or after the vertex, or None; those that came back on another)"""
+    sides, back, side, direction, place, low, high, last = [], 0, None, 0, 0.0, 0.0, 0.0, 0.0
     for before, t in zip([None] + ticks, ticks):
         if t["mode"] == "free":
             continue
         if t["time_s"] - last > 0.1 + 1e-12:
             direction, place, low, high = 0, 0.0, 0.0, 0.0
         last = t["time_s"]
+        side = t["segment"] if t["segment"] >= 0 else side
         # F = fn n + ft t with n = t turned to the left
         tx = t["rendered_tangential_n"] * t["rendered_x_n"] + t["rendered_normal_n"] * t["rendered_y_n"]
         ty = t["rendered_tangential_n"] * t["rendered_y_n"] - t["rendered_normal_n"] * t["rendered_x_n"]
@@ -29,15 +33,40 @@ def strokes(ticks):
             place += ((t["hip_x_m"] - before["hip_x_m"]) * tx + (t["hip_y_m"] - before["hip_y_m"]) * ty) / length
         low, high = min(low, place), max(high, place)
         if direction <= 0 and place - low >= 0.005:
-            n, direction, high = n + 1, 1, place
+            back += direction != 0
+            sides, direction, high = sides + [side], 1, place
         elif direction >= 0 and high - place >= 0.005:
-            n, direction, low = n + 1, -1, place
-    return n
+            back += direction != 0
+            sides, direction, low = sides + [side], -1, place
+    return sides, back
+
+
+def decile(values, tenths):
+    """The nearest rank."""
+    return sorted(values)[-(-tenths * len(values) // 10) - 1] if values else 0.0
+
+
+def covered(touch, outline, curvature):
+    """Share of both arcs that the god-object was on, in bins of 1 mm: the way along an arc by its chord."""
+    a, v, b = ([1e-3 * x for x in outline[k]] for k in ("a_mm", "vertex_mm", "b_mm"))
+    along = lambda d: 2 / curvature * math.asin(curvature * d / 2) if curvature else d
+    bins = {(int(t["segment"]), int(1e3 * along(math.dist((t["go_x_m"], t["go_y_m"]), a if t["segment"] == 0 else v))))
+            for t in touch if t["segment"] in (0, 1)}
+    return len(bins) / (1e3 * (along(math.dist(a, v)) + along(math.dist(v, b))))
 
 
 def felt(ticks):
     """What an interval's ticks up to done add up to."""
     touch = [t for t in ticks if t["mode"] != "free"]
+    speeds, window = [], None
+    for before, t in zip([None] + ticks, ticks):
+        if t["mode"] == "free" or window is None or before["mode"] == "free":
+            window = t if t["mode"] != "free" else None
+        elif round(1e9 * (t["time_s"] - window["time_s"])) >= 20_000_000:
+            speeds.append(math.hypot(t["hip_x_m"] - window["hip_x_m"], t["hip_y_m"] - window["hip_y_m"]) / (t["time_s"] - window["time_s"]))
+            window = t
+    sides, back = strokes(ticks)
+    forces = [t["rendered_normal_n"] for t in touch]
     steps = [(math.hypot(b["hip_x_m"] - a["hip_x_m"], b["hip_y_m"] - a["hip_y_m"]), b["time_s"] - a["time_s"], b["mode"] != "free")
              for a, b in zip(ticks, ticks[1:])]
     return {
@@ -47,7 +76,12 @@ def felt(ticks):
         "saturated_ticks": sum(t["flags"] & 1 for t in ticks),
         "path_length_m": math.fsum(s for s, _, _ in steps),
         "sum_fn": math.fsum(t["rendered_normal_n"] for t in touch), "max_fn": max([t["rendered_normal_n"] for t in touch], default=0.0),
-        "first_contact_s": touch[0]["time_s"] if touch else None, "strokes": strokes(ticks),
+        "first_contact_s": touch[0]["time_s"] if touch else None, "strokes": len(sides), "touch": touch,
+        "strokes_before_vertex": sides.count(0), "strokes_after_vertex": sides.count(1), "reversals": back,
+        "stick_events": sum(b["mode"] == "stuck" and a["mode"] in ("slip", "transition") for a, b in zip(ticks, ticks[1:])),
+        "vertex": sum(t["segment"] == -1 for t in touch),
+        **{f"speed_p{n}0_m_per_s": decile(speeds, n) for n in (1, 5, 9)},
+        **{f"normal_force_p{n}0_n": decile(forces, n) for n in (1, 5, 9)},
         "contact_path": math.fsum(s for s, _, c in steps if c), "contact_time": math.fsum(d for _, d, c in steps if c),
         "before": sum(t["segment"] == 0 for t in touch), "after": sum(t["segment"] == 1 for t in touch)}
 
@@ -164,6 +198,18 @@ def main(file, samples, document):
         each = [felt(ticks[:p["ticks"]]) for p, ticks in rows if p["ticks"] is not None]
         for (p, _), one in zip(rows, each):
             expect(f"presentation {t['trial_id']} {p['interval']}", p, {n: one[n] for n in FELT + ["path_length_m", "first_contact_s"]})
+            hand = db.execute("SELECT * FROM exploration WHERE trial_id = ? AND interval = ?", (t["trial_id"], p["interval"])).fetchone()
+            expect(f"exploration {t['trial_id']} {p['interval']}", hand, {
+                **{n: one[n] for n in HAND + ["strokes", "path_length_m"]},
+                "vertex_s": one["vertex"] / session["rate_hz"], "contact_s": one["contact_ticks"] / session["rate_hz"],
+                "before_vertex_s": one["before"] / session["rate_hz"], "after_vertex_s": one["after"] / session["rate_hz"],
+                "felt_object": p["felt_object"], "friction": p["friction"], "curvature_per_m": p["curvature_per_m"], "done_s": p["done_s"],
+                "participant_code": people[session["participant_id"]]["participant_code"], "phase": plan["phase"], "outcome": t["outcome"],
+                "counts": int(t["trial_id"] in responses and t["invalid_reason"] is None)})
+            outline = tomllib.loads(studies[session["study_id"]]["protocol_toml"]).get("outline")
+            if p["curvature_per_m"] is not None and outline:
+                share = covered(one["touch"], outline, p["curvature_per_m"])
+                expect(f"coverage {t['trial_id']}", {"near": abs(hand["covered_share"] - share) < 0.06}, {"near": True})
         total = lambda name: sum(one[name] for one in each)
         ended, rate = bool(each), session["rate_hz"]
         first = [one["first_contact_s"] for one in each if one["first_contact_s"] is not None]

@@ -1,0 +1,118 @@
+#include "protocols/session/exploration_meter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::protocols {
+namespace {
+
+/// The last segment, where it is one line from the outline's end back to its start.
+bool is_base(const engine::Outline& outline, std::size_t span) noexcept {
+    const std::size_t last = outline.spans().size() - 1;
+    return outline.closed() && span == last && outline.name(span).segment > 0 &&
+           outline.spans()[span].degree() == 1;
+}
+
+}  // namespace
+
+Deciles deciles_of(std::vector<double>& values) noexcept {
+    const auto smallest = [&](std::size_t tenths) {
+        const std::size_t rank = (tenths * values.size() + 9) / 10;  // ceil, without a rounding
+        const auto at = values.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+        std::nth_element(values.begin(), at, values.end());
+        return *at;
+    };
+    return values.empty() ? Deciles{} : Deciles{smallest(1), smallest(5), smallest(9)};
+}
+
+OutlineCover::OutlineCover(const engine::Outline& outline) {
+    constexpr std::size_t kSteps = 64;  // to measure a span
+    for (std::size_t i = 0; i < outline.spans().size() && !is_base(outline, i); ++i) {
+        const engine::RationalBezier<2>& span = outline.spans()[i];
+        const engine::SpanName& name = outline.name(i);
+        if (name.segment == first_.size()) {
+            first_.push_back(cells_.size());
+        }
+        engine::Vec2 last = span.at(0.0).point;
+        Cell cell{.segment = static_cast<std::int16_t>(name.segment)};
+        for (std::size_t k = 1; k <= kSteps; ++k) {
+            const double t = static_cast<double>(k) / kSteps;
+            const engine::Vec2 point = span.at(t).point;
+            cell.length += glm::length(point - last);
+            cell.end = name.parameter(t);
+            last = point;
+            if (cell.length >= kCell || k == kSteps) {
+                cells_.push_back(cell);
+                cell.length = 0.0;
+            }
+        }
+    }
+    first_.push_back(cells_.size());
+}
+
+void OutlineCover::add(const engine::TickRecord& tick) noexcept {
+    if (tick.mode == engine::Mode::free) {
+        return;
+    }
+    const bool on_vertex = tick.segment < 0;
+    const auto segment = static_cast<std::size_t>(on_vertex ? -1 - tick.segment : tick.segment);
+    if (segment + 1 >= first_.size()) {
+        return;  // the base
+    }
+    const std::size_t low = first_[segment];
+    const std::size_t high = first_[segment + 1];
+    if (on_vertex) {
+        at_ = high - 1;
+    } else if (at_ < low || at_ >= high || tick.u > cells_[at_].end ||
+               (at_ > low && tick.u <= cells_[at_ - 1].end)) {
+        const auto from = cells_.begin() + static_cast<std::ptrdiff_t>(low);
+        const auto found =
+            std::partition_point(from, cells_.begin() + static_cast<std::ptrdiff_t>(high - 1),
+                                 [&](const Cell& cell) { return cell.end < tick.u; });
+        at_ = static_cast<std::size_t>(found - cells_.begin());
+    }
+    cells_[at_].visited = true;
+}
+
+double OutlineCover::share() const noexcept {
+    double visited = 0.0;
+    double all = 0.0;
+    for (const Cell& cell : cells_) {
+        visited += cell.visited ? cell.length : 0.0;
+        all += cell.length;
+    }
+    return all > 0.0 ? visited / all : 0.0;
+}
+
+void ExplorationMeter::add(const engine::TickRecord& tick) {
+    using engine::Mode;
+    const Mode before = last_mode_;
+    last_mode_ = tick.mode;
+    if (tick.mode == Mode::free) {
+        return;
+    }
+    cover_.add(tick);
+    vertex_ticks_ += tick.segment == -1 ? 1 : 0;
+    stick_events_ += tick.mode == Mode::stuck && before != Mode::stuck && before != Mode::free;
+    forces_.push_back(tick.normal_force);
+    if (before == Mode::free) {
+        from_ = tick.hip;
+        from_time_ = tick.time_ns;
+    } else if (const std::int64_t time = tick.time_ns - from_time_; time >= kWindow) {
+        speeds_.push_back(glm::length(tick.hip - from_) / (static_cast<double>(time) * 1e-9));
+        from_ = tick.hip;
+        from_time_ = tick.time_ns;
+    }
+}
+
+Deciles ExplorationMeter::speed() const {
+    std::vector<double> values = speeds_;
+    return deciles_of(values);
+}
+
+Deciles ExplorationMeter::normal_force() const {
+    std::vector<double> values = forces_;
+    return deciles_of(values);
+}
+
+}  // namespace palpate::protocols

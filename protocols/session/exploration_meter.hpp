@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/geometry/outline.hpp"
+#include "engine/realtime/tick_record.hpp"
+
+namespace palpate::protocols {
+
+/// Three of a sample's values: so large that a tenth, a half, nine tenths of all are no larger. 0 of none.
+struct Deciles {
+    double p10 = 0.0;
+    double p50 = 0.0;
+    double p90 = 0.0;
+};
+
+/// The ceil(q n)-th smallest of n values, q = .1, .5, .9. @param values  left in another order
+[[nodiscard]] Deciles deciles_of(std::vector<double>& values) noexcept;
+
+/// How much of an outline the god-object visited. The outline is cut into cells of about kCell; a contact
+/// tick visits the cell that its god-object lies in, on a vertex the last one before it. A straight last
+/// segment that closes the outline is the base on which the object stands, and does not count.
+class OutlineCover {
+public:
+    static constexpr double kCell = 1e-3;  ///< m; a hand goes 0.1 to 0.3 mm a tick of 1 kHz
+
+    explicit OutlineCover(const engine::Outline& outline);
+
+    /// The next tick of the same object.
+    void add(const engine::TickRecord& tick) noexcept;
+    /// Visited length by all length, 0 to 1; the cells' lengths are those of chords, 1e-4 of the arc or
+    /// nearer for any curve with a radius above 10 mm.
+    [[nodiscard]] double share() const noexcept;
+
+private:
+    struct Cell {
+        std::int16_t segment = 0;
+        double end = 1.0;  ///< of the segment's own parameter
+        double length = 0.0;
+        bool visited = false;
+    };
+    std::vector<Cell> cells_;         ///< along the outline
+    std::vector<std::size_t> first_;  ///< of each segment; one more at the end
+    std::size_t at_ = 0;              ///< where the last one was found
+};
+
+/// What a hand did on an object, beside StrokeCounter: contour following is made of strokes, stops and turns
+/// (S. J. Lederman, R. L. Klatzky, Cognitive Psychology 19:342, 1987).
+class ExplorationMeter {
+public:
+    static constexpr std::int64_t kWindow = 20'000'000;  ///< ns over which a speed is taken
+
+    explicit ExplorationMeter(const engine::Outline& outline) : cover_(outline) {}
+
+    /// The next tick of the interval.
+    void add(const engine::TickRecord& tick);
+
+    [[nodiscard]] std::int64_t vertex_ticks() const noexcept { return vertex_ticks_; }
+    [[nodiscard]] std::int64_t stick_events() const noexcept { return stick_events_; }
+    [[nodiscard]] double covered_share() const noexcept { return cover_.share(); }
+    /// m/s, of HIP: way by time between contact ticks kWindow or more apart, nothing but contact between.
+    [[nodiscard]] Deciles speed() const;
+    /// N, rendered, of contact ticks.
+    [[nodiscard]] Deciles normal_force() const;
+
+private:
+    OutlineCover cover_;
+    std::int64_t vertex_ticks_ = 0;
+    std::int64_t stick_events_ = 0;
+    engine::Mode last_mode_ = engine::Mode::free;
+    engine::Vec2 from_{};         ///< where the speed's window began
+    std::int64_t from_time_ = 0;  ///< ns
+    std::vector<double> speeds_;
+    std::vector<double> forces_;
+};
+
+}  // namespace palpate::protocols
