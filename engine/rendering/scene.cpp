@@ -17,6 +17,14 @@ bool is_sharp(const Jet<2>& jet, const Vec2& h) noexcept {
     return speed2 + glm::dot(jet.point - h, jet.second) > 0.1 * speed2;
 }
 
+/// What the walk of the god-object gives: with a law of friction of its own none.
+SceneSpec felt_by_walk(SceneSpec spec) noexcept {
+    if (spec.law.kind != LawKind::none) {
+        spec.friction = {};
+    }
+    return spec;
+}
+
 }  // namespace
 
 const SceneSpec& checked(const SceneSpec& spec) {
@@ -46,9 +54,11 @@ Scene::Scene(std::shared_ptr<const Outline> outline, const SceneSpec& spec)
     : outline_(std::move(outline)),
       spec_(checked(spec)),
       tracker_(*outline_),
-      forms_(*outline_, tracker_.feet().tree().pieces(), spec.friction.mu_s),
+      forms_(*outline_, tracker_.feet().tree().pieces(), felt_by_walk(spec).friction.mu_s),
       decay_(stribeck_decay(spec.friction, spec.period)),
-      step_(step_for(spec)) {}
+      step_(step_for(felt_by_walk(spec))) {
+    add_law();
+}
 
 Scene::Step Scene::step_for(const SceneSpec& spec) const noexcept {
     const auto chosen = [&spec]<bool F, bool S>() {
@@ -65,6 +75,7 @@ void Scene::set_period(double period) {
     spec_.period = period;
     static_cast<void>(checked(spec_));
     decay_ = stribeck_decay(spec_.friction, period);
+    add_law();
 }
 
 /// Out of contact: how far HIP may go before the next look.

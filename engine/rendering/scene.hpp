@@ -2,9 +2,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "engine/contact/certified_tracker.hpp"
 #include "engine/friction/god_object.hpp"
+#include "engine/friction/laws/law.hpp"
 #include "engine/friction/stribeck.hpp"
 #include "engine/rendering/mode.hpp"
 
@@ -17,6 +19,9 @@ struct SceneSpec {
     double period = 0.001;  ///< T, s, > 0
     Friction friction{};
     Slew slew{};
+    /// Of friction from the literature, with mu_s and mu_d of `friction`; kind none: the god-object
+    /// spring law.
+    LawSpec law{};
 };
 
 /// The same spec, if all values are in range.
@@ -42,7 +47,7 @@ struct Contact {
     Mode mode = Mode::free;
     Place place{};              ///< of the GO
     Vec2 go{};                  ///< m; out of contact the closest point that was last looked for
-    Vec2 force{};               ///< K (GO - HIP) + B d(GO - HIP)/dt, N
+    Vec2 force{};               ///< K (GO - HIP) + B d(GO - HIP)/dt, and a law's friction, N
     double normal_force = 0.0;  ///< F . n at the GO, N, >= 0
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
@@ -55,6 +60,13 @@ struct Contact {
 
     /// An open end holds the GO outside of its cone.
     [[nodiscard]] bool held() const noexcept { return outside_cone && !vertex_slew && !unproven; }
+};
+
+/// What a law of friction remembers of the contact.
+struct Rubbing {
+    LawState law{};
+    Vec2 hip{};      ///< of the tick before, m
+    Vec2 tangent{};  ///< along which friction has been held since; 0 in the first tick
 };
 
 /// What lives on from tick to tick. A plain value: copying it copies the contact.
@@ -70,6 +82,7 @@ struct ContactState {
     Contact away{};             ///< the answer of every tick out of reach, made at the last look
     TrackState track{};         ///< of the looks
     std::uint64_t skipped = 0;  ///< ticks so far that were out of reach: a comparison
+    Rubbing rubbing{};          ///< of scenes with a law of friction from the literature
 };
 
 /// A scene compiled once into the tick it needs: with or without friction, slew and damper. In
@@ -84,6 +97,12 @@ struct ContactState {
 /// that F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. Held over a
 /// tick, the renderer asks of the device what a frictionless wall asks: b >= K T / 2 (thesis eq.
 /// 1.1).
+///
+/// A law of friction from the literature (engine/friction/laws) is felt on the frictionless
+/// god-object: F = F_N n + F_T t there, F_T by the law from the load F_N and the travel of HIP along
+/// the tangent t along which friction was held. So the held force works on just the travel that the
+/// law is told of, and what the law gives on a line it gives on any curve. Unlike with GOS the
+/// god-object is then the local closest point, and a stuck contact follows it around corners.
 class Scene {
 public:
     /// @throws std::invalid_argument for values out of range: which one, the value, what to give
@@ -132,6 +151,9 @@ private:
                                double mu) const noexcept;
     template <bool HasFriction>
     void damp(ContactState& state, const Walk& walk, Contact& contact) const noexcept;
+    void add_law();
+    Contact rubbed(ContactState& state, const Vec2& hip) const noexcept;
+    [[nodiscard]] double along(const Place& place) const noexcept;
     [[nodiscard]] Contact free(ContactState& state, const ClosestPoint& cp) const noexcept;
     [[nodiscard]] Step step_for(const SceneSpec& spec) const noexcept;
 
@@ -141,6 +163,9 @@ private:
     ConeForms forms_;
     StribeckDecay decay_;
     Step step_;
+    Step smooth_ = nullptr;  ///< the frictionless tick below a law's
+    FrictionLaw law_;
+    std::vector<double> begins_;  ///< of each span along the outline, m; for a law that asks for it
 };
 
 }  // namespace palpate::engine

@@ -212,11 +212,11 @@ private:
         }
         for (std::size_t i = 0; i < protocol_.runs.size(); ++i) {
             const FrictionSpec* base = named(protocol_.frictions, protocol_.runs[i].friction);
-            if (base != nullptr && base->law != "gos") {
+            if (base != nullptr && !(base->mu_s > 0.0)) {
                 add(fmt::format("run.{}.friction", i + 1),
-                    fmt::format("friction is \"{}\", which is {}: the rule varies mu_s; name one "
-                                "with law \"gos\"",
-                                base->name, base->law));
+                    fmt::format("friction is \"{}\", which is {} with mu_s = {}: the rule "
+                                "varies mu_s; name one that rubs, for instance with law \"gos\"",
+                                base->name, base->law, base->mu_s));
             }
         }
     }

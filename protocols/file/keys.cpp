@@ -80,21 +80,6 @@ constexpr Key kObject[]{
      .meaning = "then moved by [x, y]"},
 };
 
-constexpr Key kFriction[]{
-    {.name = "name", .slot = at<&FrictionSpec::name>, .need = required,
-     .meaning = "names the friction in the database"},
-    {.name = "law", .slot = at<&FrictionSpec::law>, .need = required,
-     .meaning = "frictionless, or gos: stick and slip with the coefficients below"},
-    {.name = "mu_s", .slot = at<&FrictionSpec::mu_s>, .need = gos, .range = {0, 10, true},
-     .meaning = "static coefficient"},
-    {.name = "mu_d", .slot = at<&FrictionSpec::mu_d>, .need = gos, .range = {0, 10},
-     .meaning = "dynamic coefficient, at most mu_s"},
-    {.name = "tau_slip_ms", .slot = at<&FrictionSpec::tau_slip>, .need = gos_optional, .range = {0, 10000}, .per_si = 1000,
-     .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
-    {.name = "tau_heal_ms", .slot = at<&FrictionSpec::tau_heal>, .need = gos_optional, .range = {0, 10000}, .per_si = 1000,
-     .meaning = "time constant back to mu_s while stuck; 0: at once"},
-};
-
 constexpr Key kSafety[]{
     {.name = "slew_limit_n_per_ms", .slot = at<&SafetySpec::slew_limit>, .range = {0, kMostSlew, true}, .per_si = 0.001,
      .meaning = "how fast the force may change"},
@@ -272,10 +257,6 @@ Keys keys_of<OutlineSpec>() {
 template <>
 Keys keys_of<ObjectSpec>() {
     return kObject;
-}
-template <>
-Keys keys_of<FrictionSpec>() {
-    return kFriction;
 }
 template <>
 Keys keys_of<SafetySpec>() {

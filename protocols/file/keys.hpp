@@ -96,6 +96,21 @@ Keys keys_of<MaskingSpec>();
 template <>
 Keys keys_of<InstructionTexts>();
 
+/// A law of [[friction]] and the keys that it reads beside name and law.
+struct LawKeys {
+    std::string_view law;
+    WordList required{};
+    WordList optional{};
+
+    [[nodiscard]] bool needs(std::string_view key) const;
+    /// Whether a friction of this law may have the key.
+    [[nodiscard]] bool reads(const Key& key) const;
+};
+/// All laws, in the order in which they are told.
+[[nodiscard]] std::span<const LawKeys> friction_laws() noexcept;
+/// Null for a word that is no law.
+[[nodiscard]] const LawKeys* keys_of_law(std::string_view law) noexcept;
+
 /// The version of the format that this program reads: `format = 1`.
 inline constexpr std::int64_t kFormat = 1;
 

@@ -196,30 +196,34 @@ private:
         }
     }
 
-    /// Which coefficients a friction needs depends on its law.
-    void law(const FrictionSpec& friction, const std::string& path) {
-        const bool gos = friction.law == "gos";
-        if (!gos && friction.law != "frictionless") {
-            constexpr std::array<std::string_view, 2> kLaws{"frictionless", "gos"};
+    /// Which numbers a friction needs depends on its law.
+    void law(FrictionSpec& friction, const std::string& path) {
+        const LawKeys* law = keys_of_law(friction.law);
+        if (law == nullptr) {
+            std::vector<std::string_view> words;
+            for (const LawKeys& one : friction_laws()) {
+                words.push_back(one.law);
+            }
             problems_.add(places_.of(path + ".law"),
-                          fmt::format("law is {}, give frictionless or gos{}", shown(friction.law),
-                                      suggestion(friction.law, kLaws, "")));
+                          fmt::format("law is {}, give one of {}{}", shown(friction.law),
+                                      fmt::join(words, ", "), suggestion(friction.law, words, "")));
             return;
         }
         for (const Key& key : keys_of<FrictionSpec>()) {
-            const bool coefficient = key.need == Need::gos || key.need == Need::gos_optional;
             const std::string at = fmt::format("{}.{}", path, key.name);
-            if (gos && key.need == Need::gos && !places_.has(at)) {
+            if (law->needs(key.name) && !places_.has(at)) {
                 problems_.add(places_.of(path),
-                              fmt::format("law \"gos\" needs the key {}: add it ({}; {})", key.name,
-                                          range_of(key), key.meaning));
-            } else if (!gos && coefficient && places_.has(at)) {
-                problems_.add(
-                    places_.of(at),
-                    fmt::format(
-                        "{} is given, but law is \"frictionless\": delete it, or give law \"gos\"",
-                        key.name));
+                              fmt::format("law \"{}\" needs the key {}: add it ({}; {})", law->law,
+                                          key.name, range_of(key), key.meaning));
+            } else if (!law->reads(key) && places_.has(at)) {
+                problems_.add(places_.of(at),
+                              fmt::format("{} is given, but law is \"{}\", which does not read it: "
+                                          "delete it, or give another law",
+                                          key.name, law->law));
             }
+        }
+        if (!law->needs("mu_s")) {
+            friction.mu_s = friction.mu_d;
         }
     }
 

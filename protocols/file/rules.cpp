@@ -82,6 +82,31 @@ private:
                 fmt::format("mu_d is {}, above mu_s = {}: give at most mu_s", spec.mu_d,
                             spec.mu_s));
         }
+        const ApparatusSpec& apparatus = protocol_.apparatus;
+        if (spec.own.stiffness > apparatus.stiffness) {
+            add(path("friction", index, "tangential_stiffness_n_per_m"),
+                fmt::format("tangential_stiffness_n_per_m is {}, above stiffness_n_per_m = {}, by "
+                            "which the device's damping is reckoned: give at most that, or 0",
+                            spec.own.stiffness, apparatus.stiffness));
+        }
+        if (spec.law == "bristle" && 3.0 * spec.mu_d < spec.mu_s) {
+            add(path("friction", index, "mu_d"),
+                fmt::format("mu_d is {}, and bonds that form at random cannot pull less than "
+                            "mu_s / 3 = {:.3g} in the mean: give at least that",
+                            spec.mu_d, spec.mu_s / 3.0));
+        }
+        if (spec.law == "lugre_euler") {
+            const double stiffness =
+                spec.own.stiffness > 0.0 ? spec.own.stiffness : apparatus.stiffness;
+            const double speed = protocol_.safety.speed_limit;
+            const double load =
+                speed / engine::euler_limit(stiffness, 1.0, spec.mu_d, 1.0 / apparatus.rate_hz);
+            add(path("friction", index, "law"),
+                fmt::format("law is \"lugre_euler\", which diverges where sigma_0 |v| T / (mu_d "
+                            "F_N) > 2: at {:g} m/s below a load of {:.3g} N, and every contact "
+                            "begins with none; give \"lugre\", the same law by an exact step",
+                            speed, load));
+        }
     }
 
     void timing() {

@@ -72,6 +72,12 @@ Slot of_friction(void* record) {
     return slot_of(Get(record_at<FrictionTable>(record)));
 }
 
+template <auto Member>
+Slot of_law(void* record) {
+    return slot_of(record_at<FrictionTable>(record).friction.own.*Member);
+}
+
+using engine::LawSpec;
 using enum Need;
 
 // clang-format off
@@ -108,6 +114,28 @@ constexpr Key kSceneFriction[]{
      .meaning = "time constant from mu_s to mu_d while slipping; 0: at once"},
     {.name = "tau_heal_s", .slot = at<&FrictionTable::tau_heal>, .range = kFew,
      .meaning = "time constant back to mu_s while stuck; 0: at once"},
+    {.name = "tangential_stiffness_n_per_m", .slot = of_law<&LawSpec::stiffness>, .range = kFromZero,
+     .meaning = "of a law's own spring along the surface; 0: stiffness_n_per_m"},
+    {.name = "viscous_n_s_per_m", .slot = of_law<&LawSpec::viscosity>, .range = kFromZero,
+     .meaning = "of viscous and lugre: damper along the surface"},
+    {.name = "bristle_damping_n_s_per_m", .slot = of_law<&LawSpec::bristle_damping>, .range = kFromZero,
+     .meaning = "of lugre and reset_integrator: damper of the law's own spring"},
+    {.name = "stribeck_speed_m_per_s", .slot = of_law<&LawSpec::stribeck_speed>, .range = kPositive,
+     .meaning = "of stribeck and lugre: from mu_s at rest to mu_d well above this speed"},
+    {.name = "smoothing_speed_m_per_s", .slot = of_law<&LawSpec::smoothing_speed>, .range = kPositive,
+     .meaning = "of stribeck: over which friction turns with the motion"},
+    {.name = "stick_speed_m_per_s", .slot = of_law<&LawSpec::stick_speed>, .range = kPositive,
+     .meaning = "of karnopp: below it a hand counts as resting"},
+    {.name = "dahl_exponent", .slot = of_law<&LawSpec::exponent>, .range = {0, 3},
+     .meaning = "of dahl: alpha"},
+    {.name = "stick_share", .slot = of_law<&LawSpec::stick_share>, .range = {0, 0.99},
+     .meaning = "of hayward_armstrong: share of the friction below which nothing slips"},
+    {.name = "bristles", .slot = of_law<&LawSpec::bristles>, .range = {1, engine::kMostBristles},
+     .meaning = "of bristle: number of bonds"},
+    {.name = "snag_spacing_m", .slot = of_law<&LawSpec::snag_spacing>, .range = kPositive,
+     .meaning = "of snags: one, at a random place, in each such length of the outline"},
+    {.name = "law_seed", .slot = of_law<&LawSpec::seed>, .range = {0, kMostSeed},
+     .meaning = "of bristle and snags"},
 };
 constexpr Key kMuD[]{
     {.name = "mu_d", .slot = at<&FrictionTable::mu_d>, .need = required, .range = kFew,
@@ -115,7 +143,7 @@ constexpr Key kMuD[]{
 };
 constexpr Key kMuS[]{
     {.name = "mu_s", .slot = at<&FrictionTable::mu_s>, .need = required, .range = kFew,
-     .meaning = "static coefficient, of every law but frictionless and coulomb; at least mu_d"},
+     .meaning = "static coefficient, of every law that sticks: not of frictionless, coulomb, coulomb_sign, viscous, dahl and hayward_armstrong; at least mu_d"},
 };
 
 constexpr Key kSurface[]{
@@ -147,13 +175,21 @@ SceneRenderer read_renderer(TableReader table) {
     return r;
 }
 
+std::string_view word_of_law(Law law) {
+    return kLaws[static_cast<std::size_t>(law)];
+}
+
 SceneFriction read_friction(TableReader table) {
     FrictionTable f;
     table.read(kSceneFriction, &f);
     const Law law = f.friction.law;
+    f.friction.own.kind = engine::law_kind(word_of_law(law));
+    const bool own = f.friction.own.kind != engine::LawKind::none;
     const bool rubs = law != Law::frictionless;
+    const bool sticks =
+        rubs && law != Law::coulomb && !(own && !engine::traits_of(f.friction.own.kind).sticks);
     table.read(kMuD, &f, rubs);
-    table.read(kMuS, &f, rubs && law != Law::coulomb);
+    table.read(kMuS, &f, sticks);
     table.refuse_unknown();
     if (f.mu_s < 0.0) {
         f.mu_s = f.mu_d;
@@ -163,7 +199,10 @@ SceneFriction read_friction(TableReader table) {
                                          "smaller than dynamic friction",
                                          f.mu_s, f.mu_d));
     }
-    if (law == Law::coulomb) {
+    if (own) {
+        f.friction.set = {.mu_s = sticks ? f.mu_s : f.mu_d, .mu_d = f.mu_d};
+        table.attempt([&] { engine::FrictionLaw(f.friction.own, f.friction.set, 1.0, 1.0); });
+    } else if (law == Law::coulomb) {
         f.friction.set = {.mu_s = f.mu_d, .mu_d = f.mu_d};
     } else if (rubs) {
         f.friction.set = {
@@ -213,10 +252,12 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
     }
     if (!scene.surfaces.empty() &&
         (!scene.renderer.certified || scene.friction.law == Law::thesis_literal ||
-         scene.friction.law == Law::thesis_latched)) {
+         scene.friction.law == Law::thesis_latched ||
+         scene.friction.own.kind != engine::LawKind::none)) {
         problems.add(
             at,
-            "the thesis' trackers and laws are for plane curves: on a [surface] give tracker "
+            "the thesis' trackers and the laws from the literature are for plane curves: on a "
+            "[surface] give tracker "
             "\"certified\" and law \"gos\", \"coulomb\" or \"frictionless\"");
     }
 }
@@ -274,7 +315,8 @@ engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {
             .damping = scene.renderer.damping,
             .period = period,
             .friction = scene.friction.set,
-            .slew = scene.friction.slew};
+            .slew = scene.friction.slew,
+            .law = scene.friction.own};
 }
 
 }  // namespace palpate::protocols

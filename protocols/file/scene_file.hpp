@@ -15,11 +15,35 @@
 /// surface, and how they are to be felt. Problems are reported like those of a protocol.
 namespace palpate::protocols {
 
-/// The laws by which the contact force can be computed. The last two are the thesis' Algorithm 1.
-enum class Law : std::uint8_t { frictionless, gos, coulomb, thesis_literal, thesis_latched };
+/// The laws by which the contact force can be computed. The thesis_ ones are the thesis' Algorithm 1,
+/// those after them the laws of engine/friction/laws, in their order.
+enum class Law : std::uint8_t {
+    frictionless,
+    gos,
+    coulomb,
+    thesis_literal,
+    thesis_latched,
+    coulomb_sign,
+    viscous,
+    stiction,
+    stribeck,
+    karnopp,
+    dahl,
+    bristle,
+    reset_integrator,
+    lugre,
+    lugre_euler,
+    hayward_armstrong,
+    friction_cone,
+    snags,
+};
 
-inline constexpr std::array<std::string_view, 5> kLaws{"frictionless", "gos", "coulomb",
-                                                       "thesis_literal", "thesis_latched"};
+inline constexpr std::array<std::string_view, 18> kLaws{
+    "frictionless",     "gos",          "coulomb",     "thesis_literal",
+    "thesis_latched",   "coulomb_sign", "viscous",     "stiction",
+    "stribeck",         "karnopp",      "dahl",        "bristle",
+    "reset_integrator", "lugre",        "lugre_euler", "hayward_armstrong",
+    "friction_cone",    "snags"};
 [[nodiscard]] constexpr WordList words_of(Law) {
     return kLaws;
 }
@@ -40,6 +64,7 @@ struct SceneFriction {
     Law law = Law::frictionless;
     engine::Friction set{};
     engine::Slew slew{};
+    engine::LawSpec own{};   ///< of a law of engine/friction/laws, with its kind
     double dead_band = 0.0;  ///< m/s: the thesis' laws take slower CPs for resting
 };
 
@@ -68,7 +93,7 @@ struct SceneFile {
 /// @throws std::invalid_argument if consecutive curves share no end point
 [[nodiscard]] engine::Outline outline_of(const SceneFile& scene);
 
-/// What the engine needs of a scene whose law is frictionless, gos or coulomb.
+/// What the engine needs of a scene whose law is none of the thesis'.
 /// @param period  tick period, s
 [[nodiscard]] engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept;
 

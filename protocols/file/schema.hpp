@@ -42,11 +42,11 @@ inline constexpr double kDegrees = 180.0 / engine::kPi;
 /// When a key has to be there.
 enum class Need : std::uint8_t {
     required,
-    optional,   ///< left out: as the struct begins
-    factorial,  ///< required without [procedure]
-    gos,        ///< friction coefficients: required by the law "gos", refused with "frictionless"
-    gos_optional,
-    two_curve,  ///< curvature: required by an object of two curves, refused with a free form
+    optional,         ///< left out: as the struct begins
+    factorial,        ///< required without [procedure]
+    by_law,           ///< of a friction: required by some laws, refused with the others
+    by_law_optional,  ///< of a friction: read by some laws, refused with the others
+    two_curve,        ///< curvature: required by an object of two curves, refused with a free form
 };
 
 /// How a text or a list is restricted.

@@ -146,7 +146,7 @@ private:
 };
 
 bool is_needed(const Key& key) {
-    return key.need != Need::optional && key.need != Need::gos_optional;
+    return key.need != Need::optional && key.need != Need::by_law_optional;
 }
 
 /// A number that the key itself refuses stands for none.

@@ -17,13 +17,24 @@ void append(std::string& text, std::string_view heading, const Record& record) {
     text += fmt::format("\n{}\n{}", heading, toml_lines(keys_of<Record>(), &record));
 }
 
-/// Without the keys that only another kind of object or friction has.
-template <class Record>
-void append_undescribed(std::string& text, std::string_view heading, const Record& record) {
-    text += fmt::format("\n{}\n", heading);
-    for (const Key& key : keys_of<Record>()) {
+/// Without the keys that only another kind of object has.
+void append_undescribed(std::string& text, const ObjectSpec& object) {
+    text += "\n[[object]]\n";
+    for (const Key& key : keys_of<ObjectSpec>()) {
         if (key.need == Need::required || key.need == Need::optional) {
-            text += toml_lines({&key, 1}, &record);
+            text += toml_lines({&key, 1}, &object);
+        }
+    }
+}
+
+/// With the keys that its law reads.
+void append_friction(std::string& text, const FrictionSpec& friction) {
+    const LawKeys* law = keys_of_law(friction.law);
+    text += "\n[[friction]]\n";
+    for (Key key : keys_of<FrictionSpec>()) {
+        key.late = key.late && (law == nullptr || !law->needs(key.name));
+        if (law == nullptr || law->reads(key)) {
+            text += toml_lines({&key, 1}, &friction);
         }
     }
 }
@@ -127,16 +138,12 @@ std::string to_toml(const Protocol& protocol) {
         if (object.segments.empty()) {
             append(text, "[[object]]", object);
         } else {
-            append_undescribed(text, "[[object]]", object);
+            append_undescribed(text, object);
         }
         text += segments_toml(object);
     }
     for (const FrictionSpec& friction : protocol.frictions) {
-        if (friction.law != "frictionless") {
-            append(text, "[[friction]]", friction);
-        } else {
-            append_undescribed(text, "[[friction]]", friction);
-        }
+        append_friction(text, friction);
     }
     if (protocol.safety != SafetySpec{}) {  // studies are older than this table: their hashes stay
         append(text, "[safety]", protocol.safety);

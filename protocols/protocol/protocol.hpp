@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/friction/laws/law.hpp"
 #include "engine/geometry/vec.hpp"
 #include "stimuli/free_outline.hpp"
 
@@ -32,14 +33,16 @@ struct ObjectSpec {
     friend bool operator==(const ObjectSpec&, const ObjectSpec&) = default;
 };
 
-/// One friction set. law "frictionless" has no coefficients; "gos" is the god-object spring law.
+/// One friction set. law "frictionless" has no coefficients; "gos" is the god-object spring law,
+/// "coulomb" the same with one coefficient; the others are those of engine/friction/laws.
 struct FrictionSpec {
     std::string name;  ///< e.g. "off", "on"; unique
     std::string law = "frictionless";
-    double mu_s = 0.0;      ///< static coefficient, mu_d <= mu_s
+    double mu_s = 0.0;      ///< static coefficient, mu_d <= mu_s; of a law without one: mu_d
     double mu_d = 0.0;      ///< dynamic coefficient
     double tau_slip = 0.0;  ///< s, relaxation to mu_d while slipping; 0: a sharp drop
     double tau_heal = 0.0;  ///< s, recovery to mu_s while stuck
+    engine::LawSpec own{};  ///< what a law of its own needs besides; its kind follows from `law`
 
     friend bool operator==(const FrictionSpec&, const FrictionSpec&) = default;
 };

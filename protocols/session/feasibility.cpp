@@ -8,6 +8,7 @@
 
 #include "engine/safety/passivity.hpp"
 #include "protocols/design/object_outline.hpp"
+#include "protocols/protocol/contact_damping.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -32,6 +33,13 @@ std::string damper_text(double damping) {
     return damping == 0.0 ? "" : fmt::format(" with a damper of {:.6g} N s/m", damping);
 }
 
+/// The apparatus with the damper of a friction, where that is the stronger one.
+ApparatusSpec with_all_dampers(const Protocol& protocol) {
+    ApparatusSpec apparatus = protocol.apparatus;
+    apparatus.damping = contact_damping(protocol);
+    return apparatus;
+}
+
 /// What would make b >= K T (1/2 + d) + |B|.
 std::string passivity_remedy(const ApparatusSpec& apparatus,
                              const engine::DeviceTraits& traits,
@@ -41,10 +49,11 @@ std::string passivity_remedy(const ApparatusSpec& apparatus,
     const double softest = left / (period * (0.5 + traits.delay_ticks));
     const double rate = apparatus.stiffness * (0.5 + traits.delay_ticks) / left;
     std::string remedy =
-        softest >= 1.0             ? fmt::format("lower stiffness_n_per_m to {}",
-                                                 static_cast<long>(std::floor(softest * (1.0 + kRounding))))
-        : apparatus.damping != 0.0 ? std::string("lower damping_n_s_per_m, which comes on top")
-                                   : std::string("give the device some damping");
+        softest >= 1.0 ? fmt::format("lower stiffness_n_per_m to {}",
+                                     static_cast<long>(std::floor(softest * (1.0 + kRounding))))
+        : apparatus.damping != 0.0
+            ? std::string("lower damping_n_s_per_m or a friction's damper, which come on top")
+            : std::string("give the device some damping");
     if (left > 0.0 && rate <= kHighestRate * (1.0 + kRounding)) {
         remedy += fmt::format(" or raise rate_hz to {}",
                               static_cast<long>(std::ceil(rate * (1.0 - kRounding))));
@@ -165,7 +174,7 @@ Margins margins_of(const Protocol& protocol, const engine::Device& device) {
             margins.reading_error = spot.error;
         }
     }
-    const ApparatusSpec& asked = protocol.apparatus;
+    const ApparatusSpec asked = with_all_dampers(protocol);
     const double need = margins.needed_damping + std::fabs(asked.damping);
     margins.resting_friction = engine::resting_friction(
         asked.stiffness, 1.0 / asked.rate_hz, margins.reading_error.value_or(0.0), asked.damping);
@@ -193,7 +202,7 @@ std::vector<Finding> check_feasibility(const Protocol& protocol, const engine::D
     if (!traits.gives_force) {
         return findings;
     }
-    check_passivity(protocol.apparatus, traits, findings);
+    check_passivity(with_all_dampers(protocol), traits, findings);
     const std::vector<Spot> known = spots(protocol, device);
     const bool start = device.weakest_force(protocol.apparatus.start).has_value();
     const bool knows = start || std::any_of(known.begin(), known.end(), [](const Spot& spot) {

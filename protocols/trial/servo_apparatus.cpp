@@ -6,6 +6,7 @@
 
 #include "engine/safety/passivity.hpp"
 #include "protocols/design/adaptive_plan.hpp"
+#include "protocols/protocol/contact_damping.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -34,6 +35,7 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
     const SafetySpec& safety = protocol.safety;
     const engine::DeviceTraits traits = device.traits();
     const double period = 1.0 / apparatus.rate_hz;
+    const double damping = contact_damping(protocol);
     engine::SafetyLimits limits{.period = period,
                                 .max_force = apparatus.force_limit,
                                 .ramp_step = engine::ramp_step(apparatus.force_ramp, period),
@@ -47,16 +49,15 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
         limits.quiet_run = static_cast<std::int32_t>(std::ceil(kQuiet / period));
         limits.silent_run = static_cast<std::int32_t>(std::ceil(kSilence / period));
         limits.energy = safety.energy_limit;
-        limits.damping = std::max(traits.damping.value_or(0.0),
-                                  engine::min_damping(apparatus.stiffness, period,
-                                                      traits.delay_ticks, apparatus.damping));
+        limits.damping =
+            std::max(traits.damping.value_or(0.0),
+                     engine::min_damping(apparatus.stiffness, period, traits.delay_ticks, damping));
         limits.delay_ticks = traits.delay_ticks;
         limits.spare_delay =
-            traits.damping
-                ? std::max(kSpareDelay,
-                           engine::spare_delay(apparatus.stiffness, period, traits.delay_ticks,
-                                               apparatus.damping, *traits.damping))
-                : kUnknownSpare;
+            traits.damping ? std::max(kSpareDelay, engine::spare_delay(apparatus.stiffness, period,
+                                                                       traits.delay_ticks, damping,
+                                                                       *traits.damping))
+                           : kUnknownSpare;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
         limits.watch_encoders = true;
         limits.watch_runaway = true;

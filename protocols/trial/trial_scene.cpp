@@ -14,6 +14,8 @@ engine::Scene make_scene(const Protocol& protocol, const Condition& condition) {
 engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
     const FrictionSpec& friction = felt.friction;
     const ApparatusSpec& apparatus = protocol.apparatus;
+    engine::LawSpec law = friction.own;
+    law.kind = engine::law_kind(friction.law);
     return {outline_of(protocol, felt.object),
             {.stiffness = apparatus.stiffness,
              .damping = apparatus.damping,
@@ -22,7 +24,8 @@ engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
                           .mu_d = friction.mu_d,
                           .tau_slip = friction.tau_slip,
                           .tau_heal = friction.tau_heal},
-             .slew = {.speed = apparatus.vertex_slew, .radius = apparatus.vertex_radius}}};
+             .slew = {.speed = apparatus.vertex_slew, .radius = apparatus.vertex_radius},
+             .law = law}};
 }
 
 std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std::size_t> order) {

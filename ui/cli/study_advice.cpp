@@ -58,6 +58,32 @@ bool compares_friction(const protocols::Protocol& protocol) {
            (protocol.procedure && protocol.procedure->varies == protocols::Varies::mu);
 }
 
+/// Laws of friction that do what nobody may have meant: they creep, chatter or give energy.
+void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string>& all) {
+    for (const protocols::FrictionSpec& friction : protocol.frictions) {
+        const engine::LawKind kind = engine::law_kind(friction.law);
+        if (kind == engine::LawKind::none) {
+            continue;
+        }
+        const engine::LawTraits& law = engine::traits_of(kind);
+        std::vector<std::string_view> does;
+        if (law.creeps) {
+            does.emplace_back("creeps under a load that it should hold");
+        }
+        if (law.chatters) {
+            does.emplace_back("chatters where an encoder counts once in several ticks");
+        }
+        if (!law.passive) {
+            does.emplace_back("is not passive, so the energy limit may end a trial");
+        }
+        if (!does.empty()) {
+            all.push_back(
+                fmt::format("friction \"{}\": the law {} ({}) {}; \"gos\" does none of that",
+                            friction.name, law.word, law.paper, fmt::join(does, ", ")));
+        }
+    }
+}
+
 }  // namespace
 
 Stretch longest_stretch(const protocols::Protocol& protocol, const protocols::Plan& plan) {
@@ -82,6 +108,7 @@ std::vector<std::string> advice_on(const protocols::Protocol& protocol,
                                    const protocols::Plan& plan) {
     std::vector<std::string> all;
     advise_on_plan(protocol, plan, all);
+    advise_on_laws(protocol, all);
     if (compares_friction(protocol) && protocol.masking.noise == protocols::Noise::none) {
         all.push_back(
             "friction is compared without masking noise, and motors can be heard: give "

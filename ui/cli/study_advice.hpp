@@ -9,7 +9,7 @@
 namespace palpate::ui {
 
 /// What may be meant otherwise in a protocol that is right, a sentence each: long stretches without a break, no
-/// practice, no catch trials, friction that can be heard, instructions that the chosen language lacks, noise so
+/// practice, no catch trials, friction that can be heard, laws of friction that creep, chatter or are not passive, instructions that the chosen language lacks, noise so
 /// loud that its peaks are cut.
 [[nodiscard]] std::vector<std::string> advice_on(const protocols::Protocol& protocol,
                                                  const protocols::Plan& plan);

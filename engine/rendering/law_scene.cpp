@@ -1,0 +1,81 @@
+#include <cmath>
+
+#include "engine/rendering/scene.hpp"
+
+/// The ticks of scenes with a law of friction from the literature, apart from the others: what they
+/// are compiled to must not depend on these.
+namespace palpate::engine {
+namespace {
+
+/// A hand goes no farther in a tick, m, and no law needs more load, N: so that products stay finite.
+constexpr double kFarTravel = 1e3;
+constexpr double kHardLoad = 1e9;
+
+/// Where each span begins along the outline, and where the last ends, m: by chords.
+std::vector<double> begins_of(const Outline& outline) {
+    constexpr int kChords = 64;
+    std::vector<double> begins{0.0};
+    for (const RationalBezier<2>& span : outline.spans()) {
+        double length = 0.0;
+        for (int i = 0; i < kChords; ++i) {
+            length += glm::length(span.at(static_cast<double>(i + 1) / kChords).point -
+                                  span.at(static_cast<double>(i) / kChords).point);
+        }
+        begins.push_back(begins.back() + length);
+    }
+    return begins;
+}
+
+}  // namespace
+
+void Scene::add_law() {
+    if (spec_.law.kind == LawKind::none) {
+        return;
+    }
+    law_ = FrictionLaw(spec_.law, spec_.friction, spec_.stiffness, spec_.period);
+    if (law_.wants_place() && begins_.empty()) {
+        begins_ = begins_of(*outline_);
+    }
+    if (step_ != &Scene::rubbed) {
+        smooth_ = step_;
+        step_ = &Scene::rubbed;
+    }
+}
+
+/// The frictionless tick, and on it the friction of the law along the tangent: across the force.
+Contact Scene::rubbed(ContactState& state, const Vec2& hip) const noexcept {
+    const bool touched = state.touching;
+    Contact contact = (this->*smooth_)(state, hip);
+    if (contact.mode == Mode::free) {
+        return contact;
+    }
+    Rubbing& rubbing = state.rubbing;
+    if (!touched) {
+        rubbing = {.law = {.draws = rubbing.law.draws}, .hip = hip};
+    }
+    const double travel = glm::dot(rubbing.tangent, hip - rubbing.hip);
+    const Rubbed rubbed =
+        law_.step(rubbing.law, {.travel = std::fmax(-kFarTravel, std::fmin(travel, kFarTravel)),
+                                .load = std::fmin(contact.normal_force, kHardLoad),
+                                .place = begins_.empty() ? 0.0 : along(state.go.place)});
+    const double size = glm::length(contact.force);
+    const Vec2 tangent = size > 0.0 ? -perp(contact.force * (1.0 / size)) : rubbing.tangent;
+    rubbing.hip = hip;
+    rubbing.tangent = tangent;
+    contact.force += rubbed.force * tangent;
+    contact.tangential_force += rubbed.force;
+    contact.mu = rubbed.mu;
+    contact.mode = rubbed.slid ? Mode::slip : Mode::stuck;
+    return contact;
+}
+
+/// Where a place lies along the outline, m: in proportion to u on its span.
+double Scene::along(const Place& place) const noexcept {
+    if (place.on_seam) {
+        return begins_[outline_->seams()[place.index].before + 1];
+    }
+    const double begin = begins_[place.index];
+    return begin + place.parameter * (begins_[place.index + 1] - begin);
+}
+
+}  // namespace palpate::engine

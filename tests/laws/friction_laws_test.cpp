@@ -1,0 +1,208 @@
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <fmt/format.h>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+struct LawText {
+    const char* word;
+    const char* keys;  ///< as a protocol and a scene have them alike
+};
+
+constexpr const char* kBoth = "mu_s = 0.7\nmu_d = 0.5\n";
+constexpr const char* kOne = "mu_d = 0.5\n";
+
+/// Every law that a protocol may have, in two files of 7.
+const std::vector<LawText> kWords{
+    {"gos", kBoth},
+    {"coulomb", kOne},
+    {"coulomb_sign", kOne},
+    {"viscous", "mu_d = 0.5\nviscous_n_s_per_m = 0.1\n"},
+    {"stiction", kBoth},
+    {"stribeck", kBoth},
+    {"karnopp", kBoth},
+    {"dahl", "mu_d = 0.5\ndahl_exponent = 1.5\n"},
+    {"bristle", "mu_s = 0.7\nmu_d = 0.5\nbristles = 12\nlaw_seed = 9\n"},
+    {"reset_integrator", kBoth},
+    {"lugre", "mu_s = 0.7\nmu_d = 0.5\nbristle_damping_n_s_per_m = 0.05\n"},
+    {"hayward_armstrong", "mu_d = 0.5\nstick_share = 0.6\n"},
+    {"friction_cone", "mu_s = 0.7\nmu_d = 0.5\ntangential_stiffness_n_per_m = 600\n"},
+    {"snags", kBoth}};
+
+constexpr const char* kStudy = R"(format = 1
+[study]
+id = "laws"
+title = "Laws"
+seed = 4
+participants = 1
+[[object]]
+name = "convex"
+curvature_per_m = 8
+[[object]]
+name = "concave"
+curvature_per_m = -8
+[design]
+repetitions = 1
+practice_repetitions = 0
+catch_trials = 0
+max_run_object = 0
+max_run_friction = 0
+[timing]
+explore_min_s = 0.5
+explore_prompt_s = 1.5
+explore_timeout_s = 2
+[invalid]
+contact_min_s = 0
+path_min_mm = 0
+)";
+
+std::string protocol_of(std::size_t from, std::size_t to) {
+    std::string text = kStudy;
+    for (std::size_t i = from; i < to; ++i) {
+        text += fmt::format("[[friction]]\nname = \"{0}\"\nlaw = \"{0}\"\n{1}", kWords[i].word,
+                            kWords[i].keys);
+    }
+    return text;
+}
+
+std::string scene_of(const LawText& law, bool convex) {
+    const int curvature = convex ? 8 : -8;
+    return fmt::format(
+        "[renderer]\nstiffness_n_per_m = 1000.0\n[friction]\nlaw = \"{}\"\n{}vertex_slew_m_per_s = "
+        "0.2\nvertex_radius_m = 0.003\n"
+        "[[segment]]\nkind = \"arc\"\nfrom_m = [-0.04, 0.0]\nto_m = [0.0, "
+        "0.04]\ncurvature_per_m = {}\n"
+        "[[segment]]\nkind = \"arc\"\nfrom_m = [0.0, 0.04]\nto_m = [0.04, "
+        "0.0]\ncurvature_per_m = {}\n"
+        "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n",
+        law.word, law.keys, curvature, curvature);
+}
+
+using Rows = std::vector<std::vector<std::string>>;
+
+Rows rows_of(const std::string& csv) {
+    Rows rows;
+    std::istringstream lines(csv);
+    std::string line;
+    std::getline(lines, line);  // the head
+    while (std::getline(lines, line)) {
+        std::istringstream fields(line);
+        auto& row = rows.emplace_back();
+        for (std::string field; std::getline(fields, field, ',');) {
+            row.push_back(field);
+        }
+    }
+    return rows;
+}
+
+Rows asked(const std::string& file, const std::string& query) {
+    const Finished done = palpate_command({"sql", file, "--csv", "-c", query});
+    CAPTURE(query, done.error);
+    REQUIRE(done.code == 0);
+    return rows_of(done.out);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "every law of friction runs in a session, is replayed to the bit, and renders the same "
+    "from its path",
+    "[friction][law]") {
+    const std::size_t from = GENERATE(0U, 7U);
+    const TemporaryFolder folder;
+    const std::string file = folder.file("laws.toml");
+    const std::string db = folder.file("laws.sqlite");
+    std::ofstream(file) << protocol_of(from, from + 7);
+    const Finished run =
+        palpate_command({"run", file, "--participant", "P1", "--db", db, "--headless"});
+    CAPTURE(run.out, run.error);
+    REQUIRE(run.code == 0);
+    CHECK_THAT(run.out, ContainsSubstring("14 answered, 0 of them do not count, 0 faulted"));
+    const Finished verify = palpate_command({"verify", db});
+    CHECK(verify.code == 0);
+    CHECK_THAT(verify.out, ContainsSubstring("ticks replayed, nothing differs"));
+
+    for (std::size_t i = from; i < from + 7; ++i) {
+        CAPTURE(kWords[i].word);
+        const Rows trial = asked(
+            db, fmt::format("SELECT trial_id, felt_object FROM presentation WHERE friction = '{}' "
+                            "ORDER BY trial_id LIMIT 1",
+                            kWords[i].word));
+        REQUIRE(trial.size() == 1);
+        const Rows ticks =
+            asked(db, fmt::format("SELECT time_s, hip_x_m, hip_y_m, rendered_normal_n, "
+                                  "rendered_tangential_n, mode FROM sample WHERE trial_id = {}",
+                                  trial[0][0]));
+        std::string path = "t_s,x_m,y_m\n";
+        for (const auto& tick : ticks) {
+            path += fmt::format("{},{},{}\n", tick[0], tick[1], tick[2]);
+        }
+        std::ofstream(folder.file("s.toml")) << scene_of(kWords[i], trial[0][1] == "convex");
+        std::ofstream(folder.file("t.csv")) << path;
+        const Finished render = palpate_command(
+            {"render", folder.file("s.toml"), folder.file("t.csv"), "-o", folder.file("o.csv")});
+        CAPTURE(render.error);
+        REQUIRE(render.code == 0);
+        const Rows rendered = rows_of(tests::slurp(folder.file("o.csv")));
+        REQUIRE(rendered.size() == ticks.size());
+        std::map<std::string, int> modes;
+        double worst = 0.0;
+        for (std::size_t k = 0; k < ticks.size(); ++k) {
+            worst = std::max(worst, std::fabs(std::stod(ticks[k][3]) - std::stod(rendered[k][8])));
+            worst = std::max(worst, std::fabs(std::stod(ticks[k][4]) - std::stod(rendered[k][9])));
+            ++modes[ticks[k][5]];
+        }
+        CHECK(worst < 1e-9);
+        CHECK(modes["slip"] + modes["transition"] > 100);
+        CHECK(modes["stuck"] > 0);
+    }
+}
+
+TEST_CASE("check says which laws creep, chatter or are not passive, and refuses what diverges",
+          "[friction][cli]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("laws.toml");
+    std::ofstream(file) << protocol_of(5, 9);
+    const Finished check = palpate_command({"check", file});
+    CHECK(check.code == 0);
+    CHECK_THAT(check.out,
+               ContainsSubstring("\"stribeck\": the law stribeck (Stribeck 1902) creeps under a "
+                                 "load that it should hold, chatters") &&
+                   ContainsSubstring("\"dahl\": the law dahl (Dahl 1968) creeps") &&
+                   ContainsSubstring("is not passive") &&
+                   !ContainsSubstring("friction \"bristle\""));
+    std::ofstream(file) << kStudy
+                        << "[[friction]]\nname = \"a\"\nlaw = \"lugre_euler\"\nmu_s = 0.7\nmu_d = "
+                           "0.5\n";
+    const Finished euler = palpate_command({"check", file});
+    CHECK(euler.code == 2);
+    CHECK_THAT(euler.error,
+               ContainsSubstring("diverges where sigma_0 |v| T / (mu_d F_N) > 2: at 1.5 m/s below "
+                                 "a load of 1.5 N") &&
+                   ContainsSubstring("give \"lugre\""));
+    std::ofstream(file) << kStudy
+                        << "[[friction]]\nname = \"a\"\nlaw = \"dahl\"\nmu_d = "
+                           "0.5\ntangential_stiffness_n_per_m = 2000\n";
+    const Finished stiff = palpate_command({"check", file});
+    CHECK(stiff.code == 2);
+    CHECK_THAT(stiff.error, ContainsSubstring("above stiffness_n_per_m = 1000"));
+    std::ofstream(file) << kStudy
+                        << "[[friction]]\nname = \"a\"\nlaw = \"viscous\"\nmu_d = "
+                           "0.5\nviscous_n_s_per_m = 5\n";
+    const Finished damps = palpate_command({"check", file});
+    CHECK(damps.code == 1);
+    CHECK_THAT(damps.out, ContainsSubstring("with a damper of 5 N s/m"));
+}
