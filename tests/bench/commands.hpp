@@ -23,6 +23,8 @@ int scaling_command(const std::vector<std::string>& words);
 int passivity_command(const std::vector<std::string>& words);
 /// servo [--rounds N] [--seconds S] [--spin SHARE] [--csv FILE]
 int servo_command(const std::vector<std::string>& words);
+/// friction [--csv FILE] [--svg FILE]
+int friction_command(const std::vector<std::string>& words);
 /// guard [--kills N] [--csv FILE]
 int guard_command(const std::vector<std::string>& words);
 /// data [--peers] [--trials N] [--seconds S] [--csv FILE]

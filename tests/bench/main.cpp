@@ -27,6 +27,10 @@ constexpr Command kCommands[] = {
     {"scaling", scaling_command,
      "  scaling [--csv FILE]\n"
      "            time of a tick on outlines of 2 to 100,000 curves\n"},
+    {"friction", friction_command,
+     "  friction [--csv FILE] [--svg FILE]\n"
+     "            every law of friction: jumps, rate, force held at rest, chatter, drift, energy, "
+     "ns\n"},
     {"passivity", passivity_command,
      "  passivity [--csv FILE]\n"
      "            the stiffest wall on which the simulated pantograph rests, against the bound\n"},
