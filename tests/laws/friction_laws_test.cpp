@@ -200,6 +200,12 @@ TEST_CASE("check says which laws creep, chatter or are not passive, and refuses 
     CHECK(stiff.code == 2);
     CHECK_THAT(stiff.error, ContainsSubstring("above stiffness_n_per_m = 1000"));
     std::ofstream(file) << kStudy
+                        << "[[friction]]\nname = \"a\"\nlaw = \"dahl\"\nmu_d = "
+                           "0.5\ntangential_stiffness_n_per_m = 100\n";
+    const Finished soft = palpate_command({"check", file});
+    CHECK(soft.code == 0);  // (0.5 x 10 N)^2 / (2 x 100 N/m)
+    CHECK_THAT(soft.out, ContainsSubstring("of 100 N/m along the surface gives back up to 0.12 J"));
+    std::ofstream(file) << kStudy
                         << "[[friction]]\nname = \"a\"\nlaw = \"viscous\"\nmu_d = "
                            "0.5\nviscous_n_s_per_m = 5\n";
     const Finished damps = palpate_command({"check", file});

@@ -66,6 +66,20 @@ void advise_on_laws(const protocols::Protocol& protocol, std::vector<std::string
             continue;
         }
         const engine::LawTraits& law = engine::traits_of(kind);
+        const bool spring = kind != engine::LawKind::coulomb_sign &&
+                            kind != engine::LawKind::viscous && kind != engine::LawKind::stribeck;
+        const double stiffness =
+            friction.own.stiffness > 0.0 ? friction.own.stiffness : protocol.apparatus.stiffness;
+        const double most = friction.mu_s * protocol.apparatus.force_limit;
+        const double stored = 0.5 * most * most / stiffness;
+        if (spring && stored > protocol.safety.energy_limit) {
+            all.push_back(fmt::format(
+                "friction \"{}\": a spring of {:g} N/m along the surface gives back up to {:.2g} "
+                "J, "
+                "above energy_limit_j = {:g}, at which a trial ends: give a stiffer one, or a "
+                "higher limit",
+                friction.name, stiffness, stored, protocol.safety.energy_limit));
+        }
         std::vector<std::string_view> does;
         if (law.creeps) {
             does.emplace_back("creeps under a load that it should hold");

@@ -34,7 +34,7 @@ constexpr LawTraits kTraits[]{
     {.kind = LawKind::lugre_euler,       .word = "lugre_euler",       .paper = "Canudas de Wit et al. 1995", .sticks = true, .creeps = true},
     {.kind = LawKind::hayward_armstrong, .word = "hayward_armstrong", .paper = "Hayward & Armstrong 2000",   .passive = true, .in_cone = true},
     {.kind = LawKind::friction_cone,     .word = "friction_cone",     .paper = "Harwin & Melder 2002",       .sticks = true, .passive = true, .in_cone = true},
-    {.kind = LawKind::snags,             .word = "snags",             .paper = "Mark et al. 1996",           .sticks = true, .in_cone = true, .creeps = true, .chatters = true},
+    {.kind = LawKind::snags,             .word = "snags",             .paper = "Mark et al. 1996",           .sticks = true, .in_cone = true, .chatters = true},
 };
 // clang-format on
 
