@@ -208,6 +208,8 @@ CREATE TABLE presentation (
     path_length_m       REAL,                       -- of HIP
     mean_normal_force_n REAL,                       -- rendered, over contact ticks; 0 without contact
     max_normal_force_n  REAL,                       -- largest rendered normal force
+    start_x_m           REAL,                       -- HIP at the first tick, to the right
+    start_y_m           REAL,                       -- HIP at the first tick, away from the person
     before_vertex_ticks INTEGER,                    -- in contact with segment 0, before vertex 0
     vertex_ticks        INTEGER,                    -- in contact on vertex 0 itself
     after_vertex_ticks  INTEGER,                    -- in contact with segment 1, after vertex 0

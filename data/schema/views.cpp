@@ -113,10 +113,15 @@ SELECT trial.trial_id AS trial_id,
        trial.outcome AS outcome,
        response.trial_id IS NOT NULL AND trial.invalid_reason IS NULL AS counts,  -- 1: answered, and the answer counts {0 = no; 1 = yes}
        presentation.done_s AS done_s,
+       presentation.first_contact_s AS first_contact_s,
+       presentation.start_x_m AS start_x_m,
+       presentation.start_y_m AS start_y_m,
        presentation.contact_ticks / session.rate_hz AS contact_s,  -- time in contact
        presentation.before_vertex_ticks / session.rate_hz AS before_vertex_s,  -- in contact with segment 0, before vertex 0
        presentation.vertex_ticks / session.rate_hz AS vertex_s,  -- in contact on vertex 0 itself
        presentation.after_vertex_ticks / session.rate_hz AS after_vertex_s,  -- in contact with segment 1, after vertex 0
+       presentation.late_ticks * 1.0 / NULLIF(presentation.ticks, 0) AS late_share,  -- of ticks
+       presentation.saturated_ticks * 1.0 / NULLIF(presentation.ticks, 0) AS saturated_share,  -- of ticks
        presentation.strokes AS strokes,
        presentation.strokes_before_vertex AS strokes_before_vertex,
        presentation.strokes_after_vertex AS strokes_after_vertex,

@@ -39,6 +39,8 @@ std::vector<SummaryValue> summary_values(const protocols::TrialSummary& sum) {
         {"before_vertex_ticks", sum.before_vertex_ticks},
         {"after_vertex_ticks", sum.after_vertex_ticks},
         {"path_length_m", sum.path_length_m},
+        {"start_x_m", sum.start.x},
+        {"start_y_m", sum.start.y},
         {"strokes", sum.strokes},
         {"strokes_before_vertex", sum.strokes_before_vertex},
         {"strokes_after_vertex", sum.strokes_after_vertex},

@@ -44,6 +44,7 @@ struct TrialSummary {
     double mean_normal_force_n = 0.0;  ///< over contact ticks, 0 without contact
     double max_normal_force_n = 0.0;
     double energy_j = 0.0;                   ///< work done on the user, sum F[k] . (h[k+1] - h[k])
+    engine::Vec2 start{};                    ///< HIP at the first tick, m
     std::int64_t strokes = 0;                ///< along the surface, see StrokeCounter
     std::int64_t strokes_before_vertex = 0;  ///< of these: counted on segment 0
     std::int64_t strokes_after_vertex = 0;   ///< counted on segment 1

@@ -17,6 +17,7 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
                 contact_time_ += static_cast<double>(tick.time_ns - last_time_) * 1e-9;
             }
         }
+        sum_.start = started_ ? sum_.start : tick.hip;
         started_ = true;
         ledger_.add(tick.hip, tick.force, tick.mode != engine::Mode::free);
         last_hip_ = tick.hip;

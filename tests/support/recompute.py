@@ -79,6 +79,7 @@ def felt(ticks):
         "first_contact_s": touch[0]["time_s"] if touch else None, "strokes": len(sides), "touch": touch,
         "strokes_before_vertex": sides.count(0), "strokes_after_vertex": sides.count(1), "reversals": back,
         "stick_events": sum(b["mode"] == "stuck" and a["mode"] in ("slip", "transition") for a, b in zip(ticks, ticks[1:])),
+        "start_x_m": ticks[0]["hip_x_m"] if ticks else 0.0, "start_y_m": ticks[0]["hip_y_m"] if ticks else 0.0,
         "vertex": sum(t["segment"] == -1 for t in touch),
         **{f"speed_p{n}0_m_per_s": decile(speeds, n) for n in (1, 5, 9)},
         **{f"normal_force_p{n}0_n": decile(forces, n) for n in (1, 5, 9)},
@@ -200,7 +201,8 @@ def main(file, samples, document):
             expect(f"presentation {t['trial_id']} {p['interval']}", p, {n: one[n] for n in FELT + ["path_length_m", "first_contact_s"]})
             hand = db.execute("SELECT * FROM exploration WHERE trial_id = ? AND interval = ?", (t["trial_id"], p["interval"])).fetchone()
             expect(f"exploration {t['trial_id']} {p['interval']}", hand, {
-                **{n: one[n] for n in HAND + ["strokes", "path_length_m"]},
+                **{n: one[n] for n in HAND + ["strokes", "path_length_m", "first_contact_s", "start_x_m", "start_y_m"]},
+                "late_share": ratio(one["late_ticks"], one["ticks"]), "saturated_share": ratio(one["saturated_ticks"], one["ticks"]),
                 "vertex_s": one["vertex"] / session["rate_hz"], "contact_s": one["contact_ticks"] / session["rate_hz"],
                 "before_vertex_s": one["before"] / session["rate_hz"], "after_vertex_s": one["after"] / session["rate_hz"],
                 "felt_object": p["felt_object"], "friction": p["friction"], "curvature_per_m": p["curvature_per_m"], "done_s": p["done_s"],

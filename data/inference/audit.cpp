@@ -1,0 +1,218 @@
+#include "data/inference/audit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <stdexcept>
+#include <string_view>
+#include <vector>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <fmt/format.h>
+
+#include "data/statistics/paired.hpp"
+
+namespace palpate::data {
+namespace {
+
+enum class Scale : std::uint8_t { place, ratio, share };
+
+struct Audited {
+    std::string_view title;
+    std::string_view value;  ///< SQL, of a row of exploration and its trial
+    Scale scale;
+};
+
+constexpr std::size_t kRig =
+    6;  ///< what no friction should change; then what a hand may do otherwise for it
+constexpr Audited kAudited[] = {
+    {"start, to the right, mm", "exploration.start_x_m", Scale::place},
+    {"start, away from the person, mm", "exploration.start_y_m", Scale::place},
+    {"late ticks, share", "exploration.late_share", Scale::share},
+    {"saturated ticks, share", "exploration.saturated_share", Scale::share},
+    {"stale ticks, share", "trial.stale_ticks * 1.0 / NULLIF(trial.ticks, 0)", Scale::share},
+    {"trials with a gap of the noise, share",
+     "EXISTS (SELECT 1 FROM event WHERE event.trial_id = exploration.trial_id AND event_kind = "
+     "'masking')",
+     Scale::share},
+    {"until the first contact", "exploration.first_contact_s", Scale::ratio},
+    {"exploration", "exploration.done_s", Scale::ratio},
+    {"in contact", "exploration.contact_s", Scale::ratio},
+    {"strokes", "exploration.strokes", Scale::ratio},
+    {"normal force, median", "exploration.normal_force_p50_n", Scale::ratio},
+    {"speed, median", "exploration.speed_p50_m_per_s", Scale::ratio},
+};
+
+struct Mean {
+    double sum = 0.0;
+    int count = 0;
+};
+
+/// By person, then friction; of a ratio's quantity the logarithm.
+using Means = std::map<std::string, std::map<std::string, Mean>>;
+
+struct Felt {
+    std::set<std::string> studies{};
+    std::map<std::string, double> frictions{};  ///< with the least static coefficient
+    std::vector<Means> means{std::size(kAudited)};
+};
+
+Felt read_felt(Database& database, const TrialChoice& choice) {
+    std::string columns;
+    for (const Audited& one : kAudited) {
+        columns += fmt::format(", {}", one.value);
+    }
+    Statement row = database.prepare(
+        "SELECT exploration.study_name, exploration.participant_code, exploration.friction, "
+        "presentation.mu_s" +
+        columns +
+        " FROM exploration JOIN trial USING (trial_id) JOIN presentation USING (trial_id, "
+        "interval) "
+        "WHERE exploration.counts AND exploration.phase = 'main' AND exploration.session_kind = ?1 "
+        "AND (?2 = '' OR exploration.study_name = ?2) ORDER BY trial_id, interval");
+    row.bind(1, choice.kind).bind(2, choice.study);
+    Felt felt;
+    while (row.step()) {
+        felt.studies.insert(row.text(0));
+        double& least = felt.frictions.emplace(row.text(2), row.real(3)).first->second;
+        least = std::min(least, row.real(3));
+        for (std::size_t i = 0; i < std::size(kAudited); ++i) {
+            constexpr int kNull = 5;
+            const int column = 4 + static_cast<int>(i);
+            const bool ratio = kAudited[i].scale == Scale::ratio;
+            if (row.type(column) == kNull || (ratio && !(row.real(column) > 0.0))) {
+                continue;
+            }
+            Mean& mean = felt.means[i][row.text(1)][row.text(2)];
+            mean.sum += ratio ? std::log(row.real(column)) : row.real(column);
+            ++mean.count;
+        }
+    }
+    return felt;
+}
+
+void check_choice(const Felt& felt, const Database& database, const TrialChoice& choice) {
+    if (felt.studies.size() > 1) {
+        throw std::invalid_argument(
+            fmt::format("{} holds several studies: give --study and one of {}", database.file(),
+                        fmt::join(felt.studies, ", ")));
+    }
+    if (felt.frictions.size() < 2) {
+        throw std::invalid_argument(fmt::format(
+            "{} has {} in answered trials of {} sessions: an audit compares two conditions of "
+            "friction or more; --kind chooses other sessions",
+            database.file(),
+            felt.frictions.empty() ? "nothing"
+                                   : "the friction " + felt.frictions.begin()->first + " alone",
+            choice.kind));
+    }
+}
+
+std::vector<double> differences_of(const Means& means,
+                                   const std::string& friction,
+                                   const std::string& base) {
+    std::vector<double> differences;
+    for (const auto& [person, by_friction] : means) {
+        const auto with = by_friction.find(friction);
+        const auto without = by_friction.find(base);
+        if (with != by_friction.end() && without != by_friction.end()) {
+            differences.push_back(with->second.sum / with->second.count -
+                                  without->second.sum / without->second.count);
+        }
+    }
+    return differences;
+}
+
+std::string line_of(const Equivalence& found, double bound, Scale scale) {
+    const double unit = scale == Scale::place ? 1e3 : 1.0;
+    const auto number = [&](double x) {
+        return scale == Scale::ratio ? fmt::format("x {:.3f}", std::exp(x))
+                                     : fmt::format("{:+.4f}", unit * x);
+    };
+    const std::string within = scale == Scale::ratio ? fmt::format("x {:g}", std::exp(bound))
+                                                     : fmt::format("{:g}", unit * bound);
+    const char* verdict = found.verdict == Sameness::same    ? "the same"
+                        : found.verdict == Sameness::differs ? "DIFFERS"
+                                                             : "not known: more people";
+    return fmt::format("{:>6}  {:>10}  {:>9} to {:<9}  {:>7}  {}", found.people, number(found.mean),
+                       number(found.low), number(found.high), within, verdict);
+}
+
+double bound_of(Scale scale, const AuditBounds& bounds) {
+    switch (scale) {
+        case Scale::place:
+            return bounds.place_m;
+        case Scale::share:
+            return bounds.share;
+        case Scale::ratio:
+            break;
+    }
+    return std::log(bounds.ratio);
+}
+
+}  // namespace
+
+std::optional<Equivalence> equivalence(std::span<const double> differences, double bound) {
+    if (differences.size() < 2) {
+        return std::nullopt;
+    }
+    Equivalence found{.people = differences.size()};
+    const auto t = paired_t(differences);
+    if (!t) {  // one value of all
+        found.mean = found.low = found.high = differences.front();
+        found.verdict = std::fabs(found.mean) < bound ? Sameness::same : Sameness::differs;
+        return found;
+    }
+    const boost::math::students_t over_people(t->df);
+    const double half = boost::math::quantile(over_people, 0.95) * t->sd / std::sqrt(t->df + 1.0);
+    found.mean = t->mean;
+    found.low = t->mean - half;
+    found.high = t->mean + half;
+    if (found.low > -bound && found.high < bound) {
+        found.verdict = Sameness::same;
+    } else if (t->interval.low > 0.0 || t->interval.high < 0.0) {
+        found.verdict = Sameness::differs;
+    }
+    return found;
+}
+
+std::string audit_text(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
+    const Snapshot now(database);
+    const Felt felt = read_felt(database, choice);
+    check_choice(felt, database, choice);
+    const std::string base = std::ranges::min_element(felt.frictions, {}, [](const auto& one) {
+                                 return std::pair(one.second, one.first);
+                             })->first;
+    std::string text = fmt::format(
+        "{}: study {}, {} data\n"
+        "  Does anything but friction differ? A mean for each person and friction, differences "
+        "within person.\n"
+        "  The same: the 90 % interval lies within the bounds (two one-sided tests of 5 %, "
+        "Schuirmann 1987).\n"
+        "  Differs: the 95 % interval does not hold 0, or 1 of a ratio.\n",
+        database.file(), *felt.studies.begin(), choice.kind);
+    for (const auto& [friction, least] : felt.frictions) {
+        if (friction == base) {
+            continue;
+        }
+        text += fmt::format("\n  {:<40}{:>6}  {:>10}  {:>9}{:<13}  {:>7}\n",
+                            fmt::format("{} against {}", friction, base), "people", "difference",
+                            "90 %", " interval", "bounds");
+        for (std::size_t i = 0; i < std::size(kAudited); ++i) {
+            if (i == 0 || i == kRig) {
+                text += i == 0 ? "  The rig: nothing of it may differ\n"
+                               : "  The hand: what differs here, friction may have changed\n";
+            }
+            const std::vector<double> differences = differences_of(felt.means[i], friction, base);
+            const double bound = bound_of(kAudited[i].scale, bounds);
+            const auto found = equivalence(differences, bound);
+            text += fmt::format("    {:<38}{}\n", kAudited[i].title,
+                                found ? line_of(*found, bound, kAudited[i].scale)
+                                      : fmt::format("{:>6}  too few people", differences.size()));
+        }
+    }
+    return text;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "data/inference/trials.hpp"
+
+/// Does anything but friction differ between the conditions? One number a person and friction, differences within
+/// person, and whether these are known to be small.
+namespace palpate::data {
+
+/// What is known of a difference that should be none.
+enum class Sameness : std::uint8_t {
+    same,     ///< within the bounds, by both one-sided tests at 5 %
+    differs,  ///< not 0, by the interval of 95 %, and not within the bounds
+    open,     ///< neither: too few people
+};
+
+struct Equivalence {
+    std::size_t people = 0;
+    double mean = 0.0;
+    /// 90 %: inside -bound .. bound exactly if both one-sided t-tests at 5 % say so (D. J. Schuirmann,
+    /// J. Pharmacokinet. Biopharm. 15:657, 1987). Where all people have one value, that value twice.
+    double low = 0.0;
+    double high = 0.0;
+    Sameness verdict = Sameness::open;
+};
+
+/// @param differences  one a person, finite   @param bound  > 0   @return nothing of fewer than two people
+[[nodiscard]] std::optional<Equivalence> equivalence(std::span<const double> differences,
+                                                     double bound);
+
+/// Means that are no further from each other are the same. Choices, and printed.
+struct AuditBounds {
+    double place_m = 0.002;  ///< of start poses
+    double ratio = 1.1;      ///< of times, forces, speeds, counts: up or down
+    double share = 0.005;    ///< of ticks
+};
+
+/// Rig and hand, friction by friction against the one of least friction: start pose, late, stale and saturated ticks,
+/// gaps of the masking noise; times, strokes, force, speed. Answered main trials that count, of one study and kind.
+/// @throws std::invalid_argument if there are none, of several studies, or of one friction alone: which there are
+[[nodiscard]] std::string audit_text(Database& database,
+                                     const TrialChoice& choice,
+                                     const AuditBounds& bounds);
+
+}  // namespace palpate::data

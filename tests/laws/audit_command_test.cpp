@@ -1,0 +1,87 @@
+#include <fstream>
+
+#include "data/inference/audit.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using data::equivalence;
+using data::Sameness;
+using tests::palpate_command;
+
+TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audit][law]") {
+    // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to 2.2930053.
+    const std::vector<double> sleep{1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4};
+    const auto found = equivalence(sleep, 2.2);
+    REQUIRE(found);
+    CHECK(found->mean == Approx(1.58));
+    CHECK(found->low == Approx(0.8669947).epsilon(1e-7));
+    CHECK(found->high == Approx(2.2930053).epsilon(1e-7));
+    CHECK((found->verdict == Sameness::differs));
+    CHECK((equivalence(sleep, 2.3)->verdict == Sameness::same));
+    const std::vector<double> few{-1.0, 2.0};
+    CHECK((equivalence(few, 0.5)->verdict == Sameness::open));
+    CHECK((equivalence(std::vector{0.0, 0.0, 0.0}, 0.5)->verdict == Sameness::same));
+    CHECK((equivalence(std::vector{0.7, 0.7}, 0.5)->verdict == Sameness::differs));
+    CHECK_FALSE(equivalence(std::vector{0.7}, 0.5));
+}
+
+TEST_CASE("a difference as large as the bound is called the same in 5 % of samples",
+          "[audit][law]") {
+    tests::Random random(7);
+    constexpr int kSamples = 4000;
+    const double bound = random.coin() ? 1.0 : -1.0;
+    int same = 0;
+    for (int i = 0; i < kSamples; ++i) {
+        std::vector<double> people(12);
+        for (double& one : people) {  // sums of 12 even numbers are near enough to normal
+            one = bound;
+            for (int k = 0; k < 12; ++k) {
+                one += 0.5 * (random.in(0.0, 1.0) - 0.5);
+            }
+        }
+        same += equivalence(people, 1.0)->verdict == Sameness::same ? 1 : 0;
+    }
+    const double share = static_cast<double>(same) / kSamples;
+    CHECK(share > 0.05 - 0.014);  // 4 standard errors
+    CHECK(share < 0.05 + 0.014);
+}
+
+TEST_CASE("an audit of simulated people finds the rig the same, and a start pose that was not",
+          "[audit][law]") {
+    const tests::TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    for (const char* person : {"P1", "P2", "P3"}) {
+        const auto ran =
+            palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                             "--participant", person, "--db", file, "--device", "sim"});
+        REQUIRE(ran.code == 0);
+    }
+    const auto audit = [&] {
+        return palpate_command({"audit", file, "--kind", "simulated"});
+    };
+    const auto line_of = [](const std::string& text, const std::string& start) {
+        const std::size_t at = text.find(start);
+        return at == std::string::npos ? std::string() : text.substr(at, text.find('\n', at) - at);
+    };
+    const tests::Finished first = audit();
+    CAPTURE(first.out, first.error);
+    REQUIRE(first.code == 0);
+    CHECK_THAT(first.out, ContainsSubstring("on against off"));
+    for (const char* of : {"start, to the right", "start, away", "late ticks", "saturated ticks",
+                           "stale ticks", "trials with a gap"}) {
+        CHECK_THAT(line_of(first.out, of), ContainsSubstring("the same"));
+    }
+    data::Database(file, data::Access::write)
+        .execute("UPDATE presentation SET start_x_m = start_x_m + 0.004 WHERE friction = 'on'");
+    const std::string moved = line_of(audit().out, "start, to the right");
+    CAPTURE(moved);
+    CHECK_THAT(moved, ContainsSubstring("DIFFERS") && ContainsSubstring(" +4.0"));
+
+    const auto real = palpate_command({"audit", file});
+    CHECK(real.code == 2);
+    CHECK_THAT(real.error, ContainsSubstring("nothing in answered trials of real sessions") &&
+                               ContainsSubstring("--kind chooses other sessions"));
+}
