@@ -199,7 +199,7 @@ TEST_CASE("a device without a new reading trips after the ticks allowed, not bef
 
 TEST_CASE("where no new reading comes there is no force until one does, and then it ramps in",
           "[safety][law]") {
-    Random random(GENERATE(range(1, 20)));
+    Random random(static_cast<std::uint64_t>(GENERATE(range(1, 20))));
     const std::int32_t quiet = 1 + random.below(20);
     const double step = random.in(0.01, 1.0);
     const SafetyLimits limits{.ramp_step = step,
