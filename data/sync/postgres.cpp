@@ -273,7 +273,7 @@ std::int64_t Postgres::flush() {
         synced = status == kPipelineSync;
         if (status == kCommandOk) {
             added += std::atoll(pq().cmd_tuples(next));
-        } else if (!synced && status != kPipelineAborted && wrong.empty()) {
+        } else if (!synced && status != kTuplesOk && status != kPipelineAborted && wrong.empty()) {
             wrong = pq().result_error_message(next);
         }
     }

@@ -77,7 +77,7 @@ private:
                                                 session.number, session.uuid, what));
     }
 
-    void require_schema() {
+    [[nodiscard]] bool schema_is_whole() {
         std::set<std::string> there;
         for (const auto& row :
              server_.rows("SELECT relname || '.' || attname FROM pg_attribute JOIN pg_class ON "
@@ -92,13 +92,18 @@ private:
                 whole = whole && there.contains(table.name + '.' + column);
             }
         }
-        if (whole) {
+        return whole;
+    }
+
+    void require_schema() {
+        if (schema_is_whole()) {
             return;
         }
         try {
-            // One who makes it waits for another.
-            server_.run("BEGIN; SELECT pg_advisory_xact_lock(1885432944);" +
-                        postgres_schema(tables_) + "COMMIT;");
+            // One who makes it waits for another. Made again it would wait for those who already add rows, and
+            // they for it.
+            server_.run("BEGIN; SELECT pg_advisory_xact_lock(1885432944)");
+            server_.run((schema_is_whole() ? "" : postgres_schema(tables_)) + "COMMIT");
         } catch (const PostgresError& e) {
             throw PostgresError(
                 fmt::format("{}; the schema palpate is not there or not whole: an administrator "
@@ -115,7 +120,11 @@ private:
     /// One transaction.
     void flush() { report_.rows += server_.flush(); }
 
+    /// Rows that several files have: two rigs that add them in other orders would wait for each other.
+    void one_at_a_time() { server_.send("SELECT pg_advisory_xact_lock(1885432945)", {}); }
+
     void push_shared() {
+        one_at_a_time();
         Statement study = database_.prepare(
             "SELECT protocol_sha256, study_name, study_title, protocol_toml FROM study");
         while (study.step()) {
@@ -141,6 +150,7 @@ private:
                  "SELECT participant_code || ' ' || key, value FROM palpate.participant_note")) {
             there[*row[0]] = *row[1];
         }
+        one_at_a_time();
         Statement note = database_.prepare(
             "SELECT participant_code, 'handedness', CAST(handedness AS TEXT) FROM participant "
             "WHERE handedness IS NOT NULL UNION ALL SELECT participant_code, 'consent', "

@@ -2,7 +2,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <vector>
 
+#include "protocols/session/recorder.hpp"
 #include "data/verify/interval_check.hpp"
 
 namespace palpate::data {

@@ -253,6 +253,10 @@ TEST_CASE(
         if (line.find("export") != std::string::npos) {
             line += " --kind all";
         }
+        if (line.find("palpate stats") != std::string::npos ||
+            line.find("palpate audit") != std::string::npos) {
+            line += " --kind simulated";
+        }
         CAPTURE(line);
         const tests::Finished done =
             tests::Process(
