@@ -50,6 +50,33 @@ TEST_CASE("a screen that stands still ends the force, which a live one with the 
     desk.session->wait_for_screen("trouble");
 }
 
+TEST_CASE("a board that is kept from answering for 20 ms takes the force away, and ends no trial",
+          "[window][haply][safety][law]") {
+    PressedDesk desk(PressingHand::Does::presses);
+    // Ticks of a contact without a force or a fault, and with a force again 0.1 s later in the same trial.
+    const auto gaps = [&] {
+        const tests::Finished told = tests::palpate_command(
+            {"sql", desk.file, "--csv", "-c",
+             "SELECT count(*) FROM sample AS gap WHERE gap.flags & 136 = 128 AND "
+             "gap.rendered_normal_n > 0.1 AND gap.commanded_x_n = 0 AND gap.commanded_y_n = 0 AND "
+             "EXISTS (SELECT 1 FROM sample AS then_ WHERE then_.trial_id = gap.trial_id AND "
+             "then_.tick > gap.tick + 100 AND then_.commanded_y_n <> 0)"});
+        return told.code == 0 && told.out.find("\n0") == std::string::npos;
+    };
+    bool seen = false;
+    for (int attempt = 0; attempt < 12 && !seen;
+         ++attempt) {  // a busy machine may stop it for longer
+        REQUIRE(desk.feel());
+        tests::pause(0.3);
+        kill(desk.board.id(), SIGSTOP);
+        tests::pause(0.020);
+        kill(desk.board.id(), SIGCONT);
+        tests::pause(0.5);
+        seen = gaps();
+    }
+    CHECK(seen);
+}
+
 TEST_CASE("a contact that buzzes or a handle that runs away ends the force, with its cause",
           "[window][haply][safety][law]") {
     const bool buzzes = GENERATE(true, false);
