@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "data/analysis/exclusion.hpp"
-#include "data/inference/trial_names.hpp"
+#include "data/inference/trials.hpp"
 
 namespace palpate::data {
 namespace {

@@ -13,7 +13,6 @@
 #include "engine/base/text.hpp"
 #include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
-#include "data/inference/trial_names.hpp"
 
 namespace palpate::data {
 namespace {
