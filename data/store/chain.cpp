@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/clock.hpp"
 #include "engine/base/sha256.hpp"
 #include "data/store/row.hpp"
 
@@ -274,8 +273,8 @@ std::string add_event(Database& database,
                                 .set("trial_id", event.trial)
                                 .set("event_kind", to_string(event.kind))
                                 .set("text", event.text)
-                                .set("at_utc", utc_now())
-                                .set("at_ns", monotonic_ns())
+                                .set("at_utc", database.utc_now())
+                                .set("at_ns", database.steady_now())
                                 .set("operator", said(operator_name))
                                 .set("trials_begun", begun.integer(0))
                                 .set("plan_position", event.position)

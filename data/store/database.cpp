@@ -15,6 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "engine/base/clock.hpp"
 #include "data/schema/catalogue.hpp"
 #include "data/store/migration.hpp"
 #include "data/store/uuid.hpp"
@@ -158,6 +159,13 @@ void Database::connect(const std::string& name, int flags) {
 }
 
 void Database::open(Access access) {
+    if (access == Access::memory) {
+        in_memory_ = true;
+        connect(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_MEMORY);
+        create();
+        execute("PRAGMA foreign_keys = ON");
+        return;
+    }
     if (connection_.file.empty()) {
         throw WrongFile("the name of the database is empty; give a file name");
     }
@@ -272,6 +280,9 @@ std::int64_t Database::changes() const {
 }
 
 void Database::checkpoint() {
+    if (in_memory_) {
+        return;
+    }
     sqlite3_busy_timeout(connection_.handle, 0);
     const int code = sqlite3_wal_checkpoint_v2(connection_.handle, nullptr,
                                                SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr);
@@ -324,14 +335,34 @@ Snapshot::~Snapshot() {
     sqlite3_exec(database_.handle(), "RELEASE snapshot", nullptr, nullptr, nullptr);
 }
 
-std::string utc_now() {
-    timespec now{};
-    clock_gettime(CLOCK_REALTIME, &now);
+namespace {
+
+std::string utc_text(const timespec& now) {
     tm utc{};
     gmtime_r(&now.tv_sec, &utc);
     return fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z", utc.tm_year + 1900,
                        utc.tm_mon + 1, utc.tm_mday, utc.tm_hour, utc.tm_min, utc.tm_sec,
                        now.tv_nsec / 1'000'000);
+}
+
+}  // namespace
+
+std::string utc_now() {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return utc_text(now);
+}
+
+std::string Database::utc_now() const {
+    if (!clock_) {
+        return data::utc_now();
+    }
+    const std::int64_t ns = clock_();
+    return utc_text({.tv_sec = ns / 1'000'000'000, .tv_nsec = ns % 1'000'000'000});
+}
+
+std::int64_t Database::steady_now() const {
+    return clock_ ? clock_() : monotonic_ns();
 }
 
 }  // namespace palpate::data

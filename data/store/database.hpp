@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "data/store/statement.hpp"
 
@@ -10,7 +12,7 @@ struct sqlite3;
 
 namespace palpate::data {
 
-enum class Access { read, write };
+enum class Access { read, write, memory };
 
 /// Whether a file begins as those of SQLite do. False where it cannot be read.
 [[nodiscard]] bool is_database(const std::string& file);
@@ -20,7 +22,8 @@ class Database {
 public:
     /// write: makes the file (mode 0600) with the current schema, or opens one; WAL, every commit
     /// synced to the disk, foreign keys on. read: never changes anything, and reads from a read-only
-    /// disk too. The name is always that of a file: "" and ":memory:" have no meaning of their own.
+    /// disk too. memory: a new one that nobody else sees, gone with this object; its name is for messages.
+    /// The name is always that of a file: "" and ":memory:" have no meaning of their own.
     /// @throws StoreError for a file that is no palpate database or has another schema (both stay
     ///         as they are, their logs too), or one that cannot be opened
     Database(std::string file, Access access);
@@ -34,6 +37,16 @@ public:
     /// Rows that the last INSERT, UPDATE or DELETE touched.
     [[nodiscard]] std::int64_t changes() const;
     [[nodiscard]] const std::string& file() const { return connection_.file; }
+    [[nodiscard]] bool in_memory() const { return in_memory_; }
+
+    /// Whose time goes into rows from here on, ns since 1970; the session of a simulated person lasts as long as
+    /// it would have, and is the same whenever it is simulated. Without it: the clocks of this machine.
+    void set_clock(std::function<std::int64_t()> clock) { clock_ = std::move(clock); }
+    /// Now, as utc_now() says it.
+    [[nodiscard]] std::string utc_now() const;
+    /// Now on a clock that nobody sets, ns.
+    [[nodiscard]] std::int64_t steady_now() const;
+
     /// How long the locks of others are waited for, ms.
     void wait_for_locks(int ms);
     /// Moves the log into the file and empties it, so that a copy of the file alone is whole. Waits for
@@ -62,6 +75,8 @@ private:
 
     Connection connection_;
     int wait_ms_ = 5000;
+    bool in_memory_ = false;
+    std::function<std::int64_t()> clock_;
 };
 
 /// All or nothing: rolls back unless commit() was reached.
@@ -77,6 +92,9 @@ private:
     Database* database_;
 };
 
+/// Now by the clock of this machine, UTC, "2026-01-31T12:34:56.789Z".
+[[nodiscard]] std::string utc_now();
+
 /// One unchanging view of the database for several queries, also while a rig writes. Nests.
 class Snapshot {
 public:
@@ -88,8 +106,5 @@ public:
 private:
     Database& database_;
 };
-
-/// Now, UTC, "2026-01-31T12:34:56.789Z".
-[[nodiscard]] std::string utc_now();
 
 }  // namespace palpate::data

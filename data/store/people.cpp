@@ -123,7 +123,7 @@ void note_participant(Database& database,
                 "AND consent IS NOT ?2")
             .bind(1, code)
             .bind(2, std::int64_t{*notes.consent ? 1 : 0})
-            .bind(3, utc_now())
+            .bind(3, database.utc_now())
             .run();
         tell_sessions(database, code, noted_consent(*notes.consent), operator_name);
     }

@@ -39,6 +39,9 @@ struct Name {
 }  // namespace
 
 SessionLock::SessionLock(const Database& database, std::int64_t session) {
+    if (database.in_memory()) {
+        return;  // nobody else sees it
+    }
     const Name name(database, session);
     socket_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (socket_ >= 0 && bind(socket_, name.get(), name.length) == 0) {

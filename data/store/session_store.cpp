@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/clock.hpp"
 #include "protocols/design/friction_blocks.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
@@ -107,7 +106,7 @@ std::int64_t create(Database& database,
         .set("device", spec.device)
         .set("rate_hz", spec.protocol.apparatus.rate_hz)
         .set("stiffness_n_per_m", spec.protocol.apparatus.stiffness)
-        .set("started_utc", utc_now())
+        .set("started_utc", database.utc_now())
         .set("operator",
              spec.operator_name.empty() ? std::nullopt : std::optional(spec.operator_name))
         .set("secret", spec.key.secret);
@@ -117,7 +116,7 @@ std::int64_t create(Database& database,
         row.set("session_id", session).set("newest_seal", std::optional<std::string>());
         row.update(database, {"session_id"});
     } else {
-        session = row.set("uuid", random_uuid()).insert(database);
+        session = row.set("uuid", spec.uuid.empty() ? random_uuid() : spec.uuid).insert(database);
     }
     write_plan(database, session, spec);
     write_adaptive_plan(database, session, spec.protocol, spec.plan);

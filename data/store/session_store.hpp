@@ -30,7 +30,14 @@ struct SessionSpec {
     Resume resume = Resume::go_on;  ///< if it is there already
     std::string operator_name{};    ///< who runs it; empty: not given
     std::vector<std::pair<std::string, std::string>> provenance;
+    std::string uuid{};  ///< empty: a random one
 };
+
+/// Keys of session_provenance that say how a simulated session was made: kObserverKey, the text of the observer
+/// file from which its participant was drawn; kTracesKey with kNoTraces: no ticks were kept.
+inline constexpr std::string_view kObserverKey = "observer";
+inline constexpr std::string_view kTracesKey = "traces";
+inline constexpr std::string_view kNoTraces = "none";
 
 /// The key of the session's random streams; purpose and block are to be set.
 [[nodiscard]] protocols::StreamKey session_stream(const SessionSpec& spec);

@@ -9,7 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "engine/base/clock.hpp"
 #include "protocols/session/pending_trials.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "data/store/adaptive_store.hpp"
@@ -34,10 +33,12 @@ using protocols::TrialResult;
 
 SqliteRecorder::SqliteRecorder(Database& database,
                                const protocols::Protocol& protocol,
-                               std::int64_t session)
+                               std::int64_t session,
+                               bool ticks)
     : database_(database),
       protocol_(protocol),
       session_(session),
+      ticks_(ticks),
       trace_(database,
              machine_of(first_calibration(database, session)),
              engine::tick_period_ns(protocol.apparatus.rate_hz)),
@@ -62,7 +63,9 @@ TrialId SqliteRecorder::begin_trial(const protocols::PlannedTrial& planned) {
     running_ = 0;
     interval_ = 0;
     database_.require_in_place();
-    reserve_.hold(bytes_needed(protocol_, 1));
+    if (!database_.in_memory()) {
+        reserve_.hold(bytes_needed(protocol_, 1));
+    }
     running_ = with_room([&] { return insert_trial(planned); });
     return running_;
 }
@@ -77,8 +80,8 @@ TrialId SqliteRecorder::insert_trial(const protocols::PlannedTrial& planned) {
                            .set("plan_position", planned.position)
                            .set("attempt", before.integer(0) + 1)
                            .set("outcome", "running")
-                           .set("started_utc", utc_now())
-                           .set("started_ns", monotonic_ns())
+                           .set("started_utc", database_.utc_now())
+                           .set("started_ns", database_.steady_now())
                            .insert(database_);
     before.reset();
     all.commit();
@@ -111,7 +114,7 @@ void SqliteRecorder::require_running(TrialId trial) const {
 
 void SqliteRecorder::append(TrialId trial, std::span<const engine::TickRecord> ticks) {
     require_running(trial);
-    while (!ticks.empty()) {
+    while (ticks_ && !ticks.empty()) {
         const std::size_t n = std::min(ticks.size(), kChunkTicks);
         trace_.add(ticks.first(n));
         ticks = ticks.subspan(n);
@@ -194,7 +197,7 @@ void SqliteRecorder::write_result(TrialId trial, const TrialResult& result) {
              result.invalid.empty() ? std::nullopt : std::optional(result.invalid))
         .set("done_s", result.done_s)
         .set("done_uncertainty_s", result.done_uncertainty_s)
-        .set("ended_utc", utc_now());
+        .set("ended_utc", database_.utc_now());
     set_summary(row, result.summary);
     if (!running.bind(1, trial).step() || row.update(database_, {"trial_id"}) != 1) {
         throw StoreError(fmt::format("{}: trial {} was changed by another program while it ran",
@@ -244,7 +247,7 @@ void SqliteRecorder::write_finished() {
             "UPDATE session SET finished = 1, finished_utc = ?2 WHERE session_id = ?1 AND finished "
             "= 0")
         .bind(1, session_)
-        .bind(2, utc_now())
+        .bind(2, database_.utc_now())
         .run();
     // Power may fail once the end is on the disk and before anybody is told: it ended then, and has its link.
     if (database_.changes() > 0) {

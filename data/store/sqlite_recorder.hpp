@@ -25,7 +25,11 @@ namespace palpate::data {
 class SqliteRecorder : public protocols::Recorder {
 public:
     /// @param database, protocol  outlive the recorder
-    SqliteRecorder(Database& database, const protocols::Protocol& protocol, std::int64_t session);
+    /// @param ticks  false: none are kept, of a simulated session whose provenance says so (kTracesKey)
+    SqliteRecorder(Database& database,
+                   const protocols::Protocol& protocol,
+                   std::int64_t session,
+                   bool ticks = true);
 
     [[nodiscard]] protocols::TrialId begin_trial(const protocols::PlannedTrial& planned) override;
     /// What was appended of the interval before is committed first.
@@ -53,6 +57,7 @@ private:
     Database& database_;
     const protocols::Protocol& protocol_;
     std::int64_t session_;
+    bool ticks_;
     protocols::TrialId running_ = 0;  ///< 0: none
     std::int64_t interval_ = 0;       ///< of the running trial, 0: none yet
     TraceWriter trace_;

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <sodium.h>
 
+#include "engine/base/sha256.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -38,6 +40,13 @@ Bytes random_bytes() {
 
 std::string random_uuid() {
     return uuid_of(random_bytes(), 4);
+}
+
+std::string content_uuid(std::string_view text) {
+    const Sha256 digest = sha256(text);
+    Bytes bytes{};
+    std::copy_n(digest.begin(), bytes.size(), bytes.begin());
+    return uuid_of(bytes, 8);
 }
 
 std::string random_secret() {

@@ -71,31 +71,6 @@ std::set<std::string> doubled(const std::map<std::string, Versions>& all,
     return found;
 }
 
-void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file) {
-    for (const OwnedTable& table : layout.of_file) {
-        std::string places;
-        std::string same;
-        for (std::size_t i = 1; i <= table.columns.size(); ++i) {
-            places += fmt::format("{}?{}", i == 1 ? "" : ", ", i);
-            same += fmt::format("{}{} IS ?{}", i == 1 ? "" : " AND ", table.columns[i - 1], i);
-        }
-        Statement row = from.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name));
-        Statement add = out.prepare(fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})",
-                                                table.name, table.list(), places));
-        Statement there = out.prepare(fmt::format("SELECT 1 FROM {} WHERE {}", table.name, same));
-        while (row.step()) {
-            bind_row(row, add, 1);
-            add.run();
-            bind_row(row, there, 1);
-            if (!there.step()) {
-                throw StoreError(fmt::format("{}: {} differs from that of {}: nothing was merged",
-                                             file, table.name, out.file()));
-            }
-            there.reset();
-        }
-    }
-}
-
 /// What a session says is what was recorded, by its chain of hashes; if not, that is a conflict.
 bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts) {
     if (chain_breaks(*session.database, session.id).empty()) {
@@ -107,6 +82,16 @@ bool whole(const SessionVersion& session, std::vector<MergeConflict>& conflicts)
                          .first = session.file,
                          .second = {}});
     return false;
+}
+
+/// By study, participant and number: shards of one simulation become what it is in one file, row by row.
+std::set<std::pair<std::string, std::string>> in_order(const std::map<std::string, Versions>& all) {
+    std::set<std::pair<std::string, std::string>> order;
+    for (const auto& [uuid, versions] : all) {
+        const SessionVersion& one = versions.front();
+        order.emplace(fmt::format("{} {} {:06}", one.study, one.participant, one.number), uuid);
+    }
+    return order;
 }
 
 std::vector<std::unique_ptr<Input>> open_all(const std::vector<std::string>& files) {
@@ -149,7 +134,8 @@ MergeReport merge_files(const std::string& file, const std::vector<std::string>&
     report.conflicts = people.conflicts();
     people.write(out);
     const std::set<std::string> twice = doubled(all, report.conflicts);
-    for (const auto& [uuid, versions] : all) {
+    for (const auto& [order, uuid] : in_order(all)) {
+        const Versions& versions = all.at(uuid);
         const SessionVersion* last = last_of(versions, report.conflicts);
         const SessionVersion* own = versions.front().database == &out ? &versions.front() : nullptr;
         if (last == nullptr || twice.contains(uuid) ||

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "data/store/chain.hpp"
+#include "data/store/secret.hpp"
 
 namespace palpate::data {
 namespace {
@@ -191,6 +192,38 @@ void extend_session(const SessionVersion& from,
     }
     copy_events(from, out, layout, own.id, trials, own.events.size());
     copy_end(from, out, layout, own.id);
+}
+
+void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file) {
+    for (const OwnedTable& table : layout.of_file) {
+        std::string places;
+        std::string same;
+        for (std::size_t i = 1; i <= table.columns.size(); ++i) {
+            places += fmt::format("{}?{}", i == 1 ? "" : ", ", i);
+            same += fmt::format("{}{} IS ?{}", i == 1 ? "" : " AND ", table.columns[i - 1], i);
+        }
+        Statement row = from.prepare(fmt::format("SELECT {} FROM {}", table.list(), table.name));
+        Statement add = out.prepare(fmt::format("INSERT OR IGNORE INTO {} ({}) VALUES ({})",
+                                                table.name, table.list(), places));
+        Statement there = out.prepare(fmt::format("SELECT 1 FROM {} WHERE {}", table.name, same));
+        while (row.step()) {
+            bind_row(row, add, 1);
+            add.run();
+            bind_row(row, there, 1);
+            if (!there.step()) {
+                throw StoreError(fmt::format("{}: {} differs from that of {}: nothing was merged",
+                                             file, table.name, out.file()));
+            }
+            there.reset();
+        }
+    }
+}
+
+void append_session(Database& from, Database& out, const Layout& layout) {
+    const SessionVersion session = session_versions(from, layout, from.file()).at(0);
+    participant_row(out, session.participant, own_secret(from));
+    add_session(session, out, layout);
+    copy_shared(from, out, layout, from.file());
 }
 
 }  // namespace palpate::data

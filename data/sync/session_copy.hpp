@@ -14,4 +14,12 @@ void extend_session(const SessionVersion& from,
                     Database& out,
                     const Layout& layout);
 
+/// Copies what is nobody's in a file (Layout::of_file): how traces are written, secrets.
+/// @throws StoreError where `out` says otherwise
+void copy_shared(Database& from, Database& out, const Layout& layout, const std::string& file);
+
+/// Copies the one session of `from`, with its participant, into `out`, which does not have it. In the caller's
+/// transaction, with deferred foreign keys.
+void append_session(Database& from, Database& out, const Layout& layout);
+
 }  // namespace palpate::data

@@ -118,6 +118,12 @@ std::vector<CheckedInterval> check_intervals(Database& database,
         one.scene = scene_of(frame, expected[i], rows[i], findings);
         try {
             one.chunks = stored_chunks(database, id, static_cast<std::int64_t>(i + 1));
+            if (frame.traceless) {
+                one.trace.whole = false;  // nothing can be told from what nobody kept
+                if (!one.chunks.views.empty()) {
+                    findings.differs("trace_chunk", "ticks", "none: the session kept none");
+                }
+            }
         } catch (const TraceError& e) {
             one.trace.whole = false;
             findings.differs("trace_chunk", e.what(), "a chunk that can be read");

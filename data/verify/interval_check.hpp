@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "protocols/design/plan.hpp"
+#include "protocols/observer/person.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/session/adaptive_runs.hpp"
 #include "protocols/trial/presentation.hpp"
@@ -26,6 +27,8 @@ struct SessionFrame {
     std::vector<std::string> pictures;              ///< as stored, from the left
     std::optional<engine::PantographSpec> machine;  ///< with which the session began
     bool simulated = false;
+    std::optional<protocols::Person> person{};  ///< of an observer file, who answered
+    bool traceless = false;                     ///< simulated without keeping ticks
     bool replayed = false;  ///< by recorded hands: no answer was judged by how its object was felt
 };
 

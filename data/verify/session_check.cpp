@@ -8,10 +8,13 @@
 
 #include "engine/base/sha256.hpp"
 #include "engine/base/text.hpp"
+#include "protocols/design/session_plan.hpp"
 #include "protocols/file/calibration_file.hpp"
+#include "protocols/file/observer_file.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/trial/object_hash.hpp"
 #include "data/store/chain.hpp"
+#include "data/store/session_store.hpp"
 #include "data/trace/replay.hpp"
 #include "data/verify/plan_check.hpp"
 
@@ -97,6 +100,35 @@ void check_calibration(const Provenance& provenance, Findings& findings) {
     }
 }
 
+/// Who answered, and whether ticks were kept: a session of people says nothing of either.
+void check_simulation(const Provenance& provenance, SessionFrame& frame, Findings& findings) {
+    const auto observer = provenance.find(std::string(kObserverKey));
+    const auto traces = provenance.find(std::string(kTracesKey));
+    for (const auto& there : {observer, traces}) {
+        if (there != provenance.end() && !frame.simulated) {
+            findings.differs("session_provenance: " + there->first, there->second,
+                             "nothing: the session is not simulated");
+            return;
+        }
+    }
+    if (traces != provenance.end()) {
+        frame.traceless = traces->second == kNoTraces;
+        if (!frame.traceless) {
+            findings.differs("session_provenance: " + traces->first, traces->second,
+                             std::string(kNoTraces));
+        }
+    }
+    if (observer != provenance.end()) {
+        try {
+            frame.person =
+                drawn_person(protocols::parse_observer(observer->second, observer->first),
+                             protocols::session_stream(frame.protocol_hash, frame.key, frame.seed));
+        } catch (const protocols::ProtocolError& e) {
+            findings.differs("session_provenance: " + observer->first, e.what(), "an observer");
+        }
+    }
+}
+
 void check_provenance(Database& database,
                       std::int64_t session,
                       SessionFrame& frame,
@@ -109,6 +141,7 @@ void check_provenance(Database& database,
     }
     check_objects(frame, provenance, findings);
     check_calibration(provenance, findings);
+    check_simulation(provenance, frame, findings);
     if (const auto text = provenance.find(kCalibration); text != provenance.end()) {
         frame.machine = machine_of(text->second);
     }

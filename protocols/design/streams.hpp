@@ -42,9 +42,13 @@ inline constexpr std::string_view requeue = "requeue";  ///< session, block = po
 inline constexpr std::string_view masking = "masking";  ///< session: noise on the headphones
 inline constexpr std::string_view second_hand = "hand.second";  ///< as hand, in the second interval
 inline constexpr std::string_view procedure = "procedure";      ///< session, block = run, from 0
-inline constexpr std::array all = {practice_order,  main_order,  catch_trials, pictures,
-                                   friction_blocks, hand,        observer,     requeue,
-                                   masking,         second_hand, procedure};
+inline constexpr std::string_view person = "person";  ///< session 0: who a simulated participant is
+/// Nobody's, session 0, block = which set of rows: the order in which simulated participants take them.
+inline constexpr std::string_view rows = "rows";
+inline constexpr std::string_view friction_rows = "rows.friction";  ///< the same of friction blocks
+inline constexpr std::array all = {
+    practice_order, main_order, catch_trials, pictures,  friction_blocks, hand, observer,
+    requeue,        masking,    second_hand,  procedure, person,          rows, friction_rows};
 }  // namespace purpose
 
 /// The text that is hashed: one `name=value` a line, that of an empty secret left out. Texts carry their length in bytes, so that no

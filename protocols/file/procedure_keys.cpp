@@ -4,6 +4,7 @@
 #include "protocols/file/deformation_file.hpp"
 #include "protocols/file/keys.hpp"
 #include "protocols/file/object_tables.hpp"
+#include "protocols/file/observer_file.hpp"
 #include "protocols/file/procedure_file.hpp"
 #include "protocols/file/scene_file.hpp"
 
@@ -246,7 +247,9 @@ std::string keys_markdown() {
     return "\n### Of a protocol\n\nIt begins with `format = 1`.\n" +
            reference_markdown(protocol_reference()) +
            "\n### Of a procedure\n\nIt begins with `format = 1`.\n" + std::string(kAxisText) +
-           reference_markdown(procedure_reference()) + "\n### Of a scene\n" +
+           reference_markdown(procedure_reference()) +
+           "\n### Of an observer\n\nIt begins with `format = 1`.\n" +
+           reference_markdown(observer_reference()) + "\n### Of a scene\n" +
            reference_markdown(scene_reference()) + "\n### Of a deformation\n" +
            reference_markdown(deformation_reference()) +
            "\n### Of a calibration\n\nIt begins with `format = 1`.\n" +

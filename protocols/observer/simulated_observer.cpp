@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "protocols/design/object_outline.hpp"
 #include "protocols/observer/draws.hpp"
+#include "protocols/psychometric/exact_math.hpp"
 
 namespace palpate::protocols {
 namespace {
@@ -13,10 +15,8 @@ namespace {
 /// Felt friction above which one says that there is some: strokes on a frictionless object feel 0.
 constexpr double kFrictionSeen = 0.05;
 
-double reaction_time(Pcg32& random) noexcept {
-    const double decision = 0.8 + 0.15 * normal_draw(random);
-    return std::max(0.25, decision + 0.7 * exponential_draw(random));
-}
+/// s; nobody is faster.
+constexpr double kQuickest = 0.25;
 
 }  // namespace
 
@@ -24,8 +24,19 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
                                      StreamKey key,
                                      const std::vector<std::size_t>& picture_order,
                                      std::function<bool()> hand_is_done)
+    : SimulatedObserver(protocol,
+                        std::move(key),
+                        picture_order,
+                        std::move(hand_is_done),
+                        Person{.spec = protocol.observer}) {}
+
+SimulatedObserver::SimulatedObserver(const Protocol& protocol,
+                                     StreamKey key,
+                                     const std::vector<std::size_t>& picture_order,
+                                     std::function<bool()> hand_is_done,
+                                     const Person& person)
     : outline_(protocol.outline),
-      spec_(protocol.observer),
+      person_(person),
       key_(std::move(key)),
       asked_mu_(protocol.procedure && protocol.procedure->varies == Varies::mu),
       criterion_(asked_mu_ ? kFrictionSeen : 0.0),
@@ -38,7 +49,7 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
     if (!differ_in_curvature_alone(protocol)) {
         shapes_.emplace(protocol, picture_order);
         const double chord = glm::length(protocol.outline.vertex - protocol.outline.a);
-        blur_ = spec_.noise * chord * chord / 8.0;
+        blur_ = person_.spec.noise * chord * chord / 8.0;
     }
     for (const ObjectSpec& object : protocol.objects) {
         lowest_ = asked_mu_ ? 0.0 : std::min(lowest_, object.curvature);
@@ -54,6 +65,7 @@ Signal SimulatedObserver::welcome(const SessionView& /*session*/) {
 }
 
 Signal SimulatedObserver::ready(const TrialView& trial) {
+    time_s_ += std::exchange(explored_s_, 0.0);
     if (trial.interval == 1) {
         cues_.clear();
     }
@@ -67,6 +79,7 @@ Signal SimulatedObserver::ready(const TrialView& trial) {
 
 Exploring SimulatedObserver::explore(const TrialView& trial, double elapsed_s) {
     const bool done = elapsed_s >= trial.explore_min_s && hand_is_done_();
+    explored_s_ = elapsed_s;
     return {.signal = done ? Signal::done : Signal::go_on, .at_s = elapsed_s};
 }
 
@@ -79,9 +92,10 @@ void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
 }
 
 Choice SimulatedObserver::choose(const TrialView& trial, const Question& question) {
+    done_ = trial.done;
     key_.block = trial.done + 1;
     Pcg32 random = stream(key_);
-    const bool lapse = uniform_draw(random) < spec_.lapse;
+    const bool lapse = uniform_draw(random) < person_.spec.lapse;
     const double noise = normal_draw(random);
     const auto any =
         random.bounded(static_cast<std::uint32_t>(std::max<std::size_t>(question.answers, 1)));
@@ -94,10 +108,12 @@ Choice SimulatedObserver::choose(const TrialView& trial, const Question& questio
     if (named && !lapse) {
         choice.place = *named;
     }
+    choice.reaction_s = doubted(choice.reaction_s, !named);
     if (question.confidence) {
         choice.confidence = named ? confidence() : 1;
-        choice.confidence_reaction_s = reaction_time(random);
+        choice.confidence_reaction_s = std::max(kQuickest, reaction_time(random));
     }
+    time_s_ += std::exchange(explored_s_, 0.0) + choice.reaction_s + choice.confidence_reaction_s;
     if (question.confirm) {  // at once: it never changes its mind
         const auto at_once = [](double s) {
             return Confirmation{.first_choice_s = s, .confirmed_s = s};
@@ -144,35 +160,55 @@ std::optional<std::size_t> SimulatedObserver::answer(const Question& question,
 }
 
 int SimulatedObserver::confidence() const noexcept {
-    const double noise = asked_mu_ ? spec_.noise_mu : spec_.noise;
     const double far = std::fabs(distance_);
-    return 1 + (far >= 0.5 * noise ? 1 : 0) + (far >= noise ? 1 : 0) + (far >= 2.0 * noise ? 1 : 0);
+    return 1 + (far >= 0.5 * noise_ ? 1 : 0) + (far >= noise_ ? 1 : 0) +
+           (far >= 2.0 * noise_ ? 1 : 0);
 }
 
-Signal SimulatedObserver::gap(double /*seconds*/) {
+double SimulatedObserver::reaction_time(Pcg32& random) const noexcept {
+    if (const auto& own = person_.reaction) {
+        return own->median * exponential(own->spread * normal_draw(random));
+    }
+    const double decision = 0.8 + 0.15 * normal_draw(random);
+    return decision + 0.7 * exponential_draw(random);
+}
+
+/// What a reaction time becomes by how far the percept is from what divides the answers.
+double SimulatedObserver::doubted(double reaction_s, bool guess) const noexcept {
+    if (const auto& own = person_.reaction) {
+        const double far = guess        ? 0.0
+                         : noise_ > 0.0 ? std::fabs(distance_) / noise_
+                                        : std::numeric_limits<double>::infinity();
+        reaction_s *= 1.0 + (own->doubt - 1.0) * exponential(-far);
+    }
+    return std::max(kQuickest, reaction_s);
+}
+
+Signal SimulatedObserver::gap(double seconds) {
+    time_s_ += std::exchange(explored_s_, 0.0) + seconds;
     return Signal::go_on;
 }
 
-Signal SimulatedObserver::rest(double /*seconds*/, const TrialView& /*next*/) {
+Signal SimulatedObserver::rest(double seconds, const TrialView& /*next*/) {
+    time_s_ += std::exchange(explored_s_, 0.0) + seconds;
     return Signal::go_on;
 }
 
 void SimulatedObserver::finish(const SessionView& /*session*/) {}
 
 std::optional<double> SimulatedObserver::percept_of(const CurvatureCues& cues,
-                                                    double noise) const noexcept {
+                                                    double noise) noexcept {
     const Cues felt = cues.cues();
-    if (asked_mu_) {
-        return felt.force || felt.position ? std::optional(felt.friction + spec_.noise_mu * noise)
-                                           : std::nullopt;
-    }
-    if (!felt.force && !felt.position) {
+    const std::optional<double> mean = percept_mean(person_, felt);
+    if (!mean) {
         return std::nullopt;
     }
-    const double force = felt.force.value_or(felt.position.value_or(0.0));
-    const double position = felt.position.value_or(force);
-    return spec_.force_weight * force + (1.0 - spec_.force_weight) * position +
-           spec_.bias_per_mu * felt.friction + spec_.noise * noise;
+    if (asked_mu_) {
+        noise_ = person_.spec.noise_mu * learned(person_, done_);
+        return felt.friction + noise_ * noise;
+    }
+    noise_ = percept_noise(person_, felt.friction, done_);
+    return *mean + noise_ * noise;
 }
 
 /// How far a curvature is from where the next picture would be named, 1/m.
@@ -189,15 +225,17 @@ double SimulatedObserver::to_criterion(double curvature) const noexcept {
 
 std::size_t SimulatedObserver::best_fit(Pcg32& random) {
     std::vector<double> misfits = shapes_->misfits();
+    noise_ = person_.spec.noise * learned(person_, done_);
+    const double blur = blur_ * learned(person_, done_);
     for (double& misfit : misfits) {
-        misfit += blur_ * normal_draw(random);
+        misfit += blur * normal_draw(random);
     }
     const auto best = std::min_element(misfits.begin(), misfits.end());
     double second = std::numeric_limits<double>::infinity();
     for (auto other = misfits.begin(); other != misfits.end(); ++other) {
         second = other == best ? second : std::min(second, *other);
     }
-    distance_ = blur_ > 0.0 ? spec_.noise * (second - *best) / blur_ : second - *best;
+    distance_ = blur > 0.0 ? noise_ * (second - *best) / blur : second - *best;
     return static_cast<std::size_t>(std::distance(misfits.begin(), best));
 }
 

@@ -8,6 +8,7 @@
 #include "protocols/design/streams.hpp"
 #include "protocols/observer/curvature_cues.hpp"
 #include "protocols/observer/outline_cues.hpp"
+#include "protocols/observer/person.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/trial/observer.hpp"
 
@@ -30,7 +31,9 @@ namespace palpate::protocols {
 /// as an error of curvature is one of sagitta on such a chord: 1 mm by default. Cues are not weighted then,
 /// and friction has no bias.
 ///
-/// Reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986): 0.8 s + 0.15 s N(0, 1) + an
+/// A Person of an observer file has a bias of its own, noise that learning takes away and felt friction
+/// multiplies (percept_noise; misfits and noise_mu are only learned), and reaction times (ReactionSpec). Without
+/// one reaction times are ex-Gaussian (R. D. Luce, Response Times, 1986): 0.8 s + 0.15 s N(0, 1) + an
 /// exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
 ///
 /// Two intervals: each is a percept with a noise of its own, and the larger one is named. Where a rule varies
@@ -50,6 +53,12 @@ public:
                       StreamKey key,
                       const std::vector<std::size_t>& picture_order,
                       std::function<bool()> hand_is_done);
+    /// The same of this person, whatever [observer] says.
+    SimulatedObserver(const Protocol& protocol,
+                      StreamKey key,
+                      const std::vector<std::size_t>& picture_order,
+                      std::function<bool()> hand_is_done,
+                      const Person& person);
 
     [[nodiscard]] Signal welcome(const SessionView& session) override;
     [[nodiscard]] Signal ready(const TrialView& trial) override;
@@ -62,20 +71,24 @@ public:
 
     /// Of the last answer, 1/m; none if nothing was felt, or if shapes were compared.
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
+    /// How long all so far would have taken a person: explorations, answers, gaps and breaks; s.
+    [[nodiscard]] double time_s() const noexcept { return time_s_; }
 
 private:
     [[nodiscard]] std::optional<double> percept_of(const CurvatureCues& cues,
-                                                   double noise) const noexcept;
+                                                   double noise) noexcept;
     [[nodiscard]] std::optional<std::size_t> answer(const Question& question,
                                                     double noise,
                                                     Pcg32& random);
     [[nodiscard]] int confidence() const noexcept;
+    [[nodiscard]] double reaction_time(Pcg32& random) const noexcept;
+    [[nodiscard]] double doubted(double reaction_s, bool guess) const noexcept;
     [[nodiscard]] double to_criterion(double curvature) const noexcept;
     [[nodiscard]] std::size_t nearest_place(double curvature) const noexcept;
     [[nodiscard]] std::size_t best_fit(Pcg32& random);
 
     OutlineSpec outline_;
-    ObserverSpec spec_;
+    Person person_;
     StreamKey key_;
     std::vector<double> curvatures_;  ///< of the pictures from the left, 1/m
     bool asked_mu_;                   ///< the question is about friction
@@ -87,7 +100,11 @@ private:
     std::optional<OutlineCues> shapes_;  ///< if the objects differ in more than curvature
     double blur_ = 0.0;                  ///< m, noise of a misfit
     std::optional<double> percept_;
-    double distance_ = 0.0;  ///< of the last percept from what divides the answers
+    double distance_ = 0.0;  ///< of the last percept from what divides the answers ...
+    double noise_ = 0.0;     ///< ... and its noise, in the same unit
+    std::size_t done_ = 0;   ///< trials of the session before this one
+    double explored_s_ = 0.0;
+    double time_s_ = 0.0;
 };
 
 }  // namespace palpate::protocols

@@ -18,12 +18,14 @@ double unit(Pcg32& random) {
 DrawnHand::DrawnHand(const Protocol& protocol,
                      std::string protocol_hash,
                      SessionKey key,
-                     std::uint64_t seed)
+                     std::uint64_t seed,
+                     const HandSpec& own)
     : outline_(protocol.outline),
       start_(protocol.apparatus.start),
       protocol_hash_(std::move(protocol_hash)),
       key_(std::move(key)),
-      seed_(seed) {}
+      seed_(seed),
+      own_(own) {}
 
 engine::Exploration DrawnHand::at(std::size_t position, std::size_t interval) const {
     StreamKey own = session_stream(protocol_hash_, key_, seed_);
@@ -32,8 +34,9 @@ engine::Exploration DrawnHand::at(std::size_t position, std::size_t interval) co
     Pcg32 random = stream(own);
     engine::Exploration plan{
         .start = start_, .a = outline_.a, .vertex = outline_.vertex, .b = outline_.b};
-    plan.speed = 0.065 + 0.030 * unit(random);          // 65 to 95 mm/s
-    plan.press_depth = 0.0085 + 0.0015 * unit(random);  // 8.5 to 10 mm: reaches into every object
+    plan.speed = own_.speed * (0.065 + 0.030 * unit(random));  // 65 to 95 mm/s
+    // 8.5 to 10 mm: reaches into every object.
+    plan.press_depth = own_.press * (0.0085 + 0.0015 * unit(random));
     plan.sweeps = 3 + static_cast<int>(random.bounded(3));
     plan.tremor_phase = 2.0 * engine::kPi * unit(random);
     return plan;

@@ -5,6 +5,7 @@
 
 #include "engine/device/hand_path.hpp"
 #include "protocols/design/plan.hpp"
+#include "protocols/protocol/observer_model.hpp"
 #include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
@@ -16,7 +17,8 @@ public:
     DrawnHand(const Protocol& protocol,
               std::string protocol_hash,
               SessionKey key,
-              std::uint64_t seed);
+              std::uint64_t seed,
+              const HandSpec& own = {});
 
     [[nodiscard]] engine::Exploration at(std::size_t position, std::size_t interval = 1) const;
 
@@ -26,6 +28,7 @@ private:
     std::string protocol_hash_;
     SessionKey key_;
     std::uint64_t seed_;
+    HandSpec own_;
 };
 
 }  // namespace palpate::protocols

@@ -1,9 +1,14 @@
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
 #include "data/sync/merge.hpp"
 #include "ui/command/command.hpp"
 #include "ui/rig/say.hpp"
+#include "ui/session/simulation.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -11,14 +16,44 @@ namespace {
 struct MergeOptions {
     std::string database;             ///< made if it is not there
     std::vector<std::string> inputs;  ///< read only
+    std::int64_t expect = 0;          ///< shards of a simulation; 0: any files
 };
 
 void declare(CommandWords& words, MergeOptions& options) {
     words.add("OUT", options.database, "The file of all; made if it is not there").required();
     words.add("IN", options.inputs, "Files of rigs; only read").required();
+    words
+        .add("--expect", options.expect,
+             "The files are all so many shards of palpate simulate, by their names; where one is "
+             "missing nothing is merged")
+        .within(1, 100'000);
+}
+
+/// @throws std::invalid_argument with the numbers of those that are not there, as sbatch takes them
+void expect_shards(const std::vector<std::string>& files, std::size_t shards) {
+    std::vector<std::size_t> missing;
+    for (std::size_t i = 0; i < shards; ++i) {
+        const std::string name = shard_name({.number = i, .of = shards});
+        const auto found = [&](const std::string& file) {
+            return std::filesystem::path(file).filename() == name;
+        };
+        if (std::ranges::none_of(files, found)) {
+            missing.push_back(i);
+        }
+    }
+    if (!missing.empty()) {
+        throw std::invalid_argument(fmt::format(
+            "{} of {} missing, and nothing was merged: simulate {} first, with Slurm by "
+            "sbatch --array={}",
+            missing.size() == 1 ? "one shard" : counted(missing.size(), "shard"), shards,
+            missing.size() == 1 ? "it" : "them", fmt::join(missing, ",")));
+    }
 }
 
 int run(const MergeOptions& options) {
+    if (options.expect > 0) {
+        expect_shards(options.inputs, static_cast<std::size_t>(options.expect));
+    }
     const data::MergeReport done = data::merge_files(options.database, options.inputs);
     say("{}: {} new, {} went on, {} as before.\n", options.database, counted(done.added, "session"),
         done.extended, done.same);

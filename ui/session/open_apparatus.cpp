@@ -28,7 +28,7 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
                                                           std::vector<OpeningFact>& opening) {
     const protocols::Protocol& protocol = spec.study.protocol;
     const auto hand = [&] {
-        return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed);
+        return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed, spec.hand);
     };
     switch (spec.device.kind) {
         case Kind::simulated: {

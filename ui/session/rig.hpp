@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/commissioning/rig_record.hpp"
+#include "protocols/protocol/observer_model.hpp"
 #include "protocols/trial/servo_apparatus.hpp"
 #include "data/store/session_store.hpp"
 #include "ui/rig/device_choice.hpp"
@@ -30,7 +31,8 @@ struct RigSpec {
     std::uint64_t seed = 0;
     data::RunKind kind = data::RunKind::simulated;
     DeviceChoice device;
-    std::string calibration;  ///< a file or a shipped machine's name; empty: the device's own
+    protocols::HandSpec hand{};  ///< of a simulated hand
+    std::string calibration;     ///< a file or a shipped machine's name; empty: the device's own
     std::optional<engine::RigRecord> record{};  ///< the rig is proved when it is opened
     bool handle_free =
         false;  ///< the operator's word that it is, and at home, was given beforehand

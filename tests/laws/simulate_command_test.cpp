@@ -1,0 +1,256 @@
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "protocols/file/observer_file.hpp"
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/content_hash.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+#include "tests/support/studies.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::palpate_command;
+using tests::palpate_program;
+using tests::Process;
+using tests::slurp;
+using tests::TemporaryFolder;
+
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
+
+/// Typical people with quick hands: a trial is simulated in a third of the time.
+std::string people_file() {
+    static const TemporaryFolder folder;
+    const std::string file = folder.file("people.toml");
+    protocols::ObserverModel model = protocols::typical_observer();
+    model.hand.speed = 2.5;
+    tests::write(file, protocols::observer_text(model));
+    return file;
+}
+
+std::vector<std::string> simulate(const std::vector<std::string>& more,
+                                  const std::string& people = "4") {
+    std::vector<std::string> words{"simulate", kStudy,       "--participants",
+                                   people,     "--observer", people_file()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+std::vector<std::string> program(std::vector<std::string> words) {
+    words.insert(words.begin(), palpate_program());
+    return words;
+}
+
+/// All that the rows say, names and seals of sessions too.
+std::string content(const std::string& file) {
+    data::Database database(file, data::Access::read);
+    return tests::content_hash(database) +
+           tests::lines(
+               database,
+               "SELECT participant_code, uuid, newest_seal, started_utc, finished_utc FROM "
+               "session JOIN participant USING (participant_id) ORDER BY session_id");
+}
+
+}  // namespace
+
+TEST_CASE("any number of threads simulates the same bytes, and shards merged are the same study",
+          "[simulate][law]") {
+    const TemporaryFolder folder;
+    const std::string one = folder.file("one.sqlite");
+    REQUIRE(palpate_command(simulate({"--db", one, "--threads", "1"})).code == 0);
+    for (const char* threads : {"2", "5"}) {
+        const std::string file = folder.file(std::string("t") + threads + ".sqlite");
+        const auto ran = palpate_command(simulate({"--db", file, "--threads", threads}));
+        CAPTURE(threads, ran.error);
+        REQUIRE(ran.code == 0);
+        CHECK(slurp(file) == slurp(one));
+    }
+    std::vector<std::string> merge{"merge", "--expect", "3", folder.file("all.sqlite")};
+    for (const char* shard : {"2/3", "0/3"}) {
+        REQUIRE(palpate_command(
+                    simulate({"-o", folder.file("shards"), "--shard", shard, "--threads", "1"}))
+                    .code == 0);
+        merge.push_back(
+            folder.file(fmt::format("shards/shard-00{}-of-003.sqlite", std::string(shard, 1))));
+    }
+    const auto missing = palpate_command(merge);
+    CHECK(missing.code == 2);
+    CHECK_THAT(missing.error,
+               ContainsSubstring("one shard of 3 missing") && ContainsSubstring("--array=1"));
+    CHECK_FALSE(fs::exists(folder.file("all.sqlite")));
+
+    // The last one as Slurm would run its script.
+    const auto script =
+        palpate_command(simulate({"-o", folder.file("shards"), "--slurm", "3", "--threads", "2"}));
+    REQUIRE(script.code == 0);
+    for (const char* line : {"#SBATCH --array=0-2\n", "#SBATCH --cpus-per-task=2\n",
+                             "#SBATCH --signal=B:TERM@60\n", "#SBATCH --requeue\n", "\nexec "}) {
+        CHECK_THAT(script.out, ContainsSubstring(line));
+    }
+    tests::write(folder.file("study.sbatch"), script.out);
+    const auto task = Process({"sh", folder.file("study.sbatch")},
+                              {"SLURM_ARRAY_TASK_ID=1", "SLURM_CPUS_PER_TASK=2",
+                               "TMPDIR=" + folder.file("shards"), "SLURM_ARRAY_TASK_COUNT=1"})
+                          .wait();
+    CAPTURE(task.error);
+    REQUIRE(task.code == 0);
+    merge.push_back(folder.file("shards/shard-001-of-003.sqlite"));
+    REQUIRE(palpate_command(merge).code == 0);
+    CHECK(content(folder.file("all.sqlite")) == content(one));
+    const auto again = palpate_command({"merge", folder.file("all.sqlite"), one});
+    CHECK_THAT(again.out, ContainsSubstring("0 sessions new, 0 went on, 4 as before"));
+
+    const auto verified = palpate_command({"verify", one});
+    CHECK(verified.code == 0);
+    CHECK_THAT(verified.out, ContainsSubstring("Nothing differs."));
+}
+
+TEST_CASE("a simulation that was killed or stopped goes on, and gives the same bytes",
+          "[simulate][law]") {
+    const TemporaryFolder folder;
+    const std::string whole = folder.file("whole.sqlite");
+    const std::string people = "8";
+    REQUIRE(palpate_command(simulate({"--db", whole}, people)).code == 0);
+    /// Begins it, and sends the signal when the second participant is kept. @return the exit code
+    const auto broken_off = [&](const std::string& file, int signal,
+                                const std::vector<std::string>& more) {
+        for (int tries = 0; tries < 5; ++tries) {
+            fs::remove(file);
+            auto words = simulate({"--db", file, "--threads", "1"}, people);
+            words.insert(words.end(), more.begin(), more.end());
+            Process run(program(words));
+            while (run.running() && run.out().find("S000002") == std::string::npos) {
+                tests::pause(0.001);
+            }
+            run.signal(signal);
+            const int code = run.wait().code;
+            if (!fs::exists(file)) {
+                return code;
+            }
+        }
+        return -1;
+    };
+    const std::string killed = folder.file("killed.sqlite");
+    CHECK(broken_off(killed, SIGKILL, {}) == 128 + SIGKILL);
+    CHECK(fs::exists(killed + ".partial"));
+    const auto on = palpate_command(simulate({"--db", killed}, people));
+    REQUIRE(on.code == 0);
+    CHECK_THAT(on.out, !ContainsSubstring("S000001"));
+    CHECK(slurp(killed) == slurp(whole));
+
+    const std::string stopped = folder.file("stopped.sqlite");
+    const std::vector<std::string> scratch{"--scratch", folder.file("scratch")};
+    CHECK(broken_off(stopped, SIGTERM, scratch) == 3);
+    CHECK(fs::exists(stopped + ".partial"));
+    CHECK(fs::is_empty(folder.file("scratch")));
+    auto words = simulate({"--db", stopped}, people);
+    words.insert(words.end(), scratch.begin(), scratch.end());
+    const auto after = palpate_command(words);
+    REQUIRE(after.code == 0);
+    CHECK_THAT(after.out, !ContainsSubstring("S000001"));
+    CHECK(slurp(stopped) == slurp(whole));
+    CHECK(fs::is_empty(folder.file("scratch")));
+    const std::vector<std::string> left{"killed.sqlite", "scratch", "stopped.sqlite",
+                                        "whole.sqlite"};
+    CHECK(folder.names() == left);
+}
+
+TEST_CASE("a file that is whole is left, and one of something else is refused", "[simulate][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    const std::vector<std::string> same = simulate({"--db", file, "--no-traces"}, "2");
+    REQUIRE(palpate_command(same).code == 0);
+    const std::string bytes = slurp(file);
+    const auto again = palpate_command(same);
+    CHECK(again.code == 0);
+    CHECK_THAT(again.out, ContainsSubstring("already done"));
+    const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+        const auto ran = palpate_command(words);
+        CAPTURE(why);
+        CHECK(ran.code == 2);
+        CHECK_THAT(ran.error, ContainsSubstring(why));
+        CHECK(slurp(file) == bytes);
+    };
+    refused(simulate({"--db", file, "--no-traces"}, "3"), "2 participants other than the 3");
+    refused(simulate({"--db", file, "--no-traces", "--shard", "0/2"}, "4"), "other than the 2");
+    refused(simulate({"--db", file}, "2"), "without ticks");
+    refused(simulate({"--db", file, "--no-traces", "--seed", "99"}, "2"), "another seed (3)");
+    refused({"simulate", kStudy, "--participants", "2", "--no-traces", "--db", file},
+            "another observer");
+    refused({"simulate", "pilot", "--participants", "2", "--observer", "typical", "--no-traces",
+             "--db", file},
+            "another protocol");
+    refused(simulate({}, "2"), "give --db FILE, or -o FOLDER");
+    refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "2/2"}), "--shard 2/2");
+    refused(simulate({"--db", folder.file("n.sqlite"), "--shard", "3/4"}, "2"), "none of the 2");
+    tests::write(folder.file("bad.toml"), "format = 1\n[people]\nnoise_sd = 1\n");
+    refused({"simulate", kStudy, "--observer", folder.file("bad.toml"), "--db", file},
+            "bad.toml:3:1: unknown key \"noise_sd\" in [people]: did you mean noise_sd_ln?");
+
+    const auto verified = palpate_command({"verify", file});
+    CHECK(verified.code == 0);
+    CHECK_THAT(verified.out, ContainsSubstring("0 ticks replayed, nothing differs"));
+    CHECK(palpate_command({"summary", file}).code == 0);
+}
+
+TEST_CASE("verify asks the drawn person again: an observer that was not the one is noticed",
+          "[simulate][law]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    REQUIRE(palpate_command(simulate({"--db", file}, "2")).code == 0);
+    data::Database(file, data::Access::write)
+        .execute(
+            "UPDATE session_provenance SET value = replace(value, 'median_s = 1.5', 'median_s = "
+            "2') "
+            "WHERE key = 'observer'");
+    const auto verified = palpate_command({"verify", file});
+    CHECK(verified.code == 1);
+    CHECK_THAT(verified.out, ContainsSubstring("response.reaction_s"));
+}
+
+TEST_CASE("stats finds the effect of friction that an observer has, and none where there is none",
+          "[simulate][law]") {
+    const TemporaryFolder folder;
+    std::string study = slurp(kStudy);
+    for (const auto& [from, to] :
+         {std::pair<std::string, std::string>{"repetitions = 1", "repetitions = 5"},
+          {"curvature_per_m = 8", "curvature_per_m = 4"},
+          {"curvature_per_m = -8", "curvature_per_m = -4"}}) {
+        study.replace(study.find(from), from.size(), to);
+    }
+    tests::write(folder.file("study.toml"), study);
+    /// Of the share of right answers, friction on against off: mean difference and its interval.
+    const auto difference = [&](const std::string& friction) {
+        tests::write(folder.file("observer.toml"),
+                     "format = 1\n[hand]\nspeed_factor = 2.5\n[observer]\nnoise_per_m = 2.5\nlapse "
+                     "= 0\n[people]\nnoise_sd_ln = "
+                     "0.2\n[friction]\n" +
+                         friction);
+        const std::string file = folder.file("d.sqlite");
+        fs::remove(file);
+        const auto ran = palpate_command({"simulate", folder.file("study.toml"), "--participants",
+                                          "6", "--observer", folder.file("observer.toml"), "--db",
+                                          file, "--no-traces"});
+        CAPTURE(ran.error);
+        REQUIRE(ran.code == 0);
+        const auto stats = palpate_command({"stats", file, "--kind", "simulated", "--json",
+                                            "--permutations", "0", "--simulations", "0"});
+        REQUIRE(stats.code == 0);
+        return nlohmann::json::parse(stats.out)
+            .at(nlohmann::json::json_pointer("/applied/measures/d_prime/effects/on/interval_95"))
+            .get<std::vector<double>>();
+    };
+    CHECK(difference("noise_factor_per_mu = 60\n").back() < 0.0);
+    const std::vector<double> none = difference("");
+    CHECK(none.front() < 0.0);
+    CHECK(none.back() > 0.0);
+}

@@ -1,0 +1,151 @@
+#include "ui/session/simulated_session.hpp"
+
+#include <cmath>
+#include <span>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "protocols/design/counterbalance.hpp"
+#include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/observer_file.hpp"
+#include "protocols/session/session.hpp"
+#include "data/store/secret.hpp"
+#include "data/store/session_store.hpp"
+#include "data/store/sqlite_recorder.hpp"
+#include "data/store/uuid.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/session/build_id.hpp"
+#include "ui/session/open_apparatus.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::int64_t kMidnight = 946'684'800'000'000'000;  ///< 1 January 2000, ns since 1970
+
+/// The row of a participant: sets of all rows one after the other, each in an order of its own, so that of any first
+/// n participants no row has two more than another, and nobody has to know who else was simulated.
+protocols::RowHistory dealt_row(const SimulatedStudy& of,
+                                std::size_t index,
+                                std::size_t rows,
+                                std::string_view purpose) {
+    Pcg32 random = protocols::stream({.protocol_hash = of.study.hash,
+                                      .participant = {},
+                                      .session = 0,
+                                      .block = index / rows,
+                                      .purpose = std::string(purpose),
+                                      .seed = of.seed,
+                                      .secret = of.secret});
+    std::vector<std::size_t> order(rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+        order[i] = i;
+    }
+    shuffle(std::span(order), random);
+    return {.uses = {}, .own = order[index % rows]};
+}
+
+protocols::Plan plan_of(const SimulatedStudy& of,
+                        const protocols::SessionKey& key,
+                        std::size_t index) {
+    const protocols::Protocol& protocol = of.study.protocol;
+    const auto pictures =
+        dealt_row(of, index, protocols::picture_rows(protocol).size(), protocols::purpose::rows);
+    const auto frictions = dealt_row(of, index, protocols::friction_rows(protocol).size(),
+                                     protocols::purpose::friction_rows);
+    return make_plan(protocol, of.study.hash, key, of.seed, pictures, frictions);
+}
+
+/// What the session is, but for its answers, which follow.
+std::string content_of(const SimulatedStudy& of,
+                       const protocols::SessionKey& key,
+                       const std::string& observer) {
+    return fmt::format(
+        "palpate-simulated-v1\nprotocol={}\nparticipant={}\nsession={}\nseed={}\nsecret={}\n"
+        "traces={}\nbuild={}\nobserver={}:{}\n",
+        of.study.hash, key.participant, key.session, of.seed, key.secret, of.traces ? 1 : 0,
+        build_id(), observer.size(), observer);
+}
+
+}  // namespace
+
+std::string simulated_code(std::size_t index) {
+    return fmt::format("S{:06}", index + 1);
+}
+
+SimulatedSession::SimulatedSession(const SimulatedStudy& of, std::size_t index)
+    : of_(of), key_{simulated_code(index), 1, of.secret} {
+    const protocols::StreamKey stream = session_stream(of.study.hash, key_, of.seed);
+    person_ = of.observer ? drawn_person(*of.observer, stream)
+                          : protocols::Person{.spec = of.study.protocol.observer};
+    plan_ = plan_of(of, key_, index);
+    RigSpec rig;
+    rig.study = of.study;
+    rig.key = key_;
+    rig.seed = of.seed;
+    rig.hand = person_.hand;
+    rig.screen.headless = true;
+    OpenedApparatus opened = open_apparatus(rig);
+    for (const protocols::Finding& finding : opened.findings) {
+        if (finding.verdict == protocols::Verdict::refuse) {
+            throw std::invalid_argument(finding.text);
+        }
+        findings_.push_back(finding.text);
+    }
+    apparatus_ = std::move(opened.port);
+    opened_ = std::move(opened.provenance);
+}
+
+std::unique_ptr<data::Database> SimulatedSession::run(
+    const std::vector<std::pair<std::string, std::string>>& provenance) {
+    const protocols::Protocol& protocol = of_.study.protocol;
+    const std::string observer = of_.observer ? observer_text(*of_.observer) : std::string();
+    auto database = std::make_unique<data::Database>(key_.participant, data::Access::memory);
+    set_secret(*database, key_.secret);
+    data::SessionSpec spec{.protocol = protocol,
+                           .protocol_hash = of_.study.hash,
+                           .plan = plan_,
+                           .key = key_,
+                           .seed = of_.seed,
+                           .kind = data::RunKind::simulated,
+                           .device = apparatus_->device_name(),
+                           .provenance = provenance,
+                           .uuid = data::content_uuid(content_of(of_, key_, observer))};
+    spec.provenance.insert(spec.provenance.end(), opened_.begin(), opened_.end());
+    if (of_.observer) {
+        spec.provenance.emplace_back(data::kObserverKey, observer);
+    }
+    if (!of_.traces) {
+        spec.provenance.emplace_back(data::kTracesKey, data::kNoTraces);
+    }
+    protocols::SimulatedObserver answers(
+        protocol, session_stream(of_.study.hash, key_, of_.seed), plan_.picture_order,
+        [this] { return apparatus_->hand_is_done(); }, person_);
+    database->set_clock([&answers] { return kMidnight + std::llround(1e9 * answers.time_s()); });
+    const data::OpenedSession opened = data::open_session(*database, spec);
+    data::SqliteRecorder recorder(*database, protocol, opened.id, of_.traces);
+    const protocols::SessionEnd end = run_session(
+        protocol, plan_,
+        {.title = protocol.title,
+         .participant = key_.participant,
+         .trials = plan_.trials.size(),
+         .practice = opened.progress.pending().left(true),
+         .simulated = true,
+         .device = apparatus_->device_name()},
+        opened.progress,
+        {.apparatus = *apparatus_, .observer = answers, .recorder = recorder, .interrupted = [] {
+             return interrupted();
+         }});
+    database->set_clock({});
+    switch (end.why) {
+        case protocols::SessionEnd::Why::finished:
+            return database;
+        case protocols::SessionEnd::Why::aborted:
+            return nullptr;
+        case protocols::SessionEnd::Why::faulted:
+            break;
+    }
+    throw std::runtime_error(fmt::format("{}: {}", key_.participant, end.fault));
+}
+
+}  // namespace palpate::ui

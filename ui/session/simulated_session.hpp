@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "protocols/observer/simulated_observer.hpp"
+#include "protocols/protocol/observer_model.hpp"
+#include "protocols/trial/apparatus.hpp"
+#include "data/store/database.hpp"
+#include "ui/session/load_study.hpp"
+
+/// Simulated participants: the way of a session of `palpate run` on the simulated pantograph, but for a clock that
+/// waits for nobody and files that nobody sees.
+namespace palpate::ui {
+
+/// What all simulated participants of a study share.
+struct SimulatedStudy {
+    Study study;
+    std::uint64_t seed = 0;
+    std::string secret;  ///< what orders, hands and answers are drawn with, 32 hexadecimal digits
+    std::optional<protocols::ObserverModel>
+        observer{};      ///< none: [observer] of the protocol, all alike
+    bool traces = true;  ///< ticks are kept
+};
+
+/// "S000001", ...: by the number alone, whoever else is simulated. @param index  from 0
+[[nodiscard]] std::string simulated_code(std::size_t index);
+
+/// A participant's session: everything follows from study, seed, secret and index.
+class SimulatedSession {
+public:
+    /// @throws as open_apparatus(); protocols::OrderError
+    SimulatedSession(const SimulatedStudy& of, std::size_t index);
+
+    [[nodiscard]] const protocols::Plan& plan() const noexcept { return plan_; }
+    [[nodiscard]] const protocols::SessionKey& key() const noexcept { return key_; }
+    [[nodiscard]] protocols::Apparatus& apparatus() noexcept { return *apparatus_; }
+    [[nodiscard]] const protocols::Person& person() const noexcept { return person_; }
+    /// What is to be known of device and protocol together (OpenedApparatus::findings).
+    [[nodiscard]] const std::vector<std::string>& findings() const noexcept { return findings_; }
+
+    /// Runs it to its end and keeps it in a database in memory. Its rows say that it began at midnight of
+    /// 1 January 2000, UTC, and lasted as long as a person would have taken. Its uuid follows from what it is.
+    /// @param provenance  of the program, as provenance(protocol)
+    /// @return nothing: interrupted(). @throws std::runtime_error if the force went off and nobody mended it
+    [[nodiscard]] std::unique_ptr<data::Database> run(
+        const std::vector<std::pair<std::string, std::string>>& provenance);
+
+private:
+    const SimulatedStudy& of_;
+    protocols::SessionKey key_;
+    protocols::Person person_{};
+    protocols::Plan plan_{};
+    std::unique_ptr<protocols::Apparatus> apparatus_;
+    std::vector<std::string> findings_;
+    std::vector<std::pair<std::string, std::string>> opened_;  ///< provenance of the apparatus
+};
+
+}  // namespace palpate::ui
