@@ -57,7 +57,7 @@ TickRecord TickLoop::tick(const TickOrder& order) noexcept {
     const Command command = make_safe(
         safety_, limits_,
         {.force = contact.force,
-         .spring = contact.mode == Mode::free ? Vec2{} : contact.go - reading.hip,
+         .spring = scene_->spring(state_, contact, reading.hip),
          .depth = contact.mode == Mode::free ? 0.0 : contact.normal_force / limits_.stiffness,
          .hip = reading.hip,
          .counts = reading.counts,

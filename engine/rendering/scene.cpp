@@ -47,6 +47,18 @@ const SceneSpec& checked(const SceneSpec& spec) {
             "give m/s, 0 for none");
     require(spec.slew.none() || (std::isfinite(spec.slew.radius) && spec.slew.radius > 0.0),
             "vertex radius", spec.slew.radius, "give m above 0 when there is a vertex slew");
+    require(finite_from_zero(spec.compliance), "compliance", spec.compliance,
+            "give m/N, 0 for a rigid object");
+    const bool soft = spec.compliance > 0.0;
+    require(!soft || spec.damping == 0.0, "damping", spec.damping,
+            "give 0 N s/m with a compliance: the object has a damping of its own");
+    require(!soft || spec.slew.none(), "vertex slew", spec.slew.speed,
+            "give 0 m/s with a compliance: the vertex yields");
+    if (soft && spec.law.kind != LawKind::none) {
+        throw std::invalid_argument(
+            "an object with a compliance takes friction \"frictionless\", \"gos\" or \"coulomb\": "
+            "give one of them, or leave the compliance out");
+    }
     return spec;
 }
 
@@ -58,6 +70,7 @@ Scene::Scene(std::shared_ptr<const Outline> outline, const SceneSpec& spec)
       decay_(stribeck_decay(spec.friction, spec.period)),
       step_(step_for(felt_by_walk(spec))) {
     add_law();
+    add_softness();
 }
 
 Scene::Step Scene::step_for(const SceneSpec& spec) const noexcept {
@@ -76,6 +89,7 @@ void Scene::set_period(double period) {
     static_cast<void>(checked(spec_));
     decay_ = stribeck_decay(spec_.friction, period);
     add_law();
+    add_softness();
 }
 
 /// Out of contact: how far HIP may go before the next look.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/contact/certified_tracker.hpp"
+#include "engine/deformation/soft_shape.hpp"
 #include "engine/friction/god_object.hpp"
 #include "engine/friction/laws/law.hpp"
 #include "engine/friction/stribeck.hpp"
@@ -22,6 +23,9 @@ struct SceneSpec {
     /// Of friction from the literature, with mu_s and mu_d of `friction`; kind none: the god-object
     /// spring law.
     LawSpec law{};
+    /// c, m/N, of an object of two curves that yields (engine/deformation/soft_shape.hpp): 0, none does, to
+    /// kMostCompliance. Without damper, slew and law from the literature.
+    double compliance = 0.0;
 };
 
 /// The same spec, if all values are in range.
@@ -52,14 +56,17 @@ struct Contact {
     double tangential_force = 0.0;  ///< F . t at the GO, N, t = direction of travel
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
     bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
-    /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone.
+    /// The GO stopped outside its cone (vertex slew, an open end): the force is cut to the cone. Out of contact: the
+    /// object still goes back to its rest.
     bool outside_cone = false;
     bool unproven = false;  ///< the walk was broken off: never seen
     bool refused = false;   ///< HIP was not finite: force zero, contact ended
     bool skipped = false;   ///< out of reach: nothing was computed
 
     /// An open end holds the GO outside of its cone.
-    [[nodiscard]] bool held() const noexcept { return outside_cone && !vertex_slew && !unproven; }
+    [[nodiscard]] bool held() const noexcept {
+        return mode != Mode::free && outside_cone && !vertex_slew && !unproven;
+    }
 };
 
 /// What a law of friction remembers of the contact.
@@ -83,6 +90,7 @@ struct ContactState {
     TrackState track{};         ///< of the looks
     std::uint64_t skipped = 0;  ///< ticks so far that were out of reach: a comparison
     Rubbing rubbing{};          ///< of scenes with a law of friction from the literature
+    SoftState soft{};           ///< of scenes whose object yields
 };
 
 /// A scene compiled once into the tick it needs: with or without friction, slew and damper. In
@@ -103,6 +111,9 @@ struct ContactState {
 /// the tangent t along which friction was held. So the held force works on just the travel that the
 /// law is told of, and what the law gives on a line it gives on any curve. Unlike with GOS the
 /// god-object is then the local closest point, and a stuck contact follows it around corners.
+///
+/// An object that yields moves under the spring of its contact, and the god-object stays on its material
+/// (engine/rendering/soft_scene.cpp). The outline, and the closest point of closest(), are those at rest.
 class Scene {
 public:
     /// @throws std::invalid_argument for values out of range: which one, the value, what to give
@@ -124,6 +135,17 @@ public:
     [[nodiscard]] ClosestPoint closest(TrackState& track, const Vec2& hip) const noexcept {
         return tracker_.track(track, hip);
     }
+
+    /// GO - HIP as the energy observer counts it: of an object that yields as long as a spring K alone would be that
+    /// stores what spring and curves do. 0 out of contact with what is at rest.
+    [[nodiscard]] Vec2 spring(const ContactState& state,
+                              const Contact& contact,
+                              const Vec2& hip) const noexcept {
+        const Vec2 stretch = contact.mode == Mode::free ? Vec2{} : contact.go - hip;
+        return soft_ == nullptr ? stretch : soft_spring(state, stretch);
+    }
+    /// The object that yields; null: it is rigid.
+    [[nodiscard]] const SoftShape* soft() const noexcept { return soft_.get(); }
 
     /// What is felt.
     [[nodiscard]] const Outline& outline() const noexcept { return *outline_; }
@@ -153,6 +175,14 @@ private:
     void damp(ContactState& state, const Walk& walk, Contact& contact) const noexcept;
     void add_law();
     Contact rubbed(ContactState& state, const Vec2& hip) const noexcept;
+    void add_softness();
+    Contact yielding(ContactState& state, const Vec2& hip) const noexcept;
+    bool meets(ContactState& state, const Vec2& from, Contact& contact) const noexcept;
+    [[nodiscard]] Contact waning(ContactState& state) const noexcept;
+    [[nodiscard]] Contact pressed(ContactState& state,
+                                  const Walk& walk,
+                                  const Vec2& hip) const noexcept;
+    [[nodiscard]] Vec2 soft_spring(const ContactState& state, const Vec2& stretch) const noexcept;
     [[nodiscard]] double along(const Place& place) const noexcept;
     [[nodiscard]] Contact free(ContactState& state, const ClosestPoint& cp) const noexcept;
     [[nodiscard]] Step step_for(const SceneSpec& spec) const noexcept;
@@ -166,6 +196,7 @@ private:
     Step smooth_ = nullptr;  ///< the frictionless tick below a law's
     FrictionLaw law_;
     std::vector<double> begins_;  ///< of each span along the outline, m; for a law that asks for it
+    std::shared_ptr<const SoftShape> soft_;
 };
 
 }  // namespace palpate::engine

@@ -19,6 +19,10 @@ const SurfaceSceneSpec& checked(const SurfaceSceneSpec& whole) {
         throw std::invalid_argument("damping is " + number_text(whole.contact.damping) +
                                     ": give 0 with a surface");
     }
+    if (whole.contact.compliance > 0.0) {
+        throw std::invalid_argument("compliance is " + number_text(whole.contact.compliance) +
+                                    ": give 0 with a surface");
+    }
     return whole;
 }
 

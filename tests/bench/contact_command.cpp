@@ -147,6 +147,7 @@ int contact_command(const std::vector<std::string>& arguments) {
             if (with_peers) {
                 append(methods, peer_methods(object));
             }
+            append(methods, soft_methods(object));
             const std::size_t before = rows.size();
             measure<2>(rows, object.name, path.name, methods, hips, truths(object, hips), clock);
             print_table(std::cout,
@@ -157,7 +158,9 @@ int contact_command(const std::vector<std::string>& arguments) {
         const std::vector<Vec2> hips =
             hand_along(object, {.seconds = seconds, .nearest = -3e-3, .farthest = -5e-4});
         const std::size_t before = rows.size();
-        measure<2>(rows, object.name, "ticks, -3..-0.5 mm", tick_methods(object), hips, {}, clock);
+        Methods<2> methods = tick_methods(object);
+        append(methods, soft_methods(object));
+        measure<2>(rows, object.name, "ticks, -3..-0.5 mm", methods, hips, {}, clock);
         print_table(std::cout, {rows.begin() + static_cast<std::ptrdiff_t>(before), rows.end()});
     }
     const bool in_space = wanted.find('S') != std::string::npos;

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "engine/contact/certified_tracker.hpp"
+#include "engine/geometry/arc.hpp"
 #include "engine/geometry/rational_bezier.hpp"
 #include "engine/rendering/scene.hpp"
 #include "tests/bench/polyline.hpp"
@@ -89,6 +90,8 @@ struct Tick {
         : outline(std::make_shared<const engine::Outline>(outline_of(object, false))),
           scene(std::make_shared<const engine::Scene>(outline, spec)),
           closest(looks) {}
+    Tick(std::shared_ptr<const engine::Outline> felt, const engine::SceneSpec& spec)
+        : outline(std::move(felt)), scene(std::make_shared<const engine::Scene>(outline, spec)) {}
     void reset(const Vec2& /*first*/) {
         state = {};
         track = {};
@@ -168,6 +171,22 @@ Methods<2> tick_methods(const Object& object) {
     add("tick, frictionless", {});
     methods.push_back(make_method<2>("tick, out of reach", Kind::floor,
                                      FarTick{Tick(object, {.friction = kFriction})}));
+    return methods;
+}
+
+Methods<2> soft_methods(const Object& object) {
+    std::vector<RationalBezier<2>> spans = spans_of(object);
+    if (object.name != "E") {
+        return {};
+    }
+    spans.push_back(engine::make_line(spans[1].at(1.0).point, spans[0].at(0.0).point));
+    const auto closed = std::make_shared<const engine::Outline>(std::move(spans), true);
+    Methods<2> methods;
+    const auto add = [&](const char* name, const engine::SceneSpec& spec) {
+        methods.push_back(make_method<2>(name, Kind::floor, Tick(closed, spec)));
+    };
+    add("tick on a base line, friction", {.friction = kFriction});
+    add("the same, soft: 1 mm/N", {.friction = kFriction, .compliance = 1e-3});
     return methods;
 }
 

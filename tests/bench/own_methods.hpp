@@ -8,9 +8,13 @@ namespace palpate::bench {
 /// The floor, our own methods and the polyline, for one object. New solvers of the engine go here.
 [[nodiscard]] Methods<2> own_methods(const Object& object);
 
-/// Those that take any curve at all, one that no outline is made of too.
 /// Whole ticks of a scene, for a path inside the object; beside them one Newton update.
 [[nodiscard]] Methods<2> tick_methods(const Object& object);
+
+/// Whole ticks of the study's object on its base line, rigid and soft; of other objects none.
+[[nodiscard]] Methods<2> soft_methods(const Object& object);
+
+/// Those that take any curve at all, one that no outline is made of too.
 [[nodiscard]] Methods<2> any_curve_methods(const Object& object);
 
 /// Those that take any number of curves.
