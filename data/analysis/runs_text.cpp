@@ -217,21 +217,26 @@ struct Meaning {
 std::string standard_text(const Protocol& protocol) {
     const protocols::AdaptiveSpec& rule = *protocol.procedure;
     const bool curvature = rule.varies == protocols::Varies::curvature;
+    const bool soft = rule.varies == protocols::Varies::compliance;
     std::string text = fmt::format(
         "  Stimuli: {}{}.", rule.stimulus_as == protocols::StimulusAs::log10 ? "log10 of " : "",
-        curvature ? "curvature in 1/m" : "static friction coefficient");
+        curvature ? "curvature in 1/m"
+        : soft    ? "compliance in mm/N"
+                  : "static friction coefficient");
     if (protocol.response.kind != protocols::ResponseKind::two_interval) {
         return text + '\n';
     }
     for (const protocols::RunSpec& run : protocol.runs) {
         double standard = 0.0;
         for (const auto& object : protocol.objects) {
-            standard = curvature && object.name == rule.object ? object.curvature : standard;
+            if (object.name == rule.object) {
+                standard = curvature ? object.curvature : soft ? 1e3 * object.compliance : standard;
+            }
         }
         for (const auto& friction : protocol.frictions) {
             const std::string& name =
                 run.standard_friction.empty() ? run.friction : run.standard_friction;
-            standard = !curvature && friction.name == name ? friction.mu_s : standard;
+            standard = !curvature && !soft && friction.name == name ? friction.mu_s : standard;
         }
         text += fmt::format("{}{}: standard {:g}", &run == protocol.runs.data() ? " Run " : ", ",
                             run.name, standard);

@@ -133,7 +133,8 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
               "SELECT coalesce(felt.felt_object, plan.planned_object), coalesce(felt.friction, "
               "plan.friction), coalesce(felt.slip_decay, 0), "
               "coalesce(felt.heal_decay, 0), felt.curvature_per_m, felt.mu_s, "
-              "felt.mu_d, study.protocol_toml, (SELECT value FROM main.session_provenance AS p "
+              "felt.mu_d, felt.stimulus, study.protocol_toml, (SELECT value FROM "
+              "main.session_provenance AS p "
               "WHERE p.session_id = session.session_id AND p.key = 'calibration') FROM main.trial "
               "JOIN main.plan USING (session_id, plan_position) JOIN main.session USING "
               "(session_id) JOIN main.study USING (study_id) LEFT JOIN main.presentation AS felt "
@@ -144,7 +145,7 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
     const auto number = [&row](int column) {
         return row.null(column) ? std::nullopt : std::optional(row.real(column));
     };
-    const std::pair key(row.text(7), row.text(8));
+    const std::pair key(row.text(8), row.text(9));
     auto session = sessions.find(key);
     if (session == sessions.end()) {
         session = sessions.emplace(key, SessionTraces(key.first, key.second)).first;
@@ -155,7 +156,8 @@ TickStore::State::Context TickStore::State::context_of(const TrialPart& part) {
                       .heal_decay = row.real(3),
                       .curvature = number(4),
                       .mu_s = number(5),
-                      .mu_d = number(6)},
+                      .mu_d = number(6),
+                      .stimulus = number(7)},
             .session = &session->second};
 }
 

@@ -16,7 +16,7 @@ constexpr const char* kChunks =
 constexpr const char* kContext =
     "SELECT trial.session_id, coalesce(p.felt_object, plan.planned_object), coalesce(p.friction, "
     "plan.friction), coalesce(p.slip_decay, 0), coalesce(p.heal_decay, "
-    "0), p.curvature_per_m, p.mu_s, p.mu_d FROM trial JOIN plan USING (session_id, "
+    "0), p.curvature_per_m, p.mu_s, p.mu_d, p.stimulus FROM trial JOIN plan USING (session_id, "
     "plan_position) LEFT JOIN presentation AS p ON p.trial_id = trial.trial_id AND p.interval = ?2 "
     "WHERE trial.trial_id = ?1";
 
@@ -69,7 +69,8 @@ TrialContext trial_context(Database& database, std::int64_t trial, std::int64_t 
                       .heal_decay = row.real(4),
                       .curvature = number(5),
                       .mu_s = number(6),
-                      .mu_d = number(7)}};
+                      .mu_d = number(7),
+                      .stimulus = number(8)}};
 }
 
 std::string first_calibration(Database& database, std::int64_t session) {

@@ -87,7 +87,7 @@ SessionTraces::SessionTraces(protocols::Protocol protocol,
 
 std::shared_ptr<const engine::Scene> SessionTraces::scene_of(const TraceTrial& trial) {
     const Felt key(trial.object, trial.friction, trial.slip_decay, trial.heal_decay,
-                   trial.curvature, trial.mu_s, trial.mu_d);
+                   trial.curvature, trial.mu_s, trial.mu_d, trial.stimulus);
     auto found = scenes_.find(key);
     if (found == scenes_.end()) {
         protocols::Presentation felt{
@@ -99,6 +99,10 @@ std::shared_ptr<const engine::Scene> SessionTraces::scene_of(const TraceTrial& t
         }
         felt.friction.mu_s = trial.mu_s.value_or(felt.friction.mu_s);
         felt.friction.mu_d = trial.mu_d.value_or(felt.friction.mu_d);
+        if (trial.stimulus && protocol_.procedure &&
+            protocol_.procedure->varies == protocols::Varies::compliance) {
+            feel_stimulus(*protocol_.procedure, *trial.stimulus, felt);
+        }
         const std::shared_ptr<engine::Scene> scene(
             new engine::Scene(protocols::make_scene(protocol_, felt)));
         scene->restore_decay({.slip = trial.slip_decay, .heal = trial.heal_decay});

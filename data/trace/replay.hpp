@@ -31,6 +31,7 @@ struct TraceTrial {
     std::optional<double> curvature{};
     std::optional<double> mu_s{};
     std::optional<double> mu_d{};
+    std::optional<double> stimulus{};  ///< what a rule chose, where it chose the compliance
 };
 
 struct Replayed {
@@ -80,6 +81,7 @@ private:
                             std::string,
                             double,
                             double,
+                            std::optional<double>,
                             std::optional<double>,
                             std::optional<double>,
                             std::optional<double>>;

@@ -19,7 +19,7 @@ namespace palpate::protocols {
 /// How many answers the question has.
 [[nodiscard]] std::size_t answers_of(const Protocol& protocol);
 
-/// What is felt when the rule chooses `stimulus`: 1/m or mu_s.
+/// What is felt when the rule chooses `stimulus`: 1/m, mu_s or mm/N.
 [[nodiscard]] double felt_value(const AdaptiveSpec& spec, double stimulus);
 
 /// The trials of such a session, the practice first.

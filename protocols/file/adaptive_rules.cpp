@@ -9,6 +9,7 @@
 
 #include "engine/base/text.hpp"
 #include "engine/contact/closest_point.hpp"
+#include "engine/deformation/soft_shape.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/object_outline.hpp"
@@ -98,10 +99,15 @@ public:
         runs();
         answers();
         design();
-        if (spec_.varies == Varies::curvature) {
-            curvatures();
-        } else {
-            frictions();
+        switch (spec_.varies) {
+            case Varies::curvature:
+                curvatures();
+                break;
+            case Varies::mu:
+                frictions();
+                break;
+            case Varies::compliance:
+                compliances();
         }
         practice();
     }
@@ -221,6 +227,24 @@ private:
         }
     }
 
+    void compliances() {
+        constexpr double kMost = 1e3 * engine::kMostCompliance;
+        const double lowest = felt_value(spec_, spec_.lowest);
+        const double highest = felt_value(spec_, spec_.highest);
+        if (!(lowest >= 0.0 && highest <= kMost)) {
+            add(lowest >= 0.0 ? this->highest() : this->lowest(),
+                fmt::format("the rule may choose a compliance from {:.6g} to {:.6g} mm/N: keep it "
+                            "within 0 and {}, by the stimuli, or lowest and highest",
+                            lowest, highest, kMost));
+        }
+        const ObjectSpec* base = named(protocol_.objects, spec_.object);
+        if (base != nullptr && !base->segments.empty()) {
+            add("procedure.object", fmt::format("object is \"{}\", a free form: a compliance is of "
+                                                "two curves, give an object with curvature_per_m",
+                                                base->name));
+        }
+    }
+
     void practice() {
         const double x = spec_.practice_stimulus;
         if (spec_.practice_trials > 0 && !(x >= spec_.lowest && x <= spec_.highest)) {
@@ -295,6 +319,7 @@ void check_standards(const Protocol& protocol, const Places& places, Problems& p
         return;
     }
     const bool of_mu = spec.varies == Varies::mu;
+    const bool soft = spec.varies == Varies::compliance;
     const double least = felt_value(spec, spec.lowest);
     for (const RunSpec& run : protocol.runs) {
         const bool same = run.standard_friction.empty() || run.standard_friction == run.friction;
@@ -304,14 +329,19 @@ void check_standards(const Protocol& protocol, const Places& places, Problems& p
         if (friction == nullptr || object == nullptr || !(of_mu || same)) {
             continue;  // said already; or another friction may move what is felt as equal
         }
-        const double standard = of_mu ? friction->mu_s : object->curvature;
+        const double standard = of_mu ? friction->mu_s
+                              : soft  ? 1e3 * object->compliance
+                                      : object->curvature;
         if (!(least > standard)) {
             problems.add(
                 places.of("procedure." + spec.lowest_key),
                 fmt::format("the rule may choose a {} of {}, and that of the standard is {}: "
                             "it would take a right answer for a wrong one; keep it above the "
                             "standard, by lowest",
-                            of_mu ? "mu_s" : "curvature", least, standard));
+                            of_mu  ? "mu_s"
+                            : soft ? "compliance"
+                                   : "curvature",
+                            least, standard));
             return;
         }
     }

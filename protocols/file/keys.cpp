@@ -78,6 +78,8 @@ constexpr Key kObject[]{
      .meaning = "then turned about the origin, anticlockwise"},
     {.name = "offset_mm", .slot = at<&ObjectSpec::offset>, .range = {-1000, 1000}, .per_si = 1000, .late = true,
      .meaning = "then moved by [x, y]"},
+    {.name = "compliance_mm_per_n", .slot = at<&ObjectSpec::compliance>, .range = {0, 5}, .per_si = 1000, .late = true,
+     .meaning = "how far the vertex of two curves gives way to a force that rests on it; 0: rigid"},
 };
 
 constexpr Key kSafety[]{
@@ -178,7 +180,7 @@ constexpr Key kResponse[]{
 
 constexpr Key kAdaptive[]{
     {.name = "varies", .slot = at<&AdaptiveSpec::varies>, .need = required,
-     .meaning = "what the rule chooses: the curvature, or mu_s (mu_d keeps its share)"},
+     .meaning = "what the rule chooses: the curvature, mu_s (mu_d keeps its share), or the compliance"},
     {.name = "stimulus_as", .slot = at<&AdaptiveSpec::stimulus_as>, .late = true,
      .meaning = "log10: what is felt is 10 to the power of what the rule chooses"},
     {.name = "object", .slot = at<&AdaptiveSpec::object>, .need = required,
@@ -215,6 +217,8 @@ constexpr Key kObserver[]{
      .meaning = "curvature added per unit of felt friction"},
     {.name = "noise_mu", .slot = at<&ObserverSpec::noise_mu>, .range = {0, 10}, .late = true,
      .meaning = "standard deviation of the felt friction coefficient"},
+    {.name = "noise_softness_log10", .slot = at<&ObserverSpec::noise_softness>, .range = {0, 10}, .late = true,
+     .meaning = "standard deviation of the decadic logarithm of the felt softness"},
 };
 
 constexpr Key kMasking[]{

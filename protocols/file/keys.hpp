@@ -22,7 +22,8 @@ inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
 inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
                                                                 "yes_no", "rating"};
 inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
-inline constexpr std::array<std::string_view, 2> kVaries{"curvature_per_m", "mu"};
+inline constexpr std::array<std::string_view, 3> kVaries{"curvature_per_m", "mu",
+                                                         "compliance_mm_per_n"};
 inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 
 [[nodiscard]] constexpr WordList words_of(OrderRule) {

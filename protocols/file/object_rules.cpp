@@ -44,6 +44,7 @@ public:
 
     void check() {
         pictures_differ();
+        softness();
         if (outline()) {
             for (std::size_t i = 0; i < protocol_.objects.size(); ++i) {
                 if (!object(i)) {
@@ -83,6 +84,53 @@ private:
                     fmt::format("the object {} has the outline of [[object]] {}: pictured objects "
                                 "need outlines of their own",
                                 object.name, *known + 1));
+            }
+        }
+    }
+
+    /// What yields is two curves, under a contact of one spring and friction in its cone.
+    void softness() {
+        const bool varied =
+            protocol_.procedure && protocol_.procedure->varies == Varies::compliance;
+        std::size_t soft = protocol_.objects.size();
+        for (std::size_t i = 0; i < protocol_.objects.size(); ++i) {
+            if (!(protocol_.objects[i].compliance > 0.0)) {
+                continue;
+            }
+            soft = std::min(soft, i);
+            if (!protocol_.objects[i].segments.empty()) {
+                add(path(i, "compliance_mm_per_n"),
+                    fmt::format("the object {} is a free form: a compliance is of two curves; "
+                                "delete it, or give curvature_per_m",
+                                protocol_.objects[i].name));
+            }
+        }
+        if (soft == protocol_.objects.size() && !varied) {
+            return;
+        }
+        const std::string what =
+            varied ? std::string("the rule varies a compliance")
+                   : fmt::format("the object {} has a compliance", protocol_.objects[soft].name);
+        const ApparatusSpec& apparatus = protocol_.apparatus;
+        if (apparatus.vertex_slew > 0.0) {
+            add("apparatus.vertex_slew_mm_per_s",
+                fmt::format("{}, and vertex_slew_mm_per_s is {:g}: give 0, a vertex that yields "
+                            "needs none",
+                            what, 1e3 * apparatus.vertex_slew));
+        }
+        if (apparatus.damping != 0.0) {
+            add("apparatus.damping_n_s_per_m",
+                fmt::format("{}, and damping_n_s_per_m is {:g}: give 0, the object has a damping "
+                            "of its own",
+                            what, apparatus.damping));
+        }
+        for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
+            const FrictionSpec& friction = protocol_.frictions[i];
+            if (engine::law_kind(friction.law) != engine::LawKind::none) {
+                add(fmt::format("friction.{}.law", i + 1),
+                    fmt::format("{}, and law is \"{}\": give \"frictionless\", \"gos\" or "
+                                "\"coulomb\"",
+                                what, friction.law));
             }
         }
     }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 
@@ -86,6 +87,8 @@ constexpr Key kRenderer[]{
      .meaning = "how hard the object is"},
     {.name = "damping_n_s_per_m", .slot = at<&SceneRenderer::damping>, .range = kFromZero,
      .meaning = "damper of the contact beside its spring; plane curves only"},
+    {.name = "compliance_m_per_n", .slot = at<&SceneRenderer::compliance>, .range = {0, engine::kMostCompliance},
+     .meaning = "of two curves that yield, the first two of a closed outline of three: how far their vertex gives way to a force that rests on it; 0: rigid"},
     {.name = "tracker", .slot = tracker,
      .meaning = "how the closest point is found; all but the first are the thesis' trackers"},
     {.name = "sub_steps", .slot = of_renderer<[](auto& r) -> auto& { return r.tracker.sub_steps; }>, .range = {1, 1000},
@@ -236,6 +239,29 @@ void read_surface(TableReader table, SceneFile& scene) {
     });
 }
 
+/// A scene whose curves yield can be compiled, or it is said why not.
+void check_softness(const SceneFile& scene, const Position& at, Problems& problems) {
+    if (scene.curves.empty()) {
+        problems.add(at, "compliance_m_per_n is for plane curves: leave it out");
+        return;
+    }
+    if (!scene.renderer.certified || scene.friction.law == Law::thesis_literal ||
+        scene.friction.law == Law::thesis_latched) {
+        problems.add(at,
+                     "compliance_m_per_n is given, and the thesis' trackers and laws are for rigid "
+                     "curves: give tracker \"certified\" and law \"gos\", \"coulomb\" or "
+                     "\"frictionless\"");
+        return;
+    }
+    try {
+        constexpr double kAnyPeriod = 1e-3;  // s
+        const engine::Scene built(std::make_shared<const engine::Outline>(outline_of(scene)),
+                                  spec_of(scene, kAnyPeriod));
+    } catch (const std::invalid_argument& error) {
+        problems.add(at, error.what());
+    }
+}
+
 /// What holds across tables.
 void check_whole(const SceneFile& scene, const Position& at, Problems& problems) {
     const int kinds = static_cast<int>(!scene.curves.empty()) +
@@ -259,6 +285,9 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
             "the thesis' trackers and the laws from the literature are for plane curves: on a "
             "[surface] give tracker "
             "\"certified\" and law \"gos\", \"coulomb\" or \"frictionless\"");
+    }
+    if (scene.renderer.compliance > 0.0) {
+        check_softness(scene, at, problems);
     }
 }
 
@@ -316,7 +345,8 @@ engine::SceneSpec spec_of(const SceneFile& scene, double period) noexcept {
             .period = period,
             .friction = scene.friction.set,
             .slew = scene.friction.slew,
-            .law = scene.friction.own};
+            .law = scene.friction.own,
+            .compliance = scene.renderer.compliance};
 }
 
 }  // namespace palpate::protocols

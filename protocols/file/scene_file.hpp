@@ -55,6 +55,7 @@ inline constexpr double kFarthest = 1e6;
 struct SceneRenderer {
     double stiffness = 1000.0;      ///< N/m
     double damping = 0.0;           ///< N s/m, of the virtual coupling
+    double compliance = 0.0;        ///< m/N, of two curves on a base line; 0: rigid
     bool certified = true;          ///< else by `tracker`
     engine::TrackerSpec tracker{};  ///< the thesis' trackers
 };

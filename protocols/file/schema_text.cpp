@@ -170,8 +170,10 @@ std::string default_of(const Key& key) {
 
 /// By the end of the key's name.
 std::string_view unit_of(std::string_view name) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 24> kUnits{
-        {{"_n_s_per_m", "N s/m"},
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kUnits{
+        {{"_mm_per_n", "mm/N"},
+         {"_m_per_n", "m/N"},
+         {"_n_s_per_m", "N s/m"},
          {"_n_per_ms", "N/ms"},
          {"_n_per_m", "N/m"},
          {"volts_per_n_m_1", "V/(N m)"},

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "engine/math/elementary.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/observer/draws.hpp"
 #include "protocols/psychometric/exact_math.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 /// Felt friction above which one says that there is some: strokes on a frictionless object feel 0.
 constexpr double kFrictionSeen = 0.05;
+constexpr double kLog10OfE = 0.43429448190325182;
 
 /// s; nobody is faster.
 constexpr double kQuickest = 0.25;
@@ -38,8 +40,8 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
     : outline_(protocol.outline),
       person_(person),
       key_(std::move(key)),
-      asked_mu_(protocol.procedure && protocol.procedure->varies == Varies::mu),
-      criterion_(asked_mu_ ? kFrictionSeen : 0.0),
+      asked_(protocol.procedure ? protocol.procedure->varies : Varies::curvature),
+      criterion_(asked_ == Varies::mu ? kFrictionSeen : 0.0),
       hand_is_done_(std::move(hand_is_done)),
       cues_{CurvatureCues(protocol.outline)} {
     key_.purpose = "observer";
@@ -51,12 +53,21 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
         const double chord = glm::length(protocol.outline.vertex - protocol.outline.a);
         blur_ = person_.spec.noise * chord * chord / 8.0;
     }
-    for (const ObjectSpec& object : protocol.objects) {
-        lowest_ = asked_mu_ ? 0.0 : std::min(lowest_, object.curvature);
-        highest_ = asked_mu_ ? highest_ : std::max(highest_, object.curvature);
-    }
-    for (const FrictionSpec& friction : protocol.frictions) {
-        highest_ = asked_mu_ ? std::max(highest_, friction.mu_d) : highest_;
+    switch (asked_) {
+        case Varies::curvature:
+            for (const ObjectSpec& object : protocol.objects) {
+                lowest_ = std::min(lowest_, object.curvature);
+                highest_ = std::max(highest_, object.curvature);
+            }
+            return;
+        case Varies::mu:
+            for (const FrictionSpec& friction : protocol.frictions) {
+                highest_ = std::max(highest_, friction.mu_d);
+            }
+            return;
+        case Varies::compliance:
+            highest_ = 1.0;
+            unfelt_.emplace(protocol);
     }
 }
 
@@ -68,8 +79,12 @@ Signal SimulatedObserver::ready(const TrialView& trial) {
     time_s_ += std::exchange(explored_s_, 0.0);
     if (trial.interval == 1) {
         cues_.clear();
+        soft_.clear();
     }
     cues_.emplace_back(outline_);
+    if (unfelt_) {
+        soft_.push_back(*unfelt_);
+    }
     if (shapes_) {
         shapes_->forget();
     }
@@ -86,6 +101,8 @@ Exploring SimulatedObserver::explore(const TrialView& trial, double elapsed_s) {
 void SimulatedObserver::feel(std::span<const engine::TickRecord> ticks) {
     if (shapes_) {
         shapes_->add(ticks);
+    } else if (unfelt_) {
+        soft_.back().add(ticks);
     } else {
         cues_.back().add(ticks);
     }
@@ -130,7 +147,7 @@ Choice SimulatedObserver::choose(const TrialView& trial, const Question& questio
 std::optional<std::size_t> SimulatedObserver::answer(const Question& question,
                                                      double noise,
                                                      Pcg32& random) {
-    percept_ = percept_of(cues_.front(), noise);
+    percept_ = percept_of(0, noise);
     if (!percept_) {
         return std::nullopt;
     }
@@ -139,7 +156,7 @@ std::optional<std::size_t> SimulatedObserver::answer(const Question& question,
             distance_ = to_criterion(*percept_);
             return nearest_place(*percept_);
         case ResponseKind::two_interval: {
-            const auto second = percept_of(cues_.back(), normal_draw(random));
+            const auto second = percept_of(cues_.size() - 1, normal_draw(random));
             if (!second) {
                 return std::nullopt;
             }
@@ -196,14 +213,20 @@ Signal SimulatedObserver::rest(double seconds, const TrialView& /*next*/) {
 
 void SimulatedObserver::finish(const SessionView& /*session*/) {}
 
-std::optional<double> SimulatedObserver::percept_of(const CurvatureCues& cues,
-                                                    double noise) noexcept {
-    const Cues felt = cues.cues();
+std::optional<double> SimulatedObserver::percept_of(std::size_t interval, double noise) noexcept {
+    if (asked_ == Varies::compliance) {
+        const auto softness = soft_[interval].softness();
+        noise_ = person_.spec.noise_softness * learned(person_, done_);
+        return softness
+                 ? std::optional(kLog10OfE * engine::natural_log(1e3 * *softness) + noise_ * noise)
+                 : std::nullopt;
+    }
+    const Cues felt = cues_[interval].cues();
     const std::optional<double> mean = percept_mean(person_, felt);
     if (!mean) {
         return std::nullopt;
     }
-    if (asked_mu_) {
+    if (asked_ == Varies::mu) {
         noise_ = person_.spec.noise_mu * learned(person_, done_);
         return felt.friction + noise_ * noise;
     }

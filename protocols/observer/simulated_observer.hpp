@@ -9,6 +9,7 @@
 #include "protocols/observer/curvature_cues.hpp"
 #include "protocols/observer/outline_cues.hpp"
 #include "protocols/observer/person.hpp"
+#include "protocols/observer/softness_cues.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/trial/observer.hpp"
 
@@ -37,9 +38,10 @@ namespace palpate::protocols {
 /// exponential of mean 0.7 s, at least 0.25 s. Nothing is waited for.
 ///
 /// Two intervals: each is a percept with a noise of its own, and the larger one is named. Where a rule varies
-/// mu, the percept is the felt friction, mean |F_t| / F_n of the strokes, with the noise noise_mu. Yes is
-/// said above 0 1/m, or above a friction of 0.05; a rating spreads its levels evenly over the
-/// curvatures of the objects (frictions: 0 to the largest mu_d). Confidence follows the distance of the
+/// mu, the percept is the felt friction, mean |F_t| / F_n of the strokes, with the noise noise_mu; where it varies the
+/// compliance, the decadic logarithm of the felt softness in mm/N (SoftnessCues), with noise_softness. Yes is
+/// said above 0 1/m, above a friction of 0.05, or above 1 mm/N; a rating spreads its levels evenly over the
+/// curvatures of the objects (frictions: 0 to the largest mu_d; softness: 1 to 10 mm/N). Confidence follows the distance of the
 /// percept from what divides the answers, in noises: 1 below 0.5, 2 below 1, 3 below 2, else 4; a guess: 1.
 ///
 /// Every trial draws from a stream of its own, keyed by its number: a resumed session, or a trial that
@@ -69,14 +71,13 @@ public:
     [[nodiscard]] Signal rest(double seconds, const TrialView& next) override;
     void finish(const SessionView& session) override;
 
-    /// Of the last answer, 1/m; none if nothing was felt, or if shapes were compared.
+    /// Of the last answer, 1/m (or as the question has it); none if nothing was felt, or if shapes were compared.
     [[nodiscard]] std::optional<double> percept() const noexcept { return percept_; }
     /// How long all so far would have taken a person: explorations, answers, gaps and breaks; s.
     [[nodiscard]] double time_s() const noexcept { return time_s_; }
 
 private:
-    [[nodiscard]] std::optional<double> percept_of(const CurvatureCues& cues,
-                                                   double noise) noexcept;
+    [[nodiscard]] std::optional<double> percept_of(std::size_t interval, double noise) noexcept;
     [[nodiscard]] std::optional<std::size_t> answer(const Question& question,
                                                     double noise,
                                                     Pcg32& random);
@@ -91,14 +92,16 @@ private:
     Person person_;
     StreamKey key_;
     std::vector<double> curvatures_;  ///< of the pictures from the left, 1/m
-    bool asked_mu_;                   ///< the question is about friction
+    Varies asked_;                    ///< what the question is about
     double criterion_;                ///< yes is said above it
     double lowest_ = 0.0;             ///< percept of a rating's first level ...
     double highest_ = 0.0;            ///< ... and of its last
     std::function<bool()> hand_is_done_;
-    std::vector<CurvatureCues> cues_;    ///< of the intervals felt so far
-    std::optional<OutlineCues> shapes_;  ///< if the objects differ in more than curvature
-    double blur_ = 0.0;                  ///< m, noise of a misfit
+    std::vector<CurvatureCues> cues_;     ///< of the intervals felt so far
+    std::vector<SoftnessCues> soft_;      ///< the same; if the question is about softness
+    std::optional<SoftnessCues> unfelt_;  ///< what an interval begins with
+    std::optional<OutlineCues> shapes_;   ///< if the objects differ in more than curvature
+    double blur_ = 0.0;                   ///< m, noise of a misfit
     std::optional<double> percept_;
     double distance_ = 0.0;  ///< of the last percept from what divides the answers ...
     double noise_ = 0.0;     ///< ... and its noise, in the same unit

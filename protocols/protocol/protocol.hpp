@@ -24,8 +24,10 @@ struct ObjectSpec {
         0.0;               ///< 1/m: > 0 convex, 0 straight, < 0 concave; no meaning for a free form
     bool pictured = true;  ///< false: a catch object, felt but never among the pictures
     double size = 1.0;     ///< factor, > 0; curvatures are divided by it
-    engine::Vec2 offset{};                     ///< m
-    double turn = 0.0;                         ///< rad, anticlockwise
+    engine::Vec2 offset{};  ///< m
+    double turn = 0.0;      ///< rad, anticlockwise
+    double compliance =
+        0.0;  ///< m/N at the vertex of two curves, 0: rigid; engine/deformation/soft_shape.hpp
     std::vector<stimuli::Segment> segments{};  ///< of a free form, closed; none: two curves
 
     [[nodiscard]] stimuli::Pose pose() const noexcept { return {size, offset, turn}; }
@@ -175,8 +177,9 @@ struct ResponseSpec {
 
 /// What an adaptive session varies from trial to trial.
 enum class Varies : std::uint8_t {
-    curvature,  ///< of the object's curves, 1/m
-    mu,         ///< mu_s of a friction; its mu_d keeps its share of it
+    curvature,   ///< of the object's curves, 1/m
+    mu,          ///< mu_s of a friction; its mu_d keeps its share of it
+    compliance,  ///< of the object, mm/N as the rule counts
 };
 
 /// How the number that a rule chooses becomes what is felt.
@@ -235,6 +238,8 @@ struct ObserverSpec {
     double force_weight = 0.5;  ///< weight of the force cue against the position cue, 0..1
     double bias_per_mu = 0.0;   ///< 1/m added to the percept per unit of felt friction coefficient
     double noise_mu = 0.1;      ///< standard deviation of the percept of the friction coefficient
+    /// Of the percept of softness, its decadic logarithm: 0.04 are 10 %.
+    double noise_softness = 0.04;
 
     friend bool operator==(const ObserverSpec&, const ObserverSpec&) = default;
 };

@@ -78,12 +78,8 @@ std::optional<bool> is_right(const Protocol& protocol,
     if (protocol.response.kind != ResponseKind::two_interval || felt.size() != 2) {
         return std::nullopt;
     }
-    const auto value = [&](const Presentation& one) {
-        return protocol.procedure->varies == Varies::curvature ? one.object.curvature
-                                                               : one.friction.mu_s;
-    };
-    const double first = value(felt[0]);
-    const double second = value(felt[1]);
+    const double first = varied_value(*protocol.procedure, felt[0]);
+    const double second = varied_value(*protocol.procedure, felt[1]);
     if (first == second) {
         return std::nullopt;
     }

@@ -19,7 +19,7 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         }
         sum_.start = started_ ? sum_.start : tick.hip;
         started_ = true;
-        ledger_.add(tick.hip, tick.force, tick.mode != engine::Mode::free);
+        ledger_.add(tick.hip, tick.force, engine::in_episode(tick));
         last_hip_ = tick.hip;
         last_force_ = tick.force;
         last_time_ = tick.time_ns;

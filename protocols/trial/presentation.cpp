@@ -13,17 +13,40 @@ Presentation comparison_of(const Protocol& protocol, const PlannedTrial& planned
                       .object = protocol.objects.at(planned.condition.object),
                       .friction = protocol.frictions.at(planned.condition.friction),
                       .stimulus = stimulus};
-    const double value = felt_value(spec, stimulus);
-    if (spec.varies == Varies::curvature) {
-        felt.object.curvature = value;
-    } else {
-        felt.friction.mu_d = value * (felt.friction.mu_d / felt.friction.mu_s);
-        felt.friction.mu_s = value;
-    }
+    feel_stimulus(spec, stimulus, felt);
     return felt;
 }
 
+constexpr double kMillimetre = 1e-3;
+
 }  // namespace
+
+void feel_stimulus(const AdaptiveSpec& spec, double stimulus, Presentation& felt) {
+    const double value = felt_value(spec, stimulus);
+    switch (spec.varies) {
+        case Varies::curvature:
+            felt.object.curvature = value;
+            return;
+        case Varies::mu:
+            felt.friction.mu_d = value * (felt.friction.mu_d / felt.friction.mu_s);
+            felt.friction.mu_s = value;
+            return;
+        case Varies::compliance:
+            felt.object.compliance = value * kMillimetre;
+    }
+}
+
+double varied_value(const AdaptiveSpec& spec, const Presentation& felt) {
+    switch (spec.varies) {
+        case Varies::curvature:
+            return felt.object.curvature;
+        case Varies::mu:
+            return felt.friction.mu_s;
+        case Varies::compliance:
+            break;
+    }
+    return felt.object.compliance / kMillimetre;
+}
 
 std::vector<Presentation> presentations_of(const Protocol& protocol,
                                            const PlannedTrial& planned,

@@ -21,6 +21,12 @@ struct Presentation {
     friend bool operator==(const Presentation&, const Presentation&) = default;
 };
 
+/// What a rule's choice lets one feel, in place of the protocol's: curvature, coefficients or compliance.
+void feel_stimulus(const AdaptiveSpec& spec, double stimulus, Presentation& felt);
+
+/// What a rule varies of it, in the unit of the key: 1/m, mu_s, or mm/N.
+[[nodiscard]] double varied_value(const AdaptiveSpec& spec, const Presentation& felt);
+
 /// The intervals of a planned trial in order.
 /// @param stimulus  what the rule chose, for trials of a rule
 /// @throws std::invalid_argument for a stimulus without a rule, or a rule without one

@@ -25,7 +25,8 @@ engine::Scene make_scene(const Protocol& protocol, const Presentation& felt) {
                           .tau_slip = friction.tau_slip,
                           .tau_heal = friction.tau_heal},
              .slew = {.speed = apparatus.vertex_slew, .radius = apparatus.vertex_radius},
-             .law = law}};
+             .law = law,
+             .compliance = felt.object.compliance}};
 }
 
 std::vector<Picture> make_pictures(const Protocol& protocol, std::span<const std::size_t> order) {

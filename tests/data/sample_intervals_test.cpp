@@ -42,14 +42,15 @@ void require_same(const std::vector<SampleRow>& rows, const std::vector<SampleRo
 
 TEST_CASE("in a study of two intervals every value of both is the reader's tick to the bit",
           "[sample][law]") {
-    const bool curvature = GENERATE(true, false);
-    const std::string text =
-        curvature
-            ? brief_text("curvature_2afc", {{"trials = 60", "trials = 4"},
-                                            {"practice_trials = 4", "practice_trials = 1"}})
-            : brief_text("friction_threshold", {{"trials = 40", "trials = 4"},
-                                                {"trials = 40", "trials = 4"},
-                                                {"practice_trials = 4", "practice_trials = 1"}});
+    const std::string study = GENERATE("curvature_2afc", "friction_threshold", "softness_2afc");
+    std::vector<std::pair<std::string, std::string>> edits{
+        {"practice_trials = 4", "practice_trials = 1"}};
+    if (study == "friction_threshold") {
+        edits.insert(edits.end(), 2, {"trials = 40", "trials = 4"});
+    } else {
+        edits.emplace_back("trials = 60", study == "softness_2afc" ? "trials = 8" : "trials = 4");
+    }
+    const std::string text = brief_text(study, edits);
     const TemporaryFolder folder;
     std::ofstream(folder.file("p.toml")) << text;
     const std::string file = folder.file("a.sqlite");
@@ -59,8 +60,10 @@ TEST_CASE("in a study of two intervals every value of both is the reader's tick 
     data::Database database(file, data::Access::read);
     REQUIRE(data::add_extension(database.handle()) == 0);
     // What the rule chose is what the intervals differ by, and nothing that the protocol has.
-    CHECK(rows_of(database, curvature ? "SELECT DISTINCT curvature_per_m FROM presentation"
-                                      : "SELECT DISTINCT mu_s FROM presentation")
+    CHECK(rows_of(database,
+                  study == "curvature_2afc"  ? "SELECT DISTINCT curvature_per_m FROM presentation"
+                  : study == "softness_2afc" ? "SELECT DISTINCT stimulus FROM presentation"
+                                             : "SELECT DISTINCT mu_s FROM presentation")
               .size() > 3);
     std::size_t ticks = 0;
     const auto trials = rows_of(database, "SELECT trial_id FROM trial ORDER BY trial_id");

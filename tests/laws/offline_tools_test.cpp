@@ -308,3 +308,64 @@ TEST_CASE("palpate deform says where a bow is over time and at rest, with a colu
     refused(with("mu = 0.1 ", "# "), some, "a motion needs mass");
     refused(with("fixed = [0, 3]", "fixed = []") + "static = true\n", {}, "fixed leaves a motion");
 }
+
+TEST_CASE("palpate render presses a soft object to where palpate deform has it at rest",
+          "[cli][soft][law]") {
+    const double soft = GENERATE(0.0004, 0.002);
+    CAPTURE(soft);
+    const TemporaryFolder folder;
+    const auto scene = [&](double compliance) {
+        const std::string file = folder.file(fmt::format("{}.toml", compliance));
+        write(file,
+              fmt::format("[renderer]\nstiffness_n_per_m = 800.0\ncompliance_m_per_n = {}\n"
+                          "[friction]\nlaw = \"coulomb\"\nmu_d = 10.0\n",
+                          compliance) +
+                  "[[segment]]\nkind = \"line\"\nfrom_m = [-0.04, 0.0]\nto_m = [0.0, 0.04]\n"
+                  "[[segment]]\nkind = \"line\"\nfrom_m = [0.0, 0.04]\nto_m = [0.04, 0.0]\n"
+                  "[[segment]]\nkind = \"line\"\nfrom_m = [0.04, 0.0]\nto_m = [-0.04, 0.0]\n");
+        return file;
+    };
+    // Down the normal in the middle of A-V to 4 mm below it in a second, and there for another.
+    std::string path = "t_s,x_m,y_m\n";
+    for (int k = 0; k < 2000; ++k) {
+        const double way = (0.001 - 0.005 * std::min(1.0, 1e-3 * k)) / std::sqrt(2.0);
+        path += fmt::format("{},{},{}\n", 1e-3 * k, -0.02 - way, 0.02 + way);
+    }
+    write(folder.file("t.csv"), path);
+    const auto pressed = [&](double compliance) {
+        const Finished run = palpate_command(
+            {"render", scene(compliance), folder.file("t.csv"), "-o", folder.file("o.csv")});
+        CAPTURE(run.error);
+        REQUIRE(run.code == 0);
+        return columns_of(tests::slurp(folder.file("o.csv")));
+    };
+    const auto rigid = pressed(0.0);
+    const auto csv = pressed(soft);
+    const std::size_t last = csv.at("t_s").size() - 1;
+    for (std::size_t i = 0; i <= last; ++i) {
+        REQUIRE(number(csv, "fn_n", i) <= number(rigid, "fn_n", i) + 1e-9);
+    }
+    CHECK(csv.at("mode").at(last) == "STUCK");
+    CHECK(number(rigid, "fn_n", last) == Approx(3.2).epsilon(1e-9));
+    // The two lines as one curve with a kink, its control points over the mean of three knots each.
+    const std::vector<double> places{0.0,       1.0 / 15, 0.2, 0.4, 0.6, 0.8,       14.0 / 15, 1.0,
+                                     16.0 / 15, 1.2,      1.4, 1.6, 1.8, 29.0 / 15, 2.0};
+    std::string points;
+    for (const double u : places) {
+        points += fmt::format("{}[{}, {}]", points.empty() ? "" : ", ", 0.04 * (u - 1.0),
+                              0.04 * (1.0 - std::fabs(u - 1.0)));
+    }
+    write(
+        folder.file("c.toml"),
+        fmt::format("degree = 3\nknots = [0, 0, 0, 0, 0.2, 0.4, 0.6, 0.8, 1, 1, 1, 1.2, 1.4, 1.6, "
+                    "1.8, 2, 2, 2, 2]\npoints_m = [{}]\nalpha = {}\nbeta = {}\nfixed = [0, 14]\n"
+                    "force_n = [{}, {}]\nat_u = 0.5\nstatic = true\n",
+                    points, 0.5 / soft, 0.5 / soft / 400.0, -number(csv, "fx_n", last),
+                    -number(csv, "fy_n", last)));
+    const Finished deformed = palpate_command({"deform", folder.file("c.toml")});
+    CAPTURE(deformed.error);
+    REQUIRE(deformed.code == 0);
+    const auto rest = columns_of(deformed.out);
+    CHECK(number(rest, "cx_m", 0) == Approx(number(csv, "go_x_m", last)).margin(1e-8));
+    CHECK(number(rest, "cy_m", 0) == Approx(number(csv, "go_y_m", last)).margin(1e-8));
+}

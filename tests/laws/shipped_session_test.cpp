@@ -58,6 +58,7 @@ TEST_CASE(
                        12,
                        24,
                        8},
+                 Short{"softness_2afc", {{"trials = 60", "trials = 5"}}, 9, 18, 5},
                  Short{"pilot", {{"repetitions = 2 ", "repetitions = 1 "}}, 12, 12, 0},
                  Short{"stress", {{"repetitions = 50", "repetitions = 1"}}, 6, 6, 0});
     CAPTURE(one.name);

@@ -134,7 +134,8 @@ TEST_CASE("what does not fit a rule is refused at its place, with a remedy", "[a
           place("\"on\"\nstandard") +
               "friction is \"rough\", which no [[friction]] is called: give off or on");
     CHECK(says("varies = \"curvature_per_m\"", "varies = \"size\"") ==
-          place("\"curvature_per_m\"") + "varies is \"size\", give \"curvature_per_m\" or \"mu\"");
+          place("\"curvature_per_m\"") +
+              "varies is \"size\", give \"curvature_per_m\", \"mu\" or \"compliance_mm_per_n\"");
     CHECK_THAT(says("varies = \"curvature_per_m\"", "varies = \"size\""),
                ContainsSubstring("curvature_per_m"));
     CHECK_THAT(says("friction = \"on\"\nstandard", "friction = \"onn\"\nstandard"),

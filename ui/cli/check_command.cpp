@@ -125,6 +125,7 @@ bool print_feasibility(const Study& study,
     if (!opened.rest.empty()) {
         say("  rest: {}\n", opened.rest);
     }
+    say("{}", softness_text(study.protocol));
     return !refused;
 }
 

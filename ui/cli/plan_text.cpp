@@ -9,11 +9,14 @@
 #include <fmt/format.h>
 
 #include "engine/base/sha256.hpp"
+#include "engine/deformation/soft_shape.hpp"
 #include "protocols/design/acceptance.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/friction_blocks.hpp"
+#include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/keys.hpp"
+#include "protocols/trial/presentation.hpp"
 
 namespace palpate::ui {
 namespace {
@@ -132,6 +135,46 @@ std::string counts_text(const Protocol& protocol, const PlanSummary& summary) {
 std::string steps_text(const Protocol& protocol, const PlanSummary& summary) {
     return steps_of("object", protocol.objects, summary.object_steps) + '\n' +
            steps_of("friction", protocol.frictions, summary.friction_steps);
+}
+
+std::string softness_text(const Protocol& protocol) {
+    std::string text;
+    const double k = protocol.apparatus.stiffness;
+    const auto add = [&](const protocols::ObjectSpec& object, std::string_view whose) {
+        if (!(object.compliance > 0.0)) {
+            return;
+        }
+        const double c = object.compliance;
+        const engine::SoftShape shape(outline_of(protocol, object), c,
+                                      1.0 / protocol.apparatus.rate_hz);
+        text += fmt::format(
+            "  soft: {} {} gives way by {:.3g} mm/N at its vertex, with the contact's {:.6g} N/m "
+            "by "
+            "{:.3g} mm/N\n    in all ({:.4g} N/m), and by {:.3g} mm at the most, from {:.3g} N "
+            "on\n",
+            object.name, whose, 1e3 * c, k, 1e3 * (c + 1.0 / k), 1.0 / (c + 1.0 / k),
+            1e3 * shape.deepest(), shape.deepest() / c);
+    };
+    const bool varied =
+        protocol.procedure && protocol.procedure->varies == protocols::Varies::compliance;
+    for (const protocols::ObjectSpec& object : protocol.objects) {
+        add(object, "as it stands");
+        if (varied && object.name == protocol.procedure->object) {
+            for (const double x : {protocol.procedure->lowest, protocol.procedure->highest}) {
+                protocols::Presentation felt{.object = object};
+                feel_stimulus(*protocol.procedure, x, felt);
+                add(felt.object, x == protocol.procedure->lowest ? "at the rule's lowest"
+                                                                 : "at the rule's highest");
+            }
+        }
+    }
+    if (!text.empty()) {
+        text += fmt::format(
+            "    Curve and contact give back no more than they took, whatever the compliance: the "
+            "device has to\n    damp what {:.6g} N/m ask for, and no more.\n",
+            k);
+    }
+    return text;
 }
 
 std::string rule_text(const Protocol& protocol, const protocols::Plan& plan) {

@@ -23,6 +23,9 @@ namespace palpate::ui {
 [[nodiscard]] std::string steps_text(const protocols::Protocol& protocol,
                                      const protocols::PlanSummary& summary);
 
+/// What the objects that yield promise; empty where none does.
+[[nodiscard]] std::string softness_text(const protocols::Protocol& protocol);
+
 /// Of a plan whose stimuli a rule chooses: the rule, and the trials of each run by phase and interval.
 [[nodiscard]] std::string rule_text(const protocols::Protocol& protocol,
                                     const protocols::Plan& plan);

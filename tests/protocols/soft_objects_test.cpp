@@ -1,0 +1,128 @@
+#include <cmath>
+
+#include "engine/realtime/tick_record.hpp"
+#include "protocols/design/adaptive_plan.hpp"
+#include "protocols/design/object_outline.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "protocols/library/shipped.hpp"
+#include "protocols/observer/softness_cues.hpp"
+#include "protocols/session/adaptive_runs.hpp"
+#include "protocols/trial/presentation.hpp"
+#include "protocols/trial/trial_scene.hpp"
+#include "tests/support/catch.hpp"
+
+using namespace palpate;
+using namespace palpate::protocols;
+using Catch::Matchers::ContainsSubstring;
+
+namespace {
+
+std::string softness_study() {
+    for (const ShippedProtocol& shipped : shipped_protocols()) {
+        if (shipped.name == "softness_2afc") {
+            return std::string(shipped.text);
+        }
+    }
+    return {};
+}
+
+/// What is said of the shipped study with one edit.
+std::string said(const std::string& from, const std::string& to) {
+    std::string text = softness_study();
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    text.replace(at, from.size(), to);
+    try {
+        static_cast<void>(parse_protocol(text, "p.toml"));
+    } catch (const ProtocolError& error) {
+        return error.what();
+    }
+    return "accepted";
+}
+
+/// The press of a hand that goes in along the normal in the middle of A-V, and waits.
+std::vector<engine::TickRecord> press(const engine::Scene& scene) {
+    const engine::Frame at = engine::frame_at(scene.outline().spans()[0], 0.5);
+    std::vector<engine::TickRecord> ticks(2000);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const double depth = 0.003 * std::min(1.0, static_cast<double>(i) / 1000.0);
+        ticks[i].hip = at.point + (0.0005 - depth) * at.normal;
+    }
+    engine::ContactState state;
+    engine::set_contacts(ticks, scene, state);
+    return ticks;
+}
+
+}  // namespace
+
+TEST_CASE("a compliance is read in mm/N, written again, and felt by its scene alone",
+          "[soft][file]") {
+    const Protocol protocol = parse_protocol(softness_study(), "p.toml");
+    REQUIRE(protocol.objects.size() == 1);
+    CHECK(protocol.objects[0].compliance == Approx(1e-3).epsilon(1e-15));
+    CHECK(parse_protocol(to_toml(protocol), "again.toml") == protocol);
+    const engine::Scene scene = make_scene(protocol, Condition{});
+    REQUIRE(scene.soft() != nullptr);
+    CHECK(scene.soft()->compliance_at({0, 1.0}) == Approx(1e-3).epsilon(1e-12));
+    Protocol rigid = protocol;
+    rigid.objects[0].compliance = 0.0;
+    CHECK(make_scene(rigid, Condition{}).soft() == nullptr);
+    CHECK(to_toml(rigid).find("compliance_mm_per_n = ") == std::string::npos);
+    CHECK(silhouette_of(rigid, 0) == silhouette_of(protocol, 0));  // pictures show the rest
+}
+
+TEST_CASE("what a soft object cannot have is refused where it stands, with a remedy",
+          "[soft][file]") {
+    CHECK(said("compliance_mm_per_n = 1 ", "compliance_mm_per_n = 0.2 ") == "accepted");
+    CHECK_THAT(said("compliance_mm_per_n = 1 ", "compliance_mm_per_n = 5.5 "),
+               ContainsSubstring("compliance_mm_per_n is 5.5: give 0 to 5"));
+    CHECK_THAT(said("vertex_slew_mm_per_s = 0 ", "vertex_slew_mm_per_s = 200 "),
+               ContainsSubstring("p.toml:18:24: the rule varies a compliance, and "
+                                 "vertex_slew_mm_per_s is 200: give 0, a vertex that yields"));
+    CHECK_THAT(said("rate_hz = 1000\n", "rate_hz = 1000\ndamping_n_s_per_m = 0.1\n"),
+               ContainsSubstring("damping_n_s_per_m is 0.1: give 0, the object has a damping"));
+    CHECK_THAT(said("law = \"frictionless\"", "law = \"dahl\"\nmu_d = 0.5"),
+               ContainsSubstring("and law is \"dahl\": give \"frictionless\", \"gos\""));
+    CHECK_THAT(said("from = -0.6, to = 0.6", "from = -0.6, to = 0.8"),
+               ContainsSubstring("the rule may choose a compliance from 0.251189 to 6.30957 mm/N: "
+                                 "keep it within 0 and 5, by the stimuli"));
+}
+
+TEST_CASE("a rule that varies the compliance feels what it chose, and the softer one is right",
+          "[soft][adaptive]") {
+    const Protocol protocol = parse_protocol(softness_study(), "p.toml");
+    for (const std::size_t interval : {std::size_t{1}, std::size_t{2}}) {
+        for (const double stimulus : {-0.6, -0.05, 0.0, 0.3}) {
+            const PlannedTrial planned{.adaptive = AdaptiveTrial{.comparison = interval}};
+            const auto felt = presentations_of(protocol, planned, stimulus);
+            REQUIRE(felt.size() == 2);
+            const Presentation& chosen = felt[interval - 1];
+            CHECK(chosen.object.compliance ==
+                  Approx(1e-3 * std::pow(10.0, stimulus)).epsilon(1e-12));
+            CHECK(varied_value(*protocol.procedure, chosen) ==
+                  Approx(std::pow(10.0, stimulus)).epsilon(1e-12));
+            CHECK(felt[2 - interval].object.compliance == protocol.objects[0].compliance);
+            CHECK(make_scene(protocol, chosen).spec().compliance == chosen.object.compliance);
+            const auto right = is_right(protocol, {}, planned, felt, interval - 1);
+            CHECK(right == (stimulus == 0.0 ? std::nullopt : std::optional(stimulus > 0.0)));
+        }
+    }
+}
+
+TEST_CASE("a hand finds the contact's spring and the surface's compliance in series",
+          "[soft][law]") {
+    Protocol protocol = parse_protocol(softness_study(), "p.toml");
+    double before = 0.0;
+    for (const double c : {0.0, 2e-4, 1e-3, 4e-3}) {
+        protocol.objects[0].compliance = c;
+        const engine::Scene scene = make_scene(protocol, Condition{});
+        SoftnessCues cues(protocol);
+        CHECK_FALSE(cues.softness());
+        cues.add(press(scene));
+        REQUIRE(cues.softness());
+        const double own = c > 0.0 ? scene.soft()->compliance_at({0, 0.5}) : 0.0;
+        CHECK(*cues.softness() == Approx(1e-3 + own).epsilon(0.05));
+        CHECK(*cues.softness() > before);
+        before = *cues.softness();
+    }
+}
