@@ -86,6 +86,9 @@ TEST_CASE(
         CHECK(number(database,
                      "SELECT count(*) FROM analysis_trial WHERE run_trial_number IS NOT NULL") ==
               one.steps);
+        // From rest to rest a soft object gives no more than sampling leaks.
+        CHECK((one.name != std::string("softness_2afc") ||
+               number(database, "SELECT count(*) FROM trial WHERE worst_episode_j > 0") == 0));
     }
     const Finished verify = palpate_command({"verify", db});
     CHECK(verify.code == 0);

@@ -1,12 +1,16 @@
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "engine/realtime/tick_record.hpp"
+#include "engine/rendering/energy_ledger.hpp"
 #include "protocols/design/adaptive_plan.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/file/protocol_file.hpp"
 #include "protocols/library/shipped.hpp"
 #include "protocols/observer/softness_cues.hpp"
 #include "protocols/session/adaptive_runs.hpp"
+#include "protocols/session/trial_meter.hpp"
 #include "protocols/trial/presentation.hpp"
 #include "protocols/trial/trial_scene.hpp"
 #include "tests/support/catch.hpp"
@@ -125,4 +129,34 @@ TEST_CASE("a hand finds the contact's spring and the surface's compliance in ser
         CHECK(*cues.softness() > before);
         before = *cues.softness();
     }
+}
+
+TEST_CASE("an episode of a soft object ends at its rest, and gives nothing more than it took",
+          "[soft][law]") {
+    const Protocol protocol = parse_protocol(softness_study(), "p.toml");
+    const engine::Scene scene = make_scene(protocol, Condition{});
+    const engine::Frame at = engine::frame_at(scene.outline().spans()[0], 0.5);
+    // In by 8 mm, off at once, and again upon the surface that comes back; then slowly out.
+    std::vector<engine::TickRecord> ticks(3000);
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+        const auto t = static_cast<double>(i);
+        const double depth =
+            i < 400 ? 0.00002 * t - 0.0005 : std::max(0.002 - 4e-6 * (t - 400), -1e-3);
+        ticks[i].hip = at.point - depth * at.normal;
+        ticks[i].time_ns = static_cast<std::int64_t>(i) * 1'000'000;
+    }
+    engine::ContactState state;
+    engine::set_contacts(ticks, scene, state);
+    TrialMeter meter(protocol.apparatus.stiffness, scene.outline());
+    meter.add(ticks);
+    engine::EnergyLedger<2> contacts(protocol.apparatus.stiffness);
+    for (const engine::TickRecord& tick : ticks) {
+        contacts.add(tick.hip, tick.force, tick.mode != engine::Mode::free);
+    }
+    CHECK(contacts.episodes() == 2);
+    CHECK(contacts.worst() > 1e-4);  // the second contact gives back what the first stored
+    CHECK(meter.summary().contact_episodes == 1);
+    CHECK(meter.summary().worst_episode_j < 0.0);
+    CHECK(ticks.back().mode == engine::Mode::free);
+    CHECK_FALSE(engine::in_episode(ticks.back()));
 }
