@@ -18,9 +18,11 @@ Series shares_of(const FittedCurve& curve, Ink ink) {
         counts[level.stimulus].first += static_cast<double>(level.n);
         counts[level.stimulus].second += static_cast<double>(level.k);
     }
-    Series shares{.name = curve.answers.condition, .ink = ink, .mark = Mark::points};
+    Series shares{
+        .name = curve.answers.condition, .ink = ink, .mark = Mark::points, .opacity = 0.7};
     for (const auto& [stimulus, nk] : counts) {
         if (nk.first > 0.0) {
+            shares.sizes.push_back(std::min(1.5 + 0.8 * std::sqrt(nk.first), 9.0));
             shares.x.push_back(stimulus);
             shares.y.push_back(nk.second / nk.first);
         }
@@ -32,6 +34,26 @@ double chance(const CurveSpec& spec, const CurvePoint& at, double stimulus) {
     const double u = std::exp(at[1]) * (on_axis(spec.family, stimulus) - at[0]) +
                      core_quantile(spec.family, 0.5);
     return at[2] + (1.0 - at[2] - at[3]) * core_value(spec.family, u).below;
+}
+
+/// The middle 95 % of the bootstrap's curves, at each stimulus by itself.
+Band band_of(const CurveSpec& spec, const FittedCurve& curve, double low, double high) {
+    constexpr int kPlaces = 40;
+    constexpr std::size_t kFewest = 40;  // samples that have an outermost twentieth
+    Band band;
+    std::vector<double> chances(curve.samples.at.size());
+    for (int i = 0; chances.size() >= kFewest && i <= kPlaces; ++i) {
+        band.x.push_back(low + (high - low) * i / kPlaces);
+        std::ranges::transform(curve.samples.at, chances.begin(), [&](const CurvePoint& at) {
+            return chance(spec, at, band.x.back());
+        });
+        const std::size_t tail = chances.size() / 40;
+        for (const std::size_t place : {tail, chances.size() - 1 - tail}) {
+            std::ranges::nth_element(chances, chances.begin() + static_cast<std::ptrdiff_t>(place));
+            (place == tail ? band.low : band.high).push_back(chances[place]);
+        }
+    }
+    return band;
 }
 
 void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, Ink ink) {
@@ -46,6 +68,10 @@ void add_curve(Panel& panel, const CurveSpec& spec, const FittedCurve& curve, In
     for (int i = 0; i <= kSteps; ++i) {
         line.x.push_back(low + (high - low) * i / kSteps);
         line.y.push_back(chance(spec, curve.fit.at, line.x.back()));
+    }
+    if (Band band = band_of(spec, curve, low, high); !band.x.empty()) {
+        band.ink = ink;
+        panel.bands.push_back(std::move(band));
     }
     panel.series.push_back(std::move(line));
     const Told& threshold = curve.told.front();
@@ -76,7 +102,7 @@ Figure fit_figure(const FitReport& report) {
             found = people.end() - 1;
             figure.panels.push_back({.title = person,
                                      .x = {.label = "stimulus"},
-                                     .y = {.label = "share of 1", .low = 0.0, .high = 1.0}});
+                                     .y = {.label = "share of 1", .low = -0.05, .high = 1.05}});
         }
         const auto condition = std::ranges::find(report.conditions, curve.answers.condition) -
                                report.conditions.begin();
@@ -85,7 +111,9 @@ Figure fit_figure(const FitReport& report) {
     }
     figure.columns = people.size() > 1 ? 2 : 1;
     figure.caption =
-        "Points: shares of the answers. Bars: 95 % profile intervals of the thresholds.";
+        "Dots: shares of the answers, larger for more of them. Bands: the middle 95 % of bootstrap "
+        "samples. Bars: 95 % "
+        "profile intervals of the thresholds.";
     return figure;
 }
 

@@ -16,32 +16,28 @@
 namespace palpate::data {
 namespace {
 
-enum class Scale : std::uint8_t { place, ratio, share };
+using Scale = AuditScale;
 
-struct Audited {
-    std::string_view title;
-    std::string_view value;  ///< SQL, of a row of exploration and its trial
-    Scale scale;
-};
-
-constexpr std::size_t kRig =
-    6;  ///< what no friction should change; then what a hand may do otherwise for it
-constexpr Audited kAudited[] = {
-    {"start, to the right, mm", "exploration.start_x_m", Scale::place},
-    {"start, away from the person, mm", "exploration.start_y_m", Scale::place},
-    {"late ticks, share", "exploration.late_share", Scale::share},
-    {"saturated ticks, share", "exploration.saturated_share", Scale::share},
-    {"stale ticks, share", "trial.stale_ticks * 1.0 / NULLIF(trial.ticks, 0)", Scale::share},
-    {"trials with a gap of the noise, share",
+constexpr AuditedQuantity kAudited[] = {
+    {"start, to the right, mm", "start_x_m", "exploration.start_x_m", Scale::place, true},
+    {"start, away from the person, mm", "start_y_m", "exploration.start_y_m", Scale::place, true},
+    {"late ticks, share", "late_share", "exploration.late_share", Scale::share, true},
+    {"saturated ticks, share", "saturated_share", "exploration.saturated_share", Scale::share,
+     true},
+    {"stale ticks, share", "stale_share", "trial.stale_ticks * 1.0 / NULLIF(trial.ticks, 0)",
+     Scale::share, true},
+    {"trials with a gap of the noise, share", "noise_gap_share",
      "EXISTS (SELECT 1 FROM event WHERE event.trial_id = exploration.trial_id AND event_kind = "
      "'masking')",
-     Scale::share},
-    {"until the first contact", "exploration.first_contact_s", Scale::ratio},
-    {"exploration", "exploration.done_s", Scale::ratio},
-    {"in contact", "exploration.contact_s", Scale::ratio},
-    {"strokes", "exploration.strokes", Scale::ratio},
-    {"normal force, median", "exploration.normal_force_p50_n", Scale::ratio},
-    {"speed, median", "exploration.speed_p50_m_per_s", Scale::ratio},
+     Scale::share, true},
+    {"until the first contact", "first_contact_s", "exploration.first_contact_s", Scale::ratio,
+     false},
+    {"exploration", "exploration_s", "exploration.done_s", Scale::ratio, false},
+    {"in contact", "contact_s", "exploration.contact_s", Scale::ratio, false},
+    {"strokes", "strokes", "exploration.strokes", Scale::ratio, false},
+    {"normal force, median", "normal_force_n", "exploration.normal_force_p50_n", Scale::ratio,
+     false},
+    {"speed, median", "speed_m_per_s", "exploration.speed_p50_m_per_s", Scale::ratio, false},
 };
 
 struct Mean {
@@ -60,7 +56,7 @@ struct Felt {
 
 Felt read_felt(Database& database, const TrialChoice& choice) {
     std::string columns;
-    for (const Audited& one : kAudited) {
+    for (const AuditedQuantity& one : kAudited) {
         columns += fmt::format(", {}", one.value);
     }
     Statement row = database.prepare(
@@ -132,11 +128,8 @@ std::string line_of(const Equivalence& found, double bound, Scale scale) {
     };
     const std::string within = scale == Scale::ratio ? fmt::format("x {:g}", std::exp(bound))
                                                      : fmt::format("{:g}", unit * bound);
-    const char* verdict = found.verdict == Sameness::same    ? "the same"
-                        : found.verdict == Sameness::differs ? "DIFFERS"
-                                                             : "not known: more people";
     return fmt::format("{:>6}  {:>10}  {:>9} to {:<9}  {:>7}  {}", found.people, number(found.mean),
-                       number(found.low), number(found.high), within, verdict);
+                       number(found.low), number(found.high), within, verdict_text(found));
 }
 
 double bound_of(Scale scale, const AuditBounds& bounds) {
@@ -177,13 +170,41 @@ std::optional<Equivalence> equivalence(std::span<const double> differences, doub
     return found;
 }
 
-std::string audit_text(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
+std::span<const AuditedQuantity> audited_quantities() {
+    return kAudited;
+}
+
+std::string_view verdict_text(const std::optional<Equivalence>& found) {
+    return !found                              ? "too few people"
+         : found->verdict == Sameness::same    ? "the same"
+         : found->verdict == Sameness::differs ? "DIFFERS"
+                                               : "not known: more people";
+}
+
+Audit audit_of(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
     const Snapshot now(database);
     const Felt felt = read_felt(database, choice);
     check_choice(felt, database, choice);
-    const std::string base = std::ranges::min_element(felt.frictions, {}, [](const auto& one) {
-                                 return std::pair(one.second, one.first);
-                             })->first;
+    Audit audit{.study = *felt.studies.begin()};
+    audit.base = std::ranges::min_element(felt.frictions, {}, [](const auto& one) {
+                     return std::pair(one.second, one.first);
+                 })->first;
+    for (const auto& [friction, least] : felt.frictions) {
+        for (std::size_t i = 0; friction != audit.base && i < std::size(kAudited); ++i) {
+            const auto differences = differences_of(felt.means[i], friction, audit.base);
+            const double bound = bound_of(kAudited[i].scale, bounds);
+            audit.lines.push_back({.quantity = &kAudited[i],
+                                   .friction = friction,
+                                   .people = differences.size(),
+                                   .found = equivalence(differences, bound),
+                                   .bound = bound});
+        }
+    }
+    return audit;
+}
+
+std::string audit_text(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
+    const Audit audit = audit_of(database, choice, bounds);
     std::string text = fmt::format(
         "{}: study {}, {} data\n"
         "  Does anything but friction differ? A mean for each person and friction, differences "
@@ -191,26 +212,24 @@ std::string audit_text(Database& database, const TrialChoice& choice, const Audi
         "  The same: the 90 % interval lies within the bounds (two one-sided tests of 5 %, "
         "Schuirmann 1987).\n"
         "  Differs: the 95 % interval does not hold 0, or 1 of a ratio.\n",
-        database.file(), *felt.studies.begin(), choice.kind);
-    for (const auto& [friction, least] : felt.frictions) {
-        if (friction == base) {
-            continue;
+        database.file(), audit.study, choice.kind);
+    const AuditLine* before = nullptr;
+    for (const AuditLine& line : audit.lines) {
+        const bool other = before == nullptr || before->friction != line.friction;
+        if (other) {
+            text += fmt::format("\n  {:<40}{:>6}  {:>10}  {:>9}{:<13}  {:>7}\n",
+                                fmt::format("{} against {}", line.friction, audit.base), "people",
+                                "difference", "90 %", " interval", "bounds");
         }
-        text += fmt::format("\n  {:<40}{:>6}  {:>10}  {:>9}{:<13}  {:>7}\n",
-                            fmt::format("{} against {}", friction, base), "people", "difference",
-                            "90 %", " interval", "bounds");
-        for (std::size_t i = 0; i < std::size(kAudited); ++i) {
-            if (i == 0 || i == kRig) {
-                text += i == 0 ? "  The rig: nothing of it may differ\n"
-                               : "  The hand: what differs here, friction may have changed\n";
-            }
-            const std::vector<double> differences = differences_of(felt.means[i], friction, base);
-            const double bound = bound_of(kAudited[i].scale, bounds);
-            const auto found = equivalence(differences, bound);
-            text += fmt::format("    {:<38}{}\n", kAudited[i].title,
-                                found ? line_of(*found, bound, kAudited[i].scale)
-                                      : fmt::format("{:>6}  too few people", differences.size()));
+        if (other || before->quantity->rig != line.quantity->rig) {
+            text += line.quantity->rig
+                      ? "  The rig: nothing of it may differ\n"
+                      : "  The hand: what differs here, friction may have changed\n";
         }
+        text += fmt::format("    {:<38}{}\n", line.quantity->title,
+                            line.found ? line_of(*line.found, line.bound, line.quantity->scale)
+                                       : fmt::format("{:>6}  {}", line.people, verdict_text({})));
+        before = &line;
     }
     return text;
 }

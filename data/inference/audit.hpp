@@ -5,6 +5,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "data/inference/trials.hpp"
 
@@ -40,9 +42,49 @@ struct AuditBounds {
     double share = 0.005;    ///< of ticks
 };
 
+/// In what a quantity's difference is counted.
+enum class AuditScale : std::uint8_t {
+    place,  ///< m
+    ratio,  ///< the logarithm of a ratio
+    share,  ///< of ticks or trials
+};
+
+/// A quantity that an audit compares.
+struct AuditedQuantity {
+    std::string_view title;
+    std::string_view name;   ///< of a column of its means
+    std::string_view value;  ///< SQL, of a row of exploration and its trial and presentation
+    AuditScale scale = AuditScale::share;
+    bool rig =
+        true;  ///< nothing of it may differ; false: of the hand, which friction may have changed
+};
+[[nodiscard]] std::span<const AuditedQuantity> audited_quantities();
+
+struct AuditLine {
+    const AuditedQuantity* quantity = nullptr;
+    std::string friction{};  ///< against Audit::base
+    std::size_t people = 0;
+    std::optional<Equivalence> found{};  ///< nothing: too few people
+    double bound = 0.0;                  ///< as `found`: m, logarithm of a ratio, share
+};
+
+struct Audit {
+    std::string study{};
+    std::string base{};  ///< the one of least friction
+    std::vector<AuditLine> lines{};
+};
+
 /// Rig and hand, friction by friction against the one of least friction: start pose, late, stale and saturated ticks,
 /// gaps of the masking noise; times, strokes, force, speed. Answered main trials that count, of one study and kind.
 /// @throws std::invalid_argument if there are none, of several studies, or of one friction alone: which there are
+[[nodiscard]] Audit audit_of(Database& database,
+                             const TrialChoice& choice,
+                             const AuditBounds& bounds);
+
+/// "same", "differs", "open", in words for people.
+[[nodiscard]] std::string_view verdict_text(const std::optional<Equivalence>& found);
+
+/// audit_of() as a table for people.
 [[nodiscard]] std::string audit_text(Database& database,
                                      const TrialChoice& choice,
                                      const AuditBounds& bounds);

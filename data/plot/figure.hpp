@@ -37,7 +37,9 @@ struct Series {
     Ink ink = Ink::automatic;
     Stroke stroke = Stroke::solid;
     Mark mark = Mark::line;
-    double width = 1.6;  ///< px
+    double width = 1.6;           ///< px
+    std::vector<double> sizes{};  ///< radius of each point, px; empty: 3
+    double opacity = 1.0;         ///< of the points
 };
 
 /// A numbered instant: a dot at (x, y) and its label in a ring beside it, where least is covered.
@@ -52,6 +54,15 @@ struct Shade {
     double from = 0.0;
     double to = 0.0;
     std::string name{};  ///< in the legend, once for all shades of this name
+    Ink ink = Ink::grey;
+};
+
+/// What lies between two lines over the same x, shaded: where a curve may be. Ends where a value is not finite.
+struct Band {
+    std::vector<double> x{};
+    std::vector<double> low{};   ///< as many
+    std::vector<double> high{};  ///< as many
+    std::string name{};          ///< in the legend, once for all bands of this name
     Ink ink = Ink::grey;
 };
 
@@ -79,7 +90,7 @@ struct Axis {
     bool log = false;
     std::optional<double> low{};  ///< none: from the data, with a little room
     std::optional<double> high{};
-    /// Ticks of a y axis that counts things: where, and the name there. Empty: numbers.
+    /// Ticks of an axis that counts things: where, and the name there. Empty: numbers.
     std::vector<std::pair<double, std::string>> names{};
 };
 
@@ -91,6 +102,7 @@ struct Panel {
     std::vector<Series> series{};
     std::vector<Marker> markers{};
     std::vector<Shade> shades{};
+    std::vector<Band> bands{};
     std::vector<Arrow> arrows{};
     std::vector<Label> labels{};
     bool equal_aspect =

@@ -36,6 +36,11 @@ void PanelPlan::plan_legend() {
             entries_.push_back({shade.name, colour(shade.ink, 7), Entry::Kind::shade});
         }
     }
+    for (const Band& band : panel_->bands) {
+        if (!known(band.name)) {
+            entries_.push_back({band.name, colour(band.ink, 7), Entry::Kind::shade});
+        }
+    }
     double x = 0.0;
     int row = 0;
     const double width = width_ - left_ - kPlotRight;

@@ -85,12 +85,40 @@ std::string PanelPlan::points(const Series& series, std::string_view ink, const 
     for (std::size_t i = 0; i < series.x.size(); ++i) {
         if (x_.holds(series.x[i]) && y_.holds(series.y[i])) {
             const Point p = place(series.x[i], series.y[i], plot);
-            out +=
-                fmt::format("<circle class=\"point\" cx=\"{}\" cy=\"{}\" r=\"3\" fill=\"{}\"/>\n",
-                            px(p.x), px(p.y), ink);
+            out += fmt::format(
+                "<circle class=\"point\" cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\"{}/>\n", px(p.x),
+                px(p.y), series.sizes.empty() ? "3" : px(series.sizes[i]), ink,
+                series.opacity < 1.0 ? fmt::format(" fill-opacity=\"{:g}\"", series.opacity) : "");
         }
     }
     return out;
+}
+
+std::string PanelPlan::band(const Band& shaded, const Rect& plot) const {
+    std::string there;
+    std::string back;
+    std::string path;
+    const auto finish = [&] {
+        path += there.empty() ? "" : "M" + there.substr(1) + back + "z";
+        there.clear();
+        back.clear();
+    };
+    for (std::size_t i = 0; i < shaded.x.size(); ++i) {
+        if (!x_.holds(shaded.x[i]) || !y_.holds(shaded.low[i]) || !y_.holds(shaded.high[i])) {
+            finish();
+            continue;
+        }
+        const Point low = place(shaded.x[i], shaded.low[i], plot);
+        const Point high = place(shaded.x[i], shaded.high[i], plot);
+        there += fmt::format("L{} {}", px(high.x), px(high.y));
+        back.insert(0, fmt::format("L{} {}", px(low.x), px(low.y)));
+    }
+    finish();
+    return path.empty() ? ""
+                        : fmt::format(
+                              "<path class=\"band\" d=\"{}\" fill=\"{}\" "
+                              "fill-opacity=\"0.18\"/>\n",
+                              path, colour(shaded.ink, 7));
 }
 
 std::string PanelPlan::arrows(const Rect& plot) const {

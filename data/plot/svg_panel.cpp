@@ -57,12 +57,25 @@ AxisRange range_of(const Axis& axis, Extent extent, std::string_view which) {
     return range;
 }
 
+/// Of an axis that counts things.
+void name_ticks(const Axis& axis, const AxisRange& range, AxisTicks& ticks) {
+    if (axis.names.empty()) {
+        return;
+    }
+    ticks = {};
+    for (const auto& [at, name] : axis.names) {
+        if (range.low <= at && at <= range.high) {
+            ticks.ticks.push_back({at, name});
+        }
+    }
+}
+
 std::string axis_label(const Axis& axis, int exponent) {
     const std::string scale = exponent == 0 ? "" : "10" + superscript(exponent);
     const std::string unit = scale.empty()     ? axis.unit
                            : axis.unit.empty() ? "× " + scale
                                                : scale + " " + axis.unit;
-    return unit.empty() ? axis.label : axis.label + " (" + unit + ")";
+    return unit.empty() ? axis.label : axis.label.empty() ? unit : axis.label + " (" + unit + ")";
 }
 
 }  // namespace
@@ -86,6 +99,18 @@ PanelPlan::PanelPlan(const Panel& panel, double width) : panel_(&panel), width_(
         if (series.x.size() != series.y.size()) {
             throw std::invalid_argument(fmt::format("series \"{}\" has {} x and {} y: give as many",
                                                     series.name, series.x.size(), series.y.size()));
+        }
+        if (!series.sizes.empty() && series.sizes.size() != series.x.size()) {
+            throw std::invalid_argument(
+                fmt::format("series \"{}\" has {} points and {} sizes: give as many, or none",
+                            series.name, series.x.size(), series.sizes.size()));
+        }
+    }
+    for (const Band& band : panel.bands) {
+        if (band.x.size() != band.low.size() || band.x.size() != band.high.size()) {
+            throw std::invalid_argument(
+                fmt::format("band \"{}\" has {} x, {} low and {} high: give as many", band.name,
+                            band.x.size(), band.low.size(), band.high.size()));
         }
     }
     find_ranges();
@@ -111,6 +136,12 @@ void PanelPlan::find_ranges() {
     for (const Series& series : panel_->series) {
         for (std::size_t i = 0; i < series.x.size(); ++i) {
             add(series.x[i], series.y[i]);
+        }
+    }
+    for (const Band& band : panel_->bands) {
+        for (std::size_t i = 0; i < band.x.size(); ++i) {
+            add(band.x[i], band.low[i]);
+            add(band.x[i], band.high[i]);
         }
     }
     for (const Marker& marker : panel_->markers) {
@@ -145,14 +176,8 @@ void PanelPlan::fit_ranges() {
     }
     x_ticks_ = nice_ticks(x_, static_cast<int>(width / 80.0));
     y_ticks_ = nice_ticks(y_, static_cast<int>(panel_->height / 45.0));
-    if (!panel_->y.names.empty()) {
-        y_ticks_ = {};
-        for (const auto& [at, name] : panel_->y.names) {
-            if (y_.low <= at && at <= y_.high) {
-                y_ticks_.ticks.push_back({at, name});
-            }
-        }
-    }
+    name_ticks(panel_->x, x_, x_ticks_);
+    name_ticks(panel_->y, y_, y_ticks_);
 }
 
 void PanelPlan::share_x(PanelPlan& other) {
@@ -251,6 +276,9 @@ std::string PanelPlan::draw(double cell_x, double top, std::string_view clip_id)
                 px(plot.x + plot.width * a), px(plot.y), px(plot.width * (b - a)), px(plot.height),
                 colour(shade.ink, 7));
         }
+    }
+    for (const Band& shaded : panel_->bands) {
+        out += band(shaded, plot);
     }
     for (std::size_t i = 0; i < panel_->series.size(); ++i) {
         const Series& series = panel_->series[i];

@@ -71,6 +71,7 @@ private:
     [[nodiscard]] std::string points(const Series& series,
                                      std::string_view ink,
                                      const Rect& plot) const;
+    [[nodiscard]] std::string band(const Band& shaded, const Rect& plot) const;
     [[nodiscard]] std::string arrows(const Rect& plot) const;
     [[nodiscard]] std::string labels(const Rect& plot) const;
     [[nodiscard]] std::string markers(const Rect& plot) const;

@@ -1,0 +1,382 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "data/inference/stats_parts.hpp"
+#include "data/page/sections.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+constexpr std::string_view kConfusion =
+    R"(SELECT friction, felt, called, n, n * 1.0 / sum(n) OVER (PARTITION BY friction, felt) AS row_share,
+       n_exclusions_not_applied
+FROM (SELECT friction, planned_object AS felt, min(curvature_per_m) AS curvature,
+             coalesce(chosen_object, iif(answer_code = 1, 'yes', 'no')) AS called,
+             count(*) FILTER (WHERE counts AND NOT left_out) AS n, count(*) AS n_exclusions_not_applied
+      FROM main WHERE answer_code IS NOT NULL AND run_number IS NULL
+      GROUP BY friction, planned_object, called)
+ORDER BY friction, curvature, felt, called)";
+
+constexpr std::string_view kShares =
+    R"(SELECT person, left_out, friction, count(*) AS n, sum(hit) AS k, avg(hit) AS share,
+       wilson_low(sum(hit), count(*)) AS wilson_low, wilson_high(sum(hit), count(*)) AS wilson_high
+FROM (SELECT person, left_out, friction,
+             iif(chosen_object IS NULL, answer_code = 1, chosen_object = planned_object) AS hit
+      FROM main WHERE counts AND run_number IS NULL)
+GROUP BY person, friction ORDER BY person, friction)";
+
+std::string matrix_html(const Rows& rows,
+                        const std::string& friction,
+                        const std::vector<std::string>& felt,
+                        const std::vector<std::string>& called) {
+    std::string out = fmt::format(
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"Friction {0}\">\n"
+        "<table class=\"matrix\"><caption>Friction <strong>{0}</strong>: felt down, called across; "
+        "% of the row, and answers</caption>\n<thead><tr><td></td>",
+        html_text(friction));
+    for (const std::string& one : called) {
+        std::string name = html_text(one);
+        for (std::size_t at = name.find('_'); at != std::string::npos;
+             at = name.find('_', at + 1)) {
+            name.insert(at + 1, "<wbr>");
+        }
+        out += fmt::format("<th scope=\"col\">{}</th>", name);
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    for (const std::string& of : felt) {
+        out += fmt::format("<tr><th scope=\"row\">{}</th>", html_text(of));
+        for (const std::string& as : called) {
+            double n = 0.0;
+            double share = 0.0;
+            for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+                if (rows.text(row, "friction") == friction && rows.text(row, "felt") == of &&
+                    rows.text(row, "called") == as) {
+                    n = rows.number(row, "n");
+                    share = rows.number(row, "row_share");
+                }
+            }
+            share = std::isfinite(share) ? share : 0.0;
+            out += fmt::format("<td{} style=\"--a:{:.2f}\">{:.0f} %<small>{:.0f}</small></td>",
+                               as == of ? " class=\"right\"" : "", share, 100.0 * share, n);
+        }
+        out += "</tr>\n";
+    }
+    return out + "</tbody></table>\n</div>\n";
+}
+
+void add_confusion(PageWriter& page, const Study& study, const StatsReport& stats) {
+    PageFigure figure{.id = "confusion",
+                      .title = "What was felt and what it was called",
+                      .data = study.ask(kConfusion)};
+    const std::vector<std::string> felt = figure.data.levels("felt");
+    std::vector<std::string> called;
+    const std::vector<std::string> all = figure.data.levels("called");
+    for (const std::string& one : felt) {
+        if (std::ranges::find(all, one) != all.end()) {
+            called.push_back(one);
+        }
+    }
+    for (const std::string& one : all) {
+        if (std::ranges::find(called, one) == called.end()) {
+            called.push_back(one);
+        }
+    }
+    figure.html = "<div class=\"matrices\">\n";
+    for (const std::string& friction : stats.table.frictions) {
+        figure.html += matrix_html(figure.data, friction, felt, called);
+    }
+    figure.html += "</div>\n";
+    figure.caption =
+        "Shares of each row, exclusions applied, all people together: they describe, and no test "
+        "rests on them. A frame marks the right answer; the table has the counts without "
+        "exclusions too.";
+    page.figure(figure);
+}
+
+/// Each person's difference, and the mean of all below them.
+Panel difference_panel(const StatsPart& part,
+                       const Study& study,
+                       const Measure& share,
+                       std::size_t friction,
+                       const std::string& words) {
+    const PeopleTest& effect = *share.effects[friction];
+    Panel panel{.title = "difference within person",
+                .x = {.label = words},
+                .y = {.label = "person", .low = -1.7}};
+    Series zero{.x = {0.0, 0.0}, .y = {-1.7, 0.0}, .ink = Ink::grey, .stroke = Stroke::dashed};
+    Series dots{.ink = Ink::grey, .mark = Mark::points};
+    double y = 0.0;
+    std::vector<std::pair<double, std::string>> sorted;
+    for (std::size_t i = 0; i < part.people.size(); ++i) {
+        const auto& row = share.values[i];
+        if (row[0] && row[friction]) {
+            sorted.emplace_back(*row[friction] - *row[0], study.person(part.people[i].subject));
+        }
+    }
+    std::ranges::sort(sorted);
+    for (const auto& [difference, person] : sorted) {
+        dots.x.push_back(difference);
+        dots.y.push_back(y);
+        panel.y.names.emplace_back(y, person);
+        y += 1.0;
+    }
+    panel.y.names.emplace_back(-1.0, "mean");
+    panel.y.high = zero.y[1] = y - 0.3;
+    Series mean{.x = {effect.mean.mean}, .y = {-1.0}, .ink = Ink::black, .mark = Mark::points};
+    panel.series = {zero, dots, mean};
+    if (const auto& ends = effect.mean.interval) {
+        panel.series.push_back(
+            {.x = {ends->low, ends->high}, .y = {-1.0, -1.0}, .ink = Ink::black, .width = 3.0});
+    }
+    panel.height = std::max(170.0, 15.0 * (y + 2.0));
+    return panel;
+}
+
+void add_effects(const StatsReport& stats,
+                 const PageNumbers& numbers,
+                 const StatsPart& part,
+                 bool applied,
+                 std::vector<Results>& all) {
+    const std::string words = applied ? ", exclusions applied" : ", exclusions not applied";
+    Results means{.names = {"measure", "friction", "people", "mean", "low", "high"},
+                  .cells = {},
+                  .command = numbers.stats_words,
+                  .caption = "Means over people with 95 % intervals" + words,
+                  .folded = !applied};
+    Results tests{.names = test_names(),
+                  .cells = {},
+                  .command = numbers.stats_words,
+                  .caption = "Differences within person, with 95 % intervals" + words,
+                  .folded = !applied};
+    tests.names.front() = "measure";
+    tests.names.insert(tests.names.begin() + 1, "comparison");
+    for (const Measure& measure : part.measures) {
+        for (std::size_t f = 0; f < measure.means.size(); ++f) {
+            const std::string& friction = stats.table.frictions[f];
+            if (const auto& mean = measure.means[f]) {
+                const auto& ends = mean->interval;
+                means.cells.push_back({measure.title, friction, fmt::format("{}", mean->people),
+                                       all_digits(mean->mean), ends ? all_digits(ends->low) : "",
+                                       ends ? all_digits(ends->high) : ""});
+            }
+            if (const auto& effect = measure.effects[f]) {
+                auto row = test_cells(measure.title, *effect);
+                row.insert(row.begin() + 1,
+                           fmt::format("{} \u2212 {}", friction, stats.table.frictions.front()));
+                tests.cells.push_back(std::move(row));
+            }
+        }
+    }
+    all.push_back(std::move(tests));
+    all.push_back(std::move(means));
+}
+
+void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    const StatsReport& stats = *numbers.stats;
+    const Measure* share = find_measure(stats.applied, "share");
+    if (share == nullptr) {
+        return;
+    }
+    PageFigure figure{.id = "effect",
+                      .title = stats.right_known ? "Share correct by friction, within person"
+                                                 : "Share of yes by friction, within person",
+                      .data = study.ask(kShares)};
+    PairedPanel pairs{.title = share->title,
+                      .label = share->title,
+                      .frictions = stats.table.frictions,
+                      .means = share->means,
+                      .height = 260.0};
+    for (const auto& row : share->values) {
+        auto& values = pairs.people.emplace_back();
+        for (const auto& value : row) {
+            values.push_back(value.value_or(kNone));
+        }
+    }
+    for (const Study::LeftOut& one : study.left_out()) {
+        auto& values = pairs.left_out.emplace_back(stats.table.frictions.size(), kNone);
+        for (std::size_t row = 0; row < figure.data.cells.size(); ++row) {
+            const auto found =
+                std::ranges::find(stats.table.frictions, figure.data.text(row, "friction"));
+            if (figure.data.text(row, "person") == one.person &&
+                found != stats.table.frictions.end()) {
+                values[static_cast<std::size_t>(found - stats.table.frictions.begin())] =
+                    figure.data.number(row, "share");
+            }
+        }
+    }
+    Panel panel = paired_panel(pairs);
+    if (stats.table.alternatives > 0) {
+        const double chance = 1.0 / static_cast<double>(stats.table.alternatives);
+        panel.series.push_back(
+            {.name = "chance",
+             .x = {-0.5, static_cast<double>(stats.table.frictions.size()) - 0.5},
+             .y = {chance, chance},
+             .ink = Ink::black,
+             .stroke = Stroke::dotted});
+    }
+    figure.panels.push_back(std::move(panel));
+    for (std::size_t f = 1; f < share->effects.size(); ++f) {
+        if (share->effects[f]) {
+            figure.panels.push_back(difference_panel(
+                stats.applied, study, *share, f,
+                fmt::format("{}, {} \u2212 {}", share->title, stats.table.frictions[f],
+                            stats.table.frictions.front())));
+        }
+    }
+    figure.caption =
+        "A thin line is a person. Coloured bars, and the black one: means over people with their "
+        "95 "
+        "% intervals (Student's, of shares on the logit; the person is the unit). Broken lines: "
+        "people whom the protocol's rules leave out, in no mean.";
+    add_effects(stats, numbers, stats.applied, true, figure.results);
+    if (stats.not_applied) {
+        add_effects(stats, numbers, *stats.not_applied, false, figure.results);
+    }
+    page.figure(figure);
+}
+
+void add_mixed_model(PageWriter& page, const PageNumbers& numbers) {
+    const StatsReport& stats = *numbers.stats;
+    std::vector<std::vector<std::string>> cells;
+    std::vector<std::string> warnings;
+    for (const MixedStats& mixed : stats.applied.mixed) {
+        const auto add = [&](const char* method, const MixedFit& fit, const MixedFit& null,
+                             const std::string& simulated) {
+            const double ratio = likelihood_ratio(fit, null);
+            cells.push_back(
+                {fmt::format("{} \u2212 {}", stats.table.frictions[mixed.friction],
+                             stats.table.frictions.front()),
+                 method, all_digits(fit.intercept),
+                 fit.intercept_se ? all_digits(*fit.intercept_se) : "", all_digits(fit.effect),
+                 fit.effect_se ? all_digits(*fit.effect_se) : "", all_digits(fit.sd_intercept),
+                 all_digits(fit.sd_slope), all_digits(fit.log_likelihood), all_digits(ratio),
+                 all_digits(chi_square_p(ratio, 1)), simulated});
+        };
+        add("Laplace", mixed.laplace, mixed.laplace_null,
+            mixed.simulated ? all_digits(mixed.simulated->p) : "");
+        add("Gauss-Hermite", mixed.quadrature, mixed.quadrature_null, "");
+        const auto told = warnings_of(mixed);
+        warnings.insert(warnings.end(), told.begin(), told.end());
+    }
+    if (cells.empty()) {
+        return;
+    }
+    page.html("<h3 id=\"mixed\">The mixed model</h3>\n");
+    page.paragraph(fmt::format(
+        "Second to the tests within person: logit of {} with friction, people differing in level "
+        "and effect (random intercepts and slopes), exclusions applied.",
+        stats.right_known ? "a right answer" : "yes"));
+    page.html(html_table(
+        {"comparison", "method", "intercept", "intercept_se", "effect", "effect_se", "sd_intercept",
+         "sd_effect", "log_likelihood", "chi_square", "p", "simulated_p"},
+        cells, "Logits; likelihood ratio of no effect"));
+    for (const std::string& one : warnings) {
+        page.paragraph("Warning: " + one);
+    }
+    page.html(fmt::format("<p class=\"from\">The same numbers: <code>{}</code></p>\n",
+                          html_text(numbers.stats_words)));
+}
+
+}  // namespace
+
+Ink ink_of(std::size_t friction) {
+    constexpr Ink kInks[] = {Ink::blue,   Ink::vermillion, Ink::green,
+                             Ink::purple, Ink::orange,     Ink::sky};
+    return kInks[friction % std::size(kInks)];
+}
+
+const Measure* find_measure(const StatsPart& part, std::string_view key) {
+    const auto found = std::ranges::find(part.measures, key, &Measure::key);
+    return found == part.measures.end() ? nullptr : &*found;
+}
+
+PeopleMean as_exp(const PeopleMean& mean) {
+    PeopleMean out = mean;
+    out.mean = std::exp(mean.mean);
+    if (out.interval) {
+        out.interval = Interval{std::exp(mean.interval->low), std::exp(mean.interval->high)};
+    }
+    return out;
+}
+
+std::vector<std::string> test_names() {
+    return {"what", "people",      "mean",       "low",        "high",           "t", "df", "t_p",
+            "dz",   "sign_flip_p", "wilcoxon_v", "wilcoxon_p", "bayes_factor_10"};
+}
+
+std::vector<std::string> test_cells(std::string what, const PeopleTest& test) {
+    const auto& ends = test.mean.interval;
+    return {std::move(what),
+            fmt::format("{}", test.values.size()),
+            all_digits(test.mean.mean),
+            ends ? all_digits(ends->low) : "",
+            ends ? all_digits(ends->high) : "",
+            test.t ? all_digits(test.t->t) : "",
+            test.t ? all_digits(test.t->df) : "",
+            test.t ? all_digits(test.t->p) : "",
+            test.t ? all_digits(test.t->dz) : "",
+            all_digits(test.flip.p),
+            all_digits(test.rank.v),
+            all_digits(test.rank.p),
+            test.bayes ? all_digits(*test.bayes) : ""};
+}
+
+Panel paired_panel(const PairedPanel& what) {
+    const double width = static_cast<double>(what.frictions.size());
+    Panel panel{.title = what.title,
+                .x = {.label = "friction", .low = -0.5, .high = width - 0.5},
+                .y = {.label = what.label, .unit = what.unit},
+                .height = what.height};
+    for (std::size_t f = 0; f < what.frictions.size(); ++f) {
+        panel.x.names.emplace_back(static_cast<double>(f), what.frictions[f]);
+    }
+    const auto lines = [&](const std::vector<std::vector<double>>& people, Stroke stroke,
+                           const char* name) {
+        for (const auto& values : people) {
+            Series one{
+                .name = name, .ink = Ink::grey, .stroke = stroke, .mark = Mark::both, .width = 1.0};
+            for (std::size_t f = 0; f < values.size(); ++f) {
+                one.x.push_back(static_cast<double>(f));
+                one.y.push_back(values[f]);
+            }
+            one.sizes.assign(values.size(), 2.5);
+            one.opacity = 0.7;
+            panel.series.push_back(std::move(one));
+        }
+    };
+    lines(what.left_out, Stroke::dashed, "");
+    lines(what.people, Stroke::solid, "");
+    for (std::size_t f = 0; f < what.means.size(); ++f) {
+        if (const auto& mean = what.means[f]) {
+            const double x =
+                static_cast<double>(f) + (2 * f + 1 > what.means.size() ? 0.16 : -0.16);
+            panel.series.push_back(
+                {.x = {x}, .y = {mean->mean}, .ink = ink_of(f), .mark = Mark::points});
+            panel.series.back().sizes = {4.5};
+            if (mean->interval) {
+                panel.series.push_back({.x = {x, x},
+                                        .y = {mean->interval->low, mean->interval->high},
+                                        .ink = ink_of(f),
+                                        .width = 3.0});
+            }
+        }
+    }
+    return panel;
+}
+
+void add_answers(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    if (!numbers.stats) {
+        return;
+    }
+    page.section("answers", "Answers and the effect of friction");
+    add_confusion(page, study, *numbers.stats);
+    add_effect(page, study, numbers);
+    add_mixed_model(page, numbers);
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,275 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "protocols/design/object_outline.hpp"
+#include "data/page/sections.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// People of which the maps show a trial, for each object and friction.
+constexpr int kPeopleOfMaps = 2;
+
+constexpr std::string_view kFelt =
+    R"(WITH felt AS (
+    SELECT person, left_out, exploration.*, vertex_s / nullif(contact_s, 0) AS vertex_share
+    FROM exploration JOIN person USING (participant_code)
+    WHERE study_name = {study} AND session_kind = {kind} AND phase = 'main' AND counts)
+)";
+
+constexpr std::string_view kByPerson =
+    R"(SELECT person, left_out, friction, count(*) AS intervals, avg(contact_s) AS contact_s,
+       avg(strokes_before_vertex) AS strokes_before_vertex, avg(strokes_after_vertex) AS strokes_after_vertex,
+       avg(reversals) AS reversals, avg(stick_events) AS stick_events, avg(vertex_share) AS vertex_share,
+       avg(covered_share) AS covered_share,
+       avg(speed_p10_m_per_s) AS speed_p10_m_per_s, avg(speed_p50_m_per_s) AS speed_p50_m_per_s,
+       avg(speed_p90_m_per_s) AS speed_p90_m_per_s,
+       avg(normal_force_p10_n) AS normal_force_p10_n, avg(normal_force_p50_n) AS normal_force_p50_n,
+       avg(normal_force_p90_n) AS normal_force_p90_n
+FROM felt GROUP BY person, friction ORDER BY person, friction)";
+
+constexpr std::string_view kEachTrial =
+    R"(SELECT person, trial_id, session_number, interval, felt_object AS felt, friction, contact_s,
+       before_vertex_s, vertex_s, after_vertex_s, strokes_before_vertex, strokes_after_vertex, reversals,
+       stick_events, covered_share, speed_p10_m_per_s, speed_p50_m_per_s, speed_p90_m_per_s,
+       normal_force_p10_n, normal_force_p50_n, normal_force_p90_n
+FROM felt ORDER BY person, trial_id, interval)";
+
+/// Of each object and friction the first interval that counts of the first people that have one.
+std::string map_sql() {
+    return fmt::format(
+        R"({}, first AS (
+    SELECT trial_id, interval, felt_object, friction, person,
+           row_number() OVER (PARTITION BY felt_object, friction, person ORDER BY trial_id, interval) AS n
+    FROM felt),
+shown AS (
+    SELECT *, row_number() OVER (PARTITION BY felt_object, friction ORDER BY person) AS place
+    FROM first WHERE n = 1)
+SELECT felt_object AS felt, friction, count(DISTINCT sample.trial_id) AS trials,
+       group_concat(DISTINCT sample.trial_id) AS trial_ids, segment,
+       avg(go_x_m) AS x_m, avg(go_y_m) AS y_m, count(*) AS ticks
+FROM shown CROSS JOIN sample ON sample.trial_id = shown.trial_id AND sample.interval = shown.interval
+WHERE place <= {} AND mode <> 'free'
+GROUP BY felt_object, friction, segment, CAST(go_x_m * 400 AS INTEGER), CAST(go_y_m * 400 AS INTEGER)
+ORDER BY felt_object, friction, segment, x_m, y_m)",
+        kFelt, kPeopleOfMaps);
+}
+
+std::vector<std::string> frictions_of(const Study& study) {
+    std::vector<protocols::FrictionSpec> all = study.protocol().frictions;
+    std::ranges::stable_sort(all, {}, &protocols::FrictionSpec::mu_s);
+    std::vector<std::string> names;
+    for (const auto& one : all) {
+        names.push_back(one.name);
+    }
+    return names;
+}
+
+/// Means of people for each friction, as pairs.
+Panel paired_column(const Rows& rows,
+                    const std::vector<std::string>& frictions,
+                    const std::string& column,
+                    const std::string& title,
+                    const std::string& unit,
+                    double factor) {
+    PairedPanel pairs{
+        .title = title, .label = "", .unit = unit, .frictions = frictions, .height = 150.0};
+    std::map<std::string, std::vector<double>> people;
+    std::vector<std::vector<double>> values(frictions.size());
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        const auto found = std::ranges::find(frictions, rows.text(row, "friction"));
+        if (found == frictions.end() || rows.number(row, "left_out") != 0.0) {
+            continue;
+        }
+        const auto f = static_cast<std::size_t>(found - frictions.begin());
+        auto& mine = people[rows.text(row, "person")];
+        mine.resize(frictions.size(), std::nan(""));
+        mine[f] = factor * rows.number(row, column);
+        if (std::isfinite(mine[f])) {
+            values[f].push_back(mine[f]);
+        }
+    }
+    for (auto& [person, mine] : people) {
+        pairs.people.push_back(std::move(mine));
+    }
+    for (const auto& of : values) {
+        pairs.means.push_back(of.empty() ? std::nullopt : std::optional(mean_over_people(of)));
+    }
+    return paired_panel(pairs);
+}
+
+void add_hands(PageWriter& page, const Study& study, const std::vector<std::string>& frictions) {
+    PageFigure figure{.id = "hand",
+                      .title = "What the hand did",
+                      .width = 264.0,
+                      .data = study.ask(std::string(kFelt) + std::string(kByPerson))};
+    struct Column {
+        const char* name;
+        const char* title;
+        const char* unit;
+        double factor;
+    };
+    constexpr Column kColumns[] = {
+        {"strokes_before_vertex", "strokes before the vertex", "", 1.0},
+        {"strokes_after_vertex", "strokes after the vertex", "", 1.0},
+        {"reversals", "reversals", "", 1.0},
+        {"stick_events", "stick events", "", 1.0},
+        {"vertex_share", "dwell at the vertex", "% of contact", 100.0},
+        {"covered_share", "outline covered", "%", 100.0},
+        {"speed_p10_m_per_s", "speed, 10 %", "mm/s", 1e3},
+        {"speed_p50_m_per_s", "speed, median", "mm/s", 1e3},
+        {"speed_p90_m_per_s", "speed, 90 %", "mm/s", 1e3},
+        {"normal_force_p10_n", "normal force, 10 %", "N", 1.0},
+        {"normal_force_p50_n", "normal force, median", "N", 1.0},
+        {"normal_force_p90_n", "normal force, 90 %", "N", 1.0},
+    };
+    for (const Column& one : kColumns) {
+        figure.panels.push_back(
+            paired_column(figure.data, frictions, one.name, one.title, one.unit, one.factor));
+    }
+    figure.caption =
+        "A mean a trial of each person, as pairs; bars: means over people with 95 % "
+        "intervals. Trials that count, exclusions applied.";
+    page.figure(figure);
+}
+
+/// The object's outline, and what was visited: the area of a dot is the time there.
+Panel map_panel(const Study& study,
+                std::size_t object,
+                const std::string& friction,
+                std::size_t friction_place,
+                const Rows& rows) {
+    const std::string& name = study.protocol().objects[object].name;
+    Panel panel{.title = name + ", friction " + friction,
+                .x = {},
+                .y = {},
+                .equal_aspect = true,
+                .height = 165.0};
+    Series outline{.ink = Ink::black, .width = 1.0};
+    for (const engine::Vec2& point : protocols::silhouette_of(study.protocol(), object)) {
+        outline.x.push_back(1e3 * point.x);
+        outline.y.push_back(1e3 * point.y);
+    }
+    outline.x.push_back(outline.x.front());
+    outline.y.push_back(outline.y.front());
+    panel.series.push_back(std::move(outline));
+    Series dots{.ink = ink_of(friction_place), .mark = Mark::points, .opacity = 0.55};
+    double ticks = 0.0;
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        if (rows.text(row, "felt") == name && rows.text(row, "friction") == friction) {
+            dots.x.push_back(1e3 * rows.number(row, "x_m"));
+            dots.y.push_back(1e3 * rows.number(row, "y_m"));
+            dots.sizes.push_back(rows.number(row, "ticks"));
+            ticks += dots.sizes.back();
+        }
+    }
+    for (double& size : dots.sizes) {
+        size = std::clamp(40.0 * std::sqrt(size / ticks), 0.8, 20.0);
+    }
+    panel.series.push_back(std::move(dots));
+    return panel;
+}
+
+void add_maps(PageWriter& page, const Study& study, const std::vector<std::string>& frictions) {
+    PageFigure figure{
+        .id = "maps", .title = "Where on the object", .width = 400.0, .data = study.ask(map_sql())};
+    if (figure.data.cells.empty()) {
+        page.paragraph("No ticks are kept of these trials: there is no map of the object.");
+        return;
+    }
+    const auto felt = figure.data.levels("felt");
+    for (std::size_t object = 0; object < study.protocol().objects.size(); ++object) {
+        for (std::size_t f = 0;
+             std::ranges::find(felt, study.protocol().objects[object].name) != felt.end() &&
+             f < frictions.size();
+             ++f) {
+            figure.panels.push_back(map_panel(study, object, frictions[f], f, figure.data));
+        }
+    }
+    figure.caption = fmt::format(
+        "mm. The area of a dot is the time that the god-object spent there. Not all trials: for "
+        "each "
+        "object and friction the first that counts of {} people; trial_ids in the table say which.",
+        kPeopleOfMaps);
+    page.figure(figure);
+}
+
+/// Where in contact: before the vertex, on it, after it.
+std::string bar_of(double before, double vertex, double after) {
+    const double all = before + vertex + after;
+    return all > 0.0 ? fmt::format("<span class=\"bar\" style=\"--a:{:.0f}%;--b:{:.0f}%\"></span>",
+                                   100.0 * before / all, 100.0 * (before + vertex) / all)
+                     : std::string("\u2013");
+}
+
+void add_each_trial(PageWriter& page, const Study& study) {
+    const Rows rows = study.ask(std::string(kFelt) + std::string(kEachTrial));
+    std::string html =
+        "<p class=\"from\"><span class=\"bar\" style=\"--a:40%;--b:55%\"></span> contact before "
+        "the "
+        "vertex, on it, after it. Speeds in mm/s and normal forces in N: the 10 %, 50 % and 90 % "
+        "quantiles.</p>\n";
+    const auto number = [&](std::size_t row, const char* name, double factor, int digits) {
+        const double value = factor * rows.number(row, name);
+        return std::isfinite(value) ? fmt::format("{:.{}f}", value, digits) : std::string("\u2013");
+    };
+    html += "<div class=\"trials\">\n";
+    std::string before;
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        const std::string& person = rows.text(row, "person");
+        if (person != before) {
+            html += before.empty() ? "" : "</tbody></table></div></details>\n";
+            html += fmt::format(
+                "<details><summary>Person {0}</summary>\n<div class=\"scroll\" "
+                "role=\"region\" tabindex=\"0\" aria-label=\"Trials of person {0}\"><table>\n"
+                "<caption>Person {0}: exploration, trial by trial</caption>\n<thead><tr>",
+                html_text(person));
+            for (const char* name :
+                 {"trial", "felt", "friction", "where", "contact s", "strokes before", "after",
+                  "reversals", "sticks", "vertex s", "covered %", "speed", "force"}) {
+                html += fmt::format("<th scope=\"col\">{}</th>", name);
+            }
+            html += "</tr></thead>\n<tbody>\n";
+            before = person;
+        }
+        html += fmt::format(
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td>"
+            "<td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{} {} {}</td><td>{} {} "
+            "{}</td></tr>\n",
+            rows.text(row, "trial_id") +
+                (rows.text(row, "interval") == "2" ? ", interval 2" : std::string()),
+            html_text(rows.text(row, "felt")), html_text(rows.text(row, "friction")),
+            bar_of(rows.number(row, "before_vertex_s"), rows.number(row, "vertex_s"),
+                   rows.number(row, "after_vertex_s")),
+            number(row, "contact_s", 1.0, 2), number(row, "strokes_before_vertex", 1.0, 0),
+            number(row, "strokes_after_vertex", 1.0, 0), number(row, "reversals", 1.0, 0),
+            number(row, "stick_events", 1.0, 0), number(row, "vertex_s", 1.0, 2),
+            number(row, "covered_share", 100.0, 0), number(row, "speed_p10_m_per_s", 1e3, 0),
+            number(row, "speed_p50_m_per_s", 1e3, 0), number(row, "speed_p90_m_per_s", 1e3, 0),
+            number(row, "normal_force_p10_n", 1.0, 2), number(row, "normal_force_p50_n", 1.0, 2),
+            number(row, "normal_force_p90_n", 1.0, 2));
+    }
+    html += before.empty() ? "</div>\n" : "</tbody></table></div></details>\n</div>\n";
+    PageFigure panel{.id = "trials",
+                     .title = "Each trial",
+                     .html = std::move(html),
+                     .has_table = true,
+                     .data = rows};
+    panel.caption = "Answered main trials that count, also of people who are left out.";
+    page.figure(panel);
+}
+
+}  // namespace
+
+void add_exploration(PageWriter& page, const Study& study) {
+    page.section("exploration", "Exploration");
+    const std::vector<std::string> frictions = frictions_of(study);
+    add_hands(page, study, frictions);
+    add_maps(page, study, frictions);
+    add_each_trial(page, study);
+}
+
+}  // namespace palpate::data

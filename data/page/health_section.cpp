@@ -1,0 +1,223 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/page/sections.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::string_view kHealth =
+    R"(SELECT person, session_number, finished, planned, answered, invalid_answers, early_presses, faulted, aborted,
+       interrupted, late_share, saturated_share, lost_ticks, felt_s, breaks
+FROM session_health JOIN person USING (participant_code)
+WHERE study_name = {study} AND session_kind = {kind}
+ORDER BY person, session_number)";
+
+constexpr std::string_view kFaults =
+    R"(SELECT fault_cause, phase, count(*) AS faults, count(DISTINCT person) AS people
+FROM fault JOIN person USING (participant_code)
+WHERE study_name = {study} AND session_kind = {kind}
+GROUP BY fault_cause, phase ORDER BY faults DESC, fault_cause, phase)";
+
+/// Means of a person and friction that the audit compares.
+std::string audit_sql() {
+    std::string columns;
+    for (const AuditedQuantity& one : audited_quantities()) {
+        columns += one.scale == AuditScale::ratio
+                     ? fmt::format(",\n       avg(ln(iif({0} > 0, {0}, NULL))) AS ln_{1}",
+                                   one.value, one.name)
+                     : fmt::format(",\n       avg({}) AS {}", one.value, one.name);
+    }
+    return fmt::format(
+        "SELECT person, exploration.friction, count(*) AS intervals{}\nFROM exploration JOIN "
+        "person "
+        "USING (participant_code) JOIN trial USING (trial_id)\nWHERE study_name = {{study}} AND "
+        "exploration.session_kind = {{kind}} AND exploration.phase = 'main' AND "
+        "exploration.counts\nGROUP BY person, exploration.friction ORDER BY person, "
+        "exploration.friction",
+        columns);
+}
+
+const char* scale_title(AuditScale scale) {
+    return scale == AuditScale::place ? "places"
+         : scale == AuditScale::share ? "shares"
+                                      : "the hand";
+}
+
+/// Without the unit of palpate audit's own table.
+std::string bare_title(const AuditedQuantity& quantity) {
+    const std::string title(quantity.title);
+    return quantity.scale == AuditScale::ratio ? title : title.substr(0, title.rfind(','));
+}
+
+/// Intervals of all quantities of one scale, the bounds as broken lines.
+Panel audit_panel(const Audit& audit, const std::string& friction, AuditScale scale) {
+    const bool ratio = scale == AuditScale::ratio;
+    const double unit = scale == AuditScale::place ? 1e3 : scale == AuditScale::share ? 100.0 : 1.0;
+    const auto shown = [&](double x) {
+        return ratio ? std::exp(x) : unit * x;
+    };
+    Panel panel{.title = fmt::format("{} against {}, {}", friction, audit.base, scale_title(scale)),
+                .x = {.label = "difference",
+                      .unit = scale == AuditScale::place ? "mm"
+                            : scale == AuditScale::share ? "% of ticks or trials"
+                                                         : "factor"},
+                .y = {.label = ""}};
+    double y = 0.0;
+    double bound = 0.0;
+    for (const AuditLine& line : audit.lines) {
+        if (line.friction != friction || line.quantity->scale != scale) {
+            continue;
+        }
+        bound = line.bound;
+        panel.y.names.emplace_back(-y, bare_title(*line.quantity));
+        if (line.found) {
+            const Ink ink = line.found->verdict == Sameness::same    ? Ink::blue
+                          : line.found->verdict == Sameness::differs ? Ink::vermillion
+                                                                     : Ink::grey;
+            panel.series.push_back({.x = {shown(line.found->low), shown(line.found->high)},
+                                    .y = {-y, -y},
+                                    .ink = ink,
+                                    .width = 3.0});
+            panel.series.push_back(
+                {.x = {shown(line.found->mean)}, .y = {-y}, .ink = ink, .mark = Mark::points});
+        }
+        y += 1.0;
+    }
+    for (const double at : {-bound, bound}) {
+        panel.series.push_back({.x = {shown(at), shown(at)},
+                                .y = {0.5, 0.5 - y},
+                                .ink = Ink::black,
+                                .stroke = Stroke::dashed,
+                                .width = 1.0});
+    }
+    panel.y.low = 0.5 - y;
+    panel.y.high = 0.5;
+    panel.height = std::max(60.0, 26.0 * y);
+    return panel;
+}
+
+Results audit_results(const PageNumbers& numbers) {
+    Results results{.names = {"quantity", "of", "comparison", "people", "difference", "low_90",
+                              "high_90", "bound", "scale", "verdict"},
+                    .cells = {},
+                    .command = numbers.audit_words,
+                    .caption = "Each quantity, its 90 % interval and its bound"};
+    for (const AuditLine& line : numbers.audit->lines) {
+        const AuditScale scale = line.quantity->scale;
+        results.cells.push_back(
+            {bare_title(*line.quantity), line.quantity->rig ? "rig" : "hand",
+             fmt::format("{} \u2212 {}", line.friction, numbers.audit->base),
+             fmt::format("{}", line.people), line.found ? all_digits(line.found->mean) : "",
+             line.found ? all_digits(line.found->low) : "",
+             line.found ? all_digits(line.found->high) : "", all_digits(line.bound),
+             scale == AuditScale::place   ? "m"
+             : scale == AuditScale::share ? "share"
+                                          : "ln of ratio",
+             line.found && line.found->verdict == Sameness::differs
+                 ? "differs"
+                 : std::string(verdict_text(line.found))});
+    }
+    return results;
+}
+
+}  // namespace
+
+void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    page.section("audit", "Does anything but friction differ?");
+    if (!numbers.audit) {
+        page.paragraph("There are not two conditions of friction to compare.");
+        return;
+    }
+    const Audit& audit = *numbers.audit;
+    PageFigure figure{.id = "audit-figure",
+                      .title = "Rig and hand between the conditions of friction",
+                      .width = 430.0,
+                      .data = study.ask(audit_sql())};
+    std::vector<std::string> frictions;
+    std::size_t same = 0;
+    std::vector<std::string> differs;
+    for (const AuditLine& line : audit.lines) {
+        if (std::ranges::find(frictions, line.friction) == frictions.end()) {
+            frictions.push_back(line.friction);
+        }
+        same += line.found && line.found->verdict == Sameness::same ? 1U : 0U;
+        if (line.quantity->rig && line.found && line.found->verdict == Sameness::differs) {
+            differs.push_back(bare_title(*line.quantity));
+        }
+    }
+    for (const std::string& friction : frictions) {
+        for (const AuditScale scale : {AuditScale::place, AuditScale::share, AuditScale::ratio}) {
+            figure.panels.push_back(audit_panel(audit, friction, scale));
+        }
+    }
+    figure.caption =
+        "Differences within person with 90 % intervals; broken lines: bounds chosen beforehand. "
+        "The "
+        "same: the interval lies between them (two one-sided tests of 5 %, Schuirmann 1987; blue). "
+        "Differs: the 95 % interval does not hold no difference (vermillion). Else more people are "
+        "needed (grey). What the hand does may follow from friction. Answers that count, also of "
+        "people left out.";
+    figure.results.push_back(audit_results(numbers));
+    page.paragraph(fmt::format(
+        "{} of {} quantities are the same within their bounds.{}", same, audit.lines.size(),
+        differs.empty() ? " Nothing of the rig differs beyond doubt."
+                        : fmt::format(" Of the rig {}: {}.",
+                                      differs.size() == 1 ? "one differs" : "these differ",
+                                      fmt::join(differs, "; "))));
+    page.figure(figure);
+}
+
+void add_health(PageWriter& page, const Study& study) {
+    page.section("health", "Servo and safety");
+    PageFigure figure{
+        .id = "servo", .title = "How well the rig kept up", .data = study.ask(kHealth)};
+    const Rows& rows = figure.data;
+    for (const auto& [name, title] :
+         {std::pair{"late_share", "late ticks"}, std::pair{"saturated_share", "saturated ticks"}}) {
+        Panel panel{.title = title,
+                    .x = {.label = "share of ticks", .unit = "%", .low = 0.0},
+                    .y = {.label = "person (session)"},
+                    .height = std::max(80.0, 15.0 * static_cast<double>(rows.cells.size()))};
+        Series dots{.ink = Ink::blue, .mark = Mark::points};
+        double most = 0.1;
+        for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+            const double y = -static_cast<double>(row);
+            dots.x.push_back(100.0 * rows.number(row, name));
+            dots.y.push_back(y);
+            most = std::isfinite(dots.x.back()) ? std::max(most, 1.08 * dots.x.back()) : most;
+            panel.y.names.emplace_back(y, fmt::format("{} ({})", rows.text(row, "person"),
+                                                      rows.text(row, "session_number")));
+        }
+        panel.x.high = most;
+        panel.y.low = 0.4 - static_cast<double>(rows.cells.size());
+        panel.y.high = 0.6;
+        panel.series.push_back(std::move(dots));
+        figure.panels.push_back(std::move(panel));
+    }
+    double lost = 0.0;
+    double faults = 0.0;
+    double felt = 0.0;
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        lost += rows.number(row, "lost_ticks");
+        faults += rows.number(row, "faulted");
+        felt += std::isfinite(rows.number(row, "felt_s")) ? rows.number(row, "felt_s") : 0.0;
+    }
+    figure.caption = fmt::format(
+        "Of all attempts, practice too. Late: woke more than half a period late. Saturated: the "
+        "device could not give the force. {:.1f} min were felt in all; {} lost on their way to the "
+        "disk; the force went off by itself in {}.",
+        felt / 60.0, counted(static_cast<std::int64_t>(lost), "tick was", "ticks were"),
+        counted(static_cast<std::int64_t>(faults), "trial"));
+    page.figure(figure);
+    const Rows causes = study.ask(kFaults);
+    if (!causes.cells.empty()) {
+        page.table("faults", "Why the force went off",
+                   "What each cause means and what to do is in docs/safety.md.", causes);
+    }
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,305 @@
+#include "data/page/html.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/plot/svg_figure.hpp"
+#include "data/plot/svg_text.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// Where a figure's or a table's number will stand; no text of a page has such a character.
+constexpr char kFigureNumber = '\1';
+constexpr char kTableNumber = '\2';
+
+std::string numbered(const std::string& body) {
+    std::string out;
+    int figures = 0;
+    int tables = 0;
+    for (const char c : body) {
+        out += c == kFigureNumber ? std::to_string(++figures)
+             : c == kTableNumber  ? std::to_string(++tables)
+                                  : std::string(1, c);
+    }
+    return out;
+}
+
+bool is_number(const std::string& field) {
+    double value = 0.0;
+    const char* end = field.data() + field.size();
+    const auto [stop, error] = std::from_chars(field.data(), end, value);
+    return error == std::errc{} && stop == end;
+}
+
+/// Names of columns as words: "share_low" is "share low".
+std::string words_of(std::string name) {
+    constexpr std::pair<const char*, const char*> kShort[] = {{"t_p", "p (t)"},
+                                                              {"sign_flip_p", "p (flip)"},
+                                                              {"wilcoxon_v", "V"},
+                                                              {"wilcoxon_p", "p (ranks)"},
+                                                              {"bayes_factor_10", "BF10"}};
+    for (const auto& [column, words] : kShort) {
+        if (name == column) {
+            return words;
+        }
+    }
+    std::ranges::replace(name, '_', ' ');
+    return name;
+}
+
+/// A file inside the page. What would end the attribute or act in an address is escaped.
+std::string data_address(std::string_view type, std::string_view text) {
+    std::string out = fmt::format("data:{};charset=utf-8,", type);
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool plain = byte > 0x20 && byte < 0x7f &&
+                           std::string_view("%#\"&<>'`").find(c) == std::string_view::npos;
+        out += plain ? std::string(1, c) : fmt::format("%{:02X}", byte);
+    }
+    return out;
+}
+
+/// A panel as an element of the page: no background, no address, a name for who cannot see it.
+std::string panel_html(const Panel& panel,
+                       const std::string& id,
+                       const std::string& title,
+                       double width,
+                       const std::string& mark) {
+    const std::string drawn = svg(Figure{.id = id, .panels = {panel}, .width = width});
+    const std::string view = "viewBox=\"";
+    const std::size_t box = drawn.find(view) + view.size();
+    std::string size = drawn.substr(box, drawn.find('"', box) - box);
+    constexpr double kFoot = 14.0;  // px that a figure of several panels needs below this one
+    const std::size_t last = size.find_last_of(' ') + 1;
+    const double height = std::stod(size.substr(last)) - kFoot;
+    size.replace(last, std::string::npos, px(height));
+    const std::size_t body = drawn.find("<g class=\"panel\">");
+    const std::string name = panel.title.empty() ? title : title + ": " + panel.title;
+    std::string out = fmt::format(
+        "<svg viewBox=\"{}\" aria-label=\"{}. The table below has its numbers.\" "
+        "role=\"img\">\n{}",
+        size, html_text(name), drawn.substr(body));
+    if (!mark.empty()) {
+        out.insert(out.rfind("</svg>"),
+                   svg_text(width - 6.0, height - 3.0, mark, 8.5, Anchor::end, "class=\"mark\""));
+    }
+    return out;
+}
+
+}  // namespace
+
+std::string html_text(std::string_view text) {
+    return xml_escaped(plain(std::string(text), Lines::kept));
+}
+
+std::string short_number(const std::string& field) {
+    if (!is_number(field) || field.find_first_of(".e") == std::string::npos) {
+        return field;
+    }
+    const double value = std::stod(field);
+    const double size = std::fabs(value);
+    std::string text = value != 0.0 && size < 1e-3 ? fmt::format("{:.2g}", value)
+                     : size < 10.0                 ? fmt::format("{:.3f}", value)
+                     : size < 1000.0               ? fmt::format("{:.1f}", value)
+                                                   : fmt::format("{:.0f}", value);
+    if (text.front() == '-') {
+        text.replace(0, 1, "\u2212");
+    }
+    return text;
+}
+
+std::string interval_text(const Interval& interval) {
+    return fmt::format("{:.3f} to {:.3f}", interval.low, interval.high);
+}
+
+std::string html_table(const std::vector<std::string>& names,
+                       const std::vector<std::vector<std::string>>& cells,
+                       std::string_view caption) {
+    std::vector<bool> number(names.size(), !cells.empty());
+    for (const auto& row : cells) {
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            number[i] = number[i] && (row[i].empty() || is_number(row[i]));
+        }
+    }
+    constexpr std::size_t kHash = 64;  // digits of a SHA-256
+    std::string out = fmt::format(
+        "<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{0}\">\n<table>\n"
+        "<caption>{0}</caption>\n<thead><tr>",
+        html_text(caption));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        out += fmt::format("<th scope=\"col\"{}>{}</th>", number[i] ? " class=\"n\"" : "",
+                           html_text(words_of(names[i])));
+    }
+    out += "</tr></thead>\n<tbody>\n";
+    for (const auto& row : cells) {
+        out += "<tr>";
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            out += fmt::format(
+                "<{0}{1}>{2}</{3}>", i == 0 ? "th scope=\"row\"" : "td",
+                number[i]                ? " class=\"n\""
+                : row[i].size() == kHash ? " class=\"hash\""
+                                         : "",
+                row[i].empty() ? "\u2013" : html_text(number[i] ? short_number(row[i]) : row[i]),
+                i == 0 ? "th" : "td");
+        }
+        out += "</tr>\n";
+    }
+    return out + "</tbody>\n</table>\n</div>\n";
+}
+
+void PageWriter::append(const PageWriter& rest) {
+    close_section();
+    body_ += rest.body_;
+    contents_ += rest.contents_;
+    open_ = rest.open_;
+}
+
+void PageWriter::close_section() {
+    body_ += open_ ? "</section>\n" : "";
+    open_ = false;
+}
+
+void PageWriter::section(std::string_view id, std::string_view title) {
+    close_section();
+    open_ = true;
+    body_ += fmt::format("<section aria-labelledby=\"{0}\">\n<h2 id=\"{0}\">{1}</h2>\n", id,
+                         html_text(title));
+    contents_ += fmt::format("<li><a href=\"#{}\">{}</a></li>\n", id, html_text(title));
+}
+
+void PageWriter::paragraph(std::string_view text) {
+    body_ += fmt::format("<p>{}</p>\n", html_text(text));
+}
+
+std::string PageWriter::sources(std::string_view id,
+                                std::string_view title,
+                                const Rows& rows,
+                                Shown shown) const {
+    const std::string name = study_->options().kind == "real"
+                               ? std::string(id)
+                               : fmt::format("{}-{}", study_->options().kind, id);
+    const std::string table =
+        html_table(rows.names, rows.cells, fmt::format("{}: the data", title));
+    std::string out = shown == Shown::open ? table : "";
+    out += "<div class=\"sources\">\n";
+    if (shown == Shown::folded) {
+        out += fmt::format("<details class=\"data\"><summary>Table ({})</summary>\n{}</details>\n",
+                           counted(rows.cells.size(), "row"), table);
+    }
+    return out + fmt::format(
+                     "<details class=\"sql\"><summary>SQL</summary>\n<pre tabindex=\"0\"><code>{}"
+                     "</code></pre></details>\n"
+                     "<a class=\"csv\" download=\"{}.csv\" href=\"{}\">CSV</a>\n</div>\n",
+                     html_text(rows.sql), html_text(name), data_address("text/csv", rows.csv));
+}
+
+void PageWriter::add_results(const Results& results, const std::string& id) {
+    const std::string& kind = study_->options().kind;
+    std::string csv = fmt::format("{}\n", fmt::join(results.names, ","));
+    for (const auto& row : results.cells) {
+        std::string line;
+        for (const std::string& field : row) {
+            line += &field == &row.front() ? "" : ",";
+            line += field.find_first_of(",\"\n") == std::string::npos ? field : "\"" + field + "\"";
+        }
+        csv += line + '\n';
+    }
+    const std::string told =
+        html_table(results.names, results.cells, results.caption) +
+        fmt::format(
+            "<p class=\"from\">The same numbers: <code>{}</code> <a class=\"csv\" "
+            "download=\"{}{}.csv\" href=\"{}\">CSV</a></p>\n",
+            html_text(results.command), kind == "real" ? "" : kind + "-", id,
+            data_address("text/csv", csv));
+    body_ += results.folded
+               ? fmt::format("<details class=\"more\"><summary>{}</summary>\n{}</details>\n",
+                             html_text(results.caption), told)
+               : told;
+}
+
+void PageWriter::figure(const PageFigure& figure) {
+    const std::string& kind = study_->options().kind;
+    const std::string mark = kind == "real" ? "" : kind + " data";
+    body_ += fmt::format(
+        "<figure id=\"{0}\" aria-labelledby=\"{0}-h\">\n<h3 id=\"{0}-h\">Figure {1}. "
+        "{2}</h3>\n",
+        figure.id, kFigureNumber, html_text(figure.title));
+    body_ += figure.html;
+    if (!figure.panels.empty()) {
+        body_ += fmt::format("<div class=\"panels\" style=\"--w:{}px\">\n", figure.width);
+        for (std::size_t i = 0; i < figure.panels.size(); ++i) {
+            body_ += panel_html(figure.panels[i], fmt::format("{}-{}", figure.id, i), figure.title,
+                                figure.width, mark);
+        }
+        body_ += "</div>\n";
+    }
+    body_ += fmt::format("<figcaption>{}</figcaption>\n", html_text(figure.caption));
+    for (std::size_t i = 0; i < figure.results.size(); ++i) {
+        add_results(figure.results[i], figure.results.size() == 1
+                                           ? figure.id + "-results"
+                                           : fmt::format("{}-results-{}", figure.id, i + 1));
+    }
+    body_ +=
+        sources(figure.id, figure.title, figure.data, figure.has_table ? Shown::no : Shown::folded);
+    body_ += "</figure>\n";
+}
+
+void PageWriter::table(std::string_view id,
+                       std::string_view title,
+                       std::string_view caption,
+                       const Rows& rows) {
+    body_ += fmt::format("<div class=\"table\" id=\"{0}\">\n<h3>Table {1}. {2}</h3>\n<p>{3}</p>\n",
+                         id, kTableNumber, html_text(title), html_text(caption));
+    constexpr std::size_t kShown = 60;  // rows; a longer table is folded
+    body_ += sources(id, title, rows, rows.cells.size() <= kShown ? Shown::open : Shown::folded);
+    body_ += "</div>\n";
+}
+
+std::string PageWriter::page() const {
+    const PageOptions& options = study_->options();
+    const bool real = options.kind == "real";
+    const std::string title = html_text(study_->title().empty() ? study_->name() : study_->title());
+    std::string out = fmt::format(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+        "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+        "<meta name=\"color-scheme\" content=\"light dark\">\n"
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src "
+        "'unsafe-inline'\">\n"
+        "<meta name=\"generator\" content=\"palpate {}\">\n<title>{}{}</title>\n<style>\n{}",
+        html_text(options.version), title, real ? "" : html_text(" (" + options.kind + " data)"),
+        page_style());
+    if (!real) {
+        std::string word = options.kind;
+        std::ranges::transform(word, word.begin(),
+                               [](char c) { return static_cast<char>(c - 'a' + 'A'); });
+        out += fmt::format("body::after {{ content: \"{}\"; }}\n", word);
+    }
+    out += fmt::format("</style>\n</head>\n<body class=\"{}\">\n<header>\n<p class=\"kicker\">",
+                       options.kind);
+    out += fmt::format("Protocol {}, {} data</p>\n<h1>{}</h1>\n", html_text(study_->name()),
+                       options.kind, title);
+    if (options.kind == "simulated") {
+        out +=
+            "<p class=\"warning\" role=\"note\"><strong>Simulated data.</strong> Hand and "
+            "answers were computed: nobody felt anything. Nothing here is a result.</p>\n";
+    } else if (!real) {
+        out +=
+            "<p class=\"warning\" role=\"note\"><strong>Pilot data.</strong> Sessions to try "
+            "the study: no result follows from them.</p>\n";
+    }
+    out += fmt::format(
+        "</header>\n<nav aria-label=\"Contents\">\n<ol>\n{}</ol>\n</nav>\n<main>\n{}{}</main>\n"
+        "<footer><p>Made by palpate {} from {}. No day, no name{} is on this page.</p></footer>\n"
+        "</body>\n</html>\n",
+        contents_, numbered(body_), open_ ? "</section>\n" : "", html_text(options.version),
+        html_text(study_->file()), options.codes ? "" : " and no code of a participant");
+    return out;
+}
+
+}  // namespace palpate::data

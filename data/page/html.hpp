@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "data/page/study.hpp"
+#include "data/plot/figure.hpp"
+
+/// Parts of the page as HTML.
+namespace palpate::data {
+
+/// A figure with all that stands beside it.
+struct PageFigure {
+    std::string id{};     ///< letters, digits, -; also the CSV's name
+    std::string title{};  ///< the heading, after "Figure 3. "
+    std::vector<Panel> panels{};
+    double width =
+        370.0;  ///< of a panel, px, 200 or more: as many stand in a row as there is room for
+    std::string html{};      ///< in place of panels
+    bool has_table = false;  ///< `html` is the table
+    std::string caption{};
+    Rows data{};
+    std::vector<Results> results{};
+};
+
+/// Text of any kind between tags.
+[[nodiscard]] std::string html_text(std::string_view text);
+/// "P05, sub-1" stays; "0.41999999" becomes "0.4200"; whole numbers stay.
+[[nodiscard]] std::string short_number(const std::string& field);
+/// "0.012 to 0.340", three digits after the point.
+[[nodiscard]] std::string interval_text(const Interval& interval);
+
+/// A table with a caption; columns of numbers to the right.
+[[nodiscard]] std::string html_table(const std::vector<std::string>& names,
+                                     const std::vector<std::vector<std::string>>& cells,
+                                     std::string_view caption);
+
+/// The figures of a page, numbered, and its sections.
+class PageWriter {
+public:
+    explicit PageWriter(const Study& study) : study_(&study) {}
+
+    void section(std::string_view id, std::string_view title);
+    void paragraph(std::string_view text);  ///< plain text
+    void html(std::string_view html) { body_ += html; }
+    /// Refused where nothing of it can be drawn: a figure has a table, CSV and SQL.
+    void figure(const PageFigure& figure);
+    /// A table alone, with CSV and SQL.
+    void table(std::string_view id,
+               std::string_view title,
+               std::string_view caption,
+               const Rows& rows);
+
+    /// The sections of another come after those of this one.
+    void append(const PageWriter& rest);
+
+    /// The whole page, figures and tables counted.
+    [[nodiscard]] std::string page() const;
+
+private:
+    enum class Shown : std::uint8_t { open, folded, no };  ///< the table
+    [[nodiscard]] std::string sources(std::string_view id,
+                                      std::string_view title,
+                                      const Rows& rows,
+                                      Shown shown) const;
+    void close_section();
+    void add_results(const Results& results, const std::string& id);
+
+    const Study* study_;
+    std::string body_;
+    std::string contents_;
+    bool open_ = false;
+};
+
+/// The page's style sheet.
+[[nodiscard]] std::string_view page_style();
+
+}  // namespace palpate::data

@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "data/fit/fit_words.hpp"
+#include "data/page/sections.hpp"
+#include "data/store/graded_answers.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::string_view kTracks =
+    R"(SELECT person, session_number, run_name, run_trial_number, stimulus, rule_outcome, estimate
+FROM main WHERE counts AND run_trial_number IS NOT NULL
+ORDER BY person, session_number, run_name, run_trial_number)";
+
+const char* word_of_quantity(Quantity quantity) {
+    switch (quantity) {
+        case Quantity::threshold:
+            return "threshold";
+        case Quantity::jnd:
+            return "JND";
+        case Quantity::weber:
+            return "Weber fraction";
+        case Quantity::slope:
+            return "slope b";
+        case Quantity::guess:
+            return "guess";
+        case Quantity::lapse:
+            return "lapse";
+        case Quantity::at_share:
+            break;
+    }
+    return "stimulus at a share";
+}
+
+Results fit_results(const PageNumbers& numbers) {
+    Results results{.names = {"person", "condition", "quantity", "estimate", "se", "profile_low",
+                              "profile_high", "bootstrap_low", "bootstrap_high", "deviance_p"},
+                    .cells = {},
+                    .command = numbers.fit_words,
+                    .caption = "Thresholds, JND and slopes with 95 % intervals"};
+    for (const FittedCurve& curve : numbers.fit->curves) {
+        for (const Told& told : curve.told) {
+            if (told.fixed) {
+                continue;
+            }
+            results.cells.push_back({curve.answers.participant, curve.answers.condition,
+                                     word_of_quantity(told.quantity), all_digits(told.value),
+                                     told.se ? all_digits(*told.se) : "",
+                                     told.profile ? all_digits(told.profile->low) : "",
+                                     told.profile ? all_digits(told.profile->high) : "",
+                                     told.bootstrap ? all_digits(told.bootstrap->low) : "",
+                                     told.bootstrap ? all_digits(told.bootstrap->high) : "",
+                                     all_digits(curve.samples.deviance_p)});
+        }
+    }
+    return results;
+}
+
+void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    const FitReport& fit = *numbers.fit;
+    PageFigure figure{.id = "curves", .title = "Psychometric functions"};
+    figure.data = study.ask(fmt::format(
+        "SELECT person, condition, stimulus, count(*) AS n, sum(k) AS k, avg(k) AS share\nFROM "
+        "({}) JOIN person USING (participant_code)\nWHERE study_name = {{study}} AND session_kind "
+        "= {{kind}}\nGROUP BY person, condition, stimulus ORDER BY person, condition, stimulus",
+        kGradedAnswers));
+    figure.panels = fit_figure(fit).panels;
+    for (Panel& panel : figure.panels) {
+        panel.title = "person " + panel.title;
+        panel.y.label = study.protocol().response.kind == protocols::ResponseKind::two_interval
+                          ? "share, comparison named"
+                          : "share of yes";
+    }
+    figure.caption = fmt::format(
+        "Dots: shares of the answers at each level, larger for more of them. Lines: {} functions, "
+        "guess {}, lapse {}. Bands: "
+        "95 % of {} bootstrap samples at each level. Bars: profile intervals of the thresholds.",
+        word_of(fit.options.spec.family), guess_text(fit.options.spec),
+        rate_text(fit.options.spec.lapse_free, fit.options.spec.lapse), fit.options.bootstrap);
+    figure.results.push_back(fit_results(numbers));
+    page.figure(figure);
+    for (const std::string& one : fit.left_out) {
+        page.paragraph("Not fitted: " + one);
+    }
+    for (const FittedCurve& curve : fit.curves) {
+        for (const std::string& one : warnings_of(fit, curve)) {
+            page.paragraph(fmt::format("Person {}: {}", name_of(curve.answers), one));
+        }
+    }
+}
+
+void add_tracks(PageWriter& page, const Study& study) {
+    PageFigure figure{.id = "tracks", .title = "Adaptive tracks", .data = study.ask(kTracks)};
+    const std::vector<std::string> runs = figure.data.levels("run_name");
+    const std::vector<std::string> people = figure.data.levels("person");
+    bool estimates = false;
+    for (const std::string& person : people) {
+        Panel& panel = figure.panels.emplace_back();
+        panel = {.title = "person " + person,
+                 .x = {.label = "answer of the run"},
+                 .y = {.label = "stimulus"},
+                 .height = 170.0};
+        for (std::size_t run = 0; run < runs.size(); ++run) {
+            Series track{.name = runs[run], .ink = ink_of(run), .mark = Mark::both, .width = 1.0};
+            Series estimate{.ink = ink_of(run), .stroke = Stroke::dashed};
+            for (std::size_t row = 0; row < figure.data.cells.size(); ++row) {
+                if (figure.data.text(row, "person") == person &&
+                    figure.data.text(row, "run_name") == runs[run]) {
+                    const double at = figure.data.number(row, "run_trial_number");
+                    const bool again = !track.x.empty() && at <= track.x.back();
+                    if (again) {  // the next session
+                        track.x.push_back(std::nan(""));
+                        track.y.push_back(std::nan(""));
+                    }
+                    track.x.push_back(at);
+                    track.y.push_back(figure.data.number(row, "stimulus"));
+                    estimate.x.push_back(again ? std::nan("") : at);
+                    estimate.y.push_back(figure.data.number(row, "estimate"));
+                    estimates = estimates || std::isfinite(estimate.y.back());
+                }
+            }
+            track.sizes.assign(track.x.size(), 2.0);
+            panel.series.push_back(std::move(track));
+            panel.series.push_back(std::move(estimate));
+        }
+    }
+    figure.caption = estimates ? "Levels that each run's rule chose, in the protocol's unit; "
+                                 "broken: what the rule believed after each answer."
+                               : "Levels that each run's rule chose, in the protocol's unit.";
+    page.figure(figure);
+}
+
+}  // namespace
+
+void add_levels(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    if (!numbers.fit) {
+        return;
+    }
+    page.section("levels", "Psychometric functions and tracks");
+    add_curves(page, study, numbers);
+    if (study.protocol().procedure) {
+        add_tracks(page, study);
+    }
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,216 @@
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/page/sections.hpp"
+
+namespace palpate::data {
+namespace {
+
+constexpr std::string_view kFlow =
+    R"(SELECT person.person, person.subject, person.left_out, person.consent,
+       (SELECT count(*) FROM plan JOIN session USING (session_id) JOIN study USING (study_id)
+        WHERE session.participant_id = person.participant_id AND study_name = {study}
+              AND session_kind = {kind} AND plan.phase = 'main') AS planned,
+       count(main.trial_id) AS attempts,
+       count(*) FILTER (WHERE outcome = 'faulted') AS faulted,
+       count(*) FILTER (WHERE outcome = 'aborted') AS aborted,
+       count(*) FILTER (WHERE outcome IN ('interrupted', 'running')) AS broken_off,
+       count(main.answer_code) AS answered,
+       count(*) FILTER (WHERE answer_code IS NOT NULL AND exclusion = 'marked') AS marked,
+       count(*) FILTER (WHERE answer_code IS NOT NULL AND NOT counts AND exclusion <> 'marked') AS invalid,
+       count(*) FILTER (WHERE counts) AS counting,
+       count(*) FILTER (WHERE counts AND NOT main.left_out) AS analysed
+FROM person LEFT JOIN main USING (person)
+GROUP BY person.person ORDER BY person.subject)";
+
+std::int64_t sum_of(const Rows& rows, std::string_view name) {
+    double sum = 0.0;
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        const double value = rows.number(row, name);
+        sum += std::isfinite(value) ? value : 0.0;
+    }
+    return static_cast<std::int64_t>(sum);
+}
+
+std::int64_t people_with(const Rows& rows, std::string_view name) {
+    std::int64_t people = 0;
+    for (std::size_t row = 0; row < rows.cells.size(); ++row) {
+        people += rows.number(row, name) > 0.0 ? 1 : 0;
+    }
+    return people;
+}
+
+std::string step(std::int64_t count,
+                 const std::string& what,
+                 const std::vector<std::string>& gone = {}) {
+    std::string out = fmt::format("<li><b>{}</b> {}", count, html_text(what));
+    for (const std::string& one : gone) {
+        out += fmt::format("<span class=\"gone\">{}</span>", html_text(one));
+    }
+    return out + "</li>\n";
+}
+
+/// "3 faulted" where there are some.
+void add_gone(std::vector<std::string>& gone, std::int64_t count, const std::string& what) {
+    if (count > 0) {
+        gone.push_back(fmt::format("less {}: {}", count, what));
+    }
+}
+
+std::string flow_html(const Study& study, const Rows& rows) {
+    std::vector<std::string> left;
+    for (const Study::LeftOut& one : study.left_out()) {
+        left.push_back(fmt::format("less person {}: {}", one.person, fmt::join(one.why, "; ")));
+    }
+    if (left.empty()) {
+        left.emplace_back("nobody is left out by a rule of the protocol");
+    }
+    std::vector<std::string> silent;
+    const auto people = static_cast<std::int64_t>(rows.cells.size());
+    const std::int64_t counting = people_with(rows, "counting");
+    add_gone(silent, people - counting, "without an answer that counts");
+    std::vector<std::string> lost;
+    add_gone(lost, sum_of(rows, "faulted"), "the force went off by itself");
+    add_gone(lost, sum_of(rows, "aborted"), "ended by the experimenter");
+    add_gone(lost, sum_of(rows, "broken_off"), "broken off");
+    std::vector<std::string> invalid;
+    add_gone(invalid, sum_of(rows, "invalid"), "do not count by the protocol's rules for a trial");
+    add_gone(invalid, sum_of(rows, "marked"), "marked by somebody");
+    std::vector<std::string> of_left;
+    add_gone(of_left, sum_of(rows, "counting") - sum_of(rows, "analysed"),
+             "answers of people left out");
+    std::string out = "<div class=\"flow\">\n<div>\n<h4>People</h4>\n<ol>\n";
+    out +=
+        step(people, fmt::format("with a {} session of the study", study.options().kind), silent);
+    out += step(counting, "with an answer that counts", left);
+    out += step(people_with(rows, "analysed"), "analysed, exclusions applied");
+    out += "</ol>\n</div>\n<div>\n<h4>Main trials</h4>\n<ol>\n";
+    out += step(sum_of(rows, "planned"), "planned");
+    out += step(sum_of(rows, "attempts"), "attempts: what does not count is run again", lost);
+    out += step(sum_of(rows, "answered"), "answered", invalid);
+    out += step(sum_of(rows, "counting"), "count", of_left);
+    out += step(sum_of(rows, "analysed"), "analysed, exclusions applied");
+    return out +
+           fmt::format("</ol>\n</div>\n</div>\n<p>Exclusions not applied: {} answers of {}.</p>\n",
+                       sum_of(rows, "answered"),
+                       counted(people_with(rows, "answered"), "person", "people"));
+}
+
+/// Share correct with exclusions applied and not.
+Results both_ways(const PageNumbers& numbers) {
+    Results results{.names = {"exclusions", "comparison", "people", "answers",
+                              "difference_in_share", "low", "high", "t_p", "sign_flip_p"},
+                    .cells = {},
+                    .command = numbers.stats_words,
+                    .caption = "The effect of friction, exclusions applied and not"};
+    const StatsReport& stats = *numbers.stats;
+    const auto add = [&](const char* word, const StatsPart& part) {
+        const Measure* share = find_measure(part, "share");
+        for (std::size_t f = 1; share != nullptr && f < stats.table.frictions.size(); ++f) {
+            if (const auto& effect = share->effects[f]) {
+                const auto& ends = effect->mean.interval;
+                results.cells.push_back(
+                    {word,
+                     fmt::format("{} \u2212 {}", stats.table.frictions[f],
+                                 stats.table.frictions.front()),
+                     fmt::format("{}", effect->values.size()), fmt::format("{}", part.trials),
+                     all_digits(effect->mean.mean), ends ? all_digits(ends->low) : "",
+                     ends ? all_digits(ends->high) : "", effect->t ? all_digits(effect->t->p) : "",
+                     all_digits(effect->flip.p)});
+            }
+        }
+    };
+    add("applied", stats.applied);
+    add("not applied", stats.not_applied ? *stats.not_applied : stats.applied);
+    return results;
+}
+
+/// Minus signs instead of hyphens.
+std::string minus(std::string text) {
+    for (std::size_t at = text.find('-'); at != std::string::npos; at = text.find('-')) {
+        text.replace(at, 1, "\u2212");
+    }
+    return text;
+}
+
+std::string fact(const std::string& what, const std::string& value, const std::string& small) {
+    return fmt::format("<div><dt>{}</dt><dd>{}<small>{}</small></dd></div>\n", html_text(what),
+                       html_text(value), html_text(small));
+}
+
+}  // namespace
+
+void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    std::string out = "<dl class=\"facts\">\n";
+    out += fact("People", fmt::format("{}", study.people()),
+                fmt::format("{} left out by the protocol's rules", study.left_out().size()));
+    if (numbers.stats) {
+        const StatsReport& stats = *numbers.stats;
+        out += fact("Answers analysed", fmt::format("{}", stats.applied.trials),
+                    fmt::format("of {}; exclusions applied", stats.table.trials.size()));
+        const Measure* share = find_measure(stats.applied, "share");
+        for (std::size_t f = 0; share != nullptr && f < share->means.size(); ++f) {
+            const std::string& friction = stats.table.frictions[f];
+            if (const auto& mean = share->means[f]) {
+                out += fact(fmt::format("{}, friction {}", share->title, friction),
+                            fmt::format("{:.3f}", mean->mean),
+                            mean->interval ? "95 % " + interval_text(*mean->interval)
+                                           : "no interval: one value");
+            }
+            if (const auto& effect = share->effects[f]) {
+                const auto& ends = effect->mean.interval;
+                out += fact(
+                    fmt::format("{} \u2212 {}, within person", friction,
+                                stats.table.frictions.front()),
+                    minus(fmt::format("{:+.3f}", effect->mean.mean)),
+                    (ends ? "95 % " + minus(interval_text(*ends)) : "no interval") +
+                        (effect->t ? fmt::format("; p = {:.3f}", effect->t->p) : std::string()));
+            }
+        }
+    }
+    if (numbers.fit) {
+        for (const OverPeople& one : numbers.fit->people) {
+            out += fact(one.what, fmt::format("{:.4g}", one.mean.mean),
+                        one.mean.interval ? "95 % " + interval_text(*one.mean.interval) : "");
+        }
+    }
+    page.html(out + "</dl>\n");
+}
+
+void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    page.section("people", "Participants and exclusions");
+    PageFigure flow{
+        .id = "flow",
+        .title = "From planned trials to analysed answers",
+        .caption =
+            "Each box less what stands beside it gives the next. Rules are those of the "
+            "protocol, written before anybody ran.",
+        .data = study.ask(kFlow)};
+    flow.html = flow_html(study, flow.data);
+    if (numbers.stats) {
+        flow.results.push_back(both_ways(numbers));
+    }
+    page.figure(flow);
+    std::int64_t against = 0;
+    for (std::size_t row = 0; row < flow.data.cells.size(); ++row) {
+        against += flow.data.number(row, "consent") == 0.0 ? 1 : 0;
+    }
+    if (against > 0) {
+        page.paragraph(fmt::format(
+            "{} noted as not consenting: an export leaves them out, the numbers of this page do "
+            "not. Take them out of the file before it is handed on.",
+            counted(against, "person is", "people are")));
+    }
+    page.paragraph(
+        study.options().codes
+            ? "People are called by the laboratory's codes, as was asked for: this page is not for "
+              "strangers."
+            : "People are numbered for this page, from 1; the column subject is their name in "
+              "exports and in palpate stats. Numbers are no codes of the laboratory, and follow "
+              "neither their order nor that of the sessions.");
+}
+
+}  // namespace palpate::data

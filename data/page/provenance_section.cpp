@@ -1,0 +1,198 @@
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "data/page/sections.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// The newest seal is that of the last end, event or attempt; and nothing that ended is without one.
+constexpr std::string_view kSeals =
+    R"(SELECT person, session_number, finished,
+       (SELECT count(*) FROM trial WHERE trial.session_id = session.session_id) AS attempts,
+       (SELECT count(*) FROM event WHERE event.session_id = session.session_id) AS events,
+       (SELECT count(*) FROM trial WHERE trial.session_id = session.session_id
+                                         AND trial.outcome <> 'running' AND trial.seal IS NULL)
+         + (SELECT count(*) FROM event WHERE event.session_id = session.session_id AND event.seal IS NULL)
+         + (finished AND seal IS NULL) AS without_seal,
+       newest_seal IS NOT NULL AND newest_seal IN (
+           SELECT session.seal UNION ALL
+           SELECT trial.seal FROM trial WHERE trial.session_id = session.session_id UNION ALL
+           SELECT event.seal FROM event WHERE event.session_id = session.session_id) AS newest_is_stored,
+       protocol_sha256, newest_seal
+FROM session JOIN person USING (participant_id) JOIN study USING (study_id)
+WHERE study_name = {study} AND session_kind = {kind}
+ORDER BY person, session_number)";
+
+/// What tells neither who nor when nor which machine.
+constexpr std::string_view kMade =
+    R"(SELECT key, value, count(*) AS sessions
+FROM session_provenance JOIN session USING (session_id) JOIN person USING (participant_id) JOIN study USING (study_id)
+WHERE study_name = {study} AND session_kind = {kind}
+      AND key IN ('palpate', 'build id', 'compiler', 'libc', 'sqlite', 'zlib', 'libsodium', 'calibration sha256')
+GROUP BY key, value ORDER BY key, sessions DESC, value)";
+
+std::string list_of(const std::vector<std::string>& names) {
+    std::string out;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        out += i == 0 ? "" : i + 1 == names.size() ? " and " : ", ";
+        out += names[i];
+    }
+    return out;
+}
+
+std::string friction_text(const protocols::FrictionSpec& one) {
+    if (one.law == "frictionless") {
+        return fmt::format("\u201c{}\u201d (none)", one.name);
+    }
+    return one.mu_s == one.mu_d
+             ? fmt::format("\u201c{}\u201d (law {}, coefficient {:g})", one.name, one.law, one.mu_d)
+             : fmt::format("\u201c{}\u201d (law {}, static {:g}, dynamic {:g})", one.name, one.law,
+                           one.mu_s, one.mu_d);
+}
+
+std::string objects_text(const protocols::Protocol& protocol) {
+    std::vector<std::string> names;
+    std::size_t unpictured = 0;
+    for (const auto& one : protocol.objects) {
+        unpictured += one.pictured ? 0U : 1U;
+        if (one.pictured) {
+            names.push_back(one.segments.empty()
+                                ? fmt::format("{} ({:g} 1/m)", one.name, one.curvature)
+                                : one.name + " (a free form)");
+        }
+    }
+    return list_of(names) + (unpictured == 0 ? ""
+                                             : fmt::format(", and {} that no picture shows",
+                                                           counted(unpictured, "object")));
+}
+
+std::string task_text(const protocols::Protocol& protocol) {
+    switch (protocol.response.kind) {
+        case protocols::ResponseKind::two_interval:
+            return "Two objects were felt one after the other, and one of them was named.";
+        case protocols::ResponseKind::yes_no:
+            return "A question was answered with yes or no.";
+        case protocols::ResponseKind::rating:
+            return fmt::format("What was felt was rated on {} levels.", protocol.response.levels);
+        case protocols::ResponseKind::identification:
+            break;
+    }
+    return "One of the pictured objects was chosen as the one that had been felt.";
+}
+
+std::string design_text(const protocols::Protocol& protocol) {
+    if (protocol.procedure) {
+        return fmt::format(
+            "A rule chose what was felt by the answers so far, {} of {} interleaved.",
+            counted(protocol.procedure->trials, "trial"), counted(protocol.runs.size(), "run"));
+    }
+    const auto& design = protocol.design;
+    return fmt::format(
+        "Each object was felt with each friction {} times in the main trials, in an order drawn "
+        "for each session{}{}.",
+        design.repetitions,
+        design.max_run_object > 0
+            ? fmt::format(", with no object more than {} times in a row", design.max_run_object)
+            : std::string(),
+        design.break_every > 0 ? fmt::format(", with a break every {} trials", design.break_every)
+                               : std::string());
+}
+
+}  // namespace
+
+void add_provenance(PageWriter& page, const Study& study) {
+    page.section("seals", "Seals and provenance");
+    const Rows seals = study.ask(kSeals);
+    std::size_t good = 0;
+    for (std::size_t row = 0; row < seals.cells.size(); ++row) {
+        good +=
+            seals.number(row, "without_seal") == 0.0 && seals.number(row, "newest_is_stored") == 1.0
+                ? 1U
+                : 0U;
+    }
+    page.paragraph(fmt::format(
+        "Each attempt, event and end of a session carries a seal: a hash over all that came "
+        "before. In {} of {} the newest seal is stored beside the row that made it, and "
+        "nothing that ended is without one. This is a look, no proof: palpate verify {} computes "
+        "every seal, plan and force again. A seal in the lab book that is the same shows that "
+        "nothing before it was changed.",
+        good, counted(seals.cells.size(), "session"), study.file()));
+    page.table("sessions", "Newest seals", "One row a session.", seals);
+    page.table(
+        "made", "Made with",
+        "Versions and hashes of the sessions' programs and calibrations. What tells a machine "
+        "is in the file alone.",
+        study.ask(kMade));
+}
+
+void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    page.section("methods", "Methods");
+    const protocols::Protocol& protocol = study.protocol();
+    const auto& apparatus = protocol.apparatus;
+    std::vector<std::string> frictions;
+    for (const auto& one : protocol.frictions) {
+        frictions.push_back(friction_text(one));
+    }
+    page.paragraph(fmt::format(
+        "{} explored objects that they could not see through a handle with two degrees of freedom; "
+        "the contact force was rendered at {:g} kHz on the exact curves with a stiffness of {:g} "
+        "N/m and limited to {:g} N. Objects were {}; friction was {}. {} {}",
+        study.options().kind == "simulated" ? "Simulated hands" : "Participants",
+        apparatus.rate_hz / 1000.0, apparatus.stiffness, apparatus.force_limit,
+        objects_text(protocol), list_of(frictions), task_text(protocol), design_text(protocol)));
+    page.paragraph(fmt::format(
+        "Attempts in which the force went off, or which fell short of the protocol's rules for a "
+        "trial, were run again later in the session. People were left out by rules in the "
+        "protocol, written before anybody ran; each result is given with and without these "
+        "exclusions. {} had a session.",
+        counted(study.people(), "person", "people")));
+    if (numbers.stats) {
+        const StatsReport& stats = *numbers.stats;
+        page.paragraph(fmt::format(
+            "The unit of all tests is the person; nothing pools the trials of several people. The "
+            "effect of friction is the difference within person, with Student's paired t and its "
+            "95 "
+            "% interval, the exact sign-flip test (Fisher 1935), Wilcoxon's signed ranks (1945, "
+            "exact, ties kept) and the JZS Bayes factor (Rouder et al. 2009, Cauchy prior of scale "
+            "{:.4f}). Means of shares have intervals by Student's t on the logit of the mean. A "
+            "logistic mixed model with random intercepts and slopes follows, by Laplace's "
+            "approximation and by adaptive Gauss-Hermite quadrature ({} nodes a side); the p of "
+            "its "
+            "likelihood ratio is also that of {} samples of the fitted null. d' is that of an "
+            "unbiased observer (Green & Swets 1966); transmitted information is Miller and "
+            "Madow's, "
+            "against {} permutations; confidence is judged by the area under the type 2 ROC "
+            "(Galvin "
+            "et al. 2003). Random numbers begin with seed {}.",
+            stats.options.prior_scale, stats.options.nodes, stats.options.simulations,
+            stats.options.permutations, stats.options.seed));
+    }
+    if (numbers.fit) {
+        page.paragraph(fmt::format(
+            "Psychometric functions were fitted by maximum likelihood from a grid of starts, and "
+            "again by a second optimiser; intervals are those of the profile likelihood and of {} "
+            "parametric bootstrap samples (bias-corrected percentiles).",
+            numbers.fit->options.bootstrap));
+    }
+    if (numbers.audit) {
+        page.paragraph(fmt::format(
+            "Conditions of friction were compared in start pose, lateness, saturation, stale "
+            "readings, gaps of the masking noise, times, strokes, force and speed by two one-sided "
+            "tests of 5 % (Schuirmann 1987), with bounds of {:g} mm, a ratio of {:g} and a share "
+            "of "
+            "{:g}.",
+            1e3 * numbers.bounds.place_m, numbers.bounds.ratio, numbers.bounds.share));
+    }
+    page.html(fmt::format(
+        "<p>All numbers can be had again from the file: each figure's SQL with <code>palpate sql "
+        "{0} --csv</code>, the tests with <code>{1}</code>.</p>\n",
+        html_text(study.file()),
+        html_text(numbers.stats ? numbers.stats_words
+                  : numbers.fit ? numbers.fit_words
+                                : numbers.audit_words)));
+}
+
+}  // namespace palpate::data

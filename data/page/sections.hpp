@@ -1,0 +1,61 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data/fit/fit_report.hpp"
+#include "data/inference/audit.hpp"
+#include "data/inference/stats_report.hpp"
+#include "data/page/html.hpp"
+
+/// The sections of the page, each with its figures.
+namespace palpate::data {
+
+/// What palpate stats, fit and audit say of the same sessions.
+struct PageNumbers {
+    std::optional<StatsReport> stats{};  ///< nothing: no answer of identification or yes-no
+    std::optional<FitReport> fit{};      ///< nothing: no graded stimulus
+    std::optional<Audit> audit{};        ///< nothing: fewer than two frictions
+    AuditBounds bounds{};
+    std::string stats_words{};  ///< the command that prints the same numbers
+    std::string fit_words{};
+    std::string audit_words{};
+};
+
+void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers);
+void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers);
+void add_answers(PageWriter& page, const Study& study, const PageNumbers& numbers);
+void add_levels(PageWriter& page, const Study& study, const PageNumbers& numbers);
+void add_times(PageWriter& page, const Study& study, const PageNumbers& numbers);
+void add_exploration(PageWriter& page, const Study& study);
+void add_audit(PageWriter& page, const Study& study, const PageNumbers& numbers);
+void add_health(PageWriter& page, const Study& study);
+void add_provenance(PageWriter& page, const Study& study);
+void add_methods(PageWriter& page, const Study& study, const PageNumbers& numbers);
+
+/// The frictions' colours, in their order.
+[[nodiscard]] Ink ink_of(std::size_t friction);
+
+/// A number a person and friction, people as paired lines, the means with their intervals beside them.
+struct PairedPanel {
+    std::string title{};
+    std::string label{};
+    std::string unit{};
+    std::vector<std::string> frictions{};
+    std::vector<std::vector<double>> people{};  ///< by friction; NaN: none
+    std::vector<std::vector<double>> left_out{};
+    std::vector<std::optional<PeopleMean>> means{};  ///< by friction; empty: none
+    double height = 220.0;
+};
+[[nodiscard]] Panel paired_panel(const PairedPanel& what);
+
+/// The mean of a measure on the scale of the page: exp() of a logarithm.
+[[nodiscard]] PeopleMean as_exp(const PeopleMean& mean);
+/// The measure of a key; nothing if there is none.
+[[nodiscard]] const Measure* find_measure(const StatsPart& part, std::string_view key);
+/// One row a test: what, people, mean, low, high, t, df, t_p, dz, sign_flip_p, wilcoxon_v, wilcoxon_p, bayes_factor_10.
+[[nodiscard]] std::vector<std::string> test_names();
+[[nodiscard]] std::vector<std::string> test_cells(std::string what, const PeopleTest& test);
+
+}  // namespace palpate::data

@@ -1,0 +1,225 @@
+#include "data/page/study.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+#include "protocols/file/protocol_file.hpp"
+#include "data/analysis/exclusion.hpp"
+#include "data/shell/sql_shell.hpp"
+
+namespace palpate::data {
+namespace {
+
+std::string quoted_text(std::string_view text) {
+    std::string out = "'";
+    for (const char c : text) {
+        out += c == '\'' ? "''" : std::string(1, c);
+    }
+    return out + "'";
+}
+
+/// What the shell prints, of one statement.
+std::string printed(Database& database, const std::string& sql) {
+    struct Memory {
+        char* text = nullptr;
+        std::size_t size = 0;
+        std::FILE* file = open_memstream(&text, &size);
+        Memory() = default;
+        Memory(const Memory&) = delete;
+        Memory& operator=(const Memory&) = delete;
+        ~Memory() {
+            std::fclose(file);
+            std::free(text);
+        }
+        std::string said() {
+            std::fflush(file);
+            return {text, size};
+        }
+    };
+    Memory out;
+    Memory error;
+    SqlShell shell(database, RowFormat::csv, out.file, error.file);
+    if (!shell.run(sql)) {
+        throw StoreError(fmt::format("{}: {}", database.file(), error.said()));
+    }
+    return out.said();
+}
+
+std::vector<std::vector<std::string>> fields_of(std::string_view csv) {
+    std::vector<std::vector<std::string>> rows;
+    std::vector<std::string> row(1);
+    bool inside = false;
+    for (std::size_t i = 0; i < csv.size(); ++i) {
+        const char c = csv[i];
+        if (c == '"') {
+            const bool doubled = inside && i + 1 < csv.size() && csv[i + 1] == '"';
+            inside = doubled == inside;
+            if (doubled) {
+                row.back() += c;
+                ++i;
+            }
+        } else if (inside || (c != ',' && c != '\n')) {
+            row.back() += c;
+        } else if (c == ',') {
+            row.emplace_back();
+        } else {
+            rows.push_back(std::move(row));
+            row.assign(1, "");
+        }
+    }
+    return rows;
+}
+
+}  // namespace
+
+std::string all_digits(double value) {
+    return std::isfinite(value) ? fmt::format("{}", value) : "";
+}
+
+const std::string& Rows::text(std::size_t row, std::string_view name) const {
+    const auto found = std::ranges::find(names, name);
+    if (found == names.end()) {
+        throw std::logic_error(fmt::format("no column {} in {}", name, sql));
+    }
+    return cells.at(row)[static_cast<std::size_t>(found - names.begin())];
+}
+
+double Rows::number(std::size_t row, std::string_view name) const {
+    const std::string& field = text(row, name);
+    double value = std::numeric_limits<double>::quiet_NaN();
+    std::from_chars(field.data(), field.data() + field.size(), value);
+    return value;
+}
+
+std::vector<std::string> Rows::levels(std::string_view name) const {
+    std::vector<std::string> found;
+    for (std::size_t row = 0; row < cells.size(); ++row) {
+        const std::string& level = text(row, name);
+        if (std::ranges::find(found, level) == found.end()) {
+            found.push_back(level);
+        }
+    }
+    return found;
+}
+
+Study::Study(Database& database, const PageOptions& options)
+    : database_(&database), options_(options) {
+    file_ = std::filesystem::path(database.file()).filename().string();
+    choose();
+    number_people();
+}
+
+void Study::choose() {
+    Statement row = database_->prepare(
+        "SELECT DISTINCT study_name FROM study JOIN session USING (study_id) WHERE session_kind = "
+        "?1 AND (?2 = '' OR study_name = ?2) ORDER BY 1");
+    row.bind(1, std::string_view(options_.kind)).bind(2, std::string_view(options_.study));
+    std::set<std::string> names;
+    while (row.step()) {
+        names.insert(row.text(0));
+    }
+    if (names.empty()) {
+        throw std::invalid_argument(fmt::format(
+            "{} has no {} session{}: --kind chooses others", database_->file(), options_.kind,
+            options_.study.empty() ? "" : fmt::format(" of the study {}", options_.study)));
+    }
+    if (names.size() > 1) {
+        throw std::invalid_argument(
+            fmt::format("{} holds several studies: give --study and one of {}", database_->file(),
+                        fmt::join(names, ", ")));
+    }
+    name_ = *names.begin();
+    words_ = options_.kind == "real" ? "" : " --kind " + options_.kind;
+    words_ += options_.study.empty() ? "" : " --study " + options_.study;
+    Statement text = database_->prepare(
+        "SELECT study_title, protocol_toml FROM study JOIN session USING (study_id) WHERE "
+        "study_name = ?1 AND session_kind = ?2 ORDER BY session_id DESC LIMIT 1");
+    text.bind(1, std::string_view(name_)).bind(2, std::string_view(options_.kind)).step();
+    title_ = text.text(0);
+    protocol_ = protocols::stored_protocol(text.text(1));
+}
+
+void Study::number_people() {
+    Statement row = database_->prepare(
+        "SELECT participant_code, printf('sub-%010d', subject) FROM participant WHERE "
+        "participant_id IN (SELECT participant_id FROM session JOIN study USING (study_id) WHERE "
+        "study_name = ?1 AND session_kind = ?2) ORDER BY subject");
+    row.bind(1, std::string_view(name_)).bind(2, std::string_view(options_.kind));
+    std::map<std::string, std::size_t> place;
+    while (row.step()) {
+        ++people_;
+        const std::string shown = options_.codes ? row.text(0) : fmt::format("{}", people_);
+        place[row.text(0)] = people_;
+        person_[row.text(0)] = person_[row.text(1)] = shown;
+    }
+    std::map<std::size_t, LeftOut> left;
+    for (const Judged& one : judge(*database_, name_, options_.kind).all) {
+        if (!one.broken.empty()) {
+            LeftOut& mine = left[place.at(one.participant)];
+            mine.person = person(one.participant);
+            mine.why.insert(mine.why.end(), one.broken.begin(), one.broken.end());
+        }
+    }
+    std::vector<std::size_t> places;
+    for (auto& [at, one] : left) {
+        places.push_back(at);
+        left_out_.push_back(std::move(one));
+    }
+    const std::string study = quoted_text(name_);
+    const std::string kind = quoted_text(options_.kind);
+    person_sql_ = fmt::format(
+        "person AS (\n"
+        "    SELECT participant_id, participant_code, {} AS person,\n"
+        "           printf('sub-%010d', subject) AS subject, consent,\n"
+        "           row_number() OVER (ORDER BY subject) IN ({}) AS left_out\n"
+        "    FROM participant\n"
+        "    WHERE participant_id IN (SELECT participant_id FROM session JOIN study USING "
+        "(study_id)\n"
+        "                             WHERE study_name = {} AND session_kind = {}))",
+        options_.codes ? "participant_code" : "row_number() OVER (ORDER BY subject)",
+        fmt::join(places, ", "), study, kind);
+    main_sql_ = fmt::format(
+        "main AS (\n"
+        "    SELECT person, left_out, analysis_trial.*\n"
+        "    FROM analysis_trial JOIN person USING (participant_code)\n"
+        "    WHERE study_name = {} AND session_kind = {} AND phase = 'main')",
+        study, kind);
+}
+
+std::string Study::person(const std::string& known_as) const {
+    const auto found = person_.find(known_as);
+    return found == person_.end() ? known_as : found->second;
+}
+
+Rows Study::ask(std::string_view sql) const {
+    std::string text(sql);
+    for (const auto& [word, value] :
+         {std::pair{std::string("{study}"), quoted_text(name_)},
+          std::pair{std::string("{kind}"), quoted_text(options_.kind)}}) {
+        for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at)) {
+            text.replace(at, word.size(), value);
+        }
+    }
+    const bool with = text.starts_with("WITH ");
+    std::string before = "WITH " + person_sql_;
+    before += text.find("main") == std::string::npos ? "" : ",\n" + main_sql_;
+    Rows rows;
+    rows.sql = before + (with ? ",\n" + text.substr(5) : "\n" + text);
+    rows.csv = printed(*database_, rows.sql);
+    rows.cells = fields_of(rows.csv);
+    rows.names = rows.cells.front();
+    rows.cells.erase(rows.cells.begin());
+    return rows;
+}
+
+}  // namespace palpate::data

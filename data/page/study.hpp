@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "protocols/protocol/protocol.hpp"
+#include "data/page/study_page.hpp"
+
+/// The study that a page is about, and what is asked of its file.
+namespace palpate::data {
+
+/// The rows of a query, to the byte as `palpate sql FILE --csv -c SQL` prints them.
+struct Rows {
+    std::string sql{};
+    std::string csv{};
+    std::vector<std::string> names{};
+    std::vector<std::vector<std::string>> cells{};  ///< row by row; empty: NULL
+
+    /// @throws std::logic_error for a column that is not there
+    [[nodiscard]] const std::string& text(std::size_t row, std::string_view name) const;
+    /// NaN for NULL and for what is no number.
+    [[nodiscard]] double number(std::size_t row, std::string_view name) const;
+    /// Different texts of a column, in the order of the rows.
+    [[nodiscard]] std::vector<std::string> levels(std::string_view name) const;
+};
+
+/// Rows that were not asked of the file.
+struct Results {
+    std::vector<std::string> names{};
+    std::vector<std::vector<std::string>> cells{};  ///< numbers in all their digits
+    std::string command{};                          ///< which prints the same numbers
+    std::string caption{};
+    bool folded = false;
+};
+
+/// A number in the fewest digits that read back to the same bits; empty for what is not finite.
+[[nodiscard]] std::string all_digits(double value);
+
+class Study {
+public:
+    /// @throws std::invalid_argument if the file has no such session, or several studies: which there are
+    Study(Database& database, const PageOptions& options);
+
+    /// The rows of a query that may read, beside tables and views,
+    ///
+    ///     person  a row a person with a session of the study and kind: person (a number, or the code where
+    ///             codes are asked for), subject (of exports), left_out (1: by the protocol's rules), consent
+    ///     main    analysis_trial of their main trials, with person and left_out
+    ///
+    /// @param sql  begins with SELECT or WITH; {study}, {kind} stand for their names in quotes
+    /// @throws StoreError if the file says no
+    [[nodiscard]] Rows ask(std::string_view sql) const;
+
+    [[nodiscard]] Database& database() const { return *database_; }
+    [[nodiscard]] const PageOptions& options() const { return options_; }
+    [[nodiscard]] const std::string& name() const { return name_; }
+    [[nodiscard]] const std::string& title() const { return title_; }
+    /// As its newest version says.
+    [[nodiscard]] const protocols::Protocol& protocol() const { return protocol_; }
+    /// "3", or the code; of a code, and of a number in exports, either.
+    [[nodiscard]] std::string person(const std::string& known_as) const;
+    [[nodiscard]] std::size_t people() const { return people_; }
+    struct LeftOut {
+        std::string person{};
+        std::vector<std::string> why{};
+    };
+    [[nodiscard]] const std::vector<LeftOut>& left_out() const { return left_out_; }
+    /// " --kind simulated --study x": what other commands need to speak of the same.
+    [[nodiscard]] const std::string& words() const { return words_; }
+    /// The file's name without its folder.
+    [[nodiscard]] const std::string& file() const { return file_; }
+
+private:
+    void choose();
+    void number_people();
+
+    Database* database_;
+    PageOptions options_;
+    std::string name_;
+    std::string title_;
+    protocols::Protocol protocol_;
+    std::map<std::string, std::string> person_;
+    std::size_t people_ = 0;
+    std::vector<LeftOut> left_out_;
+    std::string person_sql_;
+    std::string main_sql_;
+    std::string words_;
+    std::string file_;
+};
+
+}  // namespace palpate::data

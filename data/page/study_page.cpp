@@ -1,0 +1,124 @@
+#include "data/page/study_page.hpp"
+
+#include <algorithm>
+#include <future>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "data/fit/stored_answers.hpp"
+#include "data/page/sections.hpp"
+#include "data/store/graded_answers.hpp"
+
+namespace palpate::data {
+namespace {
+
+bool any(Database& database, const Study& study, std::string_view from) {
+    Statement row = database.prepare(fmt::format("SELECT EXISTS (SELECT 1 FROM {})", from));
+    row.bind(1, std::string_view(study.name()))
+        .bind(2, std::string_view(study.options().kind))
+        .step();
+    return row.integer(0) == 1;
+}
+
+/// The trials that palpate stats takes without other words.
+std::optional<TrialTable> stats_trials(Database& database, const Study& study) {
+    const bool answered =
+        any(database, study,
+            "analysis_trial WHERE study_name = ?1 AND session_kind = ?2 AND phase = 'main' AND "
+            "answer_code IS NOT NULL AND run_number IS NULL AND (chosen_object IS NOT NULL OR "
+            "study_name IN (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "
+            "\"yes_no\"%'))");
+    const PageOptions& options = study.options();
+    return answered
+             ? std::optional(stored_trials(
+                   database, {.kind = options.kind, .study = study.name(), .codes = options.codes}))
+             : std::nullopt;
+}
+
+/// The answers that palpate fit takes without other words; people as on the page.
+std::vector<Answers> fit_answers(Database& database, const Study& study) {
+    if (!any(database, study,
+             fmt::format("({}) WHERE study_name = ?1 AND session_kind = ?2", kGradedAnswers))) {
+        return {};
+    }
+    std::vector<Answers> answers =
+        stored_answers(database, {.kind = study.options().kind, .study = study.name()});
+    for (Answers& one : answers) {
+        one.participant = study.person(one.participant);
+    }
+    return answers;
+}
+
+/// As palpate fit does without other words, then in the page's order of people.
+FitReport fit_numbers(const Study& study, const std::vector<Answers>& answers) {
+    constexpr double kLapse = 0.02;
+    FitOptions options{.bootstrap = study.options().bootstrap};
+    options.spec = {.guess = kLapse, .lapse = kLapse, .two_sided = true};
+    FitReport fit = fit_all(study.file(), answers, options);
+    if (!study.options().codes) {
+        std::ranges::stable_sort(fit.curves, {}, [](const FittedCurve& curve) {
+            return std::stoul(curve.answers.participant);
+        });
+    }
+    return fit;
+}
+
+std::optional<Audit> audit_numbers(Database& database,
+                                   const Study& study,
+                                   const AuditBounds& bounds) {
+    const bool two =
+        any(database, study,
+            "(SELECT count(DISTINCT friction) AS n FROM exploration WHERE study_name = "
+            "?1 AND session_kind = ?2 AND phase = 'main' AND counts) WHERE n > 1");
+    return two ? std::optional(audit_of(
+                     database, {.kind = study.options().kind, .study = study.name()}, bounds))
+               : std::nullopt;
+}
+
+}  // namespace
+
+std::string study_page(Database& database, const PageOptions& options) {
+    const Snapshot now(database);
+    const Study study(database, options);
+    PageNumbers numbers;
+    numbers.stats_words =
+        fmt::format("palpate stats {}{} --simulations {}{} --json", study.file(), study.words(),
+                    options.simulations, options.codes ? " --keep-codes" : "");
+    numbers.fit_words = fmt::format("palpate fit {}{} --bootstrap {} --json", study.file(),
+                                    study.words(), options.bootstrap);
+    numbers.audit_words = fmt::format("palpate audit {}{}", study.file(), study.words());
+
+    // Statistics need no database any more: they are computed while the rest is asked for.
+    std::optional<TrialTable> trials = stats_trials(database, study);
+    const std::vector<Answers> answers = fit_answers(database, study);
+    auto computed = std::async(std::launch::async, [&] {
+        if (trials) {
+            numbers.stats = stats_of(*std::move(trials), {.simulations = options.simulations});
+        }
+        if (!answers.empty()) {
+            numbers.fit = fit_numbers(study, answers);
+        }
+    });
+    PageNumbers rest{.bounds = numbers.bounds, .audit_words = numbers.audit_words};
+    rest.audit = audit_numbers(database, study, rest.bounds);
+    PageWriter last(study);
+    add_exploration(last, study);
+    add_audit(last, study, rest);
+    add_health(last, study);
+    add_provenance(last, study);
+    computed.get();
+    numbers.audit = rest.audit;
+
+    PageWriter page(study);
+    add_facts(page, study, numbers);
+    add_flow(page, study, numbers);
+    add_answers(page, study, numbers);
+    add_levels(page, study, numbers);
+    add_times(page, study, numbers);
+    add_methods(last, study, numbers);
+    page.append(last);
+    return page.page();
+}
+
+}  // namespace palpate::data

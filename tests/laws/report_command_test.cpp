@@ -1,0 +1,371 @@
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "data/store/database.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/short_text.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::ordered_json;
+using tests::Finished;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+
+namespace {
+
+/// Codes that occur in no word of the page.
+const std::vector<std::string> kCodes{"Zanzibar7", "Quokka8", "Xylem9"};
+
+/// Three simulated people, 32 trials each with confidence; one answer is marked, one person is left out by a rule.
+std::string made_study(const TemporaryFolder& folder) {
+    std::string protocol = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    protocol.replace(protocol.find("repetitions = 1"), 15, "repetitions = 4");
+    protocol.replace(protocol.find("break_every = 0"), 15, "break_every = 5");
+    tests::write(folder.file("p.toml"), protocol +
+                                            "\n[response]\nconfidence = true\n\n[exclusion]\n"
+                                            "timed_out_share_max = 0.9\n");
+    const std::string file = folder.file("a.sqlite");
+    for (const std::string& code : kCodes) {
+        const Finished done = palpate_command(
+            {"run", folder.file("p.toml"), "--participant", code, "--db", file, "--device", "sim"});
+        CAPTURE(done.error);
+        REQUIRE(done.code == 0);
+    }
+    REQUIRE(palpate_command({"mark", file, "3", "--invalid", "asked"}).code == 0);
+    data::Database(file, data::Access::write)
+        .execute("UPDATE trial SET outcome = 'timed_out' WHERE session_id = 2");
+    return file;
+}
+
+std::string page_of(const std::string& file, std::vector<std::string> words = {}) {
+    const std::string page = file + ".html";
+    words.insert(words.begin(), {"report", file, "-o", page});
+    const Finished done = palpate_command(words);
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    return tests::slurp(page);
+}
+
+const std::vector<std::string> kSimulated{"--kind", "simulated"};
+
+std::size_t count_of(const std::string& text, const std::string& what) {
+    std::size_t n = 0;
+    for (std::size_t at = text.find(what); at != std::string::npos;
+         at = text.find(what, at + what.size())) {
+        ++n;
+    }
+    return n;
+}
+
+std::string unescaped(std::string text) {
+    for (const auto& [entity, c] : std::initializer_list<std::pair<const char*, const char*>>{
+             {"&lt;", "<"}, {"&gt;", ">"}, {"&quot;", "\""}, {"&#39;", "'"}, {"&amp;", "&"}}) {
+        for (std::size_t at = text.find(entity); at != std::string::npos;
+             at = text.find(entity, at + 1)) {
+            text.replace(at, std::string(entity).size(), c);
+        }
+    }
+    return text;
+}
+
+/// The text of an address data:text/csv;charset=utf-8,...
+std::string of_address(const std::string& address) {
+    std::string text;
+    for (std::size_t i = address.find(',') + 1; i < address.size(); ++i) {
+        if (address[i] == '%') {
+            text += static_cast<char>(std::stoi(address.substr(i + 1, 2), nullptr, 16));
+            i += 2;
+        } else {
+            text += address[i];
+        }
+    }
+    return text;
+}
+
+struct Source {
+    std::string sql;
+    std::string csv;
+};
+
+/// SQL and CSV that stand beside figures and tables, by the CSV's name.
+std::map<std::string, Source> sources_of(const std::string& page) {
+    std::map<std::string, Source> found;
+    const std::string sql = "<pre tabindex=\"0\"><code>";
+    for (std::size_t at = page.find(sql); at != std::string::npos; at = page.find(sql, at + 1)) {
+        const std::size_t begin = at + sql.size();
+        const std::size_t name = page.find("download=\"", begin) + 10;
+        const std::size_t href = page.find("href=\"", name) + 6;
+        found[page.substr(name, page.find('"', name) - name)] = {
+            unescaped(page.substr(begin, page.find("</code>", begin) - begin)),
+            of_address(page.substr(href, page.find('"', href) - href))};
+    }
+    return found;
+}
+
+/// All CSV of results, which come from no query.
+std::string results_of(const std::string& page) {
+    std::string text;
+    const std::string mark = "-results";
+    for (std::size_t at = page.find(mark); at != std::string::npos; at = page.find(mark, at + 1)) {
+        const std::size_t href = page.find("href=\"", at) + 6;
+        text += of_address(page.substr(href, page.find('"', href) - href));
+    }
+    return text;
+}
+
+std::string digits(const Json& number) {
+    return fmt::format("{}", number.get<double>());
+}
+
+void check_structure(const std::string& page) {
+    CHECK(count_of(page, "<h1>") == 1);
+    int before = 0;
+    std::size_t headings = 0;
+    for (std::size_t at = page.find("<h"); at != std::string::npos; at = page.find("<h", at + 1)) {
+        const char level = page[at + 2];
+        if (level >= '1' && level <= '6') {
+            CAPTURE(page.substr(at, 60));
+            CHECK(level - '0' <= before + 1);
+            before = level - '0';
+            ++headings;
+        }
+    }
+    CHECK(headings > 20);
+    std::size_t figures = 0;
+    for (std::size_t at = page.find("<figure "); at != std::string::npos;
+         at = page.find("<figure ", at + 1)) {
+        const std::string figure = page.substr(at, page.find("</figure>", at) - at);
+        CAPTURE(figure.substr(0, 80));
+        for (const char* part :
+             {"<table", "<caption>", "class=\"sql\"", "class=\"csv\"", "<h3", "<figcaption>"}) {
+            CHECK(figure.find(part) != std::string::npos);
+        }
+        ++figures;
+    }
+    CHECK(figures >= 10);
+    CHECK(count_of(page, "<svg ") ==
+          count_of(page, "role=\"img\" aria-label=") + count_of(page, "role=\"img\">\n"));
+    // Nothing to fetch, nothing to run.
+    for (const char* foreign : {"http:", "https:", "//www", "<script", "<link", "<img",
+                                "src=", "@import", "url(h", "file://", "onload"}) {
+        CAPTURE(foreign);
+        CHECK(page.find(foreign) == std::string::npos);
+    }
+    for (std::size_t at = page.find("href=\""); at != std::string::npos;
+         at = page.find("href=\"", at + 1)) {
+        CHECK((page[at + 6] == '#' || page.compare(at + 6, 14, "data:text/csv;") == 0));
+    }
+    CHECK_THAT(page, ContainsSubstring("default-src 'none'"));
+}
+
+void check_sources(const std::string& page, const std::string& file) {
+    const auto sources = sources_of(page);
+    CHECK(sources.size() >= 9);
+    for (const auto& [name, source] : sources) {
+        const Finished again = palpate_command({"sql", file, "--csv", "-c", source.sql});
+        CAPTURE(name, again.error);
+        CHECK(again.code == 0);
+        CHECK(again.out == source.csv);
+        CHECK(count_of(source.csv, "\n") > (name.find("faults") == std::string::npos ? 1U : 0U));
+    }
+}
+
+void check_numbers(const std::string& page, const std::string& file) {
+    const Finished told =
+        palpate_command({"stats", file, "--kind", "simulated", "--simulations", "199", "--json"});
+    REQUIRE(told.code == 0);
+    const Json all = Json::parse(told.out);
+    const std::string results = results_of(page);
+    REQUIRE_FALSE(all["not_applied"].is_null());
+    std::size_t compared = 0;
+    for (const char* part : {"applied", "not_applied"}) {
+        for (const auto& [key, measure] : all[part]["measures"].items()) {
+            const std::string title = measure["title"];
+            CAPTURE(part, title);
+            for (const auto& [friction, mean] : measure["means"].items()) {
+                CHECK_THAT(results, ContainsSubstring(fmt::format("\n{},{},{},{}", title, friction,
+                                                                  mean["people"].get<int>(),
+                                                                  digits(mean["mean"]))));
+            }
+            const Json& effect = measure["effects"]["on"];
+            if (effect["t"].is_null()) {
+                continue;
+            }
+            CHECK_THAT(results,
+                       ContainsSubstring(fmt::format(
+                           "\n{},on \u2212 off,{},{},{},{},{},{},{},{},{},{},{},{}\n", title,
+                           effect["people"].get<int>(), digits(effect["mean"]),
+                           digits(effect["interval_95"][0]), digits(effect["interval_95"][1]),
+                           digits(effect["t"]), digits(effect["df"]), digits(effect["t_p"]),
+                           digits(effect["dz"]), digits(effect["sign_flip_p"]),
+                           digits(effect["wilcoxon_v"]), digits(effect["wilcoxon_p"]),
+                           digits(effect["bayes_factor_10"]))));
+            ++compared;
+        }
+    }
+    CHECK(compared >= 6);
+    const Json& effect = all["applied"]["measures"]["share"]["effects"]["on"];
+    CHECK_THAT(page,
+               ContainsSubstring(fmt::format("{:.3f}", std::fabs(effect["mean"].get<double>()))));
+    for (const auto& [key, test] : all["applied"]["within_person"].items()) {
+        CHECK_THAT(results, ContainsSubstring("," + digits(test["mean"]) + ","));
+    }
+    const Json& laplace = all["applied"]["mixed_model"]["on"]["laplace"];
+    CHECK_THAT(page,
+               ContainsSubstring("<td class=\"n\">" +
+                                 fmt::format("{:.3f}", laplace["no_effect"]["p"].get<double>())));
+
+    const Finished audit = palpate_command({"audit", file, "--kind", "simulated"});
+    std::size_t same = count_of(audit.out, "the same\n");
+    CHECK(count_of(results, ",the same\n") == same);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "palpate report hands on a study as one page: figures with table, CSV and SQL that say the "
+    "same, numbers of palpate stats, nobody's code",
+    "[report]") {
+    const TemporaryFolder folder;
+    const std::string file = made_study(folder);
+    const std::string page = page_of(file, kSimulated);
+    check_structure(page);
+    check_sources(page, file);
+    check_numbers(page, file);
+    CHECK(page_of(file, kSimulated) == page);
+
+    for (const std::string& code : kCodes) {
+        CHECK(page.find(code) == std::string::npos);
+    }
+    CHECK_THAT(page, ContainsSubstring("person 1") && ContainsSubstring("timed_out_share_max"));
+    CHECK_THAT(page, ContainsSubstring("body::after { content: \"SIMULATED\"; }") &&
+                         ContainsSubstring("<strong>Simulated data.</strong>"));
+    CHECK(count_of(page, "class=\"mark\">simulated data") == count_of(page, "<svg "));
+    const std::string named = page_of(file, {"--kind", "simulated", "--keep-codes"});
+    for (const std::string& code : kCodes) {
+        CHECK_THAT(named, ContainsSubstring(code));
+    }
+
+    // Of another kind is another page: nothing of one is in the other.
+    data::Database(file, data::Access::write)
+        .execute("UPDATE session SET session_kind = 'pilot' WHERE session_id = 1");
+    const std::string pilot = page_of(file, {"--kind", "pilot"});
+    CHECK_THAT(pilot, ContainsSubstring("content: \"PILOT\"") &&
+                          ContainsSubstring("<strong>Pilot data.</strong>") &&
+                          !ContainsSubstring("imulated"));
+    CHECK(count_of(sources_of(pilot).at("pilot-flow.csv").csv, "\n") == 2);
+    const std::string rest = page_of(file, kSimulated);
+    CHECK(count_of(sources_of(rest).at("simulated-flow.csv").csv, "\n") == 3);
+}
+
+TEST_CASE("palpate report refuses what it cannot take, with value and remedy, and writes nothing",
+          "[report]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                             "--participant", "P1", "--db", file, "--device", "sim"})
+                .code == 0);
+    REQUIRE(palpate_command({"verify", file}).code == 0);
+    const auto before = folder.names();
+    const auto refused = [&](const std::vector<std::string>& words, int code,
+                             const std::string& why) {
+        std::vector<std::string> all{"report"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Finished done = palpate_command(all);
+        CAPTURE(words);
+        CHECK(done.code == code);
+        CHECK(done.out.empty());
+        CHECK_THAT(done.error, ContainsSubstring(why));
+        CHECK(folder.names() == before);
+    };
+    const std::string page = folder.file("r.html");
+    refused({file, "-o", page}, 2, "has no real session: --kind chooses others");
+    refused({file, "-o", page, "--kind", "simulated", "--study", "none"}, 2, "of the study none");
+    refused({file, "-o", page, "--kind", "all"}, 2, "--kind");
+    refused({file, "--kind", "simulated"}, 2, "--output");
+    refused({folder.file("none.sqlite"), "-o", page}, 2, "none.sqlite");
+    refused({PALPATE_SOURCE_DIR "/README.md", "-o", page}, 2, "README.md");
+    refused({file, "-o", file, "--kind", "simulated"}, 2, "that is a database, and stays");
+    refused({file, "-o", folder.file("no/r.html"), "--kind", "simulated"}, 1, "no/r.html");
+}
+
+TEST_CASE(
+    "a study with a rule is reported with psychometric functions and tracks, one without "
+    "friction's pair without an audit",
+    "[report]") {
+    const TemporaryFolder folder;
+    tests::write(folder.file("p.toml"),
+                 tests::short_text("friction_threshold",
+                                   {{"explore_min_s = 2", "explore_min_s = 0.2"},
+                                    {"explore_prompt_s = 10", "explore_prompt_s = 2.5"},
+                                    {"explore_timeout_s = 15", "explore_timeout_s = 3"},
+                                    {"practice_trials = 4", "practice_trials = 1"},
+                                    {"break_min_s = 30", "break_min_s = 0"},
+                                    {"gap_s = 1", "gap_s = 0"}}) +
+                     "\n[invalid]\ncontact_min_s = 0\npath_min_mm = 0\n");
+    const std::string file = folder.file("a.sqlite");
+    for (const std::string& code : {kCodes[0]}) {
+        REQUIRE(palpate_command({"run", folder.file("p.toml"), "--participant", code, "--db", file,
+                                 "--headless"})
+                    .code == 0);
+    }
+    const std::string page = page_of(file, {"--kind", "simulated", "--bootstrap", "60"});
+    CHECK_THAT(page, ContainsSubstring("id=\"curves\"") && ContainsSubstring("id=\"tracks\"") &&
+                         ContainsSubstring("class=\"band\""));
+    CHECK_THAT(page, !ContainsSubstring("id=\"confusion\""));
+    for (const std::string& code : kCodes) {
+        CHECK(page.find(code) == std::string::npos);
+    }
+    check_sources(page, file);
+    const Finished told =
+        palpate_command({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
+    REQUIRE(told.code == 0);
+    const std::string results = results_of(page);
+    for (const Json& curve : Json::parse(told.out)["curves"]) {
+        for (const char* quantity : {"threshold", "slope"}) {
+            const Json& estimate = curve[quantity]["estimate"];
+            CHECK_THAT(results, ContainsSubstring(
+                                    fmt::format("{},{},", quantity[0] == 't' ? quantity : "slope b",
+                                                estimate.is_number() ? digits(estimate) : "")));
+        }
+        CHECK_THAT(results, ContainsSubstring("," + digits(curve["deviance_p"]) + "\n"));
+    }
+}
+
+TEST_CASE("a browser opens the page of a study without an error and without a request",
+          "[report]") {
+    if (Finished known = tests::Process({"sh", "-c", "command -v chromium"}).wait();
+        known.code != 0) {
+        WARN("Chromium is not installed: skipped");
+        return;
+    }
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                             "--participant", "P1", "--db", file, "--device", "sim"})
+                .code == 0);
+    static_cast<void>(page_of(file, kSimulated));
+    const Finished shown =
+        tests::Process({"chromium", "--headless=new", "--no-sandbox", "--disable-gpu",
+                        "--disable-background-networking", "--disable-component-update",
+                        "--no-first-run", "--enable-logging=stderr", "--window-size=1000,1400",
+                        "--user-data-dir=" + folder.file("profile"),
+                        "--log-net-log=" + folder.file("net.json"),
+                        "--screenshot=" + folder.file("page.png"), "file://" + file + ".html"})
+            .wait();
+    CAPTURE(shown.error);
+    CHECK(shown.code == 0);
+    CHECK_THAT(shown.error, !ContainsSubstring("CONSOLE"));
+    CHECK(std::filesystem::file_size(folder.file("page.png")) > 20000);
+    // The browser itself asks its maker for news; what a page asks for has an initiator of its own.
+    const std::string net = tests::slurp(folder.file("net.json"));
+    CHECK(net.size() > 10000);
+    CHECK(count_of(net, "\"initiator\":") == count_of(net, "\"initiator\":\"not an origin\""));
+}
