@@ -10,6 +10,7 @@
 #include "tests/support/process.hpp"
 #include "tests/support/short_text.hpp"
 #include "tests/support/slurp.hpp"
+#include "tests/support/studies.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
@@ -177,6 +178,30 @@ void check_sources(const std::string& page, const std::string& file) {
     }
 }
 
+/// What stands on the page is of this kind, all of it and no more.
+void check_kind(const std::string& page, const std::string& kind, const std::string& file) {
+    data::Database database(file, data::Access::read);
+    const auto rows = [&](const std::string& from) {
+        return fmt::format("{}\n", tests::count(database, from + " WHERE session_kind = '" + kind +
+                                                              "' AND phase = 'main'"));
+    };
+    const auto sources = sources_of(page);
+    const auto told = [&](const std::string& name, const std::string& what) {
+        const std::string& sql = sources.at(kind + "-" + name + ".csv").sql;
+        const Finished done =
+            palpate_command({"sql", file, "--csv", "-c", "SELECT " + what + " FROM (" + sql + ")"});
+        return done.out.substr(done.out.find('\n') + 1);
+    };
+    CAPTURE(kind);
+    const std::string trials = rows("analysis_trial");
+    CHECK(told("flow", "sum(attempts)") == trials);
+    CHECK(told("confusion", "sum(n_exclusions_not_applied)") == trials);
+    const std::string felt = rows("(SELECT * FROM exploration WHERE counts)");
+    CHECK(told("hand", "sum(intervals)") == felt);
+    CHECK(told("audit-figure", "sum(intervals)") == felt);
+    CHECK(told("trials", "count(*)") == felt);
+}
+
 void check_numbers(const std::string& page, const std::string& file) {
     const Finished told =
         palpate_command({"stats", file, "--kind", "simulated", "--simulations", "199", "--json"});
@@ -253,16 +278,18 @@ TEST_CASE(
         CHECK_THAT(named, ContainsSubstring(code));
     }
 
-    // Of another kind is another page: nothing of one is in the other.
+    // Another kind of sessions, be it of the same person, is another page: nothing of one is in the other.
     data::Database(file, data::Access::write)
-        .execute("UPDATE session SET session_kind = 'pilot' WHERE session_id = 1");
+        .execute(
+            "UPDATE session SET session_kind = 'pilot', session_number = 2, participant_id = "
+            "(SELECT "
+            "participant_id FROM session WHERE session_id = 3) WHERE session_id = 1");
     const std::string pilot = page_of(file, {"--kind", "pilot"});
     CHECK_THAT(pilot, ContainsSubstring("content: \"PILOT\"") &&
                           ContainsSubstring("<strong>Pilot data.</strong>") &&
                           !ContainsSubstring("imulated"));
-    CHECK(count_of(sources_of(pilot).at("pilot-flow.csv").csv, "\n") == 2);
-    const std::string rest = page_of(file, kSimulated);
-    CHECK(count_of(sources_of(rest).at("simulated-flow.csv").csv, "\n") == 3);
+    check_kind(pilot, "pilot", file);
+    check_kind(page_of(file, kSimulated), "simulated", file);
 }
 
 TEST_CASE("palpate report refuses what it cannot take, with value and remedy, and writes nothing",
