@@ -253,9 +253,8 @@ TEST_CASE(
         if (line.find("export") != std::string::npos) {
             line += " --kind all";
         }
-        if (line.find("palpate stats") != std::string::npos ||
-            line.find("palpate audit") != std::string::npos) {
-            line += " --kind simulated";
+        for (const char* command : {"palpate stats", "palpate audit", "palpate report"}) {
+            line += line.find(command) == std::string::npos ? "" : " --kind simulated";
         }
         CAPTURE(line);
         const tests::Finished done =

@@ -323,10 +323,7 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
     refused({file, "-o", folder.file("no/r.html"), "--kind", "simulated"}, 1, "no/r.html");
 }
 
-TEST_CASE(
-    "a study with a rule is reported with psychometric functions and tracks, one without "
-    "friction's pair without an audit",
-    "[report]") {
+TEST_CASE("a study with a rule is reported with psychometric functions and tracks", "[report]") {
     const TemporaryFolder folder;
     tests::write(folder.file("p.toml"),
                  tests::short_text("friction_threshold",
