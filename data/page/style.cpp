@@ -119,9 +119,9 @@ body::after {
   details, nav, .csv, .from a { display: none; }
   .panels { grid-template-columns: repeat(auto-fill, minmax(min(100%, calc(.77 * var(--w))), 1fr)); }
   .scroll, .sources .scroll { overflow: visible; max-height: none; }
-  table { font-size: .62rem; }
-  th, td { overflow-wrap: anywhere; padding: .15rem .25rem; }
-  td.n { white-space: normal; }
+  table { font-size: .6rem; }
+  th, td { padding: .15rem .2rem; }
+  tbody th { min-width: 0; }
   .hash { min-width: 0; }
   .matrices { display: grid; grid-template-columns: 1fr 1fr; }
   .matrix { min-width: 0; }
