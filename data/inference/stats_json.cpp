@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "protocols/file/keys.hpp"
 #include "data/export/json_text.hpp"
 #include "data/inference/stats_parts.hpp"
 
@@ -160,19 +161,21 @@ Json part_json(const StatsReport& report, const StatsPart& part) {
 std::string stats_json(const StatsReport& report) {
     const TrialTable& table = report.table;
     const StatsOptions& options = report.options;
-    Json all = {{"source", table.source},
-                {"study", table.study.empty() ? Json(nullptr) : Json(table.study)},
-                {"kind", table.kind.empty() ? Json(nullptr) : Json(table.kind)},
-                {"answers", report.yes_no ? "yes_no" : "identification"},
-                {"alternatives", report.yes_no ? Json(nullptr) : Json(table.alternatives)},
-                {"signals", options.signals},
-                {"outcome", report.right_known ? "correct" : "yes"},
-                {"frictions", table.frictions},
-                {"seed", options.seed},
-                {"permutations", options.permutations},
-                {"simulations", options.simulations},
-                {"bayes_prior", {{"name", "JZS"}, {"scale_r", options.prior_scale}}},
-                {"excluded", Json::array()}};
+    Json all = {
+        {"source", table.source},
+        {"study", table.study.empty() ? Json(nullptr) : Json(table.study)},
+        {"kind", table.kind.empty() ? Json(nullptr) : Json(table.kind)},
+        {"answers", report.yes_no ? "yes_no" : "identification"},
+        {"alternatives", report.yes_no ? Json(nullptr) : Json(table.alternatives)},
+        {"signals", options.signals},
+        {"outcome", report.right_known ? "correct" : "yes"},
+        {"frictions", table.frictions},
+        {"primary_test", table.primary ? Json(protocols::word_of(*table.primary)) : Json(nullptr)},
+        {"seed", options.seed},
+        {"permutations", options.permutations},
+        {"simulations", options.simulations},
+        {"bayes_prior", {{"name", "JZS"}, {"scale_r", options.prior_scale}}},
+        {"excluded", Json::array()}};
     for (const ExcludedTrials& one : report.excluded) {
         all["excluded"].push_back(
             {{"subject", one.subject}, {"why", one.why}, {"trials", one.trials}});

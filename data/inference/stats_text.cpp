@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "data/inference/power.hpp"
 #include "data/inference/stats_parts.hpp"
 
 namespace palpate::data {
@@ -165,6 +166,45 @@ std::string measures_text(const StatsReport& report, const StatsPart& part) {
     return text;
 }
 
+/// What the protocol stands or falls by, of one friction against the first.
+std::string primary_result(const StatsReport& report, const StatsPart& part, std::size_t f) {
+    using protocols::PrimaryTest;
+    const auto share = std::ranges::find(part.measures, "share", &Measure::key);
+    const auto mixed = std::ranges::find(part.mixed, f, &MixedStats::friction);
+    if (report.table.primary == PrimaryTest::mixed) {
+        if (mixed == part.mixed.end()) {
+            return "nothing can be said";
+        }
+        const double ratio = likelihood_ratio(mixed->laplace, mixed->laplace_null);
+        return fmt::format("{:.3f} logit, ratio {:.3f}, {}", mixed->laplace.effect, ratio,
+                           small_p(chi_square_p(ratio, 1)));
+    }
+    if (share == part.measures.end() || !share->effects[f] ||
+        share->effects[f]->values.size() < 2) {
+        return "nothing can be said";
+    }
+    const PeopleTest& test = *share->effects[f];
+    const double p = report.table.primary == PrimaryTest::sign_flip   ? test.flip.p
+                   : report.table.primary == PrimaryTest::signed_rank ? test.rank.p
+                   : test.t                                           ? test.t->p
+                                                                      : 1.0;
+    return fmt::format("{:.3f}, {}, {}", test.mean.mean, ends_text(test.mean.interval), small_p(p));
+}
+
+std::string primary_text(const StatsReport& report, const StatsPart& part) {
+    const auto& frictions = report.table.frictions;
+    if (!report.table.primary || frictions.size() < 2) {
+        return {};
+    }
+    std::string text = fmt::format("\n  Primary test, as the protocol says: {}\n",
+                                   title_of(*report.table.primary));
+    for (std::size_t f = 1; f < frictions.size(); ++f) {
+        text += fmt::format("    {} - {}: {}\n", frictions[f], frictions[0],
+                            primary_result(report, part, f));
+    }
+    return text;
+}
+
 std::string estimate_text(double value, const std::optional<double>& se) {
     return se ? fmt::format("{:.4f} (se {:.4f})", value, *se) : fmt::format("{:.4f}", value);
 }
@@ -264,7 +304,7 @@ std::string part_text(const StatsReport& report, const StatsPart& part, const st
     std::string text =
         fmt::format("\n{}: {}, {}\n", title, counted(part.people.size(), "person", "people"),
                     counted(part.trials, "answer"));
-    text += cells_text(report, part) + measures_text(report, part);
+    text += primary_text(report, part) + cells_text(report, part) + measures_text(report, part);
     for (const MixedStats& mixed : part.mixed) {
         text += mixed_text(report, mixed);
     }

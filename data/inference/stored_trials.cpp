@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "protocols/file/protocol_file.hpp"
 #include "data/analysis/exclusion.hpp"
 #include "data/inference/trials.hpp"
 
@@ -49,6 +50,14 @@ std::string least_friction(Database& database, const TrialChoice& choice) {
         "min(mu_s), friction LIMIT 1");
     row.bind(1, choice.study).bind(2, choice.kind).step();
     return row.text(0);
+}
+
+/// As the newest version of the protocol says.
+protocols::PrimaryTest primary_of(Database& database, const TrialChoice& choice) {
+    Statement row = database.prepare(
+        "SELECT protocol_toml FROM study WHERE study_name = ?1 ORDER BY study_id DESC LIMIT 1");
+    row.bind(1, choice.study).step();
+    return protocols::stored_protocol(row.text(0)).analysis.primary;
 }
 
 std::size_t pictures_of(Database& database, const TrialChoice& choice) {
@@ -116,6 +125,7 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
     table.source = database.file();
     table.study = choice.study;
     table.kind = choice.kind;
+    table.primary = primary_of(database, choice);
     if (table.alternatives > 0) {
         table.alternatives = std::max<std::size_t>(pictures_of(database, choice), 2);
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "protocols/protocol/protocol.hpp"
 #include "data/store/database.hpp"
 
 /// Answered trials of several people, as all statistics take them: a database's, or any lab's.
@@ -31,6 +32,8 @@ struct TrialTable {
     std::string source{};
     std::string study{};  ///< of a database; so is the kind: real, pilot, simulated
     std::string kind{};
+    std::optional<protocols::PrimaryTest>
+        primary{};  ///< of a database's study, as its protocol says
     std::vector<std::string> subjects{};
     std::vector<std::string> shapes{};
     std::vector<std::string> frictions{};  ///< the first is what the others are compared with

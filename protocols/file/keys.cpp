@@ -123,6 +123,12 @@ constexpr Key kExclusion[]{
      .meaning = "leave out who has a session that is not finished"},
 };
 
+constexpr Key kAnalysis[]{
+    {.name = "primary", .slot = at<&AnalysisSpec::primary>,
+     .meaning = "the test by which friction's effect on the share of right answers is judged, within people: what palpate "
+                "stats names first, and palpate power counts"},
+};
+
 constexpr Key kDesign[]{
     {.name = "repetitions", .slot = at<&DesignSpec::repetitions>, .need = factorial, .range = {1, 1000},
      .meaning = "main trials of each object with each friction"},
@@ -273,6 +279,10 @@ Keys keys_of<InvalidSpec>() {
 template <>
 Keys keys_of<ExclusionSpec>() {
     return kExclusion;
+}
+template <>
+Keys keys_of<AnalysisSpec>() {
+    return kAnalysis;
 }
 template <>
 Keys keys_of<DesignSpec>() {

@@ -21,6 +21,8 @@ inline constexpr std::array<std::string_view, kLanguageCount> kLanguages{"en", "
 inline constexpr std::array<std::string_view, 2> kNoises{"none", "pink"};
 inline constexpr std::array<std::string_view, 4> kResponseKinds{"identification", "two_interval",
                                                                 "yes_no", "rating"};
+inline constexpr std::array<std::string_view, 4> kPrimaryTests{"paired_t", "sign_flip",
+                                                               "signed_rank", "mixed"};
 inline constexpr std::array<std::string_view, 3> kFeedbacks{"none", "practice", "all"};
 inline constexpr std::array<std::string_view, 3> kVaries{"curvature_per_m", "mu",
                                                          "compliance_mm_per_n"};
@@ -43,6 +45,9 @@ inline constexpr std::array<std::string_view, 2> kStimulusAs{"value", "log10"};
 }
 [[nodiscard]] constexpr WordList words_of(ResponseKind) {
     return kResponseKinds;
+}
+[[nodiscard]] constexpr WordList words_of(PrimaryTest) {
+    return kPrimaryTests;
 }
 [[nodiscard]] constexpr WordList words_of(Feedback) {
     return kFeedbacks;
@@ -80,6 +85,8 @@ template <>
 Keys keys_of<InvalidSpec>();
 template <>
 Keys keys_of<ExclusionSpec>();
+template <>
+Keys keys_of<AnalysisSpec>();
 template <>
 Keys keys_of<DesignSpec>();
 template <>

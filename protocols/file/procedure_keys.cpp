@@ -198,6 +198,7 @@ std::vector<TableText> protocol_reference() {
         {"[invalid]", of_hash(""), keys_of<InvalidSpec>()},
         {"[exclusion]", of_hash("of participants, applied by palpate summary; "),
          keys_of<ExclusionSpec>()},
+        {"[analysis]", of_hash("what is asked of the data; "), keys_of<AnalysisSpec>()},
         {"[design]", "", keys_of<DesignSpec>()},
         {"[timing]", "", keys_of<TimingSpec>()},
         {"[response]", of_hash(""), keys_of<ResponseSpec>()},

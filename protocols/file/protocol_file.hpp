@@ -30,7 +30,7 @@ namespace palpate::protocols {
 
 /// The canonical text: every key, in the order of the key table, numbers as short as they can be
 /// without changing the value. Sets of objects are written out. Without the tables [safety],
-/// [invalid] and [exclusion] if all of one is default, and without each younger key that is (Key::late):
+/// [invalid], [exclusion] and [analysis] if all of one is default, and without each younger key that is (Key::late):
 /// studies written before they were there keep their hash.
 ///
 /// parse_protocol(to_toml(p)) == p for every p that was read from a file. Lengths and times are in mm

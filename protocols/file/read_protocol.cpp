@@ -12,10 +12,10 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 17> kTablesOfProtocols{
+constexpr std::array<std::string_view, 18> kTablesOfProtocols{
     "format",   "study",   "apparatus",    "outline",   "object", "friction",
     "safety",   "invalid", "exclusion",    "design",    "timing", "response",
-    "observer", "masking", "instructions", "procedure", "run"};
+    "observer", "masking", "instructions", "procedure", "run",    "analysis"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -49,6 +49,7 @@ public:
         table("safety", protocol.safety, false);
         table("invalid", protocol.invalid, false);
         table("exclusion", protocol.exclusion, false);
+        table("analysis", protocol.analysis, false);
         const Entry* procedure = find("procedure");
         table("design", protocol.design, procedure == nullptr);
         if (procedure != nullptr) {

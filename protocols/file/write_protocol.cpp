@@ -154,6 +154,9 @@ std::string to_toml(const Protocol& protocol) {
     if (protocol.exclusion != ExclusionSpec{}) {
         append(text, "[exclusion]", protocol.exclusion);
     }
+    if (protocol.analysis != AnalysisSpec{}) {
+        append(text, "[analysis]", protocol.analysis);
+    }
     if (protocol.procedure) {  // which decides all but the breaks
         text += fmt::format("\n[design]\nbreak_every = {}\n", protocol.design.break_every);
     } else {

@@ -112,6 +112,21 @@ struct ExclusionSpec {
     friend bool operator==(const ExclusionSpec&, const ExclusionSpec&) = default;
 };
 
+/// By which test of the effect of friction, within people, a study stands or falls; `palpate stats` has them all.
+enum class PrimaryTest : std::uint8_t {
+    paired_t,     ///< Student's, of the differences of shares
+    sign_flip,    ///< exact, of their mean
+    signed_rank,  ///< Wilcoxon's
+    mixed,        ///< likelihood ratio of the logistic mixed model
+};
+
+/// What is asked of the data, written down before anybody ran.
+struct AnalysisSpec {
+    PrimaryTest primary = PrimaryTest::paired_t;
+
+    friend bool operator==(const AnalysisSpec&, const AnalysisSpec&) = default;
+};
+
 /// What an order of the main trials must keep.
 enum class OrderRule : std::uint8_t {
     random,       ///< any order within the run limits, each as likely as the others
@@ -290,6 +305,7 @@ struct Protocol {
     SafetySpec safety{};
     InvalidSpec invalid{};
     ExclusionSpec exclusion{};
+    AnalysisSpec analysis{};
     DesignSpec design{};
     TimingSpec timing{};
     ResponseSpec response{};

@@ -19,7 +19,7 @@ StreamKey key_of(std::size_t person, std::uint64_t seed = 1) {
             .seed = seed};
 }
 
-double log_odds(double share) {
+double logit_of(double share) {
     return std::log(share / (1.0 - share));
 }
 
@@ -78,7 +78,7 @@ TEST_CASE("people are drawn with the spread that an observer file says", "[obser
     check_spread(spread([](const Person& p) { return std::log(p.spec.noise); }), std::log(2.0),
                  0.4);
     check_spread(spread([](const Person& p) { return p.bias; }), 0.0, 1.5);
-    check_spread(spread([](const Person& p) { return log_odds(p.spec.lapse); }), log_odds(0.1),
+    check_spread(spread([](const Person& p) { return logit_of(p.spec.lapse); }), logit_of(0.1),
                  0.6);
     check_spread(spread([](const Person& p) { return p.spec.force_weight; }), 0.5, 0.1);
     check_spread(spread([](const Person& p) { return p.spec.bias_per_mu; }), 3.0, 2.0);

@@ -1,0 +1,212 @@
+#include "data/inference/power.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <mutex>
+#include <span>
+#include <thread>
+
+#include "data/inference/mixed_logit.hpp"
+#include "data/statistics/over_people.hpp"
+#include "data/statistics/paired.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::PrimaryTest;
+
+/// Work on 0 ... count - 1 by several threads, each number once. @throws what the first of them threw
+template <class Work>
+void side_by_side(std::size_t threads, std::size_t count, const Work& work) {
+    std::atomic<std::size_t> next{0};
+    std::mutex mutex;
+    std::exception_ptr error;
+    const auto some = [&] {
+        try {
+            for (std::size_t i = next++; i < count; i = next++) {
+                work(i);
+            }
+        } catch (...) {
+            const std::lock_guard lock(mutex);
+            error = error ? error : std::current_exception();
+            next = count;
+        }
+    };
+    {
+        std::vector<std::jthread> others;
+        for (std::size_t i = 1; i < std::min(threads, count); ++i) {
+            others.emplace_back(some);
+        }
+        some();
+    }
+    if (error) {
+        std::rethrow_exception(error);
+    }
+}
+
+std::vector<double> differences_of(std::span<const PowerPerson> people) {
+    std::vector<double> differences;
+    for (const PowerPerson& one : people) {
+        differences.push_back((one.right_with - one.right_without) / one.trials);
+    }
+    return differences;
+}
+
+/// The share of all patterns of signs whose sum is as far from 0, where differences are whole numbers of one unit: as
+/// sign_flip() of them, in people times answers instead of 2^people.
+double sign_flip_of_counts(std::span<const PowerPerson> people) {
+    std::vector<std::size_t> sizes;
+    std::size_t all = 0;
+    double sum = 0.0;
+    for (const PowerPerson& one : people) {
+        const double difference = one.right_with - one.right_without;
+        sizes.push_back(static_cast<std::size_t>(std::lround(std::fabs(difference))));
+        all += sizes.back();
+        sum += difference;
+    }
+    const auto far = static_cast<std::size_t>(std::lround(std::fabs(sum)));
+    std::vector<double> chance(2 * all + 1);  // of the sum, from -all
+    chance[all] = 1.0;
+    std::vector<double> next(chance.size());
+    std::size_t reached = 0;
+    for (const std::size_t size : sizes) {
+        std::ranges::fill(next, 0.0);
+        for (std::size_t at = all - reached; at <= all + reached; ++at) {
+            next[at - size] += 0.5 * chance[at];
+            next[at + size] += 0.5 * chance[at];
+        }
+        reached += size;
+        chance.swap(next);
+    }
+    double p = 0.0;
+    for (std::size_t at = 0; at < chance.size(); ++at) {
+        p += (at > all ? at - all : all - at) >= far ? chance[at] : 0.0;
+    }
+    return std::min(p, 1.0);
+}
+
+double mixed_p(std::span<const PowerPerson> people) {
+    std::vector<TwoCounts> counts;
+    for (const PowerPerson& one : people) {
+        counts.push_back({.n = {one.trials, one.trials}, .k = {one.right_without, one.right_with}});
+    }
+    const MixedFit full = fit_mixed(counts, {.errors = false});
+    const MixedFit less = fit_mixed(counts, {.effect = false, .errors = false});
+    return chi_square_p(likelihood_ratio(full, less), 1);
+}
+
+MonteCarlo share_of(double some, double all) {
+    const double share = some / all;
+    return {share, std::sqrt(share * (1.0 - share) / all)};
+}
+
+MonteCarlo mean_of(const std::vector<double>& values) {
+    double sum = 0.0;
+    for (const double value : values) {
+        sum += value;
+    }
+    const auto n = static_cast<double>(values.size());
+    double squares = 0.0;
+    for (const double value : values) {
+        squares += (value - sum / n) * (value - sum / n);
+    }
+    return {sum / n, n > 1.0 ? std::sqrt(squares / (n - 1.0) / n) : 0.0};
+}
+
+}  // namespace
+
+double p_of(PrimaryTest test, const std::vector<PowerPerson>& people) {
+    switch (test) {
+        case PrimaryTest::paired_t: {
+            const auto t = paired_t(differences_of(people));
+            return t ? t->p : 1.0;
+        }
+        case PrimaryTest::sign_flip:
+            return sign_flip_of_counts(people);
+        case PrimaryTest::signed_rank:
+            return signed_rank(differences_of(people)).p;
+        case PrimaryTest::mixed:
+            break;
+    }
+    return mixed_p(people);
+}
+
+PowerStudies::PowerStudies(const PowerSpec& spec, PowerPeople people)
+    : spec_(spec), people_(std::move(people)), drawn_(spec.studies) {}
+
+PowerPoint PowerStudies::at(std::size_t participants) {
+    struct Study {
+        double p = 1.0;
+        double mean = 0.0;
+        double width = 0.0;
+    };
+    std::vector<Study> studies(spec_.studies);
+    side_by_side(spec_.threads, spec_.studies, [&](std::size_t study) {
+        std::vector<PowerPerson>& people = drawn_[study];
+        while (people.size() < participants) {
+            people.push_back(people_(study, people.size()));
+        }
+        const std::vector<PowerPerson> these(
+            people.begin(), people.begin() + static_cast<std::ptrdiff_t>(participants));
+        const PeopleMean mean = mean_over_people(differences_of(these));
+        studies[study] = {.p = p_of(spec_.test, these),
+                          .mean = mean.mean,
+                          .width = mean.interval ? mean.interval->high - mean.interval->low : 0.0};
+    });
+    PowerPoint point{.participants = participants};
+    const double true_difference = truth();
+    std::vector<double> means;
+    std::vector<double> widths;
+    std::vector<double> sizes;
+    double wrong = 0.0;
+    for (const Study& one : studies) {
+        means.push_back(one.mean);
+        widths.push_back(one.width);
+        if (one.p < spec_.alpha) {
+            sizes.push_back(std::fabs(one.mean / true_difference));
+            wrong += one.mean * true_difference < 0.0 ? 1.0 : 0.0;
+        }
+    }
+    const auto found = static_cast<double>(sizes.size());
+    point.power = share_of(found, static_cast<double>(studies.size()));
+    point.width = mean_of(widths);
+    point.estimate = mean_of(means);
+    if (found > 0.0 && std::fabs(true_difference) > kNoEffect) {
+        point.exaggeration = mean_of(sizes);
+        point.wrong_sign = share_of(wrong, found);
+    }
+    return point;
+}
+
+std::optional<std::size_t> PowerStudies::least(double wanted, std::size_t most) {
+    std::size_t low = 2;  // its power is not enough, as far as that is known
+    std::size_t high = 6;
+    while (at(high).power.value < wanted) {
+        if (high == most) {
+            return std::nullopt;
+        }
+        low = high;
+        high = std::min(2 * high, most);
+    }
+    while (high - low > 1) {
+        const std::size_t middle = (low + high) / 2;
+        (at(middle).power.value < wanted ? low : high) = middle;
+    }
+    return high;
+}
+
+double PowerStudies::truth() const {
+    double sum = 0.0;
+    double people = 0.0;
+    for (const auto& study : drawn_) {
+        for (const PowerPerson& one : study) {
+            sum += one.expected;
+            people += 1.0;
+        }
+    }
+    return people > 0.0 ? sum / people : 0.0;
+}
+
+}  // namespace palpate::data

@@ -1,0 +1,97 @@
+#include <filesystem>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::palpate_command;
+using tests::slurp;
+using tests::TemporaryFolder;
+
+namespace {
+
+const std::string kStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
+
+/// Four trials, ten times, with a primary test of its own.
+std::string study_in(const TemporaryFolder& folder, const std::string& test) {
+    std::string text = slurp(kStudy);
+    const std::string once = "repetitions = 1";
+    text.replace(text.find(once), once.size(), "repetitions = 4");
+    tests::write(folder.file("study.toml"), text + "\n[analysis]\nprimary = \"" + test + "\"\n");
+    tests::write(folder.file("quick.toml"),
+                 "format = 1\n[observer]\nnoise_per_m = 8\n[hand]\nspeed_factor = 2.5\n");
+    return folder.file("study.toml");
+}
+
+}  // namespace
+
+TEST_CASE("palpate power counts the protocol's own primary test, the same by any number of threads",
+          "[power][law]") {
+    const TemporaryFolder folder;
+    const std::string study = study_in(folder, "sign_flip");
+    const auto power = [&](const std::string& threads) {
+        return palpate_command({"power", study, "--effect", "-2", "--observer",
+                                folder.file("quick.toml"), "--participants", "6,10", "--studies",
+                                "200", "--hands", "2", "--threads", threads, "--svg",
+                                folder.file("power.svg")});
+    };
+    const auto one = power("1");
+    CAPTURE(one.out, one.error);
+    REQUIRE(one.code == 0);
+    for (const char* text :
+         {"on against off, 8 trials", "exact sign-flip test", "2000 without an effect",
+          "judged from 32 hands", "Power of 0.8 takes",
+          "For the pre-registration:", "-2 logit (sd 0.3 over people) with a power of"}) {
+        CHECK_THAT(one.out, ContainsSubstring(text));
+    }
+    CHECK_THAT(slurp(folder.file("power.svg")), ContainsSubstring("type I error"));
+    CHECK(power("3").out == one.out);
+    const auto wilcoxon = palpate_command(
+        {"power", study, "--effect", "observer", "--observer", folder.file("quick.toml"),
+         "--participants", "6", "--studies", "20", "--hands", "1", "--test", "signed_rank"});
+    CAPTURE(wilcoxon.error);
+    CHECK(wilcoxon.code == 0);
+    CHECK_THAT(wilcoxon.out, ContainsSubstring("Wilcoxon signed-rank"));
+}
+
+TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]") {
+    const TemporaryFolder folder;
+    const std::string study = study_in(folder, "sign_flip");
+    const std::string file = folder.file("d.sqlite");
+    const auto ran = palpate_command({"simulate", study, "--participants", "3", "--observer",
+                                      folder.file("quick.toml"), "--no-traces", "--db", file});
+    CAPTURE(ran.error);
+    REQUIRE(ran.code == 0);
+    const std::vector<std::string> stats{"stats",         file, "--kind", "simulated",
+                                         "--simulations", "0"};
+    const std::string text = palpate_command(stats).out;
+    const std::size_t primary =
+        text.find("Primary test, as the protocol says: exact sign-flip test");
+    REQUIRE(primary != std::string::npos);
+    CHECK(primary < text.find("Person by person"));
+    CHECK_THAT(text.substr(primary, 300), ContainsSubstring("on - off: "));
+    auto json = stats;
+    json.emplace_back("--json");
+    CHECK_THAT(palpate_command(json).out, ContainsSubstring("\"primary_test\": \"sign_flip\""));
+}
+
+TEST_CASE("palpate power refuses what it cannot count, with the remedy", "[power]") {
+    const TemporaryFolder folder;
+    const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
+        const auto ran = palpate_command(words);
+        CAPTURE(why, ran.error);
+        CHECK(ran.code == 2);
+        CHECK_THAT(ran.error, ContainsSubstring(why));
+    };
+    refused({"power", kStudy}, "--effect");
+    refused({"power", kStudy, "--effect", "half"}, "--effect half: give a number of logits");
+    refused({"power", kStudy, "--effect", "-99"}, "-10 to 10");
+    refused({"power", kStudy, "--effect", "-1", "--participants", "1"}, "from 2 to 200");
+    refused({"power", kStudy, "--effect", "-1", "--friction", "ice"}, "--friction ice");
+    refused({"power", kStudy, "--effect", "-1", "--test", "guess"}, "--test");
+    refused({"power", "curvature_2afc", "--effect", "-1"}, "no rule chooses");
+    tests::write(folder.file("bad.toml"), slurp(kStudy) + "\n[analysis]\nprimary = \"t\"\n");
+    refused({"power", folder.file("bad.toml"), "--effect", "-1"}, "primary is \"t\"");
+}

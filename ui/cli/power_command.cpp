@@ -1,0 +1,263 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "engine/base/files.hpp"
+#include "protocols/design/session_plan.hpp"
+#include "protocols/file/keys.hpp"
+#include "protocols/file/observer_file.hpp"
+#include "data/inference/power.hpp"
+#include "data/plot/svg_figure.hpp"
+#include "data/store/secret.hpp"
+#include "ui/command/command.hpp"
+#include "ui/rig/interrupt.hpp"
+#include "ui/rig/say.hpp"
+#include "ui/session/felt_hands.hpp"
+
+namespace palpate::ui {
+namespace {
+
+constexpr std::size_t kMost = 200;  ///< participants that are looked for
+
+struct PowerOptions {
+    std::string protocol;
+    std::string effect;
+    double effect_sd = 0.3;
+    std::string participants = "8,12,16,24";
+    std::string observer = "typical";
+    std::string friction;
+    std::string test;
+    std::int64_t studies = 1000;
+    std::int64_t null_studies = 0;
+    std::int64_t hands = 6;
+    std::int64_t threads = 0;
+    std::optional<std::uint64_t> seed;
+    std::string drawing;
+};
+
+void declare(CommandWords& words, PowerOptions& options) {
+    words.add("PROTOCOL", options.protocol, "A protocol file, or the name of a shipped one")
+        .required();
+    words
+        .add("--effect", options.effect,
+             "What friction does to the log odds of a right answer, as -0.5; or observer: what the "
+             "observer file says, in bias and in sensitivity")
+        .required();
+    words
+        .add("--effect-sd", options.effect_sd,
+             "How much people differ in that, a standard deviation in logit")
+        .within(0.0, 5.0)
+        .with_default();
+    words.add("--participants", options.participants, "For which numbers of them, from 2 to 200")
+        .with_default();
+    words.add("--observer", options.observer, "Who they are: an observer file, or typical")
+        .with_default();
+    words.add("--friction", options.friction,
+              "Which one is compared with the least; without it the largest");
+    words.add("--test", options.test, "Another primary test than that of the protocol's [analysis]")
+        .among({protocols::kPrimaryTests.begin(), protocols::kPrimaryTests.end()});
+    words.add("--studies", options.studies, "So many simulated studies for each number")
+        .within(10, 1'000'000)
+        .with_default();
+    words
+        .add("--null-studies", options.null_studies,
+             "The same without an effect, for the type I error; 0: ten times --studies, with mixed "
+             "as "
+             "many")
+        .within(0, 10'000'000)
+        .with_default();
+    words
+        .add("--hands", options.hands,
+             "People whose hands feel every trial of a session once; all studies are judged from "
+             "these")
+        .within(1, 1000)
+        .with_default();
+    words
+        .add("--threads", options.threads,
+             "0: as many as this machine has processors. The numbers are the same")
+        .within(0, 1024)
+        .with_default();
+    words.add("--seed", options.seed, "Instead of the protocol's");
+    words.add("--svg", options.drawing, "The curve, as a drawing");
+}
+
+std::vector<std::size_t> numbers_of(const std::string& text) {
+    std::vector<std::size_t> numbers;
+    std::istringstream parts(text);
+    for (std::string part; std::getline(parts, part, ',');) {
+        std::size_t number = 0;
+        const auto read = std::from_chars(part.data(), part.data() + part.size(), number);
+        if (read.ec != std::errc() || read.ptr != part.data() + part.size() || number < 2 ||
+            number > kMost) {
+            throw std::invalid_argument(fmt::format(
+                "--participants {}: give numbers from 2 to {} with commas between, as 8,12,16,24",
+                text, kMost));
+        }
+        numbers.push_back(number);
+    }
+    std::ranges::sort(numbers);
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+    if (numbers.empty()) {
+        throw std::invalid_argument("--participants is empty: give numbers, as 8,12,16,24");
+    }
+    return numbers;
+}
+
+/// @return nothing: as the observer file says
+std::optional<protocols::LogitEffect> effect_of(const PowerOptions& options) {
+    if (options.effect == "observer") {
+        return std::nullopt;
+    }
+    char* end = nullptr;
+    const double mean = std::strtod(options.effect.c_str(), &end);
+    if (options.effect.empty() || *end != '\0' || !(std::fabs(mean) <= 10.0)) {
+        throw std::invalid_argument(
+            fmt::format("--effect {}: give a number of logits from -10 to 10, as -0.5, or observer",
+                        options.effect));
+    }
+    return protocols::LogitEffect{.mean = mean, .sd = options.effect_sd};
+}
+
+/// The frictions that are compared: the least static one, and the one asked for or the largest.
+protocols::FrictionPair pair_of(const protocols::Protocol& protocol, const std::string& name) {
+    const auto& all = protocol.frictions;
+    const auto by_mu = [](const auto& a, const auto& b) {
+        return a.mu_s < b.mu_s;
+    };
+    const auto place = [&](auto found) {
+        return static_cast<std::size_t>(found - all.begin());
+    };
+    protocols::FrictionPair pair{.without = place(std::ranges::min_element(all, by_mu)),
+                                 .with = place(std::ranges::max_element(all, by_mu))};
+    if (!name.empty()) {
+        const auto found = std::ranges::find(all, name, &protocols::FrictionSpec::name);
+        if (found == all.end()) {
+            throw std::invalid_argument(
+                fmt::format("--friction {}: {} has none of that name", name, protocol.id));
+        }
+        pair.with = place(found);
+    }
+    if (pair.with == pair.without) {
+        throw std::invalid_argument(fmt::format(
+            "{}: two frictions are needed, one to compare with the other", protocol.id));
+    }
+    return pair;
+}
+
+data::PowerPeople people_of(const protocols::JudgedPeople& people, std::uint64_t seed) {
+    return [&people, seed](std::size_t study, std::size_t number) {
+        const protocols::JudgedPerson one = people.person(seed, study, number);
+        return data::PowerPerson{.trials = static_cast<double>(one.trials),
+                                 .right_without = static_cast<double>(one.right_without),
+                                 .right_with = static_cast<double>(one.right_with),
+                                 .expected = one.share_with - one.share_without};
+    };
+}
+
+/// How often people are right without friction, and how much they differ in its log odds.
+void describe_people(const protocols::JudgedPeople& people,
+                     std::uint64_t seed,
+                     data::PowerReport& report) {
+    constexpr std::size_t kPeople = 500;
+    double sum = 0.0;
+    double logits = 0.0;
+    double squares = 0.0;
+    for (std::size_t i = 0; i < kPeople; ++i) {
+        const double share = people.person(seed, 0, i).share_without;
+        const double logit = std::log(share / (1.0 - share));
+        sum += share;
+        logits += logit;
+        squares += logit * logit;
+    }
+    const double mean = logits / kPeople;
+    report.share_without = sum / kPeople;
+    report.people_sd = std::sqrt(std::max(0.0, squares / kPeople - mean * mean));
+}
+
+int run(const PowerOptions& options) {
+    const auto participants = numbers_of(options.participants);
+    const auto effect = effect_of(options);
+    const protocols::ObserverModel model = protocols::load_observer(options.observer);
+    SimulatedStudy study{.study = load_study(options.protocol),
+                         .seed = 0,
+                         .secret = std::string(data::kDemoSecret),
+                         .observer = model};
+    const protocols::Protocol& protocol = study.study.protocol;
+    protocols::require_judged(protocol);
+    study.seed = options.seed.value_or(protocol.seed);
+    const protocols::FrictionPair pair = pair_of(protocol, options.friction);
+    if (!options.drawing.empty()) {
+        require_writable(options.drawing);
+    }
+    data::PowerReport report{.study = protocol.id,
+                             .friction = protocol.frictions[pair.with].name,
+                             .against = protocol.frictions[pair.without].name,
+                             .planned = protocol.participants,
+                             .most = kMost};
+    const auto named = std::ranges::find(protocols::kPrimaryTests, options.test);
+    report.spec.test =
+        options.test.empty()
+            ? protocol.analysis.primary
+            : static_cast<protocols::PrimaryTest>(named - protocols::kPrimaryTests.begin());
+    report.spec.studies = static_cast<std::size_t>(options.studies);
+    report.spec.threads = options.threads > 0
+                            ? static_cast<std::size_t>(options.threads)
+                            : std::max<std::size_t>(std::thread::hardware_concurrency(), 1);
+    const bool mixed = report.spec.test == protocols::PrimaryTest::mixed;
+    report.null_studies = options.null_studies > 0 ? static_cast<std::size_t>(options.null_studies)
+                                                   : (mixed ? 1 : 10) * report.spec.studies;
+    report.effect = effect
+                      ? fmt::format("{:g} logit (sd {:g} over people)", effect->mean, effect->sd)
+                      : fmt::format("what {} says of friction", options.observer);
+    catch_signals();
+    const std::vector<protocols::FeltTrial> hands =
+        felt_hands(study, static_cast<std::size_t>(options.hands), report.spec.threads);
+    report.hands = hands.size();
+
+    const protocols::JudgedPeople people(protocol, model, hands, pair, effect);
+    const double sd = effect ? effect->sd : 0.0;
+    const protocols::JudgedPeople nobody(
+        protocol, model, hands, pair,
+        protocols::LogitEffect{.mean = 0.0, .sd = sd, .in_shares = !mixed});
+    report.trials = people.person(study.seed, 0, 0).trials;
+    describe_people(people, study.seed, report);
+    data::PowerSpec null_spec = report.spec;
+    null_spec.studies = report.null_studies;
+    data::PowerStudies studies(report.spec, people_of(people, study.seed));
+    data::PowerStudies null(null_spec, people_of(nobody, study.seed + 1));
+    static_cast<void>(studies.at(participants.back()));  // the truth is known of all of them
+    for (const std::size_t number : participants) {
+        report.points.push_back(studies.at(number));
+        report.null.push_back(null.at(number));
+    }
+    report.true_difference = studies.truth();
+    for (const double power : {0.8, 0.9}) {
+        if (std::fabs(report.true_difference) < data::kNoEffect) {
+            break;  // no number of people finds it
+        }
+        report.least.emplace_back(power, studies.least(power, kMost));
+    }
+    if (!options.drawing.empty()) {
+        data::write_svg(options.drawing, power_figure(report));
+    }
+    say("{}", power_text(report));
+    return 0;
+}
+
+}  // namespace
+
+Command power_command() {
+    return make_command<PowerOptions>(
+        "power",
+        "What a protocol's primary test can find: power, type I error, how many people it takes",
+        declare, run);
+}
+
+}  // namespace palpate::ui
