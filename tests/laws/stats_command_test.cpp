@@ -355,7 +355,7 @@ TEST_CASE("palpate stats of a database says what its trials say, of one kind, an
 
     // The trials beside the script are the same table.
     Json again = numbers_of({folder.file("again.csv"), "--simulations", "0"});
-    for (const char* of_file : {"source", "study", "kind"}) {
+    for (const char* of_file : {"source", "study", "kind", "primary_test"}) {
         again[of_file] = ours[of_file];
     }
     CHECK(again == ours);
