@@ -90,9 +90,7 @@ ClosestPoint OutlineFeet::at_seam(std::size_t seam, const Vec2& h) const noexcep
 ClosestPoint OutlineFeet::named(const Vec2& h,
                                 const Foot<2>& foot,
                                 const Vec2& tangent) const noexcept {
-    ClosestPoint result{.place = {.index = foot.span, .parameter = foot.u},
-                        .point = foot.point,
-                        .distance = std::sqrt(foot.distance2)};
+    bool beyond = false;
     const bool forward = foot.u > 0.5;
     if (is_end(outline_->spans()[foot.span], forward, h, foot)) {
         const auto seam = outline_->seam_beyond(foot.span, forward);
@@ -100,12 +98,12 @@ ClosestPoint OutlineFeet::named(const Vec2& h,
         if (seam && (at_end || on_vertex(outline_->seams()[*seam], h, foot))) {
             return at_seam(*seam, h);
         }
-        if (!seam && beyond_end(outline_->spans()[foot.span], forward, h)) {
-            return result;
-        }
+        beyond = !seam && beyond_end(outline_->spans()[foot.span], forward, h);
     }
-    result.inside = cross(tangent, h - foot.point) < 0.0;
-    return result;
+    return {.place = {.index = foot.span, .parameter = foot.u},
+            .point = foot.point,
+            .distance = std::sqrt(foot.distance2),
+            .inside = !beyond && cross(tangent, h - foot.point) < 0.0};
 }
 
 ClosestPoint OutlineFeet::closest(const Vec2& h) const noexcept {

@@ -49,7 +49,7 @@ double taylor_step(const RationalBezier<2>& curve) {
 constexpr int kWindowSteps = 12;
 
 /// Pieces of a window on either side of the foot. More would make a search dearer than it saves.
-constexpr std::size_t kReach = 12;
+constexpr std::size_t kReach = 8;
 
 /// A window is not narrowed below this slack, m, if more can be had: 50 ticks at 0.1 m/s.
 constexpr double kWanted = 0.005;

@@ -3,58 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 #include "engine/friction/first_root.hpp"
 
 namespace palpate::engine {
 namespace {
 
-/// Newton's steps under a proof; 2 or 3 are usual.
-constexpr int kMaxSteps = 24;
-
-/// A step of u that turns the tangent by less than this is finished by the curve's Taylor series,
-/// whose tangent is then right to 1e-16.
-constexpr double kTaylor = 0x1p-27;
-
-/// The last nudge over the root grows by 4 at a time: 2^19 last bits of u are 1e-10 of the span.
-constexpr int kMaxNudges = 10;
-
 /// A root is sharp if rounding leaves open less than this share of the span's size.
 constexpr double kSharpRoot = 1e-12;
 
 /// Halvings of the way to where a budget ends.
 constexpr int kBudgetHalvings = 40;
-
-/// Excess in the direction of the slide, and how fast it falls with u; both times |C'|.
-struct Fall {
-    double excess = 0.0;
-    double slope = 0.0;
-    double speed2 = 0.0;
-};
-
-template <bool HasFriction>
-[[gnu::always_inline]] inline Fall fall_at(const Jet<2>& jet,
-                                           const Vec2& h,
-                                           double mu,
-                                           double dir) noexcept {
-    const Vec2 r = h - jet.point;
-    const double load = -cross(jet.first, r);
-    Fall fall{.excess = dir * glm::dot(r, jet.first) - cone_radius<HasFriction>(mu, load),
-              .speed2 = glm::dot(jet.first, jet.first)};
-    fall.slope = fall.speed2 - glm::dot(r, jet.second);
-    if constexpr (HasFriction) {
-        fall.slope -= load > 0.0 ? dir * mu * cross(jet.second, r) : 0.0;
-    }
-    return fall;
-}
-
-/// Whether Taylor's series finishes a step of u from here.
-bool is_last(const Jet<2>& jet, double speed2, double step) noexcept {
-    const double bend2 = glm::dot(jet.second, jet.second);
-    return speed2 > kStill2 * bend2 &&
-           step * step * std::max(speed2, bend2) <= kTaylor * kTaylor * speed2;
-}
 
 /// A place in a piece, in the direction of a walk: x from its start, y to its end.
 struct InPiece {
@@ -118,15 +77,17 @@ public:
         const bool limited = task_.budget < std::numeric_limits<double>::infinity();
         std::size_t piece = first_piece();
         while (true) {
-            std::optional<Spot> before;
+            bool in_cone = false;
             if (limited) {
-                before = spot_;
+                const Spot before = spot_;
+                in_cone = goes_through(piece);
+                if (!pays(before)) {
+                    return SlideEnd::out_of_budget;
+                }
+            } else {
+                in_cone = goes_through(piece);
             }
-            const bool stops = goes_through(piece);
-            if (before && !pays(*before)) {
-                return SlideEnd::out_of_budget;
-            }
-            if (stops) {
+            if (in_cone) {
                 return SlideEnd::in_cone;
             }
             if (task_.dir > 0.0 ? spot_.u == 1.0 : spot_.u == 0.0) {
@@ -150,11 +111,11 @@ private:
     bool goes_through(std::size_t piece) noexcept {
         if (task_.forms.tame(task_.span) && falls(piece)) {
             switch (follow(piece)) {
-                case Followed::root:
+                case FallEnd::root:
                     return true;
-                case Followed::end:
+                case FallEnd::end:
                     return false;
-                case Followed::lost:
+                case FallEnd::lost:
                     break;
             }
         }
@@ -183,48 +144,15 @@ private:
         return slack > 0.0;
     }
 
-    enum class Followed : std::uint8_t { root, end, lost };
+    /// To the one root that the piece may have.
+    FallEnd follow(std::size_t piece) noexcept {
+        return follow_fall<HasFriction>(way(piece), spot_, proof_.bend,
+                                        fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir));
+    }
 
-    /// Newton's iteration to the one root that the piece may have.
-    Followed follow(std::size_t piece) noexcept {
-        const double end = task_.dir > 0.0 ? task_.forms[piece].hi : task_.forms[piece].lo;
-        const double start = spot_.u;
-        const double rest = spot_.rest;
-        double outside = spot_.u;
-        double inside = end;
-        bool bracketed = false;
-        Fall at = fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir);
-        for (int i = 0; i < kMaxSteps && at.slope > 0.0; ++i) {
-            const double step = at.excess / at.slope;
-            if (i > 0 && is_last(spot_.jet, at.speed2, step) && finish(step)) {
-                return Followed::root;
-            }
-            const double newton = task_.dir * step;
-            double next = spot_.u + (i == 0 ? proof_.bend.step(newton) : newton);
-            if (bracketed) {
-                const bool between = (next - outside) * (next - inside) < 0.0;
-                next = between ? next : 0.5 * (outside + inside);
-            } else if (task_.dir > 0.0 ? next >= end : next <= end) {
-                next = end;
-            }
-            const double slope = at.slope;
-            move_to(next);
-            at = fall_at<HasFriction>(spot_.jet, task_.h, mu_, task_.dir);
-            if (i == 0) {
-                proof_.bend.see(slope, at.slope, next - start);
-            }
-            if (at.excess > 0.0) {
-                outside = next;
-                if (next == end) {
-                    return Followed::end;
-                }
-            } else {
-                inside = next;
-                bracketed = true;
-            }
-        }
-        spot_ = spot_at(curve_, start, rest);
-        return Followed::lost;
+    [[nodiscard]] FallingWay way(std::size_t piece) const noexcept {
+        const ConeForms::Piece& p = task_.forms[piece];
+        return {.curve = curve_, .lo = p.lo, .hi = p.hi, .h = task_.h, .mu = mu_, .dir = task_.dir};
     }
 
     void move_to(double u) noexcept { spot_ = spot_at(curve_, u, 1.0 - u); }
@@ -232,22 +160,6 @@ private:
     void to_end(std::size_t piece) noexcept {
         const ConeForms::Piece& p = task_.forms[piece];
         move_to(task_.dir > 0.0 ? p.hi : p.lo);
-    }
-
-    /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact
-    /// stuck. False, and nothing moved, if that does not lead into the cone.
-    bool finish(double step) noexcept {
-        double nudge = 2.0 * kEpsilon;
-        for (int i = 0; i < kMaxNudges; ++i) {
-            const double next = std::clamp(spot_.u + task_.dir * (step + nudge), 0.0, 1.0);
-            const Jet<2> jet = beside(spot_.jet, next - spot_.u);
-            if (fall_at<HasFriction>(jet, task_.h, mu_, task_.dir).excess <= 0.0) {
-                spot_ = {.u = next, .rest = 1.0 - next, .jet = jet};
-                return true;
-            }
-            nudge *= 4.0;
-        }
-        return false;
     }
 
     template <class Real>
@@ -261,17 +173,15 @@ private:
         if (root.answer != FirstRoot::Answer::found) {
             return root;
         }
-        if (root.z > 0.0 && !land(p, start, root, std::is_same_v<Real, double>)) {
+        if (root.z > 0.0 && !land(piece, start, root, std::is_same_v<Real, double>)) {
             root.answer = FirstRoot::Answer::unclear;
         }
         return root;
     }
 
     /// Goes to a root. False, and nothing moved, if it has to be sharp and is not.
-    bool land(const ConeForms::Piece& piece,
-              const InPiece& start,
-              const FirstRoot& root,
-              bool sharp) noexcept {
+    bool land(std::size_t index, const InPiece& start, const FirstRoot& root, bool sharp) noexcept {
+        const ConeForms::Piece& piece = task_.forms[index];
         const double x = start.x + root.z * start.y;
         const double y = root.rest * start.y;
         const double width = piece.hi - piece.lo;
@@ -285,7 +195,8 @@ private:
         }
         spot_ = there;
         if (task_.forms.tame(task_.span)) {
-            static_cast<void>(finish(0.0));
+            static_cast<void>(falling::finish<HasFriction>(
+                way(index), spot_, 0.0, -std::numeric_limits<double>::infinity()));
         }
         return true;
     }

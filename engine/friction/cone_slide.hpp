@@ -3,8 +3,7 @@
 #include <cstdint>
 
 #include "engine/friction/cone_forms.hpp"
-#include "engine/friction/friction_law.hpp"
-#include "engine/math/bend.hpp"
+#include "engine/friction/fall.hpp"
 
 namespace palpate::engine {
 
@@ -45,17 +44,6 @@ struct Drive {
     return {.tangential = glm::dot(r, jet.first),
             .load = -cross(jet.first, r),
             .rest = 4.0 * kEpsilon * arc.chord()};
-}
-
-/// A place on a span. 1 - u is kept too: beside a heavy last control point u has lost its digits.
-struct Spot {
-    double u = 0.0;
-    double rest = 1.0;  ///< 1 - u
-    Jet<2> jet{};       ///< of the curve there
-};
-
-[[nodiscard]] inline Spot spot_at(const RationalBezier<2>& curve, double u, double rest) noexcept {
-    return {.u = u, .rest = rest, .jet = curve.at(u, rest)};
 }
 
 [[nodiscard]] inline Spot spot_at(const Arc& arc, double u, double rest) noexcept {

@@ -63,6 +63,57 @@ template <bool HasFriction>
                                    double budget,
                                    double vertex_radius) noexcept;
 
+/// The same where it nearly always goes: no further than within one free-form span, to the root of an
+/// excess that is known to fall there.
+/// @return false, and nothing moved, where it does not
+template <bool HasFriction>
+[[nodiscard, gnu::always_inline]] inline bool walk_on_span(const ConeForms& forms,
+                                                           GodObject& go,
+                                                           const Vec2& h,
+                                                           double mu,
+                                                           double budget,
+                                                           Walk& walk) noexcept {
+    const std::size_t span = go.place.index;
+    if (go.place.on_seam || !forms.tame(span) || forms.outline().arc(span) != nullptr) {
+        return false;
+    }
+    const double dir = drive_at(go.spot.jet, h).direction<HasFriction>(mu);
+    if (dir != 0.0) {
+        const ConeForms::Piece& piece = forms[go.proof.piece];
+        const Vec2 moved = h - go.proof.h;
+        const double u = go.spot.u;
+        if (piece.span != span || !(u > piece.lo && u < piece.hi) ||
+            !(glm::dot(moved, moved) < go.proof.slack2)) {
+            return false;
+        }
+        const Vec2 before = go.spot.jet.point;
+        const FallingWay way{.curve = forms.outline().spans()[span],
+                             .lo = piece.lo,
+                             .hi = piece.hi,
+                             .h = h,
+                             .mu = mu,
+                             .dir = dir};
+        const FallEnd end = follow_fall<HasFriction>(way, go.spot, go.proof.bend,
+                                                     fall_at<HasFriction>(go.spot.jet, h, mu, dir));
+        const Vec2 chord = go.spot.jet.point - before;
+        if (end != FallEnd::root || !(glm::dot(chord, chord) <= budget * budget)) {
+            go.spot = spot_at(way.curve, u, 1.0 - u);
+            return false;
+        }
+        walk.slid = go.spot.u != u;
+        go.place.parameter = go.spot.u;
+    }
+    const Vec2& along = go.spot.jet.first;
+    const Vec2 tangent = along * (1.0 / std::sqrt(glm::dot(along, along)));
+    const Vec2 r = h - go.spot.jet.point;
+    walk.point = go.spot.jet.point;
+    walk.tangent = tangent;
+    walk.normal = perp(tangent);
+    walk.tau = glm::dot(r, tangent);
+    walk.nu = -cross(tangent, r);
+    return true;
+}
+
 /// A contact that begins: the god-object stays at the closest point of HIP, where the stretch is
 /// all load. @pre `place` is that point's, and HIP is inside
 [[nodiscard]] Walk touch_down(const Outline& outline,

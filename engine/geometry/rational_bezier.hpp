@@ -30,14 +30,6 @@ struct Jet {
     Vec<D> second{};
 };
 
-/// The jet a short step `du` further, by Taylor's series of second order.
-template <int D>
-[[nodiscard]] Jet<D> beside(const Jet<D>& jet, double du) noexcept {
-    return {.point = jet.point + du * (jet.first + (0.5 * du) * jet.second),
-            .first = jet.first + du * jet.second,
-            .second = jet.second};
-}
-
 /// A curve that moves less than this share of its own bending, |C'| < 1e-6 |C''|, stands still: an
 /// end with repeated control points, or a cusp. No Taylor series helps there, and the tangent is
 /// that of the end.
@@ -96,6 +88,18 @@ public:
     /// The same with C relative to origin(): far from the world's origin it has more digits.
     [[nodiscard]] Jet<D> local_at(double u, double v) const noexcept {
         return horner_ ? by_horner(u) : by_corner_cutting(u, v);
+    }
+
+    /// Taylor's series of a jet is the curve: a polynomial up to degree 3.
+    [[nodiscard]] bool is_its_taylor_series() const noexcept { return horner_; }
+    /// The jet a step `du` beside one of this curve, by Taylor's series: of third order where that
+    /// is the curve itself, of second order elsewhere. Its point is right to a few last bits of the
+    /// step.
+    [[nodiscard]] Jet<D> beside(const Jet<D>& jet, double du) const noexcept {
+        const Vec<D>& cubic = power_[3];
+        return {.point = jet.point + du * (jet.first + du * (0.5 * jet.second + du * cubic)),
+                .first = jet.first + du * (jet.second + (3.0 * du) * cubic),
+                .second = jet.second + (6.0 * du) * cubic};
     }
 
 private:

@@ -125,8 +125,11 @@ Contact Scene::step(ContactState& state, const Vec2& hip) const noexcept {
     const double budget = HasSlew ? 2.0 * travelled + spec_.slew.speed * spec_.period
                                   : std::numeric_limits<double>::infinity();
     const double mu = HasFriction ? coefficient(spec_.friction, state.theta) : 0.0;
-    const Walk walk = walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, budget,
-                                                   HasSlew ? spec_.slew.radius : 0.0);
+    Walk walk;
+    if (!walk_on_span<HasFriction>(forms_, state.go, hip, mu, budget, walk)) {
+        walk = walk_god_object<HasFriction>(forms_, state.go, from, hip, mu, budget,
+                                            HasSlew ? spec_.slew.radius : 0.0);
+    }
     if (walk.nu <= 0.0 && !walk.out_of_budget) {
         return free(state, tracker_.track(state.track, hip));
     }
@@ -155,10 +158,10 @@ Contact Scene::look(ContactState& state, const Vec2& hip) const noexcept {
 
 /// The force of a god-object after its walk.
 template <bool HasFriction, bool HasDamper>
-Contact Scene::felt(ContactState& state,
-                    const Walk& walk,
-                    const Vec2& hip,
-                    double mu) const noexcept {
+[[gnu::always_inline]] inline Contact Scene::felt(ContactState& state,
+                                                  const Walk& walk,
+                                                  const Vec2& hip,
+                                                  double mu) const noexcept {
     const double k = spec_.stiffness;
     Contact contact{.mode = mode_of<HasFriction>(walk.slid, state.theta, spec_.friction),
                     .place = state.go.place,
