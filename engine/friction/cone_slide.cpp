@@ -12,6 +12,9 @@ namespace {
 /// A root is sharp if rounding leaves open less than this share of the span's size.
 constexpr double kSharpRoot = 1e-12;
 
+/// Pieces ahead that a proof is found for at once; behind it is one.
+constexpr int kPiecesAhead = 3;
+
 /// Halvings of the way to where a budget ends.
 constexpr int kBudgetHalvings = 40;
 
@@ -130,18 +133,45 @@ private:
         return true;
     }
 
-    /// A proof that the excess falls over the piece is known, or found.
+    /// A proof that the excess falls over the piece is known, or found, and then for some pieces
+    /// beside it, too, as long as they cost it no more than half of its slack.
     bool falls(std::size_t piece) noexcept {
-        const Vec2 moved = task_.h - proof_.h;
-        if (proof_.piece == piece && glm::dot(moved, moved) < proof_.slack2) {
+        const ConeForms::Piece& p = task_.forms[piece];
+        if (proof_.span == p.span && p.lo >= proof_.lo && p.hi <= proof_.hi &&
+            proof_.holds(task_.h)) {
             return true;
         }
-        const double slack = task_.forms.fall_slack(piece, task_.h);
-        proof_ = {.piece = piece,
+        const double own = task_.forms.fall_slack(piece, task_.h);
+        proof_ = {.span = p.span,
+                  .piece = piece,
+                  .lo = p.lo,
+                  .hi = p.hi,
                   .h = task_.h,
-                  .slack2 = slack > 0.0 ? slack * slack : 0.0,
                   .bend = proof_.bend};
-        return slack > 0.0;
+        if (!(own > 0.0)) {
+            return false;
+        }
+        double slack = own;
+        const auto widen = [&](bool forward) {
+            if (forward ? proof_.hi == 1.0 : proof_.lo == 0.0) {
+                return false;
+            }
+            const std::size_t next =
+                task_.forms.ahead(p.span, forward ? proof_.hi : proof_.lo, forward ? 1.0 : -1.0);
+            const double more = task_.forms.fall_slack(next, task_.h);
+            if (!(more > 0.5 * own)) {
+                return false;
+            }
+            slack = std::min(slack, more);
+            (forward ? proof_.hi : proof_.lo) =
+                forward ? task_.forms[next].hi : task_.forms[next].lo;
+            return true;
+        };
+        for (int i = 0; i < kPiecesAhead && widen(task_.dir > 0.0); ++i) {
+        }
+        widen(task_.dir < 0.0);
+        proof_.slack2 = slack * slack;
+        return true;
     }
 
     /// To the one root that the piece may have.

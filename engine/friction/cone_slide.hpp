@@ -51,12 +51,20 @@ struct Drive {
     return {.u = u, .rest = rest, .jet = {.point = at.point, .first = at.tangent}};
 }
 
-/// Over one piece of a span the excess is known to fall, for every HIP near this one.
+/// Over a part of a span, whole pieces, the excess is known to fall, for every HIP near this one.
 struct FallProof {
-    std::size_t piece = 0;
+    std::size_t span = static_cast<std::size_t>(-1);  ///< none yet
+    std::size_t piece = 0;                            ///< where it was found
+    double lo = 0.0;
+    double hi = 0.0;
     Vec2 h{};
     double slack2 = 0.0;  ///< m^2, how far HIP may be from h; 0: nothing is known
     Bend bend{};          ///< of the excess over u, at the last slide
+
+    [[nodiscard]] bool holds(const Vec2& hip) const noexcept {
+        const Vec2 moved = hip - h;
+        return glm::dot(moved, moved) < slack2;
+    }
 };
 
 /// What a slide needs to know.

@@ -79,24 +79,22 @@ template <bool HasFriction>
     }
     const double dir = drive_at(go.spot.jet, h).direction<HasFriction>(mu);
     if (dir != 0.0) {
-        const ConeForms::Piece& piece = forms[go.proof.piece];
-        const Vec2 moved = h - go.proof.h;
+        const FallProof& proof = go.proof;
         const double u = go.spot.u;
-        if (piece.span != span || !(u > piece.lo && u < piece.hi) ||
-            !(glm::dot(moved, moved) < go.proof.slack2)) {
+        if (proof.span != span || !(u > proof.lo && u < proof.hi) || !proof.holds(h)) {
             return false;
         }
         const Vec2 before = go.spot.jet.point;
         const FallingWay way{.curve = forms.outline().spans()[span],
-                             .lo = piece.lo,
-                             .hi = piece.hi,
+                             .lo = proof.lo,
+                             .hi = proof.hi,
                              .h = h,
                              .mu = mu,
                              .dir = dir};
         const FallEnd end = follow_fall<HasFriction>(way, go.spot, go.proof.bend,
                                                      fall_at<HasFriction>(go.spot.jet, h, mu, dir));
         const Vec2 chord = go.spot.jet.point - before;
-        if (end != FallEnd::root || !(glm::dot(chord, chord) <= budget * budget)) {
+        if (end != FallEnd::root || !(4.0 * glm::dot(chord, chord) <= budget * budget)) {
             go.spot = spot_at(way.curve, u, 1.0 - u);
             return false;
         }
