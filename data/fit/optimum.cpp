@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <span>
 #include <vector>
+
+#include "data/statistics/simplex.hpp"
 
 namespace palpate::data {
 namespace {
@@ -45,75 +47,6 @@ double dot(const CurvePoint& a, const CurvePoint& b) {
         sum += a[i] * b[i];
     }
     return sum;
-}
-
-struct Corner {
-    CurvePoint at{};
-    double value = 0.0;
-};
-
-/// One run of the simplex from `start`, its first edges as long as `edge` says.
-Corner simplex_run(const CurveModel& model,
-                   const CurvePoint& start,
-                   const CurveMask& free,
-                   const CurvePoint& edge) {
-    const auto corner = [&](CurvePoint point) {
-        point = within(model, point, free);
-        return Corner{point, model.value(point)};
-    };
-    std::vector<Corner> all{corner(start)};
-    for (std::size_t i = 0; i < kCurveParameters; ++i) {
-        if (free[i]) {
-            CurvePoint moved = start;
-            moved[i] += moved[i] + edge[i] > model.high()[i] ? -edge[i] : edge[i];
-            all.push_back(corner(moved));
-        }
-    }
-    const std::size_t worst = all.size() - 1;
-    const auto higher = [](const Corner& a, const Corner& b) {
-        return a.value > b.value;
-    };
-    for (int step = 0; step < 1000; ++step) {
-        std::stable_sort(all.begin(), all.end(), higher);
-        if (all.front().value - all.back().value < 1e-12) {
-            break;
-        }
-        CurvePoint middle{};
-        for (std::size_t c = 0; c < worst; ++c) {
-            for (std::size_t i = 0; i < kCurveParameters; ++i) {
-                middle[i] += all[c].at[i] / static_cast<double>(worst);
-            }
-        }
-        const auto along = [&](double t) {
-            CurvePoint point = middle;
-            for (std::size_t i = 0; i < kCurveParameters; ++i) {
-                point[i] += t * (all.back().at[i] - middle[i]);
-            }
-            return corner(point);
-        };
-        const Corner mirrored = along(-1.0);
-        if (higher(mirrored, all.front())) {
-            const Corner farther = along(-2.0);
-            all.back() = higher(farther, mirrored) ? farther : mirrored;
-        } else if (higher(mirrored, all[worst - 1])) {
-            all.back() = mirrored;
-        } else {
-            const bool outside = higher(mirrored, all.back());
-            const Corner nearer = along(outside ? -0.5 : 0.5);
-            if (higher(nearer, outside ? mirrored : all.back())) {
-                all.back() = nearer;
-            } else {
-                for (std::size_t c = 1; c < all.size(); ++c) {
-                    CurvePoint half = all[c].at;
-                    for (std::size_t i = 0; i < kCurveParameters; ++i) {
-                        half[i] = 0.5 * (half[i] + all.front().at[i]);
-                    }
-                    all[c] = corner(half);
-                }
-            }
-        }
-    }
-    return *std::min_element(all.begin(), all.end(), higher);
 }
 
 }  // namespace
@@ -206,20 +139,25 @@ Optimum climb(const CurveModel& model,
 
 Optimum nelder_mead(const CurveModel& model, const CurvePoint& start, const CurveMask& free) {
     const double range = model.last() - model.first();
-    CurvePoint edge{0.1 * range, 0.3, 0.05, 0.02};
-    Corner best{start, -std::numeric_limits<double>::infinity()};
-    for (int run = 0; run < 12; ++run) {
-        const Corner found = simplex_run(model, best.at, free, edge);
-        const double gained = found.value - best.value;
-        best = gained > 0.0 ? found : best;
-        if (gained < 1e-9) {
-            return {best.at, best.value, true};
-        }
-        for (double& one : edge) {  // another shape than the one that shrank
-            one *= -0.7;
+    const CurvePoint edges{0.1 * range, 0.3, 0.05, 0.02};
+    std::vector<double> from;
+    std::vector<double> edge;
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        if (free[i]) {
+            from.push_back(start[i]);
+            edge.push_back(start[i] + edges[i] > model.high()[i] ? -edges[i] : edges[i]);
         }
     }
-    return {best.at, best.value, false};
+    const auto point_of = [&](std::span<const double> moving) {
+        CurvePoint point = start;
+        for (std::size_t i = 0, next = 0; i < kCurveParameters; ++i) {
+            point[i] = free[i] ? moving[next++] : start[i];
+        }
+        return within(model, point, free);
+    };
+    const Summit top = simplex_maximum(
+        [&](std::span<const double> moving) { return model.value(point_of(moving)); }, from, edge);
+    return {point_of(top.at), top.value, top.settled};
 }
 
 }  // namespace palpate::data

@@ -50,6 +50,16 @@ void add_beliefs(Database& database, const StoredChoice& choice, std::vector<Ans
 
 }  // namespace
 
+bool answers_are_names(Database& database, const StoredChoice& choice) {
+    Statement row = database.prepare(fmt::format(
+        "SELECT NOT EXISTS (SELECT 1 FROM ({}) WHERE ?1 IN ('all', session_kind) AND ?2 IN ('', "
+        "study_name)) AND EXISTS (SELECT 1 FROM analysis_trial WHERE phase = 'main' AND run_number "
+        "IS NULL AND chosen_object IS NOT NULL AND ?1 = session_kind AND ?2 IN ('', study_name))",
+        kGradedAnswers));
+    row.bind(1, choice.kind).bind(2, choice.study).step();
+    return row.integer(0) != 0;
+}
+
 std::vector<Answers> stored_answers(Database& database, const StoredChoice& asked) {
     const Snapshot now(database);
     StoredChoice choice = asked;

@@ -14,6 +14,9 @@ struct StoredChoice {
     std::string study{};        ///< needed where the file has several with such answers
 };
 
+/// There is no graded stimulus to fit, but there are answers by a picture's name.
+[[nodiscard]] bool answers_are_names(Database& database, const StoredChoice& choice);
+
 /// Of every participant and condition of a study the answers that count, main trials alone. Where a rule chose the
 /// levels: the runs, by name, its stimulus, and how often the answer was 1 (two intervals: the comparison); with
 /// yes-no on planned objects: their curvature in 1/m, by friction, and how often yes. Sessions of a participant add

@@ -98,7 +98,9 @@ Contact Scene::free(ContactState& state, const ClosestPoint& cp) const noexcept 
     state.theta = 1.0;
     state.last_spring = Vec2{};
     state.clear_from = state.last_hip;
-    const double clear = cp.inside ? 0.0 : cp.distance * kClearShare;
+    const Vec2& h = state.last_hip;
+    const double rounding = 4.0 * kEpsilon * (std::fabs(h.x) + std::fabs(h.y));
+    const double clear = cp.inside ? 0.0 : std::max(cp.distance * kClearShare - rounding, 0.0);
     state.clear2 = clear * clear;
     state.away = {.place = cp.place, .go = cp.point, .skipped = true};
     Contact contact = state.away;

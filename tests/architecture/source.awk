@@ -28,9 +28,9 @@ BEGIN {
     where["SDL2"] = "ui"
     where["libpng"] = "ui/subject ui/session"
     where["CLI11"] = "ui"
-    where["nlohmann"] = "data/export data/fit data/inference ui"
+    where["nlohmann"] = "data/export data/fit data/inference data/choice ui"
     # Curves that yield, and the few parameters of the mixed model; nothing that a tick computes.
-    where["Eigen"] = "engine/deformation data/inference"
+    where["Eigen"] = "engine/deformation data/inference data/choice"
     where["comedilib"] = "engine/device/drivers"
 
     posix = " unistd.h fcntl.h poll.h pthread.h sched.h signal.h termios.h time.h errno.h dlfcn.h" \

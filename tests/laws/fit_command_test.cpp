@@ -257,3 +257,45 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     CHECK(ours["differences"] == theirs["differences"]);
     CHECK(ours["people"] == theirs["people"]);
 }
+
+TEST_CASE(
+    "palpate fit of identifications parts how well from how named, of a database as of its trials",
+    "[fit][choice]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    for (const char* person : {"P1", "P2"}) {
+        REQUIRE(palpate_command({"run", "shape_friction_demo", "--participant", person, "--db",
+                                 file, "--device", "sim"})
+                    .code == 0);
+    }
+    const Json ours = fitted({file, "--kind", "simulated", "--keep-codes"});
+    REQUIRE(ours["people"].size() == 2);
+    REQUIRE(ours["items"].size() == 5);
+    CHECK(ours["values"] == Json({-10.0, -5.0, 0.0, 5.0, 10.0}));
+    // The same trials as a CSV, the counts by SQL: nothing of ours in between.
+    const Finished trials = palpate_command(
+        {"sql", file, "--csv", "-c",
+         "SELECT participant_code AS subject, row_number() OVER () AS trial, planned_object AS "
+         "shape, friction, chosen_object AS response FROM analysis_trial WHERE counts AND phase = "
+         "'main'"});
+    write(folder.file("t.csv"), trials.out);
+    std::vector<std::string> words{folder.file("t.csv")};
+    for (std::size_t i = 0; i < 5; ++i) {
+        words.emplace_back("--item");
+        words.push_back(fmt::format("{}={}", ours["items"][i].get<std::string>(),
+                                    ours["values"][i].get<double>()));
+    }
+    const Json theirs = fitted(words);
+    for (std::size_t i = 0; i < 2; ++i) {
+        CHECK(ours["people"][i]["conditions"] == theirs["people"][i]["conditions"]);
+        CHECK(ours["people"][i]["criteria"] == theirs["people"][i]["criteria"]);
+        CHECK(ours["people"][i]["optimisers_agree"] == true);
+        CHECK(ours["people"][i]["participant"] == theirs["people"][i]["participant"]);
+    }
+    const Finished unnamed = palpate_command({"fit", file, "--kind", "simulated"});
+    CHECK(unnamed.code == 0);
+    CHECK(unnamed.out.find("P1") == std::string::npos);
+    refused({file, "--kind", "simulated", "--guess", "0.2"}, "holds identifications: --guess");
+    refused({folder.file("t.csv")}, "has no value to be ordered by: give --item");
+    refused({folder.file("t.csv"), "--item", "flat"}, "--item is \"flat\": give NAME=VALUE");
+}

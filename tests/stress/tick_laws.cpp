@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "engine/geometry/cusps.hpp"
+#include "engine/math/elementary.hpp"
 #include "tests/stress/stress_hand.hpp"
 
 namespace palpate::stress {
@@ -126,7 +128,8 @@ void TickLaws::check_free(const Tick& now) {
                         c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
     if (free(c) && !c.skipped && (!started_ || (free(last_.contact) && !last_far_))) {
         check("a hand inside is touched", !now.cp.inside || now.cp.distance <= kFootSlack * same_ ||
-                                              on_end_normal(now.cp.place, now.h));
+                                              on_end_normal(now.cp.place, now.h) ||
+                                              on_knife_edge(now.cp.place));
     }
 }
 
@@ -348,6 +351,20 @@ bool TickLaws::on_end_normal(const Place& place, const Vec2& h) const noexcept {
     const bool last = place.parameter > 0.5;
     const Vec2 gap = h - span.at(last ? 1.0 : 0.0).point;
     return std::fabs(glm::dot(gap, engine::end_tangent(span, last))) <= kFootSlack * same_;
+}
+
+/// Two curves run back along each other, less than 1e-6 rad apart: which of them is nearer to a hand beyond
+/// their tip, and so its side, rounding decides.
+bool TickLaws::on_knife_edge(const Place& place) const noexcept {
+    constexpr double kNear = 1e-6;
+    const engine::Outline& outline = scene_->outline();
+    std::optional<std::size_t> seam;
+    if (place.on_seam) {
+        seam = place.index;
+    } else if (place.parameter <= kNear || place.parameter >= 1.0 - kNear) {
+        seam = outline.seam_beyond(place.index, place.parameter > 0.5);
+    }
+    return seam && outline.seams()[*seam].turn > engine::kPi - 1e-6;
 }
 
 bool TickLaws::in_corner(const Contact& contact) const noexcept {

@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cmath>
+#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/files.hpp"
+#include "data/choice/identification.hpp"
 #include "data/fit/fit_report.hpp"
 #include "data/fit/stored_answers.hpp"
 #include "data/plot/svg_figure.hpp"
@@ -29,6 +31,8 @@ struct FitWords {
     std::string svg;
     std::string kind = "real";
     std::string study;
+    std::vector<std::string> items;
+    bool keep_codes = false;
 };
 
 /// A number, or one over another: "1/3". @throws std::invalid_argument that names the option
@@ -134,10 +138,73 @@ void declare(CommandWords& words, FitWords& options) {
         .among({"real", "pilot", "simulated", "all"})
         .with_default();
     words.add("--study", options.study, "Of a database with several studies, which");
+    words
+        .add("--item", options.items,
+             "Of identifications: NAME=VALUE, what an item is ordered by; again for each. Of a "
+             "database without it the curvature")
+        .again_for_each();
+    words.add("--keep-codes", options.keep_codes,
+              "Of a database's identifications: people by the lab's codes, not by their numbers in "
+              "exports");
+}
+
+/// The head of a CSV names what was answered: trials of identification, not counts.
+bool is_trial_csv(const std::string& file) {
+    std::ifstream in(file);
+    std::string head;
+    std::getline(in, head);
+    return head.find("response") != std::string::npos;
+}
+
+int fit_identifications(const FitWords& words, bool database) {
+    data::IdentificationOptions options{.lapse = number_of("--lapse", words.lapse)};
+    data::TrialTable table;
+    if (database) {
+        data::Database file(words.file, data::Access::read);
+        table = data::stored_trials(
+            file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
+        options.items = data::item_values(file, table.study);
+    } else {
+        table = data::read_trials(words.file);
+    }
+    for (const std::string& item : words.items) {
+        const std::size_t equals = item.rfind('=');
+        if (equals == std::string::npos || equals == 0) {
+            throw std::invalid_argument(
+                fmt::format("--item is \"{}\": give NAME=VALUE, as flat=0", item));
+        }
+        options.items[item.substr(0, equals)] =
+            number_of("--item " + item.substr(0, equals), item.substr(equals + 1));
+    }
+    const data::IdentificationReport report = data::identification_of(std::move(table), options);
+    say("{}", words.json ? data::identification_json(report) : data::identification_text(report));
+    return 0;
+}
+
+/// Options that a fit of identifications does not read.
+void refuse_words_of_curves(const FitWords& words) {
+    const bool curves = words.guess || words.at || !words.priors.empty() || !words.svg.empty() ||
+                        words.lapse == "free";
+    if (curves) {
+        throw std::invalid_argument(fmt::format(
+            "{} holds identifications: --guess, --prior, --at, --svg and --lapse free are for "
+            "psychometric functions",
+            words.file));
+    }
 }
 
 int run(const FitWords& words) {
     const bool database = data::is_database(words.file);
+    bool identifications = !database && is_trial_csv(words.file);
+    if (database) {
+        data::Database file(words.file, data::Access::read);
+        const data::StoredChoice choice{.kind = words.kind, .study = words.study};
+        identifications = data::answers_are_names(file, choice);
+    }
+    if (identifications) {
+        refuse_words_of_curves(words);
+        return fit_identifications(words, database);
+    }
     data::FitOptions options{.spec = spec_of(words, database),
                              .bootstrap = static_cast<std::size_t>(words.bootstrap),
                              .seed = words.seed.value_or(1)};

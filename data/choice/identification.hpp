@@ -1,0 +1,70 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "data/choice/similarity_choice.hpp"
+#include "data/choice/thurstone.hpp"
+#include "data/inference/trials.hpp"
+#include "data/statistics/over_people.hpp"
+
+/// Which of several things was it: what identifications say of how well people tell things apart, and of how they name
+/// them.
+namespace palpate::data {
+
+struct IdentificationOptions {
+    double lapse = 0.02;
+    std::map<std::string, double> items{};  ///< values by name; a name that is a number is its own
+};
+
+/// Of one person, two conditions: a change that is not told from none has a p near 1.
+struct ThurstoneChange {
+    double ratio = 1.0;  ///< sigma of the condition over the first one's
+    double ratio_p = 1.0;
+    double shift = 0.0;
+    double shift_p = 1.0;  ///< both by likelihood ratio, chi-square of 1 df
+};
+
+struct IdentifiedPerson {
+    std::string name{};
+    std::vector<CallCounts> counts{};  ///< of each condition
+    ThurstoneFit thurstone{};
+    std::vector<ThurstoneChange> changes{};  ///< of each condition but the first
+    /// Of each condition; nothing where an item was never called by its name.
+    std::vector<std::optional<SimilarityFit>> similarity{};
+};
+
+/// A number a person, over people; of a change also the sign-flip test of none.
+struct IdentifiedNumber {
+    std::string what{};
+    PeopleMean mean{};  ///< of a logarithm where `ratio` says so
+    bool ratio = false;
+    std::optional<SignFlip> test{};
+};
+
+struct IdentificationReport {
+    TrialTable table{};
+    IdentificationOptions options{};
+    std::vector<std::string> names{};  ///< items that are responses too, by value
+    std::vector<double> values{};
+    std::vector<IdentifiedPerson> people{};
+    std::vector<std::string> left_out{};  ///< who cannot be fitted, and why
+    std::vector<IdentifiedNumber> over_people{};
+};
+
+/// The value of every item of a database that has one: the curvature of its object, 1/m.
+[[nodiscard]] std::map<std::string, double> item_values(Database& database,
+                                                        const std::string& study);
+
+/// Fits of every person's trials that count, a condition a friction.
+/// @throws std::invalid_argument with value and remedy: an item without a value, answers of yes and no, nobody to fit
+[[nodiscard]] IdentificationReport identification_of(TrialTable table,
+                                                     const IdentificationOptions& options);
+
+/// Tables for people, and the same for programs.
+[[nodiscard]] std::string identification_text(const IdentificationReport& report);
+[[nodiscard]] std::string identification_json(const IdentificationReport& report);
+
+}  // namespace palpate::data

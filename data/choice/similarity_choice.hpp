@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "data/choice/thurstone.hpp"
+
+namespace palpate::data {
+
+struct SimilarityFit {
+    std::vector<double> bias{};  ///< of each response; they sum to 1
+    std::vector<std::vector<double>>
+        similarity{};  ///< symmetric, 1 on the diagonal, 0: never confused
+    double log_likelihood = 0.0;
+    double deviance = 0.0;  ///< against free shares of each row
+    std::int64_t df = 0;    ///< (m - 1)(m - 2) / 2
+    /// Largest difference of a margin, answers, from the one of the likelihood equations: what is left to gain.
+    double residual = 0.0;
+};
+
+/// The similarity choice model (R. D. Luce, Handbook of Mathematical Psychology 1:103, 1963; J. E. K. Smith, Percept. &
+/// Psychophys. 31:259, 1982), by maximum likelihood:
+///
+///     P(j | i) = bias_j similarity_ij / sum over k of bias_k similarity_ik
+///
+/// It is the model of quasi-symmetry of the table: rows, columns and n_ij + n_ji are matched in turn (J. N. Darroch, D.
+/// Ratcliff, Ann. Math. Stat. 43:1470, 1972) until none is off by more than 1e-10 answers. The likelihood is concave in
+/// the logarithms, so that this is its one maximum.
+/// @param counts  items and responses are the same list
+/// @throws std::invalid_argument with remedy: not square, or an item that was never called by its name
+[[nodiscard]] SimilarityFit fit_similarity(const CallCounts& counts);
+
+/// Mean similarity of two different items: 0 where none was confused, 1 where all look alike.
+[[nodiscard]] double mean_similarity(const SimilarityFit& fit);
+
+}  // namespace palpate::data

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "data/statistics/wilson.hpp"
+
+namespace palpate::data {
+
+/// How often each item (row) was called each response (column), both in order of what is judged.
+using CallCounts = std::vector<std::vector<std::int64_t>>;
+
+/// Ordered items that differ in one quantity.
+struct ThurstoneSpec {
+    std::vector<double> items{};  ///< values of the rows, strictly increasing, 2 or more
+    double lapse = 0.02;          ///< share of answers that any response gets alike, 0 .. 0.25
+    bool one_sigma = false;       ///< the same in all conditions
+    bool no_shift = false;        ///< no condition shifts the percept
+    bool checked = true;          ///< also by the second optimiser
+};
+
+/// A condition's part of a fit.
+struct ThurstonePart {
+    double sigma =
+        0.0;  ///< sd of the percept, in the unit of the items: what it takes to tell them apart
+    double shift = 0.0;  ///< of every percept against the first condition's, same unit; there 0
+    /// 95 %, from the information of all parameters: of ln sigma, and of the shift. Nothing where sigma is unbounded.
+    std::optional<Interval> sigma_interval{};
+    std::optional<Interval> shift_interval{};
+    bool unbounded =
+        false;  ///< the answers do not bound sigma from below: all are right, but for lapses
+};
+
+struct ThurstoneFit {
+    /// Percepts at which a response passes to the next, one fewer than responses; two are equal where the response
+    /// between them was never given.
+    std::vector<double> criteria{};
+    std::vector<ThurstonePart> parts{};
+    double log_likelihood = 0.0;
+    double second = 0.0;    ///< by the simplex; NaN: not asked for
+    bool agree = true;      ///< both within 1e-6
+    double deviance = 0.0;  ///< against shares of each row and condition that are free
+    std::int64_t df = 0;    ///< free shares less parameters
+};
+
+/// The ordinal model of L. L. Thurstone (Psychol. Rev. 34:273, 1927; law of categorical judgment) with the items' values
+/// known, by maximum likelihood:
+///
+///     P(response <= j | item i, condition f) = Phi((c_j - x_i - b_f) / sigma_f),   b_0 = 0
+///
+/// mixed with lapses, lapse / m each. The criteria are the observer's own in all conditions: so sigma, how well items are told
+/// apart, and the shift, by how much all feel more or less, come apart, as no share correct can part them. Fisher
+/// scoring with Levenberg's damping from three starts, the highest taken.
+/// @param counts  of each condition, all of the same size
+/// @throws std::invalid_argument with value and remedy: sizes, order, fewer than two responses in use
+[[nodiscard]] ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts,
+                                         const ThurstoneSpec& spec);
+
+/// What the model expects of each row of a condition, as shares.
+[[nodiscard]] std::vector<std::vector<double>> thurstone_shares(const ThurstoneFit& fit,
+                                                                const ThurstoneSpec& spec,
+                                                                std::size_t condition);
+
+}  // namespace palpate::data

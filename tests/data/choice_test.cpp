@@ -1,0 +1,215 @@
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include <boost/math/distributions/normal.hpp>
+
+#include "data/choice/similarity_choice.hpp"
+#include "data/choice/thurstone.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Catch::Matchers::WithinAbs;
+using Catch::Matchers::WithinRel;
+using data::CallCounts;
+using data::ThurstoneSpec;
+using tests::Random;
+
+namespace {
+
+double quantile(double p) {
+    return boost::math::quantile(boost::math::normal(), p);
+}
+
+double below(double z) {
+    return boost::math::cdf(boost::math::normal(), z);
+}
+
+/// An observer of five items.
+struct Namer {
+    double sigma = 2.6;
+    double shift = 0.0;
+    std::array<double, 4> criteria{-7.0, -2.0, 3.5, 7.0};
+
+    [[nodiscard]] double share(double item, std::size_t j) const {
+        const double high = j == 4 ? 1.0 : below((criteria.at(j) - item - shift) / sigma);
+        const double low = j == 0 ? 0.0 : below((criteria.at(j - 1) - item - shift) / sigma);
+        return 0.98 * (high - low) + 0.02 / 5.0;
+    }
+    [[nodiscard]] CallCounts answers(Random& random, int trials_an_item) const {
+        CallCounts counts(5, std::vector<std::int64_t>(5, 0));
+        for (std::size_t i = 0; i < 5; ++i) {
+            for (int trial = 0; trial < trials_an_item; ++trial) {
+                double left = random.in(0.0, 1.0);
+                std::size_t j = 0;
+                while (j < 4 && left >= share(kItems.at(i), j)) {
+                    left -= share(kItems.at(i), j);
+                    ++j;
+                }
+                ++counts[i][j];
+            }
+        }
+        return counts;
+    }
+    /// What is expected of n answers an item, to the nearest whole.
+    [[nodiscard]] CallCounts expected(double n) const {
+        CallCounts counts(5, std::vector<std::int64_t>(5, 0));
+        for (std::size_t i = 0; i < 5; ++i) {
+            for (std::size_t j = 0; j < 5; ++j) {
+                counts[i][j] = std::llround(n * share(kItems.at(i), j));
+            }
+        }
+        return counts;
+    }
+
+    static constexpr std::array<double, 5> kItems{-10.0, -5.0, 0.0, 5.0, 10.0};
+};
+
+const std::vector<double> kFive(Namer::kItems.begin(), Namer::kItems.end());
+
+}  // namespace
+
+TEST_CASE("of two items and two answers the ordinal model is two quantiles", "[choice]") {
+    Random random(GENERATE(range(1, 40)));
+    const double near = random.in(-5.0, 5.0);
+    const double far = near + random.in(0.5, 8.0);
+    const std::int64_t n = 40;
+    const std::int64_t k1 = 1 + random.below(30);
+    const std::int64_t k2 = k1 + 1 + random.below(static_cast<int>(n - k1 - 1));
+    const auto fit =
+        data::fit_thurstone({{{n - k1, k1}, {n - k2, k2}}}, {.items = {near, far}, .lapse = 0.0});
+    const double z1 = quantile(static_cast<double>(k1) / static_cast<double>(n));
+    const double z2 = quantile(static_cast<double>(k2) / static_cast<double>(n));
+    const double sigma = (far - near) / (z2 - z1);
+    CHECK_THAT(fit.parts[0].sigma, WithinRel(sigma, 1e-5));
+    CHECK_THAT(fit.criteria[0], WithinAbs(near - z1 * sigma, 1e-4 * sigma));
+    CHECK_THAT(fit.deviance, WithinAbs(0.0, 1e-8));
+    CHECK(fit.df == 0);
+    CHECK(fit.agree);
+}
+
+TEST_CASE("sigma and shift of each condition come apart, and no share correct parts them",
+          "[choice][law]") {
+    Random random(GENERATE(range(1, 30)));
+    const Namer off{.sigma = random.in(1.5, 5.0)};
+    const Namer on{.sigma = random.in(1.5, 5.0), .shift = random.in(-3.0, 3.0)};
+    const auto fit = data::fit_thurstone({off.expected(1e7), on.expected(1e7)}, {.items = kFive});
+    CHECK_THAT(fit.parts[0].sigma, WithinRel(off.sigma, 1e-4));
+    CHECK_THAT(fit.parts[1].sigma, WithinRel(on.sigma, 1e-4));
+    CHECK_THAT(fit.parts[1].shift, WithinAbs(on.shift, 1e-3));
+    CHECK(fit.parts[0].shift == 0.0);
+    for (std::size_t j = 0; j < 4; ++j) {
+        CHECK_THAT(fit.criteria[j], WithinAbs(off.criteria.at(j), 2e-3));
+    }
+    CHECK(fit.deviance < 1.0);
+    CHECK(fit.df == 40 - 7);
+    const auto shares = data::thurstone_shares(fit, {.items = kFive}, 1);
+    for (std::size_t i = 0; i < 5; ++i) {
+        for (std::size_t j = 0; j < 5; ++j) {
+            CHECK_THAT(shares[i][j], WithinAbs(on.share(kFive[i], j), 1e-4));
+        }
+    }
+}
+
+TEST_CASE("95 % intervals of sigma and shift hold the truth of people with 50 answers a condition",
+          "[choice][law]") {
+    const char* asked = std::getenv("PALPATE_CHOICE_PEOPLE");
+    const int people = asked != nullptr ? std::atoi(asked) : 200;
+    Random random(20);
+    int sigma_holds = 0;
+    int shift_holds = 0;
+    int agree = 0;
+    double error = 0.0;
+    double error2 = 0.0;
+    for (int i = 0; i < people; ++i) {
+        const Namer off{.sigma = 2.6};
+        const Namer on{.sigma = 3.4, .shift = 1.0};
+        const auto fit = data::fit_thurstone({off.answers(random, 10), on.answers(random, 10)},
+                                             {.items = kFive, .checked = i < 20});
+        const auto& part = fit.parts[1];
+        REQUIRE(part.sigma_interval);
+        REQUIRE(part.shift_interval);
+        sigma_holds += part.sigma_interval->low < on.sigma && on.sigma < part.sigma_interval->high;
+        shift_holds += part.shift_interval->low < on.shift && on.shift < part.shift_interval->high;
+        agree += i < 20 && fit.agree;
+        const double of_log = std::log(part.sigma / on.sigma);
+        error += of_log;
+        error2 += of_log * of_log;
+    }
+    const double n = people;
+    CAPTURE(sigma_holds, shift_holds, error / n, std::sqrt(error2 / n));
+    // Of 200 people 95 % are 190 -+ 3: three of these.
+    const double spare = 3.5 * std::sqrt(0.95 * 0.05 / n);
+    CHECK_THAT(sigma_holds / n, WithinAbs(0.95, spare));
+    CHECK_THAT(shift_holds / n, WithinAbs(0.95, spare));
+    CHECK(agree == 20);
+}
+
+TEST_CASE("an answer that was never given, items that are never confused, and nonsense",
+          "[choice]") {
+    const auto fit = data::fit_thurstone({{{6, 0, 4, 0}, {2, 0, 6, 2}, {1, 0, 3, 6}, {0, 0, 1, 9}}},
+                                         {.items = {0, 1, 2, 3}});
+    CHECK(fit.criteria[0] == fit.criteria[1]);
+    CHECK(fit.criteria[1] < fit.criteria[2]);
+    const auto sharp =
+        data::fit_thurstone({{{10, 0, 0}, {0, 10, 0}, {0, 0, 10}}}, {.items = {-1, 0, 1}});
+    CHECK(sharp.parts[0].unbounded);
+    CHECK_FALSE(sharp.parts[0].sigma_interval);
+    CHECK_THROWS_WITH(data::fit_thurstone({{{10, 0}, {10, 0}}}, {.items = {-1, 1}}),
+                      ContainsSubstring("the same response"));
+    CHECK_THROWS_WITH(data::fit_thurstone({{{10, 0}, {0, 10}}}, {.items = {1, 1}}),
+                      ContainsSubstring("1 and 1"));
+}
+
+TEST_CASE("of two items the similarity choice model is the table itself", "[choice]") {
+    Random random(GENERATE(range(1, 40)));
+    const auto count = [&] {
+        return static_cast<std::int64_t>(1 + random.below(60));
+    };
+    const CallCounts n{{count(), count()}, {count(), count()}};
+    const auto p = [&](std::size_t i, std::size_t j) {
+        return static_cast<double>(n[i][j]) / static_cast<double>(n[i][0] + n[i][1]);
+    };
+    const auto fit = data::fit_similarity(n);
+    CHECK_THAT(fit.similarity[0][1],
+               WithinRel(std::sqrt(p(0, 1) * p(1, 0) / (p(0, 0) * p(1, 1))), 1e-7));
+    CHECK_THAT(fit.bias[1] / fit.bias[0],
+               WithinRel(std::sqrt(p(0, 1) * p(1, 1) / (p(0, 0) * p(1, 0))), 1e-7));
+    CHECK_THAT(fit.deviance, WithinAbs(0.0, 1e-7));
+}
+
+TEST_CASE("similarities and biases of five items come back from the shares they make",
+          "[choice][law]") {
+    Random random(GENERATE(range(1, 30)));
+    std::vector<double> bias;
+    std::vector<std::vector<double>> similarity(5, std::vector<double>(5, 1.0));
+    double total = 0.0;
+    for (std::size_t i = 0; i < 5; ++i) {
+        total += bias.emplace_back(random.in(0.3, 1.0));
+        for (std::size_t j = 0; j < i; ++j) {
+            similarity[i][j] = similarity[j][i] = random.in(0.05, 0.8);
+        }
+    }
+    CallCounts counts(5, std::vector<std::int64_t>(5));
+    for (std::size_t i = 0; i < 5; ++i) {
+        double sum = 0.0;
+        for (std::size_t j = 0; j < 5; ++j) {
+            sum += bias[j] * similarity[i][j];
+        }
+        for (std::size_t j = 0; j < 5; ++j) {
+            counts[i][j] = std::llround(1e6 * bias[j] * similarity[i][j] / sum);
+        }
+    }
+    const auto fit = data::fit_similarity(counts);
+    for (std::size_t i = 0; i < 5; ++i) {
+        CHECK_THAT(fit.bias[i], WithinAbs(bias[i] / total, 1e-4));
+        for (std::size_t j = 0; j < 5; ++j) {
+            CHECK_THAT(fit.similarity[i][j], WithinAbs(similarity[i][j], 1e-4));
+        }
+    }
+    CHECK(fit.residual < 1e-6);
+    CHECK(fit.df == 6);
+    CHECK_THROWS_WITH(data::fit_similarity({{1, 1}, {1, 0}}), ContainsSubstring("item 2"));
+}
