@@ -18,9 +18,8 @@ void add_beliefs(Database& database, const StoredChoice& choice, std::vector<Ans
     Statement row = database.prepare(
         "SELECT DISTINCT participant_code, session_number, session_id, run_number, run_name FROM "
         "analysis_trial WHERE "
-        "counts AND phase = 'main' AND run_trial_number IS NOT NULL AND study_name = ?1 AND (?2 = "
-        "'all' OR "
-        "session_kind = ?2) ORDER BY 1, 2, 4");
+        "counts AND phase = 'main' AND run_trial_number IS NOT NULL AND study_name = ?1 AND "
+        "session_kind = ?2 ORDER BY 1, 2, 4");
     row.bind(1, choice.study).bind(2, choice.kind);
     while (row.step()) {
         const auto found = std::ranges::find_if(all, [&](const Answers& one) {
@@ -48,11 +47,21 @@ void add_beliefs(Database& database, const StoredChoice& choice, std::vector<Ans
     }
 }
 
+/// People by their numbers in exports.
+void number_people(Database& database, std::vector<Answers>& all) {
+    Statement row = database.prepare("SELECT subject FROM participant WHERE participant_code = ?1");
+    for (Answers& one : all) {
+        row.reset();
+        row.bind(1, one.participant).step();
+        one.participant = fmt::format("sub-{:010}", row.integer(0));
+    }
+}
+
 }  // namespace
 
 bool answers_are_names(Database& database, const StoredChoice& choice) {
     Statement row = database.prepare(fmt::format(
-        "SELECT NOT EXISTS (SELECT 1 FROM ({}) WHERE ?1 IN ('all', session_kind) AND ?2 IN ('', "
+        "SELECT NOT EXISTS (SELECT 1 FROM ({}) WHERE session_kind = ?1 AND ?2 IN ('', "
         "study_name)) AND EXISTS (SELECT 1 FROM analysis_trial WHERE phase = 'main' AND run_number "
         "IS NULL AND chosen_object IS NOT NULL AND ?1 = session_kind AND ?2 IN ('', study_name))",
         kGradedAnswers));
@@ -67,7 +76,7 @@ std::vector<Answers> stored_answers(Database& database, const StoredChoice& aske
     std::vector<std::pair<std::string, Answers>> found;
     Statement row = database.prepare(fmt::format(
         "SELECT study_name, participant_code, condition, stimulus, count(*), sum(k) FROM ({}) "
-        "WHERE ?1 IN ('all', session_kind) GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, "
+        "WHERE session_kind = ?1 GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, "
         "3, 4",
         kGradedAnswers));
     row.bind(1, choice.kind);
@@ -84,14 +93,12 @@ std::vector<Answers> stored_answers(Database& database, const StoredChoice& aske
         }
         found.back().second.levels.push_back({row.real(3), row.integer(4), row.integer(5)});
     }
-    const std::string sessions = choice.kind == "all" ? "sessions" : choice.kind + " sessions";
     if (found.empty()) {
         throw std::invalid_argument(fmt::format(
-            "{} has no answer of {}{} to fit: give {}a file of two intervals or yes-no with a "
-            "graded stimulus",
-            database.file(), sessions,
-            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study),
-            choice.kind == "all" ? "" : "--kind all for every session, or "));
+            "{} has no answer of {} sessions{} to fit: --kind chooses others; else give a file of "
+            "two intervals, of yes-no with a graded stimulus, or of identifications",
+            database.file(), choice.kind,
+            choice.study.empty() ? "" : fmt::format(" of the study {}", choice.study)));
     }
     if (studies.size() > 1) {
         throw std::invalid_argument(
@@ -104,6 +111,9 @@ std::vector<Answers> stored_answers(Database& database, const StoredChoice& aske
         all.push_back(std::move(answers));
     }
     add_beliefs(database, choice, all);
+    if (!choice.codes) {
+        number_people(database, all);
+    }
     return all;
 }
 

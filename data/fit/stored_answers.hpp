@@ -10,8 +10,9 @@ namespace palpate::data {
 
 /// Which sessions of a file are meant.
 struct StoredChoice {
-    std::string kind = "real";  ///< real, pilot, simulated or all
+    std::string kind = "real";  ///< real, pilot or simulated: never two of them
     std::string study{};        ///< needed where the file has several with such answers
+    bool codes = false;         ///< people by the lab's codes, not by their numbers in exports
 };
 
 /// There is no graded stimulus to fit, but there are answers by a picture's name.

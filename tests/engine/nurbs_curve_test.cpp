@@ -77,6 +77,36 @@ TEST_CASE("derivatives are those of the definition", "[geometry][law]") {
     }
 }
 
+TEST_CASE(
+    "a jet carried a step on is the curve's own: for polynomials up to degree 3 wherever the step "
+    "leads",
+    "[geometry][law]") {
+    Random random(GENERATE(range(0U, 150U)));
+    const double size = random.decade(-3.0, 0.0);
+    const int degree = 1 + random.below(5);
+    std::vector<Vec2> points;
+    std::vector<double> weights;
+    const bool polynomial = random.below(3) != 0;
+    for (int i = 0; i <= degree; ++i) {
+        points.push_back(random.point(-size, size));
+        weights.push_back(polynomial ? 1.0 : random.in(0.5, 2.0));
+    }
+    const RationalBezier<2> curve(points, weights);
+    REQUIRE(curve.is_its_taylor_series() == (polynomial && degree <= 3));
+    const double u = random.in(0.0, 1.0);
+    const double far = curve.is_its_taylor_series() ? random.in(-1.0, 1.0) : 1e-5;
+    const Jet<2> there = curve.at(u + far);
+    const Jet<2> carried = curve.beside(curve.at(u), far);
+    // Elsewhere the point errs by a sixth of the third derivative times far^3, C' by a half of it times far^2.
+    const double third = curve.is_its_taylor_series() ? 0.0 : 3000.0 * size;
+    const double rounding = 5e-14 * size;
+    CHECK(glm::length(carried.point - there.point) <= rounding + third * std::pow(far, 3.0));
+    CHECK(glm::length(carried.first - there.first) <= rounding + third * far * far);
+    if (curve.is_its_taylor_series()) {
+        CHECK(glm::length(carried.second - there.second) <= 10.0 * rounding);
+    }
+}
+
 TEST_CASE("nine points and square roots of a half make an exact circle", "[geometry]") {
     const double r = 0.037;
     const double s = std::sqrt(0.5);  // Piegl & Tiller, example 7.1; clockwise, object inside

@@ -232,7 +232,7 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
                                  file, "--device", "sim"})
                     .code == 0);
     }
-    refused({file}, "has no answer of real sessions to fit: give --kind all");
+    refused({file}, "has no answer of real sessions to fit: --kind chooses others");
     const Finished counts = palpate_command(
         {"sql", file, "--csv", "-c",
          "SELECT participant_code AS participant, run_name AS condition, stimulus, count(*) AS n, "
@@ -240,7 +240,7 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
          "1, 2, 3"});
     write(folder.file("d.csv"), counts.out);
     const std::vector<std::string> how{"--prior", "slope=0.5,1", "--bootstrap", "40"};
-    std::vector<std::string> of_file{file, "--kind", "simulated"};
+    std::vector<std::string> of_file{file, "--kind", "simulated", "--keep-codes"};
     std::vector<std::string> of_counts{folder.file("d.csv"), "--guess", "lapse"};
     of_file.insert(of_file.end(), how.begin(), how.end());
     of_counts.insert(of_counts.end(), how.begin(), how.end());

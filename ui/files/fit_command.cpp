@@ -133,9 +133,8 @@ void declare(CommandWords& words, FitWords& options) {
     words.add("--seed", options.seed, "Of the bootstrap; 1 without it");
     words.add("--json", options.json, "For programs, to standard output");
     words.add("--svg", options.svg, "Also a drawing of the curves, into this file");
-    words
-        .add("--kind", options.kind, "Of a database, which sessions: real, pilot, simulated or all")
-        .among({"real", "pilot", "simulated", "all"})
+    words.add("--kind", options.kind, "Of a database, which sessions: real, pilot or simulated")
+        .among({"real", "pilot", "simulated"})
         .with_default();
     words.add("--study", options.study, "Of a database with several studies, which");
     words
@@ -144,8 +143,7 @@ void declare(CommandWords& words, FitWords& options) {
              "database without it the curvature")
         .again_for_each();
     words.add("--keep-codes", options.keep_codes,
-              "Of a database's identifications: people by the lab's codes, not by their numbers in "
-              "exports");
+              "Of a database: people by the lab's codes, not by their numbers in exports");
 }
 
 /// The head of a CSV names what was answered: trials of identification, not counts.
@@ -218,7 +216,8 @@ int run(const FitWords& words) {
     std::vector<data::Answers> answers;
     if (database) {
         data::Database file(words.file, data::Access::read);
-        answers = data::stored_answers(file, {.kind = words.kind, .study = words.study});
+        answers = data::stored_answers(
+            file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {
         answers = data::read_answers(words.file);
     }
