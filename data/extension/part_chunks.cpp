@@ -79,7 +79,10 @@ void PartChunks::require_all(Asked& db, const std::vector<std::int64_t>& counts)
     if (missing.empty()) {
         return;
     }
-    Query lost(db, "SELECT 1 FROM main.event WHERE session_id = ?1 AND event_kind = 'ticks lost'");
+    Query lost(db,
+               "SELECT 1 FROM main.event WHERE session_id = ?1 AND event_kind = 'ticks lost' UNION "
+               "ALL SELECT 1 FROM main.session_provenance WHERE session_id = ?1 AND key = 'traces' "
+               "AND value = 'none'");
     if (!lost.bind(1, told.integer(0)).step()) {
         fail(part_, missing);
     }

@@ -27,10 +27,23 @@ bool is_last(const Jet<2>& jet, double slope, double step) noexcept {
     return 9.0 * bent * (step2 * step2) <= kSharp2 * (slope * slope);
 }
 
+/// Weights that differ by more make all of a curve in a millionth of u: there only the jet tells how long a
+/// last step may be.
+constexpr double kHeavy = 1e3;
+
 /// The longest such step, from C_uuu step^3 / 6 with C_uuu seen at a few places. Only the
-/// last digits hang on it, not the proof.
+/// last digits hang on it, not the proof. 0: the curve is too heavy to be seen so.
 double taylor_step(const RationalBezier<2>& curve) {
     constexpr int kPlaces = 16;
+    double lightest = curve.weight(0);
+    double heaviest = lightest;
+    for (std::size_t i = 1; i <= static_cast<std::size_t>(curve.degree()); ++i) {
+        lightest = std::min(lightest, curve.weight(i));
+        heaviest = std::max(heaviest, curve.weight(i));
+    }
+    if (heaviest > kHeavy * lightest) {
+        return 0.0;
+    }
     double third = 0.0;
     for (int i = 0; i < kPlaces; ++i) {
         const Vec2 before = curve.at(static_cast<double>(i) / kPlaces).second;
@@ -171,7 +184,10 @@ Followed WindowTracker::follow(TrackWindow& s, const Vec2& h) const noexcept {
                      .second = -arc->curvature() * perp(at.tangent)};
             return here(s, next, at.point, h);
         }
-        if (std::fabs(step) > taylor_[s.span] || !is_last(s.jet, slope, step)) {
+        const double longest = taylor_[s.span];
+        const bool last = longest > 0.0 ? std::fabs(step) <= longest && is_last(s.jet, slope, step)
+                                        : is_straight_step(s.jet, step);
+        if (!last) {
             s.u = next;
             s.jet = outline.spans()[s.span].at(next);
             continue;

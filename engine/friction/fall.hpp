@@ -27,7 +27,6 @@ struct Spot {
 struct Fall {
     double excess = 0.0;
     double slope = 0.0;
-    double speed2 = 0.0;
 };
 
 template <bool HasFriction>
@@ -38,8 +37,7 @@ template <bool HasFriction>
     const Vec2 r = h - jet.point;
     const double load = -cross(jet.first, r);
     Fall fall{.excess = dir * glm::dot(r, jet.first) - cone_radius<HasFriction>(mu, load),
-              .speed2 = glm::dot(jet.first, jet.first)};
-    fall.slope = fall.speed2 - glm::dot(r, jet.second);
+              .slope = glm::dot(jet.first, jet.first) - glm::dot(r, jet.second)};
     if constexpr (HasFriction) {
         fall.slope -= load > 0.0 ? dir * mu * cross(jet.second, r) : 0.0;
     }
@@ -67,10 +65,6 @@ namespace falling {
 /// Newton's steps under a proof; 1 and a last one are usual.
 inline constexpr int kMaxSteps = 24;
 
-/// A step of u that turns the tangent by less than this is finished by the curve's Taylor series of second
-/// order, whose tangent is then right to 1e-16.
-inline constexpr double kTaylor = 0x1p-27;
-
 /// A step of u up to this is tried as the last on a curve that is its Taylor series.
 inline constexpr double kShort = 0x1p-12;
 
@@ -79,13 +73,6 @@ inline constexpr double kRoot = 0x1p-46;
 
 /// The last nudge over the root grows by 4 at a time: 2^19 last bits of u are 1e-10 of the span.
 inline constexpr int kMaxNudges = 10;
-
-/// Whether Taylor's series of second order finishes a step of u from here.
-[[nodiscard]] inline bool is_last(const Jet<2>& jet, double speed2, double step) noexcept {
-    const double bend2 = glm::dot(jet.second, jet.second);
-    return speed2 > kStill2 * bend2 &&
-           step * step * std::max(speed2, bend2) <= kTaylor * kTaylor * speed2;
-}
 
 /// The last step, and then bit by bit over the root, so that a hand at rest finds the contact
 /// stuck. @param deepest  least excess in the cone that is still at the root
@@ -158,7 +145,7 @@ template <bool HasFriction>
             inside = next;
             bracketed = true;
         }
-        if (falling::is_last(spot.jet, at.speed2, newton) &&
+        if (is_straight_step(spot.jet, newton) &&
             falling::finish<HasFriction>(way, spot, newton,
                                          -std::numeric_limits<double>::infinity())) {
             return FallEnd::root;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -41,6 +42,16 @@ inline constexpr double kStillEnd = 1e-5;
 template <int D>
 [[nodiscard]] bool stands_still(const Jet<D>& jet) noexcept {
     return glm::dot(jet.first, jet.first) <= kStill2 * glm::dot(jet.second, jet.second);
+}
+
+/// Whether a step of u from this jet turns the tangent by less than 2^-27, which Taylor's series of second order then
+/// gives to 1e-16.
+template <int D>
+[[nodiscard]] bool is_straight_step(const Jet<D>& jet, double step) noexcept {
+    constexpr double kTurn2 = 0x1p-54;
+    const double speed2 = glm::dot(jet.first, jet.first);
+    const double bend2 = glm::dot(jet.second, jet.second);
+    return speed2 > kStill2 * bend2 && step * step * std::max(speed2, bend2) <= kTurn2 * speed2;
 }
 
 /// One rational Bezier span in D = 2 or 3 dimensions, u in [0, 1].

@@ -72,7 +72,7 @@ const std::vector<double> kFive(Namer::kItems.begin(), Namer::kItems.end());
 }  // namespace
 
 TEST_CASE("of two items and two answers the ordinal model is two quantiles", "[choice]") {
-    Random random(GENERATE(range(1, 40)));
+    Random random(GENERATE(range(1U, 40U)));
     const double near = random.in(-5.0, 5.0);
     const double far = near + random.in(0.5, 8.0);
     const std::int64_t n = 40;
@@ -92,7 +92,7 @@ TEST_CASE("of two items and two answers the ordinal model is two quantiles", "[c
 
 TEST_CASE("sigma and shift of each condition come apart, and no share correct parts them",
           "[choice][law]") {
-    Random random(GENERATE(range(1, 30)));
+    Random random(GENERATE(range(1U, 30U)));
     const Namer off{.sigma = random.in(1.5, 5.0)};
     const Namer on{.sigma = random.in(1.5, 5.0), .shift = random.in(-3.0, 3.0)};
     const auto fit = data::fit_thurstone({off.expected(1e7), on.expected(1e7)}, {.items = kFive});
@@ -164,7 +164,7 @@ TEST_CASE("an answer that was never given, items that are never confused, and no
 }
 
 TEST_CASE("of two items the similarity choice model is the table itself", "[choice]") {
-    Random random(GENERATE(range(1, 40)));
+    Random random(GENERATE(range(1U, 40U)));
     const auto count = [&] {
         return static_cast<std::int64_t>(1 + random.below(60));
     };
@@ -182,7 +182,7 @@ TEST_CASE("of two items the similarity choice model is the table itself", "[choi
 
 TEST_CASE("similarities and biases of five items come back from the shares they make",
           "[choice][law]") {
-    Random random(GENERATE(range(1, 30)));
+    Random random(GENERATE(range(1U, 30U)));
     std::vector<double> bias;
     std::vector<std::vector<double>> similarity(5, std::vector<double>(5, 1.0));
     double total = 0.0;

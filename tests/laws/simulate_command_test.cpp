@@ -254,3 +254,21 @@ TEST_CASE("stats finds the effect of friction that an observer has, and none whe
     CHECK(none.front() < 0.0);
     CHECK(none.back() > 0.0);
 }
+
+TEST_CASE("a study whose ticks were not kept has none in sample, and is reported without maps",
+          "[simulate][report]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.sqlite");
+    const auto succeeds = [](const std::vector<std::string>& words) {
+        const tests::Finished done = palpate_command(words);
+        CAPTURE(words, done.error);
+        REQUIRE(done.code == 0);
+        return done.out;
+    };
+    (void)succeeds(
+        {"simulate", "shape_friction_demo", "--participants", "3", "--no-traces", "--db", file});
+    CHECK(succeeds({"sql", file, "--csv", "-c", "SELECT count(*) AS n FROM sample"}) == "n\n0\n");
+    const std::string page = folder.file("a.html");
+    (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
+    CHECK_THAT(slurp(page), ContainsSubstring("No ticks are kept of these trials"));
+}
