@@ -64,7 +64,8 @@ TEST_CASE("scenes in which long runs once found a law broken hold every law", "[
     };
     // A smooth seam whose two sides each drive the god-object to the other (the first four); a first root
     // beside a centre of curvature, a walk between heavy weights, a slip that ended within its cone; a hand that
-    // went exactly as far as it was away, to the last digit, and was not looked at; closest points beside ends a million times lighter than what follows.
+    // went exactly as far as it was away, to the last digit, and was not looked at; closest points beside ends
+    // a million times lighter than what follows.
     const auto found =
         GENERATE(Found{Mood::gentle, 35147}, Found{Mood::gentle, 42317}, Found{Mood::wild, 3031},
                  Found{Mood::wild, 5906}, Found{Mood::gentle, 40863}, Found{Mood::wild, 5496},
