@@ -248,7 +248,8 @@ TEST_CASE("a soft object that is let go comes back to its rest, and feels as new
 }
 
 TEST_CASE(
-    "the softer the object, the less it presses at the same depth, and the hardest is all but rigid",
+    "the softer the object, the less it presses at the same depth, and the hardest is all but "
+    "rigid",
     "[soft][law]") {
     const auto outline = arcs(5.0);
     const Frame at = frame_at(outline->spans()[0], 0.6);
