@@ -8,6 +8,7 @@
 
 #include "data/page/study.hpp"
 #include "data/plot/figure.hpp"
+#include "data/statistics/wilson.hpp"
 
 /// Parts of the page as HTML.
 namespace palpate::data {
