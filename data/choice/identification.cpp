@@ -117,6 +117,12 @@ void add_number(IdentificationReport& report,
                                   .test = test ? std::optional(sign_flip(values)) : std::nullopt});
 }
 
+/// The answers tell both sigmas, this condition's and the first one's.
+bool comparable(const IdentifiedPerson& person, std::size_t condition) {
+    const auto& parts = person.thurstone.parts;
+    return parts.front().sigma_interval && parts[condition].sigma_interval;
+}
+
 void over_people(IdentificationReport& report) {
     const auto& frictions = report.table.frictions;
     const auto collect = [&](const auto& number) {
@@ -135,7 +141,8 @@ void over_people(IdentificationReport& report) {
     for (std::size_t f = 0; f < frictions.size(); ++f) {
         add_number(report, "sigma, " + frictions[f], collect([f](const IdentifiedPerson& person) {
                        const ThurstonePart& part = person.thurstone.parts[f];
-                       return part.unbounded ? std::nullopt : std::optional(std::log(part.sigma));
+                       return part.sigma_interval ? std::optional(std::log(part.sigma))
+                                                  : std::nullopt;
                    }),
                    true, false);
         add_number(report, "mean similarity, " + frictions[f],
@@ -146,13 +153,14 @@ void over_people(IdentificationReport& report) {
         const std::string against = frictions[f] + " against " + frictions.front();
         add_number(report, "sigma, " + against, collect([f](const IdentifiedPerson& person) {
                        const auto& parts = person.thurstone.parts;
-                       return parts[f].unbounded || parts.front().unbounded
-                                ? std::nullopt
-                                : std::optional(std::log(parts[f].sigma / parts.front().sigma));
+                       return comparable(person, f)
+                                ? std::optional(std::log(parts[f].sigma / parts.front().sigma))
+                                : std::nullopt;
                    }),
                    true, true);
         add_number(report, "shift, " + against, collect([f](const IdentifiedPerson& person) {
-                       return std::optional(person.thurstone.parts[f].shift);
+                       return comparable(person, f) ? std::optional(person.thurstone.parts[f].shift)
+                                                    : std::nullopt;
                    }),
                    false, true);
         add_number(report, "mean similarity, " + against,
@@ -187,8 +195,10 @@ void person_text(const IdentificationReport& report,
         const ThurstonePart& part = person.thurstone.parts[f];
         out += fmt::format("  {:<12} sigma {}", frictions[f],
                            part.unbounded ? "not bounded: no answer is wrong but by lapse"
-                                          : with(part.sigma, part.sigma_interval));
-        if (f > 0) {
+                           : part.sigma_interval
+                               ? with(part.sigma, part.sigma_interval)
+                               : "not told: too few different answers, or none wrong elsewhere");
+        if (f > 0 && comparable(person, f)) {
             const ThurstoneChange& change = person.changes[f - 1];
             out +=
                 fmt::format("; {:.3g} of the first, p {:.3g}; shift {}, p {:.3g}", change.ratio,
@@ -310,13 +320,14 @@ std::string identification_json(const IdentificationReport& report) {
         }
         for (std::size_t f = 0; f < report.table.frictions.size(); ++f) {
             const ThurstonePart& part = person.thurstone.parts[f];
-            Json friction = {{"friction", report.table.frictions[f]},
-                             {"counts", person.counts[f]},
-                             {"sigma", part.unbounded ? Json(nullptr) : Json(part.sigma)},
-                             {"sigma_95", interval_json(part.sigma_interval)},
-                             {"shift", part.shift},
-                             {"shift_95", interval_json(part.shift_interval)}};
-            if (f > 0) {
+            Json friction = {
+                {"friction", report.table.frictions[f]},
+                {"counts", person.counts[f]},
+                {"sigma", part.sigma_interval ? Json(part.sigma) : Json(nullptr)},
+                {"sigma_95", interval_json(part.sigma_interval)},
+                {"shift", f == 0 || comparable(person, f) ? Json(part.shift) : Json(nullptr)},
+                {"shift_95", interval_json(part.shift_interval)}};
+            if (f > 0 && comparable(person, f)) {
                 friction["ratio_p"] = person.changes[f - 1].ratio_p;
                 friction["shift_p"] = person.changes[f - 1].shift_p;
             }

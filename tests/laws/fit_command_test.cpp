@@ -295,7 +295,9 @@ TEST_CASE(
     const Finished unnamed = palpate_command({"fit", file, "--kind", "simulated"});
     CHECK(unnamed.code == 0);
     CHECK(unnamed.out.find("P1") == std::string::npos);
-    refused({file, "--kind", "simulated", "--guess", "0.2"}, "holds identifications: --guess");
+    refused({file, "--kind", "simulated", "--guess", "0.2"},
+            "holds identifications: --function, --guess");
+    refused({file, "--kind", "simulated", "--function", "weibull"}, "holds identifications");
     refused({folder.file("t.csv")}, "has no value to be ordered by: give --item");
     refused({folder.file("t.csv"), "--item", "flat"}, "--item is \"flat\": give NAME=VALUE");
 }

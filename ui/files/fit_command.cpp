@@ -182,11 +182,12 @@ int fit_identifications(const FitWords& words, bool database) {
 /// Options that a fit of identifications does not read.
 void refuse_words_of_curves(const FitWords& words) {
     const bool curves = words.guess || words.at || !words.priors.empty() || !words.svg.empty() ||
-                        words.lapse == "free";
+                        words.lapse == "free" || words.function != "normal" || words.seed ||
+                        words.bootstrap != FitWords{}.bootstrap;
     if (curves) {
         throw std::invalid_argument(fmt::format(
-            "{} holds identifications: --guess, --prior, --at, --svg and --lapse free are for "
-            "psychometric functions",
+            "{} holds identifications: --function, --guess, --prior, --at, --bootstrap, --seed, "
+            "--svg and --lapse free are for psychometric functions",
             words.file));
     }
 }
@@ -202,6 +203,11 @@ int run(const FitWords& words) {
     if (identifications) {
         refuse_words_of_curves(words);
         return fit_identifications(words, database);
+    }
+    if (!words.items.empty()) {
+        throw std::invalid_argument(fmt::format(
+            "{} holds no identifications: --item is for answers that name one of several items",
+            words.file));
     }
     data::FitOptions options{.spec = spec_of(words, database),
                              .bootstrap = static_cast<std::size_t>(words.bootstrap),
