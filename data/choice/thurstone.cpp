@@ -336,8 +336,11 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
                          .value;
         fit.agree = std::fabs(fit.second - top.value) < kSame;
     }
-    for (std::size_t j = 0, given = 0; j + 1 < counts.front().front().size(); ++j) {
-        given += given < layout.used.size() && layout.used[given] == j ? 1 : 0;
+    std::size_t given = 0;  // of the responses up to j
+    for (std::size_t j = 0; j + 1 < counts.front().front().size(); ++j) {
+        if (given < layout.used.size() && layout.used[given] == j) {
+            ++given;
+        }
         fit.criteria.push_back(given == 0 ? -kInfinite
                                : given == layout.used.size()
                                    ? kInfinite

@@ -54,23 +54,8 @@ std::string head_text(const FitReport& report) {
 }
 
 std::string quantity_text(const FitOptions& options, Quantity quantity) {
-    switch (quantity) {
-        case Quantity::threshold:
-            return "threshold";
-        case Quantity::jnd:
-            return "JND";
-        case Quantity::weber:
-            return "Weber fraction";
-        case Quantity::slope:
-            return "slope b";
-        case Quantity::guess:
-            return "guess";
-        case Quantity::lapse:
-            return "lapse";
-        case Quantity::at_share:
-            return fmt::format("x of P = {:g}", options.at.value_or(0.5));
-    }
-    return "";
+    return quantity == Quantity::at_share ? fmt::format("x of P = {:g}", options.at.value_or(0.5))
+                                          : std::string(word_of(quantity));
 }
 
 std::string interval_text(const std::optional<Interval>& interval) {
@@ -163,6 +148,26 @@ std::string people_text(const FitReport& report) {
 }
 
 }  // namespace
+
+std::string_view word_of(Quantity quantity) {
+    switch (quantity) {
+        case Quantity::threshold:
+            return "threshold";
+        case Quantity::jnd:
+            return "JND";
+        case Quantity::weber:
+            return "Weber fraction";
+        case Quantity::slope:
+            return "slope b";
+        case Quantity::guess:
+            return "guess";
+        case Quantity::lapse:
+            return "lapse";
+        case Quantity::at_share:
+            break;
+    }
+    return "stimulus at a share";
+}
 
 std::string rate_text(bool free, double value) {
     return free ? std::string("free") : fmt::format("{:.4g} (given)", value);

@@ -11,6 +11,8 @@
 namespace palpate::data {
 
 [[nodiscard]] std::string_view word_of(protocols::Family family);
+/// "threshold", "slope b"; of at_share "stimulus at a share".
+[[nodiscard]] std::string_view word_of(Quantity quantity);
 /// "free", "0.02 (given)".
 [[nodiscard]] std::string rate_text(bool free, double value);
 [[nodiscard]] std::string guess_text(const CurveSpec& spec);

@@ -15,26 +15,6 @@ constexpr std::string_view kTracks =
 FROM main WHERE counts AND run_trial_number IS NOT NULL
 ORDER BY person, session_number, run_name, run_trial_number)";
 
-const char* word_of_quantity(Quantity quantity) {
-    switch (quantity) {
-        case Quantity::threshold:
-            return "threshold";
-        case Quantity::jnd:
-            return "JND";
-        case Quantity::weber:
-            return "Weber fraction";
-        case Quantity::slope:
-            return "slope b";
-        case Quantity::guess:
-            return "guess";
-        case Quantity::lapse:
-            return "lapse";
-        case Quantity::at_share:
-            break;
-    }
-    return "stimulus at a share";
-}
-
 Results fit_results(const PageNumbers& numbers) {
     Results results{.names = {"person", "condition", "quantity", "estimate", "se", "profile_low",
                               "profile_high", "bootstrap_low", "bootstrap_high", "deviance_p"},
@@ -47,7 +27,7 @@ Results fit_results(const PageNumbers& numbers) {
                 continue;
             }
             results.cells.push_back({curve.answers.participant, curve.answers.condition,
-                                     word_of_quantity(told.quantity), all_digits(told.value),
+                                     std::string(word_of(told.quantity)), all_digits(told.value),
                                      told.se ? all_digits(*told.se) : "",
                                      told.profile ? all_digits(told.profile->low) : "",
                                      told.profile ? all_digits(told.profile->high) : "",
