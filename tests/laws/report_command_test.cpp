@@ -352,7 +352,8 @@ TEST_CASE("a study with a rule is reported with psychometric functions and track
         palpate_command({"fit", file, "--kind", "simulated", "--bootstrap", "60", "--json"});
     REQUIRE(told.code == 0);
     const std::string results = results_of(page);
-    for (const Json& curve : Json::parse(told.out)["curves"]) {
+    const Json fits = Json::parse(told.out);
+    for (const Json& curve : fits["curves"]) {
         for (const char* quantity : {"threshold", "slope"}) {
             const Json& estimate = curve[quantity]["estimate"];
             CHECK_THAT(results, ContainsSubstring(
