@@ -42,6 +42,7 @@ struct SurfaceState {
 struct SurfaceContact {
     Mode mode = Mode::free;
     SurfaceClosest cp{};  ///< global closest point of HIP; where it was not looked for the last one
+    int surface = 0;      ///< the surface on which the GO is, counted from 0
     double go_u = 0.0;
     double go_v = 0.0;
     Vec3 go{};                      ///< m
