@@ -54,12 +54,13 @@ public:
         const bool surely = first_root_of(ahead, roots);
         answer_.open = answer_.open || roots.blank;
         for (const auto& [share, beyond] : roots.at) {
-            const Point last = point_of(span, ahead.at(beyond), (1.0L - beyond) * y);
             const Stretch at = stretch_of(span, ahead.at(share), (1.0L - share) * y);
+            const Stretch last = stretch_of(span, ahead.at(beyond), (1.0L - beyond) * y);
             stop(at);
             ExactStop& found = answer_.stops.back();
-            found.blur = static_cast<double>(std::hypot(last.x - at.at.x, last.y - at.at.y));
-            found.doubt = static_cast<double>(doubt(span, ahead.at(share), (1.0L - share) * y, at));
+            found.blur = static_cast<double>(std::hypot(last.at.x - at.at.x, last.at.y - at.at.y));
+            found.doubt = static_cast<double>(doubt(span, ahead.at(share), (1.0L - share) * y, at) +
+                                              std::fabs(last.nu - at.nu));
         }
         const Vec2 end = outline_.spans()[index].point(
             forward ? static_cast<std::size_t>(outline_.spans()[index].degree()) : 0);
@@ -79,10 +80,7 @@ public:
             corner(index, 0);
             return;
         }
-        const Point in = tangent(seam.before, true);
-        const Real c = std::cos(static_cast<Real>(phi));
-        const Real s = std::sin(static_cast<Real>(phi));
-        const Point along{c * in.x + s * in.y, c * in.y - s * in.x};
+        const Point along = fan_tangent(seam, phi);
         const Stretch at = stretch(place(seam.point), along, 1);
         if (!begins(at, 0.0L)) {
             return;
@@ -141,6 +139,17 @@ private:
         const Vec2& a = span.local_point(at_end ? n - k : 0);
         const Vec2& b = span.local_point(at_end ? n : k);
         return unit({static_cast<Real>(b.x) - a.x, static_cast<Real>(b.y) - a.y});
+    }
+
+    /// A smooth seam, which may be hollow, has the tangents of its two ends only.
+    [[nodiscard]] Point fan_tangent(const Seam& seam, double phi) const {
+        const Point in = tangent(seam.before, true);
+        if (seam.kind == SeamKind::smooth) {
+            return phi > 0.0 ? tangent(seam.after, false) : in;
+        }
+        const Real c = std::cos(static_cast<Real>(phi));
+        const Real s = std::sin(static_cast<Real>(phi));
+        return {c * in.x + s * in.y, c * in.y - s * in.x};
     }
 
     void over_end(std::size_t index, bool forward) {

@@ -197,9 +197,10 @@ void TickLaws::check_walk(const Tick& now, const engine::ContactState& before) {
                            c.place.parameter > 0.0 && c.place.parameter < 1.0 &&
                            outline.spans().size() > 1;
     if (now.springy && same_span && c.mode != Mode::stuck) {
+        const double turned = (1.0 + c.mu) * turn_of_last_bits(c.place) * stretch;
         check("a slip ends on the edge of the cone", c.mu * c.normal_force,
               std::fabs(c.tangential_force) +
-                  1e3 * scene_->spec().stiffness * (same_ + resolution(c.place)));
+                  scene_->spec().stiffness * (1e3 * (same_ + resolution(c.place)) + turned));
     }
 }
 
@@ -323,7 +324,8 @@ double TickLaws::resolution(const Place& place) const noexcept {
                    glm::length(scene_->outline().spans()[place.index].at(place.parameter).first);
 }
 
-/// How far the last bits of u turn the tangent, rad: in a hairpin within a span they tell.
+/// How far the last bits of u, and of the tangent itself, turn the tangent, rad: in a hairpin within a span they
+/// tell.
 double TickLaws::turn_of_last_bits(const Place& place) const noexcept {
     if (place.on_seam || place.parameter == 0.0 || place.parameter == 1.0) {
         return 0.0;
@@ -331,7 +333,9 @@ double TickLaws::turn_of_last_bits(const Place& place) const noexcept {
     const auto jet = scene_->outline().spans()[place.index].at(place.parameter);
     const double speed = glm::length(jet.first);
     const double bits = 4.0 * engine::kEpsilon * glm::length(jet.second);
-    return bits < 2.0 * speed ? bits / speed : 2.0;
+    const double rounding = static_cast<double>(
+        turned_in_doubles(exact_.on[place.index], place.parameter, 1.0L - place.parameter));
+    return bits < 2.0 * speed ? std::min(bits / speed + rounding, 2.0) : 2.0;
 }
 
 bool TickLaws::at_open_end(const Place& place) const noexcept {
