@@ -81,6 +81,17 @@ DistanceForm::DistanceForm(int degree_u, int degree_v, std::span<const Quad> net
         }
     }
     largest_ww_ = largest(ww_);
+    const double least_ww = *std::min_element(ww_.begin(), ww_.end());
+    const auto steepest = [&](std::size_t step, bool in_u) {
+        double most = 0.0;
+        for (std::size_t k = step; k < count; ++k) {
+            const bool beside = in_u || k % (m_ + 1) != 0;
+            most = beside ? std::max(most, std::fabs(ww_[k] - ww_[k - step])) : most;
+        }
+        return most / least_ww;
+    };
+    tilt_u_ = static_cast<double>(n_) * steepest(m_ + 1, true);
+    tilt_v_ = static_cast<double>(m_) * steepest(1, false);
 }
 
 BernsteinNet DistanceForm::net(const Vec3& h, double beta) const noexcept {
@@ -118,9 +129,10 @@ namespace {
 /// The pieces still to be decided, halves of halves.
 class Pieces {
 public:
-    Pieces(const NurbsSurface& surface,
+    Pieces(const SurfaceObject& surface,
            const DistanceForm& form,
            const SurfacePlace& patch,
+           const PatchPart& part,
            const Vec3& h,
            double beta) noexcept
         : surface_(surface),
@@ -128,19 +140,20 @@ public:
           patch_(patch),
           h_(h),
           beta_(beta),
-          even_(surface.polynomial()) {
+          even_(surface.patch(patch).polynomial()),
+          whole_(part) {
         const double distance = std::sqrt(beta);
         const double rounding = 4.0 * kEpsilon * (surface.size() + distance);
         const double closer = std::max(distance - rounding, 0.0);
         clearly_closer2_ = closer * closer;
     }
 
-    Verdict decide(const PatchPart& part, Work& work) noexcept {
+    Verdict decide(Work& work) noexcept {
         work_ = &work;
         const Work piece = form_.cut_work() * (even_ ? 1 : 2);
         work -= 4 * piece;
         verdict_.lower2 = std::numeric_limits<double>::infinity();
-        Piece& whole = push(part, 0);
+        Piece& whole = push(whole_, 0);
         whole.nets->g = form_.net(h_, beta_);
         whole.nets->terms = form_.terms(h_, beta_);
         whole.noise = kNoise * whole.nets->terms.highest();
@@ -222,7 +235,8 @@ private:
     }
 
     /// In a bowl: is the foot the lowest point of the part, to rounding? A bowl lies above its
-    /// tangent plane, whose slope is that of the distance where W does not vary or g is 0.
+    /// tangent plane, whose slope is that of the distance where W does not vary or g is 0. Elsewhere it is more by
+    /// (D - beta) d(W^2), which takes away less than g = (D - beta) W^2 has, while W^2 bends little.
     bool is_bottom(const SurfaceFoot& foot, const PatchPart& part) noexcept {
         const FootSlope slope(foot.jet, foot.jet.point - h_);
         const SurfacePlace& p = foot.place;
@@ -233,7 +247,10 @@ private:
         if (drop > 8.0 * kEpsilon * distance * (surface_.size() + distance)) {
             return false;
         }
-        if (!even_ && foot.distance2 > beta_ * (1.0 + 1e-9)) {
+        const double by_u = (part.hi_u - part.lo_u) / (whole_.hi_u - whole_.lo_u);
+        const double by_v = (part.hi_v - part.lo_v) / (whole_.hi_v - whole_.lo_v);
+        if (!even_ && form_.tilt_u() * by_u + form_.tilt_v() * by_v > 1.0 &&
+            foot.distance2 > beta_ * (1.0 + 1e-9)) {
             return false;
         }
         lower(even_ ? foot.distance2 : beta_);
@@ -261,12 +278,13 @@ private:
         begin = end = begin + 0.5 * (end - begin);
     }
 
-    const NurbsSurface& surface_;
+    const SurfaceObject& surface_;
     const DistanceForm& form_;
     SurfacePlace patch_;
     Vec3 h_;
     double beta_;
-    bool even_;                     ///< W = 1
+    bool even_;  ///< W = 1
+    PatchPart whole_;
     double clearly_closer2_ = 0.0;  ///< beta, less the rounding of a point of the surface
     std::size_t top_ = 0;
     Work* work_ = nullptr;
@@ -278,16 +296,14 @@ private:
 
 }  // namespace
 
-Verdict any_closer(const NurbsSurface& surface,
+Verdict any_closer(const SurfaceObject& surface,
                    const DistanceForm& form,
-                   std::size_t i,
-                   std::size_t j,
+                   const SurfacePlace& patch,
                    const PatchPart& part,
                    const Vec3& h,
                    double beta,
                    Work& work) noexcept {
-    const SurfacePlace patch{.i = i, .j = j};
-    return Pieces(surface, form, patch, h, beta).decide(part, work);
+    return Pieces(surface, form, patch, part, h, beta).decide(work);
 }
 
 }  // namespace palpate::engine

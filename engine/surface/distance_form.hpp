@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "engine/contact/bernstein_net.hpp"
-#include "engine/surface/nurbs_surface.hpp"
 #include "engine/surface/surface_foot.hpp"
 
 namespace palpate::engine {
@@ -36,6 +35,10 @@ public:
         return static_cast<Work>((n_ + 1) * (m_ + 1) * ((n_ + m_) / 2 + 12));
     }
     [[nodiscard]] double largest_ww() const noexcept { return largest_ww_; }
+    /// By how much W^2 can change from one end of the part to the other at the slope of any place, as a
+    /// share of its smallest value.
+    [[nodiscard]] double tilt_u() const noexcept { return tilt_u_; }
+    [[nodiscard]] double tilt_v() const noexcept { return tilt_v_; }
 
     /// g of the whole part.
     [[nodiscard]] BernsteinNet net(const Vec3& h, double beta) const noexcept;
@@ -51,6 +54,8 @@ private:
     std::array<std::vector<double>, 3> pw_;
     std::vector<double> ww_;
     double largest_ww_ = 0.0;
+    double tilt_u_ = 0.0;
+    double tilt_v_ = 0.0;
     double reach_ = 0.0;  ///< of the control points from the centre, m
 };
 
@@ -62,15 +67,15 @@ struct Verdict {
     bool proven = true;    ///< false: the work limit came first; lower2 is then what was hoped
 };
 
-/// Is any point of `part` of patch (i, j) closer to h than sqrt(beta)? Halves the part until each
+/// Is any point of `part` of its patch closer to h than sqrt(beta)? Halves the part until each
 /// piece is decided by its coefficients, or is a bowl and its bottom known, or is below rounding.
 /// @param form  of that part
+/// @param patch  any place on it
 /// @param h  relative to surface.origin(), m
 /// @param work  counted down; below 0 the answer is not proven
-[[nodiscard]] Verdict any_closer(const NurbsSurface& surface,
+[[nodiscard]] Verdict any_closer(const SurfaceObject& surface,
                                  const DistanceForm& form,
-                                 std::size_t i,
-                                 std::size_t j,
+                                 const SurfacePlace& patch,
                                  const PatchPart& part,
                                  const Vec3& h,
                                  double beta,

@@ -49,6 +49,7 @@ void check_shape(const Points& points, const Weights& weights) {
 struct Net {
     Vec3 origin{};
     double size = 0.0;
+    Box<3> box{};
     bool polynomial = true;
     std::vector<Quad> values;
 };
@@ -68,6 +69,7 @@ Net make_net(const Points& points, const Weights& weights) {
     const Box<3> box = box_of<3>(flat);
     net.origin = box.middle();
     net.size = glm::length(box.size());
+    net.box = {box.low - net.origin, box.high - net.origin};
     net.polynomial = std::all_of(w.begin(), w.end(), [&w](double x) { return x == w[0]; });
     for (std::size_t k = 0; k < flat.size(); ++k) {
         const double weight = net.polynomial ? 1.0 : w[k];
@@ -105,6 +107,7 @@ NurbsSurface::NurbsSurface(int degree_u,
     const Net net = make_net(points, weights);
     origin_ = net.origin;
     size_ = net.size;
+    box_ = net.box;
     polynomial_ = net.polynomial;
     const std::size_t n = row_length(points);
     const std::size_t last = points.size() - 1;
@@ -150,6 +153,21 @@ NurbsSurface::NurbsSurface(int degree_u,
             patches_.emplace_back(degree_u, degree_v, patch, polynomial_);
         }
     }
+}
+
+NurbsSurface NurbsSurface::about(const Vec3& origin) const {
+    NurbsSurface moved = *this;
+    const Vec3 by = origin_ - origin;
+    moved.origin_ = origin;
+    moved.box_ = {box_.low + by, box_.high + by};
+    for (BezierPatch& patch : moved.patches_) {
+        std::vector<Quad> net(patch.net().begin(), patch.net().end());
+        for (Quad& q : net) {
+            q += quad(q.w() * by, 0.0);
+        }
+        patch = BezierPatch(patch.degree_u(), patch.degree_v(), net, patch.polynomial());
+    }
+    return moved;
 }
 
 SurfacePlace NurbsSurface::place_of(double u, double v) const noexcept {

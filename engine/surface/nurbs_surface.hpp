@@ -9,12 +9,14 @@
 
 namespace palpate::engine {
 
-/// A place on a surface as its patch sees it: patch (i, j) and u, v in [0, 1] inside it.
+/// A place on a surface as its patch sees it: patch (i, j) and u, v in [0, 1] inside it; of several
+/// surfaces that are one object, on the one of this index.
 struct SurfacePlace {
     std::size_t i = 0;
     std::size_t j = 0;
     double u = 0.0;
     double v = 0.0;
+    std::size_t surface = 0;
 };
 
 /// A NURBS surface, split once into its rational Bezier patches.
@@ -50,6 +52,10 @@ public:
     [[nodiscard]] const Vec3& origin() const noexcept { return origin_; }
     /// Diagonal of the box of all control points, m.
     [[nodiscard]] double size() const noexcept { return size_; }
+    /// That box, relative to origin(), m.
+    [[nodiscard]] const Box<3>& box() const noexcept { return box_; }
+    /// The same surface, kept about another origin, m.
+    [[nodiscard]] NurbsSurface about(const Vec3& origin) const;
 
     /// S and its derivatives, world frame. Outside of the domain the end patch goes on.
     [[nodiscard]] SurfaceJet at(double u, double v) const noexcept;
@@ -100,6 +106,7 @@ private:
     std::size_t columns_ = 0;
     Vec3 origin_{};
     double size_ = 0.0;
+    Box<3> box_{};
     bool polynomial_ = false;
     bool closed_u_ = false;
     bool closed_v_ = false;

@@ -15,43 +15,88 @@ constexpr std::size_t kMaxLeaves = 4096;
 
 }  // namespace
 
-SurfaceFeet::SurfaceFeet(std::shared_ptr<const NurbsSurface> surface)
-    : surface_(std::move(surface)) {
-    if (!surface_) {
-        throw std::invalid_argument("the surface is null: give a surface");
+SurfaceFeet::SurfaceFeet(std::shared_ptr<const SurfaceObject> object) : object_(std::move(object)) {
+    if (!object_) {
+        throw std::invalid_argument("the object is null: give one of surfaces");
     }
-    divide(1);
-    while (resolved() < kGoodShare && 4 * leaves_.size() <= kMaxLeaves) {
-        divide(2 * per_side_);
+    const auto count = static_cast<std::uint32_t>(object_->count());
+    grids_.resize(count);
+    for (std::uint32_t k = 0; k < count; ++k) {
+        Grid& grid = grids_[k];
+        divide(k, 1);
+        const auto finer = [&grid] {
+            return 4 * std::size_t{grid.across_u} * grid.across_v;
+        };
+        while (resolved(grid) < kGoodShare &&
+               finer() <= std::max(kMaxLeaves / count, kMaxLeaves / 16)) {
+            divide(k, 2 * grid.per_side);
+        }
     }
     nodes_.reserve(2 * leaves_.size());
-    static_cast<void>(build({0, across_u_, 0, across_v_}));
+    static_cast<void>(build(0, count));
 }
 
-void SurfaceFeet::divide(std::uint32_t per_side) {
-    per_side_ = per_side;
-    across_u_ = per_side * static_cast<std::uint32_t>(surface_->rows());
-    across_v_ = per_side * static_cast<std::uint32_t>(surface_->columns());
-    leaves_.clear();
-    leaves_.reserve(std::size_t{across_u_} * across_v_);
-    for (std::uint32_t a = 0; a < across_u_; ++a) {
-        for (std::uint32_t b = 0; b < across_v_; ++b) {
-            const BezierPatch& patch = surface_->patch(a / per_side, b / per_side);
-            const double side = 1.0 / per_side;
-            const PatchPart part{side * (a % per_side), side * (a % per_side + 1),
-                                 side * (b % per_side), side * (b % per_side + 1)};
+void SurfaceFeet::divide(std::uint32_t surface, std::uint32_t per_side) {
+    const NurbsSurface& s = object_->surface(surface);
+    Grid& grid = grids_[surface];
+    if (per_side == 1) {
+        grid.first = static_cast<std::uint32_t>(leaves_.size());
+    }
+    leaves_.erase(leaves_.begin() + grid.first, leaves_.end());
+    cells_.resize(grid.first);
+    grid.per_side = per_side;
+    grid.across_u = per_side * static_cast<std::uint32_t>(s.rows());
+    grid.across_v = per_side * static_cast<std::uint32_t>(s.columns());
+    for (std::uint32_t a = 0; a < grid.across_u; ++a) {
+        for (std::uint32_t b = 0; b < grid.across_v; ++b) {
+            cells_.push_back({surface, a, b});
+            PatchPart part;
+            const BezierPatch& patch =
+                object_->patch(middle_of(static_cast<std::uint32_t>(cells_.size() - 1), part));
             leaves_.emplace_back(patch.degree_u(), patch.degree_v(), part_of_net(patch, part),
                                  patch.polynomial());
         }
     }
 }
 
+SurfacePlace SurfaceFeet::middle_of(std::uint32_t leaf, PatchPart& part) const noexcept {
+    const Cell& cell = cells_[leaf];
+    const std::uint32_t per_side = grids_[cell.surface].per_side;
+    const std::uint32_t a = cell.a % per_side;
+    const std::uint32_t b = cell.b % per_side;
+    const double side = 1.0 / per_side;
+    part = {side * a, side * (a + 1), side * b, side * (b + 1)};
+    return {cell.a / per_side, cell.b / per_side, (a + 0.5) / per_side, (b + 0.5) / per_side,
+            cell.surface};
+}
+
 /// Share of leaves on which a point of the surface itself sees a bowl.
-double SurfaceFeet::resolved() const noexcept {
-    const auto good = std::count_if(leaves_.begin(), leaves_.end(), [](const SurfaceLeaf& leaf) {
-        return leaf.quality() >= kGoodBowl;
-    });
-    return static_cast<double>(good) / static_cast<double>(leaves_.size());
+double SurfaceFeet::resolved(const Grid& grid) const noexcept {
+    const auto first = leaves_.begin() + grid.first;
+    const auto good = std::count_if(
+        first, leaves_.end(), [](const SurfaceLeaf& leaf) { return leaf.quality() >= kGoodBowl; });
+    return static_cast<double>(good) / static_cast<double>(leaves_.end() - first);
+}
+
+/// A node over two.
+std::uint32_t SurfaceFeet::above(std::uint32_t low, std::uint32_t high, std::uint32_t index) {
+    Box<3> box = nodes_[low].box;
+    box.add(nodes_[high].box);
+    nodes_[index] = {box, low, high};
+    return index;
+}
+
+/// The surfaces from `first` to before `last`.
+std::uint32_t SurfaceFeet::build(std::uint32_t first, std::uint32_t last) {
+    if (last - first == 1) {
+        return build(Window{first, 0, grids_[first].across_u, 0, grids_[first].across_v});
+    }
+    const auto index = static_cast<std::uint32_t>(nodes_.size());
+    nodes_.emplace_back();
+    const std::uint32_t middle = first + (last - first) / 2;
+    const std::uint32_t low = build(first, middle);
+    const std::uint32_t high = build(middle, last);
+    return above(low, high, index);
 }
 
 std::uint32_t SurfaceFeet::build(const Window& part) {
@@ -60,7 +105,8 @@ std::uint32_t SurfaceFeet::build(const Window& part) {
     const std::uint32_t size_u = part.high_u - part.low_u;
     const std::uint32_t size_v = part.high_v - part.low_v;
     if (size_u == 1 && size_v == 1) {
-        const std::uint32_t leaf = part.low_u * across_v_ + part.low_v;
+        const Grid& grid = grids_[part.surface];
+        const std::uint32_t leaf = grid.first + part.low_u * grid.across_v + part.low_v;
         nodes_[index] = {leaves_[leaf].box(), leaf, 0};
         return index;
     }
@@ -73,10 +119,7 @@ std::uint32_t SurfaceFeet::build(const Window& part) {
     }
     const std::uint32_t low = build(first);
     const std::uint32_t high = build(second);
-    Box<3> box = nodes_[low].box;
-    box.add(nodes_[high].box);
-    nodes_[index] = {box, low, high};
-    return index;
+    return above(low, high, index);
 }
 
 SurfaceClosest SurfaceFeet::closest(const Vec3& hip) const noexcept {
@@ -85,7 +128,7 @@ SurfaceClosest SurfaceFeet::closest(const Vec3& hip) const noexcept {
 }
 
 SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work work) const noexcept {
-    const Vec3 h = hip - surface_->origin();
+    const Vec3 h = hip - object_->origin();
     if (!(glm::dot(h, h) < 1e300)) {  // also NaN: nothing to look for, and nothing to remember
         return {.distance = std::numeric_limits<double>::infinity(), .proven = false};
     }
@@ -98,7 +141,7 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work wor
     }
     Moved foot_now;
     if (!follow(track, h, foot_now)) {
-        const SurfaceFoot foot = descend(*surface_, h, track.place, work);
+        const SurfaceFoot foot = descend(*object_, h, track.place, work);
         track.place = foot.place;
         track.jet = foot.jet;
         foot_now = {foot.place, foot.jet.point};
@@ -107,7 +150,7 @@ SurfaceClosest SurfaceFeet::track(SurfaceTrack& track, const Vec3& hip, Work wor
         }
     }
     const double distance = glm::length(foot_now.point - h);
-    const double rounding = 1e-15 * (surface_->size() + distance);
+    const double rounding = 1e-15 * (object_->size() + distance);
     if (distance > track.distance + moved + rounding || distance + moved > track.other ||
         !in_window(track.window, foot_now.place)) {
         return search(track, h, work);
@@ -144,7 +187,7 @@ bool SurfaceFeet::follow(SurfaceTrack& track, const Vec3& h, Moved& moved) const
         }
         track.place.u = u;
         track.place.v = v;
-        track.jet = surface_->local_jet(track.place);
+        track.jet = object_->local_jet(track.place);
     }
     return false;
 }
@@ -155,16 +198,16 @@ SurfaceClosest SurfaceFeet::answer(const SurfaceTrack& track,
     const Vec3 r = moved.point - h;
     SurfaceClosest result;
     result.place = moved.place;
-    result.u = surface_->u_of(result.place);
-    result.v = surface_->v_of(result.place);
-    result.point = moved.point + surface_->origin();
+    result.u = object_->u_of(result.place);
+    result.v = object_->v_of(result.place);
+    result.point = moved.point + object_->origin();
     result.distance = glm::length(r);
-    // Beyond an open border the pull has a part along the surface.
-    const Vec3 normal = surface_->normal_at(track.place, track.jet);
+    // On an edge, and beyond an open border, the pull has a part along the surface.
+    const Vec3 normal = object_->normal_at(track.place, track.jet);
     const double above = -glm::dot(r, normal);
     const Vec3 along = r + above * normal;
-    const bool beyond = glm::length(along) > 1e-6 * result.distance + 1e-14 * surface_->size();
-    result.inside = above < 0.0 && !beyond;
+    const bool beyond = glm::length(along) > 1e-6 * result.distance + 1e-14 * object_->size();
+    result.inside = beyond ? object_->behind_edge(result.place, -r) : above < 0.0;
     return result;
 }
 

@@ -26,7 +26,8 @@ struct SurfaceClosest {
 /// it still has while h moves by `slack`, and that everything outside of the window was `other`
 /// away.
 struct SurfaceTrack {
-    struct Window {  ///< leaves [low, high) of the grid over all patches
+    struct Window {  ///< leaves [low, high) of the grid over all patches of one surface
+        std::uint32_t surface = 0;
         std::uint32_t low_u = 0;
         std::uint32_t high_u = 0;
         std::uint32_t low_v = 0;
@@ -46,7 +47,7 @@ struct SurfaceTrack {
     std::uint64_t certified_calls = 0;  ///< calls answered by the certificate alone
 };
 
-/// The closest point of a whole surface, borders and corners included, with a proof.
+/// The closest point of a whole object, borders and corners included, with a proof.
 ///
 /// Every patch is divided into leaves at construction, each with an oriented box and bounds on the
 /// second derivatives of |S - h|^2 that are linear in h; a tree of boxes stands above them. A
@@ -61,8 +62,12 @@ struct SurfaceTrack {
 /// needs 300 kB of stack.
 class SurfaceFeet {
 public:
-    /// @throws std::invalid_argument for a null surface
-    explicit SurfaceFeet(std::shared_ptr<const NurbsSurface> surface);
+    /// @throws std::invalid_argument for no object
+    explicit SurfaceFeet(std::shared_ptr<const SurfaceObject> object);
+    /// Of one surface. @throws std::invalid_argument for a null surface
+    explicit SurfaceFeet(std::shared_ptr<const NurbsSurface> surface)
+        : SurfaceFeet(std::make_shared<const SurfaceObject>(
+              std::vector<std::shared_ptr<const NurbsSurface>>{std::move(surface)})) {}
 
     /// What a search may cost that nobody waits for: a second. Only patches that are a line or a
     /// point, with different weights, are known to need it.
@@ -83,7 +88,7 @@ public:
         return track.certified && in_window(track.window, place);
     }
 
-    [[nodiscard]] const NurbsSurface& surface() const noexcept { return *surface_; }
+    [[nodiscard]] const SurfaceObject& object() const noexcept { return *object_; }
     [[nodiscard]] std::size_t leaves() const noexcept { return leaves_.size(); }
 
 private:
@@ -94,9 +99,27 @@ private:
         std::uint32_t high = 0;  ///< other child
     };
 
-    void divide(std::uint32_t per_side);
-    [[nodiscard]] double resolved() const noexcept;
+    /// The leaves of one surface: (a, b) at first + a across_v + b.
+    struct Grid {
+        std::uint32_t first = 0;
+        std::uint32_t per_side = 1;  ///< leaves of a patch in each direction
+        std::uint32_t across_u = 0;  ///< leaves of the whole surface along u
+        std::uint32_t across_v = 0;
+    };
+    /// A leaf in its grid.
+    struct Cell {
+        std::uint32_t surface = 0;
+        std::uint32_t a = 0;
+        std::uint32_t b = 0;
+    };
+
+    void divide(std::uint32_t surface, std::uint32_t per_side);
+    [[nodiscard]] double resolved(const Grid& grid) const noexcept;
     std::uint32_t build(const Window& part);
+    std::uint32_t build(std::uint32_t first, std::uint32_t last);
+    std::uint32_t above(std::uint32_t low, std::uint32_t high, std::uint32_t index);
+    /// Patch of a leaf with the part of it, and the middle of that.
+    [[nodiscard]] SurfacePlace middle_of(std::uint32_t leaf, PatchPart& part) const noexcept;
 
     /// A foot next to the place of a jet.
     struct Moved {
@@ -127,11 +150,10 @@ private:
                                         const Vec3& h,
                                         const Moved& moved) const noexcept;
 
-    std::shared_ptr<const NurbsSurface> surface_;
-    std::uint32_t per_side_ = 1;  ///< leaves of a patch in each direction
-    std::uint32_t across_u_ = 0;  ///< leaves of the whole surface along u
-    std::uint32_t across_v_ = 0;
-    std::vector<SurfaceLeaf> leaves_;  ///< leaf (a, b) at a across_v_ + b
+    std::shared_ptr<const SurfaceObject> object_;
+    std::vector<Grid> grids_;  ///< one a surface
+    std::vector<Cell> cells_;  ///< one a leaf
+    std::vector<SurfaceLeaf> leaves_;
     std::vector<Node> nodes_;
 };
 

@@ -14,7 +14,7 @@ constexpr Work kStepWork = 100;  ///< besides the evaluation
 
 class Descent {
 public:
-    Descent(const NurbsSurface& surface,
+    Descent(const SurfaceObject& surface,
             const Vec3& h,
             const SurfacePlace& start,
             const PatchPart& part,
@@ -42,7 +42,7 @@ private:
     };
 
     void look(SurfaceFoot& foot) const noexcept {
-        work_ -= surface_.patch(foot.place.i, foot.place.j).work() + kStepWork;
+        work_ -= surface_.patch(foot.place).work() + kStepWork;
         foot.jet = surface_.local_jet(foot.place);
         const Vec3 r = foot.jet.point - h_;
         foot.distance2 = glm::dot(r, r);
@@ -152,14 +152,14 @@ private:
             return false;
         }
         SurfaceFoot next = foot_;
-        if (!(in_u ? surface_.cross_u(next.place, forward)
-                   : surface_.cross_v(next.place, forward))) {
+        SurfaceHeading way{in_u, forward};
+        if (!surface_.cross(next.place, way)) {
             return false;
         }
         next.jet = surface_.local_jet(next.place);
         const Vec3 r = next.jet.point - h_;
-        const double slope = glm::dot(r, in_u ? next.jet.du : next.jet.dv);
-        if ((slope > 0.0) == forward && slope != 0.0) {
+        const double slope = glm::dot(r, way.in_u ? next.jet.du : next.jet.dv);
+        if ((slope > 0.0) == way.forward && slope != 0.0) {
             return false;
         }
         foot_.place = next.place;
@@ -227,7 +227,7 @@ private:
                                                    : next;
     }
 
-    const NurbsSurface& surface_;
+    const SurfaceObject& surface_;
     Vec3 h_;
     PatchPart part_;
     bool cross_;
@@ -240,14 +240,14 @@ private:
 
 }  // namespace
 
-SurfaceFoot descend(const NurbsSurface& surface,
+SurfaceFoot descend(const SurfaceObject& surface,
                     const Vec3& h,
                     const SurfacePlace& start,
                     Work& work) noexcept {
     return Descent(surface, h, start, {}, true, work).run();
 }
 
-SurfaceFoot descend_within(const NurbsSurface& surface,
+SurfaceFoot descend_within(const SurfaceObject& surface,
                            const Vec3& h,
                            const SurfacePlace& start,
                            const PatchPart& part,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/surface/nurbs_surface.hpp"
+#include "engine/surface/surface_object.hpp"
 
 namespace palpate::engine {
 
@@ -51,13 +51,13 @@ struct PatchPart {
 /// 4e-16 of the size.
 /// @param h     relative to surface.origin(), m
 /// @param work  counted down; below 0 the descent ends where it is
-[[nodiscard]] SurfaceFoot descend(const NurbsSurface& surface,
+[[nodiscard]] SurfaceFoot descend(const SurfaceObject& surface,
                                   const Vec3& h,
                                   const SurfacePlace& start,
                                   Work& work) noexcept;
 
 /// The same inside one part of a patch.
-[[nodiscard]] SurfaceFoot descend_within(const NurbsSurface& surface,
+[[nodiscard]] SurfaceFoot descend_within(const SurfaceObject& surface,
                                          const Vec3& h,
                                          const SurfacePlace& start,
                                          const PatchPart& part,

@@ -1,7 +1,6 @@
 #include "engine/surface/surface_ground.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace palpate::engine {
@@ -26,7 +25,7 @@ bool leaves(double t, double by) noexcept {
 }  // namespace
 
 SurfaceSpot SurfaceGround::look(SurfacePlace place) noexcept {
-    work_ += surface_.patch(place.i, place.j).work() + kSpotWork;
+    work_ += surface_.patch(place).work() + kSpotWork;
     place.u = snapped(place.u);
     place.v = snapped(place.v);
     SurfaceSpot s;
@@ -113,71 +112,81 @@ Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
     if ((rests && mu_ > 0.0) || !(at_end(p.u) || at_end(p.v))) {
         return best;
     }
-    if (pole_u(p) || pole_v(p)) {
-        return rests ? best : at_pole(s, pole_u(p));
+    if (surface_.pole_u(p) || surface_.pole_v(p)) {
+        return rests ? best : at_pole(s);
     }
     if (best.way == Footing::Way::open) {
         return best;
     }
-    std::array<SurfacePlace, 3> others;
-    std::size_t count = 0;
-    SurfacePlace beyond_u = p;
-    SurfacePlace beyond_v = p;
-    const bool in_u = at_end(p.u) && surface_.cross_u(beyond_u, p.u == 1.0);
-    const bool in_v = at_end(p.v) && surface_.cross_v(beyond_v, p.v == 1.0);
-    if (in_u) {
-        others[count++] = beyond_u;
+    const SurfaceObject::Around all = surface_.around(p);
+    for (std::size_t k = 1; k < all.count; ++k) {
+        const Footing next = on_patch(look(all.places[k]));
+        best = better(next, best) ? next : best;
     }
-    if (in_v) {
-        others[count++] = beyond_v;
+    return best;
+}
+
+bool SurfaceGround::better(const Footing& next, const Footing& best) const noexcept {
+    const int by = rank(next) - rank(best);
+    return by > 0 || (by == 0 && best.way != Footing::Way::rests &&
+                      (next.way == Footing::Way::held ? next.spot.load > best.spot.load
+                                                      : next.excess > best.excess));
+}
+
+/// On an edge that is one point: the place on it from which the surface goes on along the stretch,
+/// within 6 degrees, or one of the other patches that meet there.
+Footing SurfaceGround::at_pole(const SurfaceSpot& s) noexcept {
+    double steepest = -1e301;
+    SurfacePlace found = s.place;
+    bool found_in_u = false;
+    constexpr int kPerPatch = 8;
+    const SurfaceObject::Around all = surface_.around(s.place);
+    for (std::size_t m = 0; m < all.count; ++m) {
+        const SurfacePlace& end = all.places[m];
+        const bool in_u = surface_.pole_u(end);
+        if (!in_u && !surface_.pole_v(end)) {
+            continue;
+        }
+        const NurbsSurface& patches = surface_.surface_of(end);
+        const bool begins = (in_u ? end.j : end.i) == 0 && (in_u ? end.v : end.u) == 0.0;
+        if (!begins) {
+            continue;  // each pole once
+        }
+        const std::size_t count = in_u ? patches.columns() : patches.rows();
+        for (std::size_t k = 0; k < count; ++k) {
+            for (int step = 0; step <= kPerPatch; ++step) {
+                SurfacePlace p = end;
+                (in_u ? p.j : p.i) = k;
+                (in_u ? p.v : p.u) = static_cast<double>(step) / kPerPatch;
+                const double match = way_off(p, in_u);
+                if (match > steepest) {
+                    steepest = match;
+                    found = p;
+                    found_in_u = in_u;
+                }
+            }
+        }
     }
-    if (in_u && in_v && surface_.cross_v(beyond_u, p.v == 1.0)) {
-        others[count++] = beyond_u;
+    Footing best{look(found), Footing::Way::held, 0.0};
+    best.excess = steepest - best.spot.cone;
+    if (settled(best.spot)) {
+        best.way = Footing::Way::rests;
+    } else if (best.excess > best.spot.rounding) {
+        best.way = found_in_u ? Footing::Way::along_u : Footing::Way::along_v;
     }
-    for (std::size_t k = 0; k < count; ++k) {
-        const Footing next = on_patch(look(others[k]));
-        if (rank(next) > rank(best) ||
-            (rank(next) == rank(best) && best.way != Footing::Way::rests &&
-             (next.way == Footing::Way::held ? next.spot.load > best.spot.load
-                                             : next.excess > best.excess))) {
-            best = next;
+    for (std::size_t m = 0; m < all.count; ++m) {
+        const SurfacePlace& p = all.places[m];
+        if (!surface_.pole_u(p) && !surface_.pole_v(p)) {
+            const Footing next = on_patch(look(p));
+            best = better(next, best) ? next : best;
         }
     }
     return best;
 }
 
-/// On an edge that is one point: the place on it from which the surface goes on along the stretch,
-/// within 6 degrees.
-Footing SurfaceGround::at_pole(const SurfaceSpot& s, bool in_u) noexcept {
-    double best = -1e301;
-    SurfacePlace found = s.place;
-    const std::size_t patches = in_u ? surface_.columns() : surface_.rows();
-    constexpr int kPerPatch = 8;
-    for (std::size_t k = 0; k < patches; ++k) {
-        for (int step = 0; step <= kPerPatch; ++step) {
-            SurfacePlace p = s.place;
-            (in_u ? p.j : p.i) = k;
-            (in_u ? p.v : p.u) = static_cast<double>(step) / kPerPatch;
-            const double match = way_off(p, in_u);
-            if (match > best) {
-                best = match;
-                found = p;
-            }
-        }
-    }
-    Footing f{look(found), Footing::Way::held, 0.0};
-    f.excess = best - f.spot.cone;
-    if (settled(f.spot)) {
-        f.way = Footing::Way::rests;
-    } else if (f.excess > f.spot.rounding) {
-        f.way = in_u ? Footing::Way::along_u : Footing::Way::along_v;
-    }
-    return f;
-}
-
 /// Part of the stretch along the way from an edge into the surface.
 double SurfaceGround::way_off(const SurfacePlace& p, bool in_u) noexcept {
-    work_ += surface_.patch(p.i, p.j).work();
+    work_ += surface_.patch(p).work();
     const SurfaceJet jet = surface_.local_jet(p);
     const double side = (in_u ? p.u : p.v) == 0.0 ? 1.0 : -1.0;
     const Vec3 inwards = side * (in_u ? jet.du : jet.dv);
@@ -185,33 +194,20 @@ double SurfaceGround::way_off(const SurfacePlace& p, bool in_u) noexcept {
     return length > 0.0 ? glm::dot(inwards, h_ - jet.point) / length : -1e300;
 }
 
-bool SurfaceGround::pole_u(const SurfacePlace& p) const noexcept {
-    return (p.u == 0.0 && p.i == 0 && surface_.pole_u(false)) ||
-           (p.u == 1.0 && p.i + 1 == surface_.rows() && surface_.pole_u(true));
-}
-bool SurfaceGround::pole_v(const SurfacePlace& p) const noexcept {
-    return (p.v == 0.0 && p.j == 0 && surface_.pole_v(false)) ||
-           (p.v == 1.0 && p.j + 1 == surface_.columns() && surface_.pole_v(true));
-}
-
 bool SurfaceGround::enclosed(const SurfacePlace& p) const noexcept {
-    SurfacePlace beyond = p;
-    const bool over_u = at_end(p.u) && surface_.cross_u(beyond, p.u == 1.0);
-    const bool over_v = at_end(p.v) && surface_.cross_v(beyond, p.v == 1.0);
-    return (!at_end(p.u) || over_u || (pole_u(p) && surface_.closed_v())) &&
-           (!at_end(p.v) || over_v || (pole_v(p) && surface_.closed_u()));
+    return !surface_.around(p).open;
 }
 
 bool SurfaceGround::to_pole(SurfacePlace& p) const noexcept {
     SurfacePlace at = p;
     at.u = p.u < 0.5 ? 0.0 : 1.0;
-    if (pole_u(at)) {
+    if (surface_.pole_u(at)) {
         p = at;
         return true;
     }
     at = p;
     at.v = p.v < 0.5 ? 0.0 : 1.0;
-    if (pole_v(at)) {
+    if (surface_.pole_v(at)) {
         p = at;
         return true;
     }

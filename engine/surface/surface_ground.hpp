@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/friction/friction_law.hpp"
-#include "engine/surface/nurbs_surface.hpp"
+#include "engine/surface/surface_object.hpp"
 
 namespace palpate::engine {
 
@@ -39,10 +39,10 @@ struct Footing {
 class SurfaceGround {
 public:
     /// @param h  HIP relative to surface.origin(), m
-    SurfaceGround(const NurbsSurface& surface, const Vec3& h, double mu) noexcept
+    SurfaceGround(const SurfaceObject& surface, const Vec3& h, double mu) noexcept
         : surface_(surface), h_(h), mu_(mu) {}
 
-    [[nodiscard]] const NurbsSurface& surface() const noexcept { return surface_; }
+    [[nodiscard]] const SurfaceObject& surface() const noexcept { return surface_; }
     [[nodiscard]] const Vec3& h() const noexcept { return h_; }
     [[nodiscard]] double mu() const noexcept { return mu_; }
     /// What looking has cost so far.
@@ -75,12 +75,11 @@ public:
 private:
     [[nodiscard]] int rank(const Footing& f) const noexcept;
     [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
-    [[nodiscard]] Footing at_pole(const SurfaceSpot& s, bool in_u) noexcept;
+    [[nodiscard]] Footing at_pole(const SurfaceSpot& s) noexcept;
+    [[nodiscard]] bool better(const Footing& next, const Footing& best) const noexcept;
     [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u) noexcept;
-    [[nodiscard]] bool pole_u(const SurfacePlace& p) const noexcept;
-    [[nodiscard]] bool pole_v(const SurfacePlace& p) const noexcept;
 
-    const NurbsSurface& surface_;
+    const SurfaceObject& surface_;
     Vec3 h_;
     double mu_;
     Work work_ = 0;

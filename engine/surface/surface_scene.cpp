@@ -41,14 +41,19 @@ bool usable(const Vec3& hip) noexcept {
 
 /// Different places, by more than the last bits of a foot.
 bool apart(const SurfacePlace& a, const SurfacePlace& b) noexcept {
-    return a.i != b.i || a.j != b.j || std::fabs(a.u - b.u) + std::fabs(a.v - b.v) > 1e-12;
+    return a.surface != b.surface || a.i != b.i || a.j != b.j ||
+           std::fabs(a.u - b.u) + std::fabs(a.v - b.v) > 1e-12;
 }
 
 }  // namespace
 
 SurfaceScene::SurfaceScene(std::shared_ptr<const NurbsSurface> surface,
                            const SurfaceSceneSpec& spec)
-    : feet_(std::move(surface)),
+    : SurfaceScene(std::vector<std::shared_ptr<const NurbsSurface>>{std::move(surface)}, spec) {}
+
+SurfaceScene::SurfaceScene(std::vector<std::shared_ptr<const NurbsSurface>> surfaces,
+                           const SurfaceSceneSpec& spec)
+    : feet_(std::make_shared<const SurfaceObject>(std::move(surfaces))),
       spec_(checked(spec)),
       decay_(stribeck_decay(spec.contact.friction, spec.contact.period)),
       step_(spec.contact.friction.none() ? &SurfaceScene::step<false> : &SurfaceScene::step<true>) {
@@ -62,7 +67,11 @@ SurfaceContact SurfaceScene::free(SurfaceState& state, const Vec3& hip) const no
     state.clear_at = hip;
     const double clear = cp.distance * kClearShare;
     state.clear2 = spec_.skip_far && !cp.inside ? clear * clear : 0.0;
-    return {.cp = cp, .go_u = cp.u, .go_v = cp.v, .go = cp.point};
+    return {.cp = cp,
+            .surface = static_cast<int>(cp.place.surface),
+            .go_u = cp.u,
+            .go_v = cp.v,
+            .go = cp.point};
 }
 
 template <bool HasFriction>
@@ -71,6 +80,7 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     if (glm::dot(moved, moved) < state.clear2) {  // false for NaN; clear2 is 0 while touching
         ++state.skipped;
         SurfaceContact contact{.cp = state.seen,
+                               .surface = static_cast<int>(state.seen.place.surface),
                                .go_u = state.seen.u,
                                .go_v = state.seen.v,
                                .go = state.seen.point,
@@ -98,13 +108,13 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     }
     const Friction& friction = spec_.contact.friction;
     const double mu = HasFriction ? coefficient(friction, state.theta) : 0.0;
-    const Vec3 h = hip - surface().origin();
+    const Vec3 h = hip - object().origin();
     // Without friction the GO is the local foot: mostly the closest point, already found.
     // One that lies outside may be on the other side of a sheet that lies on itself.
     const bool known =
         !HasFriction && looks && state.seen.inside && feet_.same_bowl(state.track, state.place);
     const SurfacePlace from = known ? state.seen.place : state.place;
-    const SurfaceSlide slide = slide_on_surface<HasFriction>(surface(), from, h, mu);
+    const SurfaceSlide slide = slide_on_surface<HasFriction>(object(), from, h, mu);
     const bool slipped = slide.slid > 0.0 || (known && apart(state.place, from));
     state.place = slide.place;
     if (!(slide.load > 0.0)) {
@@ -126,9 +136,10 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
                                     const Vec3& h,
                                     double mu) const noexcept {
     const double k = spec_.contact.stiffness;
-    SurfaceContact contact{.go_u = surface().u_of(slide.place),
-                           .go_v = surface().v_of(slide.place),
-                           .go = slide.point + surface().origin(),
+    SurfaceContact contact{.surface = static_cast<int>(slide.place.surface),
+                           .go_u = object().u_of(slide.place),
+                           .go_v = object().v_of(slide.place),
+                           .go = slide.point + object().origin(),
                            .normal = slide.normal,
                            .normal_force = k * slide.load,
                            .mu = mu,

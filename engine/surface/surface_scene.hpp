@@ -71,6 +71,9 @@ public:
     SurfaceScene(std::shared_ptr<const NurbsSurface> surface, const SurfaceSceneSpec& spec);
     SurfaceScene(std::shared_ptr<const NurbsSurface> surface, const SceneSpec& spec)
         : SurfaceScene(std::move(surface), SurfaceSceneSpec{.contact = spec}) {}
+    /// Several surfaces, joined along their borders. @throws as SurfaceObject, and as above
+    SurfaceScene(std::vector<std::shared_ptr<const NurbsSurface>> surfaces,
+                 const SurfaceSceneSpec& spec);
 
     /// The contact after HIP moved to `hip`, m. No allocation, no lock; bit-reproducible.
     [[nodiscard]] SurfaceContact tick(SurfaceState& state, const Vec3& hip) const noexcept {
@@ -78,7 +81,11 @@ public:
     }
 
     /// What is felt.
-    [[nodiscard]] const NurbsSurface& surface() const noexcept { return feet_.surface(); }
+    [[nodiscard]] const SurfaceObject& object() const noexcept { return feet_.object(); }
+    /// Surface k of it.
+    [[nodiscard]] const NurbsSurface& surface(std::size_t k = 0) const noexcept {
+        return object().surface(k);
+    }
     /// Its closest points.
     [[nodiscard]] const SurfaceFeet& feet() const noexcept { return feet_; }
     /// The spec with the period of today.

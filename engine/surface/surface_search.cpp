@@ -41,18 +41,17 @@ SurfacePlace SurfaceFeet::near_place(const Vec3& h) const noexcept {
         const bool first = tie ? glm::dot(gap_a, gap_a) <= glm::dot(gap_b, gap_b) : to_a < to_b;
         at = first ? nodes_[at].low : nodes_[at].high;
     }
-    const std::uint32_t a = nodes_[at].low / across_v_;
-    const std::uint32_t b = nodes_[at].low % across_v_;
-    return {a / per_side_, b / per_side_, (a % per_side_ + 0.5) / per_side_,
-            (b % per_side_ + 0.5) / per_side_};
+    PatchPart part;
+    return middle_of(nodes_[at].low, part);
 }
 
 /// Least slack of the leaves of `strip`; negative when one of them is no proven bowl.
 double SurfaceFeet::strip_slack(const Window& strip, const Vec3& h, double d2) const noexcept {
     double slack = kInfinity;
+    const Grid& grid = grids_[strip.surface];
     for (std::uint32_t a = strip.low_u; a < strip.high_u; ++a) {
         for (std::uint32_t b = strip.low_v; b < strip.high_v; ++b) {
-            const SurfaceLeaf::Bowl bowl = leaves_[a * across_v_ + b].bowl(h, d2);
+            const SurfaceLeaf::Bowl bowl = leaves_[grid.first + a * grid.across_v + b].bowl(h, d2);
             if (!(bowl.depth > 0.0)) {
                 return -1.0;
             }
@@ -68,39 +67,43 @@ bool SurfaceFeet::at_rest(const SurfaceTrack& track, const Vec3& h) const noexce
     const SurfaceJet& j = track.jet;
     const SurfacePlace& p = track.place;
     const Vec3 r = j.point - h;
-    const double rounding = 1e-12 * (glm::length(r) + surface_->size());
-    const auto rests = [&](double at, const Vec3& along, bool crossable) {
+    const double rounding = 1e-12 * (glm::length(r) + object_->size());
+    const auto rests = [&](double at, const Vec3& along, bool leads_on) {
         const double slope = glm::dot(r, along);
         const double still = rounding * glm::length(along);
         const bool blocked = (at == 0.0 && slope > 0.0) || (at == 1.0 && slope < 0.0);
-        return std::fabs(slope) <= still || (blocked && !crossable);
+        return std::fabs(slope) <= still || (blocked && !leads_on);
     };
-    SurfacePlace beyond = p;
-    const bool over_u = (p.u == 0.0 || p.u == 1.0) && surface_->cross_u(beyond, p.u == 1.0);
-    const bool over_v = (p.v == 0.0 || p.v == 1.0) && surface_->cross_v(beyond, p.v == 1.0);
-    return rests(p.u, j.du, over_u) && rests(p.v, j.dv, over_v);
+    const auto crossable = [&](bool in_u, double at) {
+        SurfacePlace beyond = p;
+        SurfaceHeading way{in_u, at == 1.0};
+        return (at == 0.0 || at == 1.0) && object_->cross(beyond, way);
+    };
+    return rests(p.u, j.du, crossable(true, p.u)) && rests(p.v, j.dv, crossable(false, p.v));
 }
 
 /// The window: the foot's leaf, then whole strips on its four sides while they are bowls. It does
 /// not cross an edge where the derivative breaks: there two bowls do not make one.
 void SurfaceFeet::grow(SurfaceTrack& track, const Vec3& h, double d2) const noexcept {
     const SurfacePlace& p = track.place;
-    const auto leaf_of = [this](std::size_t patch, double t) {
-        const auto k = static_cast<std::uint32_t>(t * per_side_);
-        return static_cast<std::uint32_t>(patch) * per_side_ + std::min(k, per_side_ - 1);
+    const Grid& grid = grids_[p.surface];
+    const NurbsSurface& surface = object_->surface_of(p);
+    const auto leaf_of = [&grid](std::size_t patch, double t) {
+        const auto k = static_cast<std::uint32_t>(t * grid.per_side);
+        return static_cast<std::uint32_t>(patch) * grid.per_side + std::min(k, grid.per_side - 1);
     };
     const std::uint32_t a = leaf_of(p.i, p.u);
     const std::uint32_t b = leaf_of(p.j, p.v);
     Window& w = track.window;
-    w = {a, a + 1, b, b + 1};
+    w = {static_cast<std::uint32_t>(p.surface), a, a + 1, b, b + 1};
     track.slack = at_rest(track, h) ? strip_slack(w, h, d2) : -1.0;
     if (track.slack < 0.0) {
         w = {};
         return;
     }
-    const auto smooth = [this](bool in_u, std::uint32_t edge) {
-        return edge % per_side_ != 0 ||
-               (in_u ? surface_->smooth_u(edge / per_side_) : surface_->smooth_v(edge / per_side_));
+    const auto smooth = [&](bool in_u, std::uint32_t edge) {
+        return edge % grid.per_side != 0 || (in_u ? surface.smooth_u(edge / grid.per_side)
+                                                  : surface.smooth_v(edge / grid.per_side));
     };
     const auto add = [&](const Window& strip, std::uint32_t& side, std::uint32_t to) {
         const double slack = strip_slack(strip, h, d2);
@@ -111,46 +114,43 @@ void SurfaceFeet::grow(SurfaceTrack& track, const Vec3& h, double d2) const noex
     };
     for (std::uint32_t reach = 1; reach <= kMaxReach; ++reach) {
         if (w.low_u > 0 && w.low_u + reach == a + 1 && smooth(true, w.low_u)) {
-            add({w.low_u - 1, w.low_u, w.low_v, w.high_v}, w.low_u, w.low_u - 1);
+            add({w.surface, w.low_u - 1, w.low_u, w.low_v, w.high_v}, w.low_u, w.low_u - 1);
         }
-        if (w.high_u < across_u_ && w.high_u == a + reach && smooth(true, w.high_u)) {
-            add({w.high_u, w.high_u + 1, w.low_v, w.high_v}, w.high_u, w.high_u + 1);
+        if (w.high_u < grid.across_u && w.high_u == a + reach && smooth(true, w.high_u)) {
+            add({w.surface, w.high_u, w.high_u + 1, w.low_v, w.high_v}, w.high_u, w.high_u + 1);
         }
         if (w.low_v > 0 && w.low_v + reach == b + 1 && smooth(false, w.low_v)) {
-            add({w.low_u, w.high_u, w.low_v - 1, w.low_v}, w.low_v, w.low_v - 1);
+            add({w.surface, w.low_u, w.high_u, w.low_v - 1, w.low_v}, w.low_v, w.low_v - 1);
         }
-        if (w.high_v < across_v_ && w.high_v == b + reach && smooth(false, w.high_v)) {
-            add({w.low_u, w.high_u, w.high_v, w.high_v + 1}, w.high_v, w.high_v + 1);
+        if (w.high_v < grid.across_v && w.high_v == b + reach && smooth(false, w.high_v)) {
+            add({w.surface, w.low_u, w.high_u, w.high_v, w.high_v + 1}, w.high_v, w.high_v + 1);
         }
     }
 }
 
 bool SurfaceFeet::inside(const Window& window, std::uint32_t leaf) const noexcept {
-    const std::uint32_t a = leaf / across_v_;
-    const std::uint32_t b = leaf % across_v_;
-    return a >= window.low_u && a < window.high_u && b >= window.low_v && b < window.high_v;
+    const Cell& c = cells_[leaf];
+    return c.surface == window.surface && c.a >= window.low_u && c.a < window.high_u &&
+           c.b >= window.low_v && c.b < window.high_v;
 }
 
 bool SurfaceFeet::in_window(const Window& window, const SurfacePlace& p) const noexcept {
-    const double a = (static_cast<double>(p.i) + p.u) * per_side_;
-    const double b = (static_cast<double>(p.j) + p.v) * per_side_;
-    return a >= window.low_u && a <= window.high_u && b >= window.low_v && b <= window.high_v;
+    const std::uint32_t per_side = grids_[p.surface].per_side;
+    const double a = (static_cast<double>(p.i) + p.u) * per_side;
+    const double b = (static_cast<double>(p.j) + p.v) * per_side;
+    return p.surface == window.surface && a >= window.low_u && a <= window.high_u &&
+           b >= window.low_v && b <= window.high_v;
 }
 
 Verdict SurfaceFeet::look_at(std::uint32_t leaf,
                              const Vec3& h,
                              double d2,
                              Work& work) const noexcept {
-    const std::uint32_t a = leaf / across_v_;
-    const std::uint32_t b = leaf % across_v_;
-    const std::size_t i = a / per_side_;
-    const std::size_t j = b / per_side_;
-    const double side = 1.0 / per_side_;
-    const PatchPart part{side * (a % per_side_), side * (a % per_side_ + 1), side * (b % per_side_),
-                         side * (b % per_side_ + 1)};
+    PatchPart part;
+    const SurfacePlace patch = middle_of(leaf, part);
     Work share = std::min(std::max(work / 2, Work{1}), kLeafWork);
     work -= share;
-    const Verdict verdict = any_closer(*surface_, leaves_[leaf].form(), i, j, part, h, d2, share);
+    const Verdict verdict = any_closer(*object_, leaves_[leaf].form(), patch, part, h, d2, share);
     work += share;
     return verdict;
 }
@@ -216,11 +216,11 @@ void SurfaceFeet::polish(SurfaceTrack& track,
                          Work& work) const noexcept {
     const Work share = std::min(work / 2, kPolishWork);
     work -= share;
-    const SurfaceSlide slide = slide_on_surface<false>(*surface_, foot.place, h, 0.0, share);
+    const SurfaceSlide slide = slide_on_surface<false>(*object_, foot.place, h, 0.0, share);
     const Vec3 r = slide.point - h;
     if (glm::dot(r, r) < foot.distance2) {
         foot.place = track.place = slide.place;
-        foot.jet = track.jet = surface_->local_jet(slide.place);
+        foot.jet = track.jet = object_->local_jet(slide.place);
         foot.distance2 = glm::dot(r, r);
     }
 }
@@ -231,7 +231,7 @@ SurfaceClosest SurfaceFeet::search(SurfaceTrack& track, const Vec3& h, Work work
     Verdict rest;
     SurfaceFoot foot;
     for (int i = 0; i < kMaxRestarts; ++i) {
-        foot = descend(*surface_, h, start, work);
+        foot = descend(*object_, h, start, work);
         track.place = foot.place;
         track.jet = foot.jet;
         if (!at_rest(track, h)) {

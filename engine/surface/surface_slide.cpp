@@ -13,7 +13,7 @@ using Way = Footing::Way;
 /// The walk of one tick.
 class Slider {
 public:
-    Slider(const NurbsSurface& surface, const Vec3& h, double mu, Work work) noexcept
+    Slider(const SurfaceObject& surface, const Vec3& h, double mu, Work work) noexcept
         : ground_(surface, h, mu), size_(surface.size()), work_(work) {}
 
     SurfaceSlide run(const SurfacePlace& from) noexcept {
@@ -304,7 +304,7 @@ private:
 }  // namespace
 
 template <bool HasFriction>
-SurfaceSlide slide_on_surface(const NurbsSurface& surface,
+SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                               const SurfacePlace& from,
                               const Vec3& h,
                               double mu,
@@ -313,8 +313,8 @@ SurfaceSlide slide_on_surface(const NurbsSurface& surface,
 }
 
 template SurfaceSlide slide_on_surface<true>(
-    const NurbsSurface&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
+    const SurfaceObject&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
 template SurfaceSlide slide_on_surface<false>(
-    const NurbsSurface&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
+    const SurfaceObject&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
 
 }  // namespace palpate::engine

@@ -44,7 +44,7 @@ struct SurfaceSlide {
 inline constexpr Work kSlideWork = 150'000;
 
 template <bool HasFriction>
-[[nodiscard]] SurfaceSlide slide_on_surface(const NurbsSurface& surface,
+[[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                                             const SurfacePlace& from,
                                             const Vec3& h,
                                             double mu,

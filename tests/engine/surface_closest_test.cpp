@@ -51,7 +51,7 @@ TEST_CASE("the closest point of any surface is the one an independent search fin
         }
         CHECK(glm::length(h - got.point) ==
               Approx(got.distance).epsilon(1e-13).margin(1e-15 * size));
-        const Vec3 on = feet.surface().at(got.u, got.v).point;
+        const Vec3 on = feet.object().surface(0).at(got.u, got.v).point;
         CHECK(glm::length(on - got.point) <= 2e-14 * size);
     }
 }
@@ -145,7 +145,7 @@ TEST_CASE("a tracked hand gets the global answer on every tick, mostly without a
     const SurfaceData data = bicubic_8x8(random, seed % 2U == 0U ? 0.0 : 0.7, 0.01 + 0.002 * seed);
     const SurfaceFeet feet = feet_of(data);
     const std::size_t ticks = 4000;
-    const auto hand = surface_hand(feet.surface(), seed, ticks, 0.003, 0.18);
+    const auto hand = surface_hand(feet.object().surface(0), seed, ticks, 0.003, 0.18);
     SurfaceTrack track;
     double worst = 0.0;
     double apart = 0.0;
@@ -246,5 +246,6 @@ TEST_CASE("closest points allocate nothing, and a null surface is refused", "[co
     CHECK_FALSE(nowhere.proven);
     const Vec3 next{0.01};
     CHECK(std::fabs(feet.track(kept, next).distance - feet.closest(next).distance) < 1e-16);
-    CHECK_THROWS_WITH(SurfaceFeet(nullptr), ContainsSubstring("give a surface"));
+    CHECK_THROWS_WITH(SurfaceFeet(std::shared_ptr<const NurbsSurface>()),
+                      ContainsSubstring("give a surface"));
 }

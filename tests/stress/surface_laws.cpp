@@ -161,7 +161,7 @@ void SurfaceLaws::check_contact(const Tick& now) {
     check("the force is K (GO - HIP)", springy || c.outside_cone);
     check("what is held is on an edge or a singular point",
           !c.outside_cone || !c.settled || held_for_a_reason(now));
-    const double cone = c.mu * c.normal_force * (1.0 + 1e-9) + kConeSlack * k * same_;
+    const double cone = c.mu * c.normal_force * (1.0 + 1e-9) + k * (kConeSlack * same_ + loose);
     check("friction stays in its cone", springy && c.outside_cone ? 0.0 : ft, cone);
     if (scene_->spec().contact.friction.none()) {
         check("without friction there is none", springy && c.outside_cone ? 0.0 : ft,

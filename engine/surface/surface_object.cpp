@@ -1,0 +1,295 @@
+#include "engine/surface/surface_object.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "engine/base/text.hpp"
+#include "engine/math/elementary.hpp"
+#include "engine/surface/surface_border.hpp"
+
+namespace palpate::engine {
+namespace {
+
+/// Borders that are closer than this share of the size were meant to be one.
+constexpr double kNearly = 1e-3;
+
+bool at_end(double t) noexcept {
+    return t == 0.0 || t == 1.0;
+}
+
+std::uint8_t side_of(const SurfaceHeading& way) noexcept {
+    return static_cast<std::uint8_t>((way.in_u ? 0 : 2) + (way.forward ? 1 : 0));
+}
+
+/// A parameter within the last bits of an end is that end.
+double snapped(double t) noexcept {
+    return t < 8.0 * kEpsilon ? 0.0 : t > 1.0 - 8.0 * kEpsilon ? 1.0 : t;
+}
+
+bool open(const NurbsSurface& s, int side) noexcept {
+    return side < 2 ? !s.closed_u() && !s.pole_u(side == 1) : !s.closed_v() && !s.pole_v(side == 3);
+}
+
+/// A part of one border lies on the other.
+bool runs_along(const SurfaceBorder& a, const SurfaceBorder& b, double near) {
+    constexpr int kLooks = 16;
+    int on = 0;
+    for (int k = 1; k < kLooks; ++k) {
+        const Vec3 p = a.at(static_cast<double>(k) / kLooks);
+        on = b.box().distance2(p) <= near * near && b.distance(p) <= near ? on + 1 : 0;
+        if (on == 3) {
+            return true;
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+SurfaceObject::SurfaceObject(std::vector<std::shared_ptr<const NurbsSurface>> surfaces)
+    : surfaces_(std::move(surfaces)) {
+    if (surfaces_.empty()) {
+        throw std::invalid_argument("an object has no surface: give at least one");
+    }
+    for (const auto& surface : surfaces_) {
+        if (!surface) {
+            throw std::invalid_argument("the surface is null: give a surface");
+        }
+    }
+    origin_ = surfaces_[0]->origin();
+    size_ = surfaces_[0]->size();
+    if (surfaces_.size() == 1) {
+        return;
+    }
+    const auto box = [](const NurbsSurface& s) {
+        return Box<3>{s.origin() + s.box().low, s.origin() + s.box().high};
+    };
+    Box<3> all = box(*surfaces_[0]);
+    for (const auto& surface : surfaces_) {
+        all.add(box(*surface));
+    }
+    origin_ = all.middle();
+    size_ = glm::length(all.size());
+    for (auto& surface : surfaces_) {
+        surface = std::make_shared<const NurbsSurface>(surface->about(origin_));
+    }
+    join_borders();
+}
+
+void SurfaceObject::join_borders() {
+    joins_.resize(4 * surfaces_.size());
+    std::vector<SurfaceBorder> borders;
+    for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+        for (std::uint8_t side = 0; side < 4; ++side) {
+            if (open(*surfaces_[k], side)) {
+                borders.emplace_back(*surfaces_[k], k, side);
+            }
+        }
+    }
+    const double same = kJoined * size_;
+    const auto of = [this](const SurfaceBorder& b) -> Join& {
+        return joins_[4 * b.surface() + b.side()];
+    };
+    const auto apart = [](const SurfaceBorder& a, const SurfaceBorder& b, double near) {
+        const Vec3 gap =
+            glm::max(glm::max(a.box().low - b.box().high, b.box().low - a.box().high), Vec3{});
+        return glm::dot(gap, gap) > near * near;
+    };
+    for (std::size_t m = 0; m < borders.size(); ++m) {
+        for (std::size_t n = m + 1; n < borders.size(); ++n) {
+            const SurfaceBorder& a = borders[m];
+            const SurfaceBorder& b = borders[n];
+            for (const bool reversed : {false, true}) {
+                if (apart(a, b, same) ||
+                    glm::length(a.at(0.0) - b.at(reversed ? 1.0 : 0.0)) > same ||
+                    !same_curve(a, b, reversed, same)) {
+                    continue;
+                }
+                if (of(a).joined || of(b).joined) {
+                    throw std::invalid_argument(
+                        (of(a).joined ? a : b).name() +
+                        " has more than one neighbour: give each border at most one, so that the "
+                        "surface has one outside");
+                }
+                if ((a.counter_clockwise() == b.counter_clockwise()) != reversed) {
+                    throw std::invalid_argument(
+                        a.name() + " and " + b.name() +
+                        " are one, but the outward normals lie on different sides of it: give the "
+                        "rows of points of one surface in the other order");
+                }
+                std::vector<double> others = b.breaks();
+                if (reversed) {
+                    std::reverse(others.begin(), others.end());
+                    std::transform(others.begin(), others.end(), others.begin(),
+                                   [](double s) { return 1.0 - s; });
+                }
+                const bool pieces =
+                    std::equal(a.breaks().begin(), a.breaks().end(), others.begin(), others.end(),
+                               [](double s, double t) { return std::fabs(s - t) < 1e-13; });
+                of(a) = {true, reversed, pieces, b.side(), b.surface()};
+                of(b) = {true, reversed, pieces, a.side(), a.surface()};
+                break;
+            }
+        }
+    }
+    const double near = kNearly * size_;
+    for (const SurfaceBorder& a : borders) {
+        for (const SurfaceBorder& b : borders) {
+            if (&a == &b || of(a).joined || of(b).joined || apart(a, b, near)) {
+                continue;
+            }
+            const double gap = std::min(sampled_gap(a, b, false), sampled_gap(a, b, true));
+            if (gap <= near) {
+                throw std::invalid_argument(a.name() + " and " + b.name() + " are up to " +
+                                            number_text(gap) +
+                                            " m apart: give both the same control points, weights "
+                                            "and knots (up to direction), within " +
+                                            number_text(same) + " m, or leave more than " +
+                                            number_text(near) + " m between them");
+            }
+            if (runs_along(a, b, 10.0 * same)) {
+                throw std::invalid_argument(
+                    a.name() + " runs along " + b.name() +
+                    ", but not from end to end at the same pace: cut the longer surface where the "
+                    "other ends, and give both borders the same weights and knots");
+            }
+        }
+    }
+    for (std::size_t k = 0; k < surfaces_.size(); ++k) {
+        for (int corner = 0; corner < 4; ++corner) {
+            const NurbsSurface& s = *surfaces_[k];
+            SurfacePlace p{
+                .u = corner % 2 == 0 ? 0.0 : 1.0, .v = corner < 2 ? 0.0 : 1.0, .surface = k};
+            p.i = corner % 2 == 0 ? 0 : s.rows() - 1;
+            p.j = corner < 2 ? 0 : s.columns() - 1;
+            if (around(p).full) {
+                throw std::invalid_argument("more than " + std::to_string(kMostAround) +
+                                            " patches meet at a corner of surface " +
+                                            std::to_string(k + 1) + ": give fewer");
+            }
+        }
+    }
+}
+
+bool SurfaceObject::cross(SurfacePlace& p, SurfaceHeading& way) const noexcept {
+    const NurbsSurface& s = surface_of(p);
+    if (way.in_u ? s.cross_u(p, way.forward) : s.cross_v(p, way.forward)) {
+        return true;
+    }
+    const std::uint8_t side = side_of(way);
+    if (joins_.empty() || !joins_[4 * p.surface + side].joined) {
+        return false;
+    }
+    const Join& join = joins_[4 * p.surface + side];
+    const NurbsSurface& next = *surfaces_[join.surface];
+    std::size_t k = way.in_u ? p.j : p.i;
+    double t = way.in_u ? p.v : p.u;
+    const bool lands_in_u = join.side < 2;
+    const KnotVector& to = lands_in_u ? next.knots_v() : next.knots_u();
+    if (join.same_pieces) {
+        k = join.reversed ? to.intervals().size() - 1 - k : k;
+        t = join.reversed ? 1.0 - t : t;
+    } else {
+        const KnotVector& from = way.in_u ? s.knots_v() : s.knots_u();
+        const double at = way.in_u ? s.v_of(p) : s.u_of(p);
+        const double share = (at - from.front()) / (from.back() - from.front());
+        const double whole = to.back() - to.front();
+        const double there = join.reversed ? to.back() - share * whole : to.front() + share * whole;
+        k = to.interval_of(there);
+        const KnotVector::Interval& piece = to.intervals()[k];
+        t = snapped(std::clamp((there - piece.lo) / (piece.hi - piece.lo), 0.0, 1.0));
+    }
+    const bool first = join.side % 2 == 0;
+    const double edge = first ? 0.0 : 1.0;
+    p.surface = join.surface;
+    p.i = !lands_in_u ? k : first ? 0 : next.rows() - 1;
+    p.j = lands_in_u ? k : first ? 0 : next.columns() - 1;
+    p.u = lands_in_u ? edge : t;
+    p.v = lands_in_u ? t : edge;
+    way = {lands_in_u, first};
+    return true;
+}
+
+bool SurfaceObject::pole_u(const SurfacePlace& p) const noexcept {
+    const NurbsSurface& s = surface_of(p);
+    return (p.u == 0.0 && p.i == 0 && s.pole_u(false)) ||
+           (p.u == 1.0 && p.i + 1 == s.rows() && s.pole_u(true));
+}
+
+bool SurfaceObject::pole_v(const SurfacePlace& p) const noexcept {
+    const NurbsSurface& s = surface_of(p);
+    return (p.v == 0.0 && p.j == 0 && s.pole_v(false)) ||
+           (p.v == 1.0 && p.j + 1 == s.columns() && s.pole_v(true));
+}
+
+SurfaceObject::Around SurfaceObject::around(const SurfacePlace& p) const noexcept {
+    Around all;
+    const auto add = [&all](const SurfacePlace& q) {
+        for (std::size_t k = 0; k < all.count; ++k) {
+            const SurfacePlace& o = all.places[k];
+            if (o.surface == q.surface && o.i == q.i && o.j == q.j &&
+                std::fabs(o.u - q.u) + std::fabs(o.v - q.v) < 1e-9) {
+                return;
+            }
+        }
+        all.full = all.full || all.count == kMostAround;
+        if (!all.full) {
+            all.places[all.count++] = q;
+        }
+    };
+    add(p);
+    for (std::size_t k = 0; k < all.count; ++k) {
+        const SurfacePlace at = all.places[k];
+        for (const bool in_u : {true, false}) {
+            const double t = in_u ? at.u : at.v;
+            if (!at_end(t)) {
+                continue;
+            }
+            SurfacePlace next = at;
+            if (in_u ? pole_u(at) : pole_v(at)) {  // round it: to both of its ends
+                all.pole = true;
+                const NurbsSurface& s = surface_of(at);
+                (in_u ? next.j : next.i) = 0;
+                (in_u ? next.v : next.u) = 0.0;
+                add(next);
+                (in_u ? next.j : next.i) = (in_u ? s.columns() : s.rows()) - 1;
+                (in_u ? next.v : next.u) = 1.0;
+                add(next);
+                continue;
+            }
+            SurfaceHeading way{in_u, t == 1.0};
+            if (cross(next, way)) {
+                add(next);
+            } else {
+                all.open = true;
+            }
+        }
+    }
+    return all;
+}
+
+bool SurfaceObject::behind_edge(const SurfacePlace& p, const Vec3& r) const noexcept {
+    constexpr double kHalfTurn = 3.14159265358979323846;
+    const Around all = around(p);
+    if (all.open || all.pole) {
+        return false;
+    }
+    Vec3 sum{};
+    for (std::size_t k = 0; k < all.count; ++k) {
+        const SurfacePlace& q = all.places[k];
+        const SurfaceJet jet = local_jet(q);
+        double angle = kHalfTurn;
+        if (at_end(q.u) && at_end(q.v)) {
+            const Vec3 a = q.u == 0.0 ? jet.du : -jet.du;
+            const Vec3 b = q.v == 0.0 ? jet.dv : -jet.dv;
+            const double lengths = std::sqrt(glm::dot(a, a) * glm::dot(b, b));
+            angle = lengths > 0.0 ? arc_cos(glm::dot(a, b) / lengths) : 0.0;
+        }
+        sum += angle * normal_at(q, jet);
+    }
+    return glm::dot(r, sum) < 0.0;
+}
+
+}  // namespace palpate::engine

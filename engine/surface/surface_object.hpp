@@ -1,0 +1,111 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/surface/nurbs_surface.hpp"
+
+namespace palpate::engine {
+
+/// A way over an edge of a patch: the parameter that changes, and whether it grows.
+struct SurfaceHeading {
+    bool in_u = true;
+    bool forward = true;
+};
+
+/// One NURBS surface or several that are joined into one object.
+///
+/// Two open borders are joined when they are the same curve in one of the two directions: in equal
+/// shares of their knot ranges they are nowhere farther apart than kJoined of the object's size,
+/// shown by the Bernstein coefficients of their difference. A joined border is an edge like those
+/// between the patches of one surface; a border without a neighbour is open. A border that is one
+/// point (a pole) is joined to nothing. At a corner up to kMostAround patches may meet, reached one
+/// from the next over their edges.
+///
+/// All surfaces are kept about the middle of the whole object. A place on an edge or a corner is
+/// many places, one on each patch that meets there: around().
+class SurfaceObject {
+public:
+    /// Of the object's size. What the god-object's stretch may gain when it crosses a border.
+    static constexpr double kJoined = 1e-9;
+    static constexpr std::size_t kMostAround = 24;
+
+    /// @throws std::invalid_argument  for no or a null surface; for borders that are nearly the same (within
+    ///     1e-3 of the size), or that run along each other in part or with other parameters; for a
+    ///     border of three surfaces; for neighbours whose outward normals lie on different sides;
+    ///     for more than kMostAround patches round a corner: which, how much, what to give
+    explicit SurfaceObject(std::vector<std::shared_ptr<const NurbsSurface>> surfaces);
+
+    [[nodiscard]] std::size_t count() const noexcept { return surfaces_.size(); }
+    [[nodiscard]] const NurbsSurface& surface(std::size_t k) const noexcept {
+        return *surfaces_[k];
+    }
+    [[nodiscard]] const NurbsSurface& surface_of(const SurfacePlace& p) const noexcept {
+        return *surfaces_[p.surface];
+    }
+    /// What places and patches are relative to, m, world frame.
+    [[nodiscard]] const Vec3& origin() const noexcept { return origin_; }
+    /// Diagonal of the box of all control points, m.
+    [[nodiscard]] double size() const noexcept { return size_; }
+
+    [[nodiscard]] const BezierPatch& patch(const SurfacePlace& p) const noexcept {
+        return surface_of(p).patch(p.i, p.j);
+    }
+    /// As NurbsSurface's, relative to origin().
+    [[nodiscard]] SurfaceJet local_jet(const SurfacePlace& p) const noexcept {
+        return patch(p).at(p.u, p.v);
+    }
+    [[nodiscard]] Vec3 normal_at(const SurfacePlace& p, const SurfaceJet& jet) const noexcept {
+        return surface_of(p).normal_at(p, jet);
+    }
+    [[nodiscard]] double u_of(const SurfacePlace& p) const noexcept {
+        return surface_of(p).u_of(p);
+    }
+    [[nodiscard]] double v_of(const SurfacePlace& p) const noexcept {
+        return surface_of(p).v_of(p);
+    }
+
+    /// Moves a place on the edge to which `way` leads to the same point on the patch beyond it, and
+    /// turns `way` to how it goes on there.
+    /// @return false at an open border and at a pole: nothing changed
+    [[nodiscard]] bool cross(SurfacePlace& p, SurfaceHeading& way) const noexcept;
+
+    /// The place lies on a pole that ends u, or v.
+    [[nodiscard]] bool pole_u(const SurfacePlace& p) const noexcept;
+    [[nodiscard]] bool pole_v(const SurfacePlace& p) const noexcept;
+
+    /// A point as all patches see it that meet there.
+    struct Around {
+        std::array<SurfacePlace, kMostAround> places{};  ///< the one that was asked for first
+        std::size_t count = 0;
+        bool open = false;  ///< one of them ends at an open border
+        bool pole = false;  ///< one of them ends in a pole
+        bool full = false;  ///< there are more
+    };
+    [[nodiscard]] Around around(const SurfacePlace& p) const noexcept;
+
+    /// A HIP beside an edge or a corner of the object, whose foot it is, lies behind the surface: by the normals
+    /// of the patches round it, each weighed with its angle there (Baerentzen & Aanaes 2005). False
+    /// at an open border.
+    /// @param r  HIP - foot, m
+    [[nodiscard]] bool behind_edge(const SurfacePlace& p, const Vec3& r) const noexcept;
+
+private:
+    struct Join {
+        bool joined = false;
+        bool reversed = false;
+        bool same_pieces = false;  ///< spans of one border are spans of the other
+        std::uint8_t side = 0;     ///< of the neighbour: u first, u last, v first, v last
+        std::size_t surface = 0;
+    };
+    void join_borders();
+
+    std::vector<std::shared_ptr<const NurbsSurface>> surfaces_;
+    Vec3 origin_{};
+    double size_ = 0.0;
+    std::vector<Join> joins_;  ///< side s of surface k at 4 k + s; empty: nothing is joined
+};
+
+}  // namespace palpate::engine

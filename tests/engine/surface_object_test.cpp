@@ -1,0 +1,228 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/surface_cuts.hpp"
+#include "tests/support/surface_hands.hpp"
+#include "tests/support/surface_scenes.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::Contains;
+
+namespace {
+
+SurfaceScene scene_of(const std::vector<SurfaceData>& pieces, const Friction& friction) {
+    return {made(pieces), SurfaceSceneSpec{.contact = {.friction = friction}}};
+}
+
+/// The middle of a knot interval, or a knot.
+double somewhere(const std::vector<double>& knots, int degree, Random& random) {
+    const auto p = static_cast<std::size_t>(degree);
+    const std::size_t k =
+        p + static_cast<std::size_t>(random.below(static_cast<int>(knots.size() - 2 * p) - 1));
+    return random.coin() && knots[k] > knots.front() ? knots[k] : 0.5 * (knots[k] + knots[k + 1]);
+}
+
+}  // namespace
+
+TEST_CASE("a surface that is cut into four is felt as if it were whole",
+          "[scene][surface][object][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    CAPTURE(seed);
+    Random random(seed + 900U);
+    const SurfaceData whole = seed % 2U == 0U ? bicubic_8x8(random, 0.7) : bicubic_8x8(random, 0.0);
+    const double u = somewhere(whole.knots_u, 3, random);
+    const double v = somewhere(whole.knots_v, 3, random);
+    const SurfaceData knotted = turned_by(creased_u(turned_by(creased_u(whole, u), 1), v), 3);
+    const Friction friction = seed % 5U == 4U ? Friction{} : some_friction(seed);
+    const SurfaceScene one = palpate::tests::scene_of(knotted, friction);
+    const SurfaceScene four = scene_of(quarters(whole, u, v, random), friction);
+    SurfaceState state_one;
+    SurfaceState state_four;
+    double worst = 0.0;
+    int touched = 0;
+    std::array<int, 4> on{};
+    for (const Vec3& h : surface_hand(one.surface(), seed, 6000, 0.002, 0.25)) {
+        const SurfaceContact a = one.tick(state_one, h);
+        const SurfaceContact b = four.tick(state_four, h);
+        REQUIRE(b.cp.proven);
+        REQUIRE(std::fabs(b.cp.distance - a.cp.distance) < 1e-15);
+        REQUIRE(a.mode == b.mode);
+        worst = std::max(worst, glm::length(a.force - b.force));
+        touched += b.mode != Mode::free ? 1 : 0;
+        ++on.at(static_cast<std::size_t>(b.surface));
+    }
+    CHECK(touched > 1000);
+    CHECK(std::count_if(on.begin(), on.end(), [](int n) { return n > 0; }) >= 2);
+    CHECK(worst < 1e-8);
+}
+
+TEST_CASE("the closest point of several surfaces is the nearest of all of theirs",
+          "[surface][object][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{12}));
+    CAPTURE(seed);
+    Random random(seed + 40U);
+    const SurfaceData whole = seed % 3U == 0U ? torus(0.06, 0.02)
+                            : seed % 3U == 1U ? bicubic_8x8(random, 0.7, 0.03)
+                                              : sphere(0.05);
+    const bool ball = seed % 3U == 2U;  // its knots in v end at 2
+    const auto pieces = quarters(whole, ball ? 1.5 : 2.0, ball ? 1.0 : random.in(0.5, 1.5), random);
+    const SurfaceFeet feet(std::make_shared<const SurfaceObject>(made(pieces)));
+    std::vector<SurfaceOracle> oracles(pieces.begin(), pieces.end());
+    SurfaceTrack track;
+    Vec3 h{};
+    for (int k = 0; k < 25; ++k) {
+        const bool jump = k % 5 == 0;
+        const double reach = jump ? 0.08 : 0.003;
+        h = (jump ? Vec3{} : h) +
+            Vec3{random.in(-reach, reach), random.in(-reach, reach), random.in(-reach, reach)};
+        long double exact = 1e300L;
+        for (SurfaceOracle& oracle : oracles) {
+            exact = std::min(exact, oracle.distance(h, 12));
+        }
+        const SurfaceClosest found = feet.track(track, h);
+        CHECK(found.proven);
+        CHECK(std::fabs(found.distance - static_cast<double>(exact)) < 1e-15);
+    }
+}
+
+TEST_CASE("from a box of six sides distance, closest point and side are the closed forms",
+          "[surface][object][law]") {
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{10}));
+    CAPTURE(seed);
+    Random random(seed);
+    const Vec3 half{random.in(0.01, 0.05), random.in(0.01, 0.05), random.in(0.01, 0.05)};
+    const SurfaceFeet feet(std::make_shared<const SurfaceObject>(made(box_sides(half, random))));
+    for (int k = 0; k < 400; ++k) {
+        Vec3 h{};
+        for (int c = 0; c < 3; ++c) {
+            h[c] = half[c] * random.in(-1.5, 1.5);
+        }
+        const Vec3 out = glm::max(glm::abs(h) - half, Vec3{});
+        const Vec3 room = half - glm::abs(h);
+        const bool inside = glm::length(out) == 0.0;
+        const double exact = inside ? std::min({room.x, room.y, room.z}) : glm::length(out);
+        const SurfaceClosest found = feet.closest(h);
+        REQUIRE(found.proven);
+        REQUIRE(std::fabs(found.distance - exact) < 2e-17);
+        REQUIRE(found.inside == inside);
+    }
+}
+
+TEST_CASE("from below a valley a hand meets the surface, in the crease and beside it",
+          "[surface][object][law]") {
+    // Through a rising crease HIP comes from nowhere nearer to a side than to the crease.
+    const auto seed = GENERATE(range(std::uint64_t{0}, std::uint64_t{20}));
+    CAPTURE(seed);
+    Random random(seed);
+    const double left = random.in(0.2, 2.0);
+    const double right = random.in(0.2, 2.0);
+    const SurfaceScene scene =
+        scene_of(roof(0.05, -left, -right), seed % 4U == 0U ? Friction{} : some_friction(seed));
+    SurfaceState state;
+    const Vec3 way{random.in(-0.3, 0.3) / left, random.in(-0.2, 0.2), -1.0};
+    Vec3 last{};
+    const double step = 2e-5;
+    for (int k = -20; k < 200; ++k) {
+        const Vec3 h = (step * k) * way;
+        const SurfaceContact c = scene.tick(state, h);
+        if (k <= 0) {
+            continue;
+        }
+        REQUIRE(c.mode != Mode::free);
+        REQUIRE(c.settled);
+        if (k > 1) {
+            REQUIRE(glm::length(c.force - last) < (2.0 + 2.0 * c.mu) * kStiffness * step *
+                                                      glm::length(way) *
+                                                      (1.0 + std::max(left, right)));
+        }
+        last = c.force;
+    }
+}
+
+TEST_CASE("over creases a contact gives back no more than was put in",
+          "[scene][surface][object][law]") {
+    constexpr int kEpisodes = 10'000;
+    double worst = -1.0;
+    int crossed = 0;
+    int contacts = 0;
+    for (int block = 0; block < 50; ++block) {
+        Random random(static_cast<std::uint64_t>(block) + 7U);
+        const double fall = random.in(-1.5, 1.5);
+        const auto pieces = block % 5 == 0 ? box_sides(Vec3{0.02, 0.03, 0.01}, random)
+                          : block % 5 == 1
+                              ? quarters(bicubic_8x8(random, 0.7, 0.03), 2.0, 2.5, random)
+                              : roof(0.05, fall, random.in(-1.0, 1.5));
+        const Friction friction = some_friction(static_cast<std::uint64_t>(block));
+        const SurfaceScene scene = scene_of(pieces, friction);
+        for (int episode = 0; episode < kEpisodes / 50; ++episode) {
+            SurfaceState state;
+            Vec3 h{random.in(-0.01, 0.01), random.in(-0.03, 0.03), random.in(-0.01, 0.01)};
+            Vec3 velocity{random.in(-1e-3, 1e-3), random.in(-1e-3, 1e-3), 0.0};
+            SurfaceContact last{};
+            Vec3 last_h{};
+            double sum = 0.0;
+            for (int k = 0; k < 30; ++k) {
+                velocity = 0.9 * velocity + 2e-4 * Vec3{random.in(-1.0, 1.0), random.in(-1.0, 1.0),
+                                                        random.in(-1.0, 1.0) - 30.0 * h.z};
+                h += velocity;
+                const SurfaceContact c = scene.tick(state, h);
+                const bool springy =
+                    glm::length(c.force - kStiffness * (c.go - h)) < 1e-9 || c.mode == Mode::free;
+                if (last.mode != Mode::free && springy) {
+                    const Vec3 dh = h - last_h;
+                    const double left = c.mode != Mode::free ? energy(c, h) : 0.0;
+                    sum = std::max(sum, 0.0) + glm::dot(last.force, dh) - energy(last, last_h) +
+                          left - 0.5 * kStiffness * glm::dot(dh, dh);
+                    worst = std::max(worst, sum);
+                }
+                crossed +=
+                    last.mode != Mode::free && c.mode != Mode::free && last.surface != c.surface
+                        ? 1
+                        : 0;
+                contacts += c.mode != Mode::free ? 1 : 0;
+                last = springy ? c : SurfaceContact{};
+                sum = c.mode == Mode::free || !springy ? 0.0 : sum;
+                last_h = h;
+            }
+        }
+    }
+    CHECK(crossed > 500);
+    CHECK(contacts > 50'000);
+    CHECK(worst < 1e-9);
+}
+
+TEST_CASE("surfaces that cannot be one object are refused with what to give", "[surface][object]") {
+    const auto object = [](const std::vector<SurfaceData>& pieces) {
+        return SurfaceObject(made(pieces));
+    };
+    auto pieces = roof(0.05, 1.0, 0.5);
+    CHECK_NOTHROW(object(pieces));
+    CHECK_THROWS_WITH(object({}), Contains("give at least one"));
+
+    auto gap = pieces;
+    gap[1].points[0][0].z += 1e-6;
+    CHECK_THROWS_WITH(object(gap), Contains("border u = 1 of surface 1") && Contains("m apart") &&
+                                       Contains("surface 2"));
+    auto flipped = pieces;
+    std::reverse(flipped[1].points.begin(), flipped[1].points.end());
+    CHECK_THROWS_WITH(object(flipped), Contains("in the other order"));
+    auto third = pieces;
+    third.push_back(pieces[1]);
+    CHECK_THROWS_WITH(object(third), Contains("more than one neighbour"));
+
+    // A side that is longer than its neighbour, and one with another pace along the same border.
+    auto longer = pieces;
+    for (auto& row : longer[1].points) {
+        row[1].y = 0.08;
+    }
+    CHECK_THROWS_WITH(object(longer), Contains("runs along") && Contains("cut"));
+    auto pace = pieces;
+    pace[1].weights = {{1.0, 3.0}, {1.0, 3.0}};
+    CHECK_THROWS_WITH(object(pace), Contains("runs along") && Contains("weights"));
+    auto scaled = pieces;  // all weights times one number is the same surface
+    scaled[1].weights = {{3.0, 3.0}, {3.0, 3.0}};
+    CHECK_NOTHROW(object(scaled));
+}
