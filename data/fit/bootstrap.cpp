@@ -61,6 +61,41 @@ private:
     std::vector<double> cumulative_{};  ///< none: it is always first_
 };
 
+/// Where the samples are drawn from.
+CurvePoint source(const CurveModel& model, const CurveFit& fit) {
+    constexpr Prior kWeak{2.0, 20.0};
+    constexpr double kNearItsMode = 0.05;
+    const CurveSpec& spec = model.spec();
+    const bool lapses = spec.lapse_free && !spec.lapse_prior;
+    const bool guesses = spec.guess_free && !spec.two_sided && !spec.guess_prior;
+    if (!lapses && !guesses) {
+        return fit.at;
+    }
+    CurveModel held = model;
+    held.set_rate_priors(guesses ? kWeak : spec.guess_prior, lapses ? kWeak : spec.lapse_prior);
+    CurvePoint start = fit.at;
+    start[2] = guesses ? kNearItsMode : start[2];
+    start[3] = lapses ? kNearItsMode : start[3];
+    return held.whole(climb(held, start, held.free()).at);
+}
+
+/// Told by its logarithm: it is above 0, and off by a factor.
+bool by_logarithm(const CurveSpec& spec, Quantity quantity) {
+    switch (quantity) {
+        case Quantity::jnd:
+        case Quantity::weber:
+        case Quantity::slope:
+            return true;
+        case Quantity::threshold:
+        case Quantity::at_share:
+            return spec.family == protocols::Family::weibull;
+        case Quantity::guess:
+        case Quantity::lapse:
+            return false;
+    }
+    return false;
+}
+
 }  // namespace
 
 Bootstrap bootstrap(const CurveModel& model,
@@ -71,13 +106,13 @@ Bootstrap bootstrap(const CurveModel& model,
     CurveModel drawn = model;
     const CurveMask free = model.free();
     std::vector<double> values(model.levels());
-    drawn.chances(fit.at, values);
+    Bootstrap all{.from = source(model, fit)};
+    drawn.chances(all.from, values);
     std::vector<Binomial> levels;
     for (std::size_t i = 0; i < values.size(); ++i) {
         levels.emplace_back(model.counts()[i], values[i]);
     }
     Pcg32 random(seed, stream);
-    Bootstrap all;
     all.at.reserve(samples);
     std::size_t worse = 1;
     for (std::size_t s = 0; s < samples; ++s) {
@@ -85,7 +120,7 @@ Bootstrap bootstrap(const CurveModel& model,
             values[i] = levels[i].draw(random);
         }
         drawn.set_hits(values);
-        Optimum found = climb(drawn, fit.at, free, 1e-7);
+        Optimum found = climb(drawn, all.from, free, 1e-7);
         if (!found.settled || found.at[1] >= model.high()[1] || found.at[1] <= model.low()[1]) {
             const CurveFit again = fit_curve(drawn);
             found = again.value > found.value ? Optimum{again.at, again.value, true} : found;
@@ -111,16 +146,45 @@ std::vector<double> of_all(const CurveSpec& spec,
     return values;
 }
 
-std::optional<Interval> bootstrap_interval(std::vector<double> values, double estimate) {
+std::optional<double> corrected(const CurveSpec& spec,
+                                const CurveFit& fit,
+                                const Bootstrap& samples,
+                                Quantity quantity,
+                                double share) {
+    const bool logarithm = by_logarithm(spec, quantity);
+    const auto told = [logarithm](double value) {
+        return logarithm ? engine::natural_log(value) : value;
+    };
+    double sum = 0.0;
+    std::size_t used = 0;
+    for (const double value : of_all(spec, samples, quantity, share)) {
+        if (std::isfinite(value) && (!logarithm || value > 0.0)) {
+            sum += told(value);
+            ++used;
+        }
+    }
+    const double estimate = quantity_of(spec, fit.at, quantity, share);
+    const double from = quantity_of(spec, samples.from, quantity, share);
+    const auto few = static_cast<double>(samples.at.size()) / 100.0;
+    if (used == 0 || static_cast<double>(samples.at.size() - used) > few ||
+        static_cast<double>(samples.steep) > few || !std::isfinite(told(estimate)) ||
+        !std::isfinite(told(from))) {
+        return std::nullopt;
+    }
+    const double value = told(estimate) - (sum / static_cast<double>(used) - told(from));
+    return logarithm ? protocols::exponential(value) : value;
+}
+
+std::optional<Interval> bootstrap_interval(std::vector<double> values, double from) {
     std::erase_if(values, [](double value) { return std::isnan(value); });
     constexpr std::size_t kFewest = 40;
-    if (values.size() < kFewest || !std::isfinite(estimate)) {
+    if (values.size() < kFewest || !std::isfinite(from)) {
         return std::nullopt;
     }
     std::ranges::sort(values);
-    const double slack = 1e-9 * std::fabs(estimate);
-    const auto below = std::ranges::lower_bound(values, estimate - slack) - values.begin();
-    const auto up_to = std::ranges::upper_bound(values, estimate + slack) - values.begin();
+    const double slack = 1e-9 * std::fabs(from);
+    const auto below = std::ranges::lower_bound(values, from - slack) - values.begin();
+    const auto up_to = std::ranges::upper_bound(values, from + slack) - values.begin();
     const auto n = static_cast<double>(values.size());
     const double z0 = protocols::normal_quantile(0.5 * static_cast<double>(below + up_to) / n);
     if (!std::isfinite(z0)) {

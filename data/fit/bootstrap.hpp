@@ -13,6 +13,9 @@ namespace palpate::data {
 /// Fits of answers drawn anew, n at each level as in the data, k binomial with the fitted chance. The levels of an
 /// adaptive run are kept as they were, though other answers would have led to others.
 struct Bootstrap {
+    /// The curve that they are drawn from: the fit, or, where rates are free and have no prior, the maximum with
+    /// beta(2, 20) of these. Drawn from a rate of 0 nothing would vary that the rate can hide.
+    CurvePoint from{};
     std::vector<CurvePoint> at{};
     std::size_t steep = 0;  ///< of these, whose slope has no end
     /// Share of fits, the data's own counted as one, with a deviance at least as high as the data's: goodness of fit by
@@ -33,10 +36,18 @@ struct Bootstrap {
                                          Quantity quantity,
                                          double share = 0.5);
 
+/// The estimate less its bias, as the samples have it: of what they were drawn from they are off by so much on the
+/// average, on the logarithm of what is above 0. A rate's may be below 0. Nothing where more than 1 % of the samples
+/// have no such quantity, or slopes without end.
+[[nodiscard]] std::optional<double> corrected(const CurveSpec& spec,
+                                              const CurveFit& fit,
+                                              const Bootstrap& samples,
+                                              Quantity quantity,
+                                              double share = 0.5);
+
 /// 95 % bias-corrected percentiles (B. Efron, J. Am. Stat. Assoc. 82:171, 1987, without acceleration): with
-/// z0 = probit(share of values below the estimate, half of equal ones), the values at Phi(2 z0 -+ 1.96). Values that
-/// are NaN are left out; nothing for fewer than 40 others, or where z0 is not finite.
-[[nodiscard]] std::optional<Interval> bootstrap_interval(std::vector<double> values,
-                                                         double estimate);
+/// z0 = probit(share of values below that of the curve they were drawn from, half of equal ones), the values at
+/// Phi(2 z0 -+ 1.96). Values that are NaN are left out; nothing for fewer than 40 others, or where z0 is not finite.
+[[nodiscard]] std::optional<Interval> bootstrap_interval(std::vector<double> values, double from);
 
 }  // namespace palpate::data

@@ -104,6 +104,10 @@ public:
     [[nodiscard]] std::span<const double> counts() const { return n_; }
     void set_hits(std::span<const double> hits) { k_.assign(hits.begin(), hits.end()); }
     void tie(const Tie& tie) { tie_ = tie; }
+    void set_rate_priors(const std::optional<Prior>& guess, const std::optional<Prior>& lapse) {
+        spec_.guess_prior = guess;
+        spec_.lapse_prior = lapse;
+    }
 
     /// The log-likelihood (without the binomial coefficients, which no parameter changes) and the log of the priors'
     /// densities, but for constants.

@@ -42,11 +42,13 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
                 {"levels", curve.model.levels()},
                 {"answers", answers_of(curve)}};
     for (const Told& told : curve.told) {
-        one[key_of(told.quantity)] = {{"estimate", number(told.value)},
-                                      {"given", told.fixed},
-                                      {"se", told.se ? number(*told.se) : Json(nullptr)},
-                                      {"profile_95", interval_json(told.profile)},
-                                      {"bootstrap_95", interval_json(told.bootstrap)}};
+        one[key_of(told.quantity)] = {
+            {"estimate", number(told.value)},
+            {"given", told.fixed},
+            {"se", told.se ? number(*told.se) : Json(nullptr)},
+            {"profile_95", interval_json(told.profile)},
+            {"bootstrap_95", interval_json(told.bootstrap)},
+            {"corrected", told.corrected ? number(*told.corrected) : Json(nullptr)}};
     }
     one["deviance"] = curve.fit.deviance;
     one["parameters"] = curve.fit.parameters;

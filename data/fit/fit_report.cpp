@@ -28,7 +28,9 @@ Told told_of(const FittedCurve& curve, const FitOptions& options, Quantity quant
         told.profile = profile_interval(curve.model, curve.fit, quantity, share);
         if (!curve.samples.at.empty() && !curve.fit.steep) {
             told.bootstrap =
-                bootstrap_interval(of_all(spec, curve.samples, quantity, share), value);
+                bootstrap_interval(of_all(spec, curve.samples, quantity, share),
+                                   quantity_of(spec, curve.samples.from, quantity, share));
+            told.corrected = corrected(spec, curve.fit, curve.samples, quantity, share);
         }
     }
     const bool of_steepness =
@@ -71,8 +73,7 @@ double value_of(const FittedCurve& curve, Quantity quantity) {
 std::optional<Interval> interval_of_difference(const CurveSpec& spec,
                                                const FittedCurve& one,
                                                const FittedCurve& two,
-                                               Quantity quantity,
-                                               double difference) {
+                                               Quantity quantity) {
     const std::vector<double> first = of_all(spec, one.samples, quantity);
     std::vector<double> second = of_all(spec, two.samples, quantity);
     if (first.size() != second.size()) {
@@ -81,7 +82,8 @@ std::optional<Interval> interval_of_difference(const CurveSpec& spec,
     for (std::size_t i = 0; i < second.size(); ++i) {
         second[i] -= first[i];
     }
-    return bootstrap_interval(std::move(second), difference);
+    return bootstrap_interval(std::move(second), quantity_of(spec, two.samples.from, quantity) -
+                                                     quantity_of(spec, one.samples.from, quantity));
 }
 
 const FittedCurve* find_curve(const FitReport& report,
@@ -105,9 +107,8 @@ void compare(FitReport& report) {
         Difference made{.participant = two.answers.participant};
         made.threshold = value_of(two, Quantity::threshold) - value_of(*one, Quantity::threshold);
         made.jnd = value_of(two, Quantity::jnd) - value_of(*one, Quantity::jnd);
-        made.threshold_interval =
-            interval_of_difference(spec, *one, two, Quantity::threshold, made.threshold);
-        made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd, made.jnd);
+        made.threshold_interval = interval_of_difference(spec, *one, two, Quantity::threshold);
+        made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd);
         made.threshold_p =
             equality_p(one->model, one->fit, two.model, two.fit, Quantity::threshold);
         made.slope_p = equality_p(one->model, one->fit, two.model, two.fit, Quantity::slope);

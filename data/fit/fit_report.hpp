@@ -44,6 +44,7 @@ struct Told {
     std::optional<double> se{};
     std::optional<Interval> profile{};
     std::optional<Interval> bootstrap{};
+    std::optional<double> corrected{};  ///< the estimate less its bias by the bootstrap
 };
 
 struct FittedCurve {

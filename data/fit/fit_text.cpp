@@ -43,12 +43,10 @@ std::string head_text(const FitReport& report) {
         core_of(spec.family), guess_text(spec), rate_text(spec.lapse_free, spec.lapse),
         spec.map() ? "MAP with priors " + priors_text(spec) : "maximum likelihood, no priors");
     if (report.options.bootstrap > 0) {
-        text += fmt::format("; bias-corrected percentiles of {} bootstrap samples, seed {}",
-                            report.options.bootstrap, report.options.seed);
-    }
-    if (spec.guess_free || spec.lapse_free) {
-        text +=
-            "\n  With free rates trust the profile: bootstrap intervals of 95 % hold 89 to 94 %.";
+        text += fmt::format(
+            "; bias-corrected percentiles of {} bootstrap samples, seed {}\n"
+            "  corrected: the estimate less its bias in these samples",
+            report.options.bootstrap, report.options.seed);
     }
     return text + '\n';
 }
@@ -75,7 +73,8 @@ std::string told_text(const FitOptions& options, const Told& told) {
     std::string line =
         fmt::format("  {:<15} {:<10} {:<10} {:<22}", name, value, se, interval_text(told.profile));
     if (options.bootstrap > 0) {
-        line += ' ' + interval_text(told.bootstrap);
+        line += fmt::format(" {:<22} {}", interval_text(told.bootstrap),
+                            told.corrected ? fmt::format("{:.4g}", *told.corrected) : "-");
     }
     return line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
 }
@@ -92,7 +91,7 @@ std::string curve_text(const FitReport& report, const FittedCurve& curve) {
         text += fmt::format(", p = {:.3g} by simulation", curve.samples.deviance_p);
     }
     text += fmt::format("\n  {:<15} {:<10} {:<10} {:<22}{}\n", "", "estimate", "se", "profile",
-                        options.bootstrap > 0 ? " bootstrap" : "");
+                        options.bootstrap > 0 ? fmt::format(" {:<22} corrected", "bootstrap") : "");
     for (const Told& told : curve.told) {
         text += told_text(options, told);
     }
