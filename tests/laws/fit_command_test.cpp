@@ -122,6 +122,22 @@ TEST_CASE("palpate fit says of thresholds, slopes, intervals and deviances what 
     }
 }
 
+// Values: psignifit 3 (github.com/mih/Psignifit-3.x, tests/interface_test.py, TestMapestimate.test_old_doctest), two
+// alternatives, logistic of (x - a) / b, lapses flat in 0 to 0.1. Its search stops where the deviance is 2e-8 above the least.
+TEST_CASE("palpate fit says of psignifit's example what psignifit says", "[fit][law]") {
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"),
+          "stimulus,n,k\n0,50,34\n2,50,32\n4,50,40\n6,50,48\n8,50,50\n10,50,48\n");
+    const Json all = fitted({folder.file("d.csv"), "--function", "logistic", "--guess", "0.5",
+                             "--lapse", "free", "--bootstrap", "0"});
+    const Json& curve = all["curves"][0];
+    CHECK(curve["threshold"]["estimate"].get<double>() == Approx(2.7518062397).epsilon(3e-6));
+    CHECK(1.0 / curve["slope"]["estimate"].get<double>() == Approx(1.4571774452).epsilon(5e-5));
+    CHECK(curve["lapse"]["estimate"].get<double>() == Approx(0.0155565836).epsilon(2e-4));
+    CHECK(curve["deviance"].get<double>() == Approx(8.07133136423).epsilon(3e-9));
+    CHECK(curve["deviance"].get<double>() <= 8.07133136423);
+}
+
 TEST_CASE("palpate fit prints what its JSON holds, the same every time, and draws it", "[fit]") {
     const TemporaryFolder folder;
     write(folder.file("d.csv"), kTwoConditions);
