@@ -126,6 +126,18 @@ Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
     return best;
 }
 
+Footing SurfaceGround::carrier(const SurfaceSpot& s) noexcept {
+    Footing best{s, Footing::Way::held, s.excess};
+    const SurfaceObject::Around all = surface_.around(s.place);
+    for (std::size_t k = 1; k < all.count; ++k) {
+        const SurfaceSpot next = look(all.places[k]);
+        if (next.load > best.spot.load) {
+            best = {next, Footing::Way::held, next.excess};
+        }
+    }
+    return best;
+}
+
 bool SurfaceGround::better(const Footing& next, const Footing& best) const noexcept {
     const int by = rank(next) - rank(best);
     return by > 0 || (by == 0 && best.way != Footing::Way::rests &&

@@ -65,6 +65,10 @@ public:
     /// them has to offer: the patch, or its edge. The steepest one wins.
     [[nodiscard]] Footing footing(const SurfaceSpot& s) noexcept;
 
+    /// Held at the end of a way along an edge, by the patch there that carries most: which of two sides that way was
+    /// measured on is a matter of last bits.
+    [[nodiscard]] Footing carrier(const SurfaceSpot& s) noexcept;
+
     /// The place is on an edge between two patches or on a point that patches surround, not on an
     /// open border.
     [[nodiscard]] bool enclosed(const SurfacePlace& p) const noexcept;

@@ -101,6 +101,9 @@ void SurfaceObject::join_borders() {
         for (std::size_t n = m + 1; n < borders.size(); ++n) {
             const SurfaceBorder& a = borders[m];
             const SurfaceBorder& b = borders[n];
+            if (a.surface() == b.surface()) {
+                continue;  // closed or not, as the surface says
+            }
             for (const bool reversed : {false, true}) {
                 if (apart(a, b, same) ||
                     glm::length(a.at(0.0) - b.at(reversed ? 1.0 : 0.0)) > same ||
@@ -137,7 +140,7 @@ void SurfaceObject::join_borders() {
     const double near = kNearly * size_;
     for (const SurfaceBorder& a : borders) {
         for (const SurfaceBorder& b : borders) {
-            if (&a == &b || of(a).joined || of(b).joined || apart(a, b, near)) {
+            if (a.surface() == b.surface() || of(a).joined || of(b).joined || apart(a, b, near)) {
                 continue;
             }
             const double gap = std::min(sampled_gap(a, b, false), sampled_gap(a, b, true));

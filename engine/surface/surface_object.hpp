@@ -17,7 +17,7 @@ struct SurfaceHeading {
 
 /// One NURBS surface or several that are joined into one object.
 ///
-/// Two open borders are joined when they are the same curve in one of the two directions: in equal
+/// Two open borders of different surfaces are joined when they are the same curve in one of the two directions: in equal
 /// shares of their knot ranges they are nowhere farther apart than kJoined of the object's size,
 /// shown by the Bernstein coefficients of their difference. A joined border is an edge like those
 /// between the patches of one surface; a border without a neighbour is open. A border that is one

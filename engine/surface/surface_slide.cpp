@@ -26,6 +26,9 @@ public:
             slid += glm::length(next.jet.point - at.spot.jet.point);
             if (done_) {
                 at.spot = next;
+                if (at.way != Way::open) {
+                    at = ground_.carrier(next);
+                }
                 break;
             }
             at = ground_.footing(next);
@@ -271,8 +274,8 @@ private:
 
     [[nodiscard]] SurfaceSlide result(const Footing& at, double slid) const noexcept {
         const SurfaceSpot& s = at.spot;
-        const bool fine =
-            at.way == Way::held ? s.excess <= 1e-13 * (size_ + std::sqrt(s.r2)) : last_bits(s);
+        const bool barred = at.way == Way::held && !done_;
+        const bool fine = barred ? s.excess <= 1e-13 * (size_ + std::sqrt(s.r2)) : last_bits(s);
         const bool outside = !SurfaceGround::settled(s) && !fine;
         return {.place = s.place,
                 .point = s.jet.point,
@@ -283,7 +286,7 @@ private:
                 .slid = slid,
                 .outside_cone = outside,
                 .in_crease = outside && at.way == Way::held && ground_.enclosed(s.place),
-                .settled = !tired() && (!outside || at.way == Way::held || foot_)};
+                .settled = !tired() && (!outside || barred || foot_)};
     }
 
     /// Newton's steps have come to where rounding decides, or soon will.

@@ -17,7 +17,7 @@ using namespace palpate::stress;
 
 constexpr const char* kUsage =
     "palpate_stress [--seconds N] [--seed S] [--scenes N] [--mood gentle|wild|study|cusp|huge]\n"
-    "               [--object outline|surface] [--out DIR]\n"
+    "               [--object outline|surface|patches] [--out DIR]\n"
     "  random scenes from seed S on, until N seconds are over or so many scenes were felt.\n"
     "  A failure writes DIR/stress_SEED.toml and .csv, which `palpate render` reads.\n";
 
@@ -27,7 +27,7 @@ struct Options {
     std::uint64_t scenes = UINT64_MAX;
     std::string out = ".";
     Mood mood = Mood::wild;
-    bool surface = false;
+    std::string object = "outline";
 };
 
 Options options_of(const std::vector<std::string>& words) {
@@ -43,8 +43,9 @@ Options options_of(const std::vector<std::string>& words) {
             options.seed = std::stoull(value);
         } else if (words[i] == "--scenes") {
             options.scenes = std::stoull(value);
-        } else if (words[i] == "--object" && (value == "outline" || value == "surface")) {
-            options.surface = value == "surface";
+        } else if (words[i] == "--object" &&
+                   (value == "outline" || value == "surface" || value == "patches")) {
+            options.object = value;
         } else if (const auto mood = std::find(kMoods.begin(), kMoods.end(), value);
                    words[i] == "--mood" && mood != kMoods.end()) {
             options.mood = static_cast<Mood>(mood - kMoods.begin());
@@ -115,8 +116,14 @@ int main(int count, char** arguments) {
     for (std::uint64_t seed = options.seed;
          tally.scenes < options.scenes && seconds() < options.seconds; ++seed) {
         ++tally.scenes;
-        if (options.surface) {
+        if (options.object == "surface") {
             judge(random_surface_case(seed, options.mood), options, tally, broken);
+        } else if (options.object == "patches") {
+            if (const auto c = random_patches_case(seed, options.mood)) {
+                judge(*c, options, tally, broken);
+            } else {
+                ++tally.refused_scenes;
+            }
         } else if (const auto c = random_case(seed, options.mood)) {
             judge(*c, options, tally, broken);
         } else {

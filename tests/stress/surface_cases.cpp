@@ -5,10 +5,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "tests/support/surfaces.hpp"
+#include "tests/support/surface_cuts.hpp"
 
 namespace palpate::stress {
 namespace {
@@ -312,11 +313,28 @@ std::string rows(const std::vector<std::vector<double>>& values) {
     return text + "]\n";
 }
 
+std::string surface_text(const SurfaceData& d, const char* head) {
+    std::string text =
+        fmt::format("{}\ndegree_u = {}\ndegree_v = {}\nknots_u = [{}]\nknots_v = [{}]\n", head,
+                    d.degree_u, d.degree_v, fmt::join(d.knots_u, ", "), fmt::join(d.knots_v, ", "));
+    text += "points_m = [";
+    for (const auto& row : d.points) {
+        text += "[";
+        for (const Vec3& p : row) {
+            text += fmt::format("[{}, {}, {}], ", p.x, p.y, p.z);
+        }
+        text += "],\n";
+    }
+    text += "]\n";
+    return d.weights.empty() ? text : text + "weights = " + rows(d.weights);
+}
+
 }  // namespace
 
 SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
     Random random(seed);
-    SurfaceCase c{.seed = seed, .data = random_data(random, mood), .surface = {}, .path = {}};
+    SurfaceCase c{
+        .seed = seed, .data = random_data(random, mood), .pieces = {}, .surface = {}, .path = {}};
     const double size = random.coin() ? random.decade(-2.0, 0.0) : random.decade(-6.0, 3.0);
     const Vec3 away =
         random.below(6) == 0 ? random.decade(0.0, 2.0) * point(random, -1.0, 1.0) : Vec3{};
@@ -343,6 +361,59 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
     return c;
 }
 
+std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood) {
+    SurfaceCase c = random_surface_case(seed, mood);
+    Random random(seed + 5'000'000U);
+    const SurfaceData whole = tests::turned_by(c.data, random.below(2));
+    // At a knot, mostly: there the surface is as smooth as its pieces allow.
+    const auto cut = [&random](const std::vector<double>& knots) {
+        const double knot =
+            knots[static_cast<std::size_t>(random.below(static_cast<int>(knots.size())))];
+        return knot > knots.front() && knot < knots.back()
+                 ? knot
+                 : knots.front() + random.in(0.2, 0.8) * (knots.back() - knots.front());
+    };
+    const double v = cut(whole.knots_v);
+    const bool across = random.coin();
+    const auto halves = tests::cut_u(whole, cut(whole.knots_u));
+    for (const SurfaceData& half : {halves.first, halves.second}) {
+        if (!across) {
+            c.pieces.push_back(half);
+            continue;
+        }
+        const auto parts = tests::cut_u(tests::turned(half), v);  // u runs as v did
+        c.pieces.push_back(parts.first);
+        c.pieces.push_back(parts.second);
+    }
+    if (random.coin()) {
+        const double bend = c.surface->size() * random.decade(-3.0, -0.7);
+        for (SurfaceData& d : c.pieces) {
+            const Vec3 by = bend * point(random, -1.0, 1.0);
+            for (std::size_t i = 1; i + 1 < d.points.size(); ++i) {
+                for (std::size_t j = 1; j + 1 < d.points[i].size(); ++j) {
+                    d.points[i][j] += by;
+                }
+            }
+        }
+    }
+    for (SurfaceData& d : c.pieces) {
+        d = tests::turned_by(d, random.below(4));
+    }
+    try {
+        static_cast<void>(engine::SurfaceObject(surfaces_of(c)));
+    } catch (const std::invalid_argument&) {
+        return std::nullopt;
+    }
+    return c;
+}
+
+std::vector<std::shared_ptr<const engine::NurbsSurface>> surfaces_of(const SurfaceCase& c) {
+    if (c.pieces.empty()) {
+        return {c.surface};
+    }
+    return tests::made(c.pieces);
+}
+
 std::string scene_text(const SurfaceCase& c) {
     constexpr std::array<const char*, 3> kNames{"frictionless", "gos", "coulomb"};
     const engine::Friction& f = c.spec.friction;
@@ -354,19 +425,10 @@ std::string scene_text(const SurfaceCase& c) {
         text += fmt::format("mu_s = {}\nmu_d = {}\ntau_slip_s = {}\ntau_heal_s = {}\n", f.mu_s,
                             f.mu_d, f.tau_slip, f.tau_heal);
     }
-    text += fmt::format("[surface]\ndegree_u = {}\ndegree_v = {}\nknots_u = [{}]\nknots_v = [{}]\n",
-                        c.data.degree_u, c.data.degree_v, fmt::join(c.data.knots_u, ", "),
-                        fmt::join(c.data.knots_v, ", "));
-    text += "points_m = [";
-    for (const auto& row : c.data.points) {
-        text += "[";
-        for (const Vec3& p : row) {
-            text += fmt::format("[{}, {}, {}], ", p.x, p.y, p.z);
-        }
-        text += "],\n";
+    for (const SurfaceData& d : c.pieces) {
+        text += surface_text(d, "[[surface]]");
     }
-    text += "]\n";
-    return c.data.weights.empty() ? text : text + "weights = " + rows(c.data.weights);
+    return c.pieces.empty() ? text + surface_text(c.data, "[surface]") : text;
 }
 
 std::string path_text(const SurfaceCase& c) {

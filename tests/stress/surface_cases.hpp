@@ -15,7 +15,9 @@ namespace palpate::stress {
 
 struct SurfaceCase {
     std::uint64_t seed = 0;
-    tests::SurfaceData data;
+    tests::SurfaceData
+        data;  ///< over which the hand goes: what is felt, or the whole of its pieces
+    std::vector<tests::SurfaceData> pieces;  ///< joined; empty: one surface
     protocols::Law law = protocols::Law::frictionless;
     engine::SceneSpec spec{};
     std::shared_ptr<const engine::NurbsSurface> surface;
@@ -26,6 +28,13 @@ struct SurfaceCase {
 /// them. Wild: degrees 1 to 9, weights 1e-3 to 1e3, sizes 1e-6 to 1e3 m, folded and degenerate
 /// sheets, edges that are a point, heavy control points far away, hands that jump.
 [[nodiscard]] SurfaceCase random_surface_case(std::uint64_t seed, Mood mood);
+/// The same in two or four pieces, turned at random; in half of the cases bent, so that their joints are creases.
+/// None where folds lie on each other, which are no object.
+[[nodiscard]] std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood);
+
+/// What is felt, ready for a scene.
+[[nodiscard]] std::vector<std::shared_ptr<const engine::NurbsSurface>> surfaces_of(
+    const SurfaceCase& c);
 
 /// As `palpate render` reads them, every number with all its digits.
 [[nodiscard]] std::string scene_text(const SurfaceCase& c);

@@ -54,11 +54,14 @@ std::vector<std::size_t> pieces_at(const std::vector<double>& t, double u) {
 
 }  // namespace
 
-SurfaceLaws::SurfaceLaws(const engine::SurfaceScene& scene, const tests::SurfaceData& data)
-    : scene_(&scene), oracle_(data) {
-    for (const auto& row : data.points) {
-        for (const Vec3& p : row) {
-            extent_ = std::max(extent_, largest(p));
+SurfaceLaws::SurfaceLaws(const engine::SurfaceScene& scene,
+                         const std::vector<tests::SurfaceData>& data)
+    : scene_(&scene), oracles_(data.begin(), data.end()) {
+    for (const tests::SurfaceData& piece : data) {
+        for (const auto& row : piece.points) {
+            for (const Vec3& p : row) {
+                extent_ = std::max(extent_, largest(p));
+            }
         }
     }
 }
@@ -105,7 +108,7 @@ std::optional<Breach> SurfaceLaws::look(const Vec3& h,
 /// god-object.
 bool SurfaceLaws::held_for_a_reason(const Tick& now) const {
     const SurfaceContact& c = now.contact;
-    const auto& d = oracle_.data();
+    const auto& d = oracle(c).data();
     const auto near = [](const std::vector<double>& t, double u) {
         return std::any_of(t.begin(), t.end(), [&](double knot) {
             return std::fabs(u - knot) <= 1e-9 * (t.back() - t.front());
@@ -120,7 +123,7 @@ bool SurfaceLaws::held_for_a_reason(const Tick& now) const {
 /// Where the tangents are nearly one: Newton's step to the foot bends as much as it leads, so that what is
 /// left along the surface is no measure of how far it is.
 bool SurfaceLaws::step_bends(const Tick& now) const {
-    const LongJet j = oracle_.jet(now.contact.go_u, now.contact.go_v);
+    const LongJet j = oracle(now.contact).jet(now.contact.go_u, now.contact.go_v);
     const Long3 r = minus(j.s, now.h);
     const long double uu = inner(j.su, j.su) + inner(r, j.suu);
     const long double uv = inner(j.su, j.sv) + inner(r, j.suv);
@@ -137,11 +140,11 @@ bool SurfaceLaws::step_bends(const Tick& now) const {
 
 /// Where the tangents vanish, or are one, the normal is a limit and hangs on rounding.
 bool SurfaceLaws::singular(const SurfaceContact& c) const {
-    const LongJet jet = oracle_.jet(c.go_u, c.go_v);
+    const LongJet jet = oracle(c).jet(c.go_u, c.go_v);
     const double a = length(jet.su);
     const double b = length(jet.sv);
     const double area = length(cross(jet.su, jet.sv));
-    const double size = scene_->surface().size();
+    const double size = scene_->object().size();
     return a < 1e-4 * size || b < 1e-4 * size || area < 1e-3 * a * b;
 }
 
@@ -169,10 +172,10 @@ void SurfaceLaws::check_contact(const Tick& now) {
     }
     double off = 1e300;
     double turned = 1e300;
-    const auto& d = oracle_.data();
+    const auto& d = oracle(c).data();
     for (const std::size_t pu : pieces_at(d.knots_u, c.go_u)) {
         for (const std::size_t pv : pieces_at(d.knots_v, c.go_v)) {
-            const LongJet jet = oracle_.jet(pu, pv, c.go_u, c.go_v);
+            const LongJet jet = oracle(c).jet(pu, pv, c.go_u, c.go_v);
             // The last bits of u and v are worth most where heavy control points pull.
             const double bits =
                 4e-16 * (length(jet.su) * d.knots_u.back() + length(jet.sv) * d.knots_v.back());
@@ -181,7 +184,7 @@ void SurfaceLaws::check_contact(const Tick& now) {
             const double across = length(area);
             const double a = length(jet.su);
             const double b = length(jet.sv);
-            const double size = scene_->surface().size();
+            const double size = scene_->object().size();
             if (across > 1e-3 * a * b && a > 1e-3 * size && b > 1e-3 * size) {
                 turned = std::min(turned, length(minus((1.0L / across) * area, c.normal)));
             } else {
@@ -216,7 +219,8 @@ void SurfaceLaws::check_walk(const Tick& now,
     if (along < c.mu * load * (1.0 - 1e-9) - kConeSlack * same_) {
         check("inside its cone the god-object stays", way, same_);
     }
-    const bool same_patch = before.place.i == after.place.i && before.place.j == after.place.j;
+    const bool same_patch = before.place.surface == after.place.surface &&
+                            before.place.i == after.place.i && before.place.j == after.place.j;
     if (same_patch && c.mode != Mode::stuck && !c.outside_cone && c.settled &&
         !held_for_a_reason(now)) {
         const double k = scene_->spec().contact.stiffness;

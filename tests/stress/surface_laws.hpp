@@ -12,7 +12,7 @@ namespace palpate::stress {
 
 class SurfaceLaws {
 public:
-    SurfaceLaws(const engine::SurfaceScene& scene, const tests::SurfaceData& data);
+    SurfaceLaws(const engine::SurfaceScene& scene, const std::vector<tests::SurfaceData>& data);
 
     /// The first law that the tick broke. @param before, after  the states round it
     [[nodiscard]] std::optional<Breach> look(const engine::Vec3& h,
@@ -35,12 +35,15 @@ private:
                     const engine::SurfaceState& before,
                     const engine::SurfaceState& after);
     void check_energy(const Tick& now);
+    [[nodiscard]] const tests::SurfaceOracle& oracle(const engine::SurfaceContact& c) const {
+        return oracles_[static_cast<std::size_t>(c.surface)];
+    }
     [[nodiscard]] bool singular(const engine::SurfaceContact& c) const;
     [[nodiscard]] bool held_for_a_reason(const Tick& now) const;
     [[nodiscard]] bool step_bends(const Tick& now) const;
 
     const engine::SurfaceScene* scene_;
-    tests::SurfaceOracle oracle_;
+    std::vector<tests::SurfaceOracle> oracles_;
     double extent_ = 0.0;
     double same_ = 0.0;
     std::size_t ticks_ = 0;

@@ -46,8 +46,8 @@ double time_of(const engine::SurfaceScene& scene,
 }  // namespace
 
 std::optional<Breach> feel(const SurfaceCase& c, Tally& tally, bool watch) {
-    const engine::SurfaceScene scene(c.surface, c.spec);
-    SurfaceLaws laws(scene, c.data);
+    const engine::SurfaceScene scene(surfaces_of(c), engine::SurfaceSceneSpec{.contact = c.spec});
+    SurfaceLaws laws(scene, c.pieces.empty() ? std::vector{c.data} : c.pieces);
     engine::SurfaceState state;
     for (std::size_t i = 0; i < c.path.size(); ++i) {
         const engine::SurfaceState before = state;
