@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "engine/surface/surface_scene.hpp"
-#include "tests/support/random.hpp"
+#include "tests/support/surface_cuts.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -173,7 +173,7 @@ Surface hills(const std::string& name, bool rational) {
     return surface;
 }
 
-std::shared_ptr<const engine::NurbsSurface> nurbs_of(const Surface& surface) {
+tests::SurfaceData data_of(const Surface& surface) {
     std::vector<std::vector<Vec3>> points(surface.columns);
     std::vector<std::vector<double>> weights(surface.columns);
     for (std::size_t i = 0; i < surface.columns; ++i) {
@@ -182,8 +182,7 @@ std::shared_ptr<const engine::NurbsSurface> nurbs_of(const Surface& surface) {
             weights[i].push_back(surface.weights[j * surface.columns + i]);
         }
     }
-    return std::make_shared<const engine::NurbsSurface>(
-        kSurfaceDegree, kSurfaceDegree, surface.knots_u, surface.knots_v, points, weights);
+    return {kSurfaceDegree, kSurfaceDegree, surface.knots_u, surface.knots_v, points, weights};
 }
 
 /// S and its five derivatives, each evaluation waiting for the one before.
@@ -226,11 +225,11 @@ struct SurfaceTick {
     std::shared_ptr<const engine::SurfaceScene> scene;
     engine::SurfaceState state{};
 
-    SurfaceTick(const std::shared_ptr<const engine::NurbsSurface>& surface,
+    SurfaceTick(const tests::Pieces& surfaces,
                 const engine::Friction& friction,
                 bool look_in_contact = true)
         : scene(std::make_shared<const engine::SurfaceScene>(
-              surface,
+              surfaces,
               engine::SurfaceSceneSpec{.contact = {.friction = friction},
                                        .look_in_contact = look_in_contact})) {}
     void reset(const Vec3& /*first*/) { state = {}; }
@@ -339,17 +338,28 @@ std::vector<Truth<3>> truths(const Surface& surface, const std::vector<Vec3>& pa
 
 Methods<3> own_surface_methods(const Surface& surface) {
     Methods<3> methods;
-    const auto made = nurbs_of(surface);
+    const tests::SurfaceData data = data_of(surface);
+    const auto made = tests::made(data);
     methods.push_back(make_method<3>("one evaluation", Kind::floor, SurfaceEvaluation{made}));
     const auto feet = std::make_shared<const engine::SurfaceFeet>(made);
     methods.push_back(make_method<3>("certified", Kind::global, CertifiedSurface{feet}));
     methods.push_back(make_method<3>("global, cold", Kind::global, GlobalSurface{feet}));
-    methods.push_back(make_method<3>("tick, friction", Kind::floor, SurfaceTick(made, kFriction)));
+    methods.push_back(
+        make_method<3>("tick, friction", Kind::floor, SurfaceTick({made}, kFriction)));
     methods.push_back(make_method<3>("tick, friction, force only", Kind::floor,
-                                     SurfaceTick(made, kFriction, false)));
-    methods.push_back(make_method<3>("tick, frictionless", Kind::floor, SurfaceTick(made, {})));
+                                     SurfaceTick({made}, kFriction, false)));
+    methods.push_back(make_method<3>("tick, frictionless", Kind::floor, SurfaceTick({made}, {})));
     methods.push_back(make_method<3>("tick, frictionless, force only", Kind::floor,
-                                     SurfaceTick(made, {}, false)));
+                                     SurfaceTick({made}, {}, false)));
+    tests::Random turns(1);  // cut between knots, where no patch of the whole ends
+    const tests::Pieces four = tests::made(tests::quarters(data, 0.5, 0.47, turns));
+    methods.push_back(make_method<3>("four joined, certified", Kind::global,
+                                     CertifiedSurface{std::make_shared<const engine::SurfaceFeet>(
+                                         std::make_shared<const engine::SurfaceObject>(four))}));
+    methods.push_back(
+        make_method<3>("four joined, tick, friction", Kind::floor, SurfaceTick(four, kFriction)));
+    methods.push_back(make_method<3>("four joined, tick, friction, force only", Kind::floor,
+                                     SurfaceTick(four, kFriction, false)));
     return methods;
 }
 
