@@ -56,6 +56,9 @@ public:
     [[nodiscard]] const Box<3>& box() const noexcept { return box_; }
     /// The same surface, kept about another origin, m.
     [[nodiscard]] NurbsSurface about(const Vec3& origin) const;
+    /// What lies within [lo_u, hi_u] x [lo_v, hi_v], with the same parameters: an exact cut.
+    /// @pre  both within the domain, low < high
+    [[nodiscard]] NurbsSurface part(double lo_u, double hi_u, double lo_v, double hi_v) const;
 
     /// S and its derivatives, world frame. Outside of the domain the end patch goes on.
     [[nodiscard]] SurfaceJet at(double u, double v) const noexcept;
