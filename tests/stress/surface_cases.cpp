@@ -305,14 +305,6 @@ private:
     std::vector<Vec3> path_;
 };
 
-std::string rows(const std::vector<std::vector<double>>& values) {
-    std::string text = "[";
-    for (const auto& row : values) {
-        text += fmt::format("[{}],\n", fmt::join(row, ", "));
-    }
-    return text + "]\n";
-}
-
 std::string surface_text(const SurfaceData& d, const char* head) {
     std::string text =
         fmt::format("{}\ndegree_u = {}\ndegree_v = {}\nknots_u = [{}]\nknots_v = [{}]\n", head,
@@ -325,8 +317,11 @@ std::string surface_text(const SurfaceData& d, const char* head) {
         }
         text += "],\n";
     }
-    text += "]\n";
-    return d.weights.empty() ? text : text + "weights = " + rows(d.weights);
+    text += d.weights.empty() ? "]\n" : "]\nweights = [";
+    for (const auto& row : d.weights) {
+        text += fmt::format("[{}],\n", fmt::join(row, ", "));
+    }
+    return d.weights.empty() ? text : text + "]\n";
 }
 
 }  // namespace
