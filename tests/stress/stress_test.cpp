@@ -99,6 +99,20 @@ TEST_CASE("every tick of random hands over random surfaces holds every law",
     CHECK(tally.in_contact > 2000);
 }
 
+TEST_CASE("every tick of random hands over surfaces in pieces holds every law",
+          "[stress][surface][law]") {
+    Tally tally;
+    for (const auto mood : {Mood::gentle, Mood::wild}) {
+        for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+            const auto c = random_patches_case(seed, mood);
+            const auto breach = c ? feel(*c, tally, false) : std::nullopt;
+            CAPTURE(seed, breach ? breach->tick : 0);
+            CHECK((breach ? breach->law : "") == "");
+        }
+    }
+    CHECK(tally.in_contact > 5000);
+}
+
 TEST_CASE("surfaces on which the god-object was once left outside of its cone hold every law",
           "[stress][surface][law]") {
     // Found by palpate_stress: narrow valleys next to centres of curvature, borders met at a slant,

@@ -5,11 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "tests/support/surface_cuts.hpp"
+#include "tests/support/surfaces.hpp"
 
 namespace palpate::stress {
 namespace {
@@ -354,59 +353,6 @@ SurfaceCase random_surface_case(std::uint64_t seed, Mood mood) {
     c.surface = std::make_shared<const engine::NurbsSurface>(tests::make_surface(c.data));
     c.path = SpaceHand(random, c, mood).path(50 + static_cast<std::size_t>(random.below(350)));
     return c;
-}
-
-std::optional<SurfaceCase> random_patches_case(std::uint64_t seed, Mood mood) {
-    SurfaceCase c = random_surface_case(seed, mood);
-    Random random(seed + 5'000'000U);
-    const SurfaceData whole = tests::turned_by(c.data, random.below(2));
-    // At a knot, mostly: there the surface is as smooth as its pieces allow.
-    const auto cut = [&random](const std::vector<double>& knots) {
-        const double knot =
-            knots[static_cast<std::size_t>(random.below(static_cast<int>(knots.size())))];
-        return knot > knots.front() && knot < knots.back()
-                 ? knot
-                 : knots.front() + random.in(0.2, 0.8) * (knots.back() - knots.front());
-    };
-    const double v = cut(whole.knots_v);
-    const bool across = random.coin();
-    const auto halves = tests::cut_u(whole, cut(whole.knots_u));
-    for (const SurfaceData& half : {halves.first, halves.second}) {
-        if (!across) {
-            c.pieces.push_back(half);
-            continue;
-        }
-        const auto parts = tests::cut_u(tests::turned(half), v);  // u runs as v did
-        c.pieces.push_back(parts.first);
-        c.pieces.push_back(parts.second);
-    }
-    if (random.coin()) {
-        const double bend = c.surface->size() * random.decade(-3.0, -0.7);
-        for (SurfaceData& d : c.pieces) {
-            const Vec3 by = bend * point(random, -1.0, 1.0);
-            for (std::size_t i = 1; i + 1 < d.points.size(); ++i) {
-                for (std::size_t j = 1; j + 1 < d.points[i].size(); ++j) {
-                    d.points[i][j] += by;
-                }
-            }
-        }
-    }
-    for (SurfaceData& d : c.pieces) {
-        d = tests::turned_by(d, random.below(4));
-    }
-    try {
-        static_cast<void>(engine::SurfaceObject(surfaces_of(c)));
-    } catch (const std::invalid_argument&) {
-        return std::nullopt;
-    }
-    return c;
-}
-
-std::vector<std::shared_ptr<const engine::NurbsSurface>> surfaces_of(const SurfaceCase& c) {
-    if (c.pieces.empty()) {
-        return {c.surface};
-    }
-    return tests::made(c.pieces);
 }
 
 std::string scene_text(const SurfaceCase& c) {
