@@ -151,6 +151,22 @@ std::string invalid_text(Database& database, const Group& group) {
                         counted(n, "answered trial is", "answered trials are"));
 }
 
+/// Who declined; nothing as long as nobody did.
+std::string declined_text(Database& database, const Group& group) {
+    Statement row = database.prepare(
+        "SELECT count(DISTINCT participant_id) FROM participant JOIN session USING "
+        "(participant_id) JOIN "
+        "study USING (study_id) WHERE consent = 0 AND study_name = ?1 AND session_kind = ?2");
+    row.bind(1, group.study).bind(2, group.kind).step();
+    const std::int64_t n = row.integer(0);
+    return n == 0 ? std::string()
+                  : fmt::format(
+                        "\n  {} noted as not consenting: in the above, in no export and in nothing "
+                        "that stats, fit, "
+                        "audit and report say\n",
+                        counted(n, "participant is", "participants are"));
+}
+
 /// For a POSIX shell.
 std::string quoted(const std::string& word) {
     std::string text = "'";
@@ -169,7 +185,7 @@ std::string summary_text(Database& database) {
         text += title(group) + confusion_text(database, group) + answers_text(database, group) +
                 runs_text(database, group) + exclusions_text(database, group) +
                 no_correct_text(database, group) + faults_text(database, group) +
-                invalid_text(database, group) + '\n';
+                invalid_text(database, group) + declined_text(database, group) + '\n';
     }
     if (text.empty()) {
         text = "No main trial has been answered yet.\n\n";

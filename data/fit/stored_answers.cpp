@@ -10,6 +10,7 @@
 #include "protocols/session/adaptive_runs.hpp"
 #include "data/store/adaptive_store.hpp"
 #include "data/store/graded_answers.hpp"
+#include "data/store/people.hpp"
 
 namespace palpate::data {
 namespace {
@@ -76,9 +77,10 @@ std::vector<Answers> stored_answers(Database& database, const StoredChoice& aske
     std::vector<std::pair<std::string, Answers>> found;
     Statement row = database.prepare(fmt::format(
         "SELECT study_name, participant_code, condition, stimulus, count(*), sum(k) FROM ({}) "
-        "WHERE session_kind = ?1 GROUP BY 1, 2, 3, 4 HAVING max(k) <= 1 ORDER BY 1, 2, "
-        "3, 4",
-        kGradedAnswers));
+        "WHERE session_kind = ?1 AND participant_code NOT IN {} GROUP BY 1, 2, 3, 4 HAVING max(k) "
+        "<= 1 "
+        "ORDER BY 1, 2, 3, 4",
+        kGradedAnswers, kDeclined));
     row.bind(1, choice.kind);
     while (row.step()) {
         const std::string study = row.text(0);

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "data/statistics/paired.hpp"
+#include "data/store/people.hpp"
 
 namespace palpate::data {
 namespace {
@@ -66,7 +67,8 @@ Felt read_felt(Database& database, const TrialChoice& choice) {
         " FROM exploration JOIN trial USING (trial_id) JOIN presentation USING (trial_id, "
         "interval) "
         "WHERE exploration.counts AND exploration.phase = 'main' AND exploration.session_kind = ?1 "
-        "AND (?2 = '' OR exploration.study_name = ?2) ORDER BY trial_id, interval");
+        "AND (?2 = '' OR exploration.study_name = ?2) AND participant_code NOT IN " +
+        std::string(kDeclined) + " ORDER BY trial_id, interval");
     row.bind(1, choice.kind).bind(2, choice.study);
     Felt felt;
     while (row.step()) {

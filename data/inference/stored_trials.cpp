@@ -18,7 +18,7 @@ SELECT study_name, participant_code, subject, analysis_trial.planned_object, fri
        coalesce(chosen_object, iif(answer_code = 1, 'yes', 'no')), reaction_s, done_s - first_contact_s, confidence,
        trials_since_break, iif(counts, '', coalesce(exclusion, 'does not count'))
 FROM analysis_trial JOIN participant USING (participant_code)
-WHERE phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_number IS NULL
+WHERE consent IS NOT 0 AND phase = 'main' AND session_kind = ?1 AND answer_code IS NOT NULL AND run_number IS NULL
       AND (chosen_object IS NOT NULL OR study_name IN
            (SELECT study_name FROM study WHERE protocol_toml LIKE '%kind = "yes_no"%'))
 ORDER BY study_name, participant_code, session_number, trial_number)sql";

@@ -10,7 +10,7 @@ namespace palpate::data {
 namespace {
 
 constexpr std::string_view kFlow =
-    R"(SELECT person.person, person.subject, person.left_out, person.consent,
+    R"(SELECT person.person, person.subject, person.left_out,
        (SELECT count(*) FROM plan JOIN session USING (session_id) JOIN study USING (study_id)
         WHERE session.participant_id = person.participant_id AND study_name = {study}
               AND session_kind = {kind} AND plan.phase = 'main') AS planned,
@@ -194,15 +194,11 @@ void add_flow(PageWriter& page, const Study& study, const PageNumbers& numbers) 
         flow.results.push_back(both_ways(numbers));
     }
     page.figure(flow);
-    std::int64_t against = 0;
-    for (std::size_t row = 0; row < flow.data.cells.size(); ++row) {
-        against += flow.data.number(row, "consent") == 0.0 ? 1 : 0;
-    }
-    if (against > 0) {
+    if (study.declined() > 0) {
         page.paragraph(fmt::format(
-            "{} noted as not consenting: an export leaves them out, the numbers of this page do "
-            "not. Take them out of the file before it is handed on.",
-            counted(against, "person is", "people are")));
+            "{} noted as not consenting: nothing on this page is of {}.",
+            counted(static_cast<std::int64_t>(study.declined()), "person is", "people are"),
+            study.declined() == 1 ? "this one" : "these"));
     }
     page.paragraph(
         study.options().codes

@@ -151,12 +151,17 @@ void Study::choose() {
 
 void Study::number_people() {
     Statement row = database_->prepare(
-        "SELECT participant_code, printf('sub-%010d', subject) FROM participant WHERE "
+        "SELECT participant_code, printf('sub-%010d', subject), consent IS 0 FROM participant "
+        "WHERE "
         "participant_id IN (SELECT participant_id FROM session JOIN study USING (study_id) WHERE "
         "study_name = ?1 AND session_kind = ?2) ORDER BY subject");
     row.bind(1, std::string_view(name_)).bind(2, std::string_view(options_.kind));
     std::map<std::string, std::size_t> place;
     while (row.step()) {
+        if (row.integer(2) != 0) {
+            ++declined_;
+            continue;
+        }
         ++people_;
         const std::string shown = options_.codes ? row.text(0) : fmt::format("{}", people_);
         place[row.text(0)] = people_;
@@ -164,7 +169,7 @@ void Study::number_people() {
     }
     std::map<std::size_t, LeftOut> left;
     for (const Judged& one : judge(*database_, name_, options_.kind).all) {
-        if (!one.broken.empty()) {
+        if (!one.broken.empty() && place.contains(one.participant)) {
             LeftOut& mine = left[place.at(one.participant)];
             mine.person = person(one.participant);
             mine.why.insert(mine.why.end(), one.broken.begin(), one.broken.end());
@@ -180,12 +185,12 @@ void Study::number_people() {
     person_sql_ = fmt::format(
         "person AS (\n"
         "    SELECT participant_id, participant_code, {} AS person,\n"
-        "           printf('sub-%010d', subject) AS subject, consent,\n"
+        "           printf('sub-%010d', subject) AS subject,\n"
         "           row_number() OVER (ORDER BY subject) IN ({}) AS left_out\n"
         "    FROM participant\n"
-        "    WHERE participant_id IN (SELECT participant_id FROM session JOIN study USING "
-        "(study_id)\n"
-        "                             WHERE study_name = {} AND session_kind = {}))",
+        "    WHERE consent IS NOT 0 AND participant_id IN (\n"
+        "        SELECT participant_id FROM session JOIN study USING (study_id)\n"
+        "        WHERE study_name = {} AND session_kind = {}))",
         options_.codes ? "participant_code" : "row_number() OVER (ORDER BY subject)",
         fmt::join(places, ", "), study, kind);
     main_sql_ = fmt::format(

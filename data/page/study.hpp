@@ -47,7 +47,8 @@ public:
     /// The rows of a query that may read, beside tables and views,
     ///
     ///     person  a row a person with a session of the study and kind: person (a number, or the code where
-    ///             codes are asked for), subject (of exports), left_out (1: by the protocol's rules), consent
+    ///             codes are asked for), subject (of exports), left_out (1: by the protocol's rules); without who does not
+    ///             consent
     ///     main    analysis_trial of their main trials, with person and left_out
     ///
     /// @param sql  begins with SELECT or WITH; {study}, {kind} stand for their names in quotes
@@ -63,6 +64,8 @@ public:
     /// "3", or the code; of a code, and of a number in exports, either.
     [[nodiscard]] std::string person(const std::string& known_as) const;
     [[nodiscard]] std::size_t people() const { return people_; }
+    /// Who is noted as not consenting: in no query and no number.
+    [[nodiscard]] std::size_t declined() const { return declined_; }
     struct LeftOut {
         std::string person{};
         std::vector<std::string> why{};
@@ -84,6 +87,7 @@ private:
     protocols::Protocol protocol_;
     std::map<std::string, std::string> person_;
     std::size_t people_ = 0;
+    std::size_t declined_ = 0;
     std::vector<LeftOut> left_out_;
     std::string person_sql_;
     std::string main_sql_;

@@ -4,12 +4,15 @@
 #include "tests/support/catch.hpp"
 #include "tests/support/process.hpp"
 #include "tests/support/random.hpp"
+#include "tests/support/slurp.hpp"
 
 using namespace palpate;
 using Catch::Matchers::ContainsSubstring;
 using data::equivalence;
 using data::Sameness;
+using tests::Finished;
 using tests::palpate_command;
+using tests::TemporaryFolder;
 
 TEST_CASE("the interval of an equivalence is that of R's t.test at 90 %", "[audit][law]") {
     // R 4.2, data sleep: t.test(extra ~ group, paired = TRUE, conf.level = 0.9) gives 0.8669947 to 2.2930053.
@@ -84,4 +87,33 @@ TEST_CASE("an audit of simulated people finds the rig the same, and a start pose
     CHECK(real.code == 2);
     CHECK_THAT(real.error, ContainsSubstring("nothing in answered trials of real sessions") &&
                                ContainsSubstring("--kind chooses other sessions"));
+}
+
+TEST_CASE("no number is made of the answers of who does not consent", "[audit][stats][report]") {
+    const TemporaryFolder folder;
+    const auto record = [&](const std::string& name, const std::vector<std::string>& codes) {
+        for (const std::string& code : codes) {
+            REQUIRE(palpate_command({"run", PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml",
+                                     "--participant", code, "--db", folder.file(name), "--device",
+                                     "sim"})
+                        .code == 0);
+        }
+        return folder.file(name);
+    };
+    const std::string with = record("a.sqlite", {"A", "B", "C"});
+    const std::string without = record("b.sqlite", {"A", "B"});
+    const auto said = [](const std::string& command, const std::string& file) {
+        const Finished done = palpate_command({command, file, "--kind", "simulated"});
+        CAPTURE(command, done.error);
+        REQUIRE(done.code == 0);
+        return done.out.substr(done.out.find('\n'));
+    };
+    CHECK(said("audit", with) != said("audit", without));
+    REQUIRE(palpate_command({"participant", with, "C", "--consent", "no"}).code == 0);
+    CHECK(said("audit", with) == said("audit", without));
+    CHECK_THAT(said("stats", with), ContainsSubstring("All answers: 2 people, 8 answers"));
+    const std::string page = folder.file("page.html");
+    REQUIRE(palpate_command({"report", with, "--kind", "simulated", "-o", page}).code == 0);
+    CHECK_THAT(tests::slurp(page), ContainsSubstring("1 person is noted as not consenting") &&
+                                       ContainsSubstring("2 people"));
 }

@@ -272,6 +272,13 @@ TEST_CASE("palpate fit of a database fits the same answers as that of their coun
     CHECK(ours["curves"] == theirs["curves"]);
     CHECK(ours["differences"] == theirs["differences"]);
     CHECK(ours["people"] == theirs["people"]);
+
+    REQUIRE(palpate_command({"participant", file, "P2", "--consent", "no"}).code == 0);
+    const Json of_one = fitted(of_file);
+    REQUIRE(of_one["curves"].size() == 2);
+    for (const Json& curve : of_one["curves"]) {
+        CHECK(curve["participant"] == "P1");
+    }
 }
 
 TEST_CASE(
