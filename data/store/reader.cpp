@@ -71,7 +71,15 @@ std::vector<std::int64_t> TraceReader::column(std::int64_t trial,
 std::vector<engine::TickRecord> TraceReader::read(std::int64_t trial, std::int64_t interval) {
     const Snapshot now(database_);
     std::vector<engine::TickRecord> trace = stored(trial, interval);
-    const auto missing = [trial](std::int64_t first, std::int64_t last) {
+    const auto missing = [this, trial](std::int64_t first, std::int64_t last) {
+        Statement none = database_.prepare(
+            "SELECT 1 FROM trial JOIN session_provenance USING (session_id) WHERE trial_id = ?1 "
+            "AND key = 'traces' "
+            "AND value = 'none'");
+        if (none.bind(1, trial).step()) {
+            throw TraceError(
+                fmt::format("trial {} has no ticks: it was simulated with --no-traces", trial));
+        }
         throw TraceError(fmt::format("trial {}: ticks {} to {} are missing", trial, first, last));
     };
     std::int64_t next = 0;

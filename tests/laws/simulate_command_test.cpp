@@ -271,4 +271,9 @@ TEST_CASE("a study whose ticks were not kept has none in sample, and is reported
     const std::string page = folder.file("a.html");
     (void)succeeds({"report", file, "--kind", "simulated", "-o", page});
     CHECK_THAT(slurp(page), ContainsSubstring("No ticks are kept of these trials"));
+    const tests::Finished again =
+        palpate_command({"run", "shape_friction_demo", "--participant", "S000001", "--db",
+                         folder.file("b.sqlite"), "--headless", "--device", "replay:" + file});
+    CHECK(again.code == 1);
+    CHECK_THAT(again.error, ContainsSubstring("has no ticks: it was simulated with --no-traces"));
 }
