@@ -67,7 +67,6 @@ Vec2 SurfaceGround::parameters(const SurfaceJet& j, const Vec3& t) noexcept {
     return Vec2{e > 0.0 ? a / e : 0.0, g > 0.0 ? b / g : 0.0};
 }
 
-/// What the patch of `s` alone has to offer: the projection of the stretch on it.
 Footing SurfaceGround::on_patch(const SurfaceSpot& s) const noexcept {
     if (settled(s)) {
         return {s, Footing::Way::rests, s.excess};

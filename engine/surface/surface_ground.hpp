@@ -65,6 +65,8 @@ public:
     /// them has to offer: the patch, or its edge. The steepest one wins.
     [[nodiscard]] Footing footing(const SurfaceSpot& s) noexcept;
 
+    /// What the patch of `s` alone has to offer: the projection of the stretch on it.
+    [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
     /// Held at the end of a way along an edge, by the patch there that carries most: which of two sides that way was
     /// measured on is a matter of last bits.
     [[nodiscard]] Footing carrier(const SurfaceSpot& s) noexcept;
@@ -78,7 +80,6 @@ public:
 
 private:
     [[nodiscard]] int rank(const Footing& f) const noexcept;
-    [[nodiscard]] Footing on_patch(const SurfaceSpot& s) const noexcept;
     [[nodiscard]] Footing at_pole(const SurfaceSpot& s) noexcept;
     [[nodiscard]] bool better(const Footing& next, const Footing& best) const noexcept;
     [[nodiscard]] double way_off(const SurfacePlace& p, bool in_u) noexcept;

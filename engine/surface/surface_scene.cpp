@@ -1,5 +1,6 @@
 #include "engine/surface/surface_scene.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -11,14 +12,6 @@ namespace {
 
 const SurfaceSceneSpec& checked(const SurfaceSceneSpec& whole) {
     static_cast<void>(checked(whole.contact));
-    if (!whole.contact.slew.none()) {
-        throw std::invalid_argument("vertex slew is " + number_text(whole.contact.slew.speed) +
-                                    ": give 0 with a surface, it has no vertices");
-    }
-    if (whole.contact.damping > 0.0) {
-        throw std::invalid_argument("damping is " + number_text(whole.contact.damping) +
-                                    ": give 0 with a surface");
-    }
     if (whole.contact.compliance > 0.0) {
         throw std::invalid_argument("compliance is " + number_text(whole.contact.compliance) +
                                     ": give 0 with a surface");
@@ -63,6 +56,8 @@ SurfaceScene::SurfaceScene(std::vector<std::shared_ptr<const NurbsSurface>> surf
 SurfaceContact SurfaceScene::free(SurfaceState& state, const Vec3& hip) const noexcept {
     state.touching = false;
     state.theta = 1.0;
+    state.last_spring = Vec3{};
+    state.fan.on = false;
     const SurfaceClosest& cp = state.seen;
     state.clear_at = hip;
     const double clear = cp.distance * kClearShare;
@@ -92,8 +87,13 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
     if (!usable(hip)) {
         state.touching = false;
         state.theta = 1.0;
+        state.last_spring = Vec3{};
+        state.fan.on = false;
         return {.refused = true};
     }
+    const Vec3 from_hip = state.started ? state.last_hip : hip;
+    state.started = true;
+    state.last_hip = hip;
     const bool looks = !state.touching || spec_.look_in_contact;
     if (looks) {
         state.seen = feet_.track(state.track, hip, kTickWork);
@@ -105,25 +105,38 @@ SurfaceContact SurfaceScene::step(SurfaceState& state, const Vec3& hip) const no
         state.touching = true;
         state.theta = 1.0;
         state.place = state.seen.place;
+        state.fan.on = false;
     }
     const Friction& friction = spec_.contact.friction;
     const double mu = HasFriction ? coefficient(friction, state.theta) : 0.0;
     const Vec3 h = hip - object().origin();
     // Without friction the GO is the local foot: mostly the closest point, already found.
     // One that lies outside may be on the other side of a sheet that lies on itself.
-    const bool known =
-        !HasFriction && looks && state.seen.inside && feet_.same_bowl(state.track, state.place);
+    const bool slewed = !spec_.contact.slew.none();
+    const bool known = !HasFriction && !slewed && looks && state.seen.inside &&
+                       feet_.same_bowl(state.track, state.place);
     const SurfacePlace from = known ? state.seen.place : state.place;
-    const SurfaceSlide slide = slide_on_surface<HasFriction>(object(), from, h, mu);
+    const SurfaceSlide slide = slewed
+                                 ? slide_on_surface<HasFriction>(
+                                       object(), from, h, mu,
+                                       {.from = from_hip - object().origin(),
+                                        .budget = 2.0 * glm::length(hip - from_hip) +
+                                                  spec_.contact.slew.speed * spec_.contact.period,
+                                        .radius = spec_.contact.slew.radius},
+                                       state.fan)
+                                 : slide_on_surface<HasFriction>(object(), from, h, mu);
     const bool slipped = slide.slid > 0.0 || (known && apart(state.place, from));
     state.place = slide.place;
-    if (!(slide.load > 0.0)) {
+    if (!(slide.load > 0.0) && !slide.out_of_budget) {
         if (!looks) {
             state.seen = feet_.track(state.track, hip, kTickWork);
         }
         return free(state, hip);
     }
     SurfaceContact contact = render(slide, h, mu);
+    if (spec_.contact.damping > 0.0) {
+        damp(state, slide, contact);
+    }
     contact.cp = state.seen;
     contact.mode = mode_of<HasFriction>(slipped, state.theta, friction);
     if constexpr (HasFriction) {
@@ -136,26 +149,52 @@ SurfaceContact SurfaceScene::render(const SurfaceSlide& slide,
                                     const Vec3& h,
                                     double mu) const noexcept {
     const double k = spec_.contact.stiffness;
+    const double load = std::max(slide.load, 0.0);
     SurfaceContact contact{.surface = static_cast<int>(slide.place.surface),
                            .go_u = object().u_of(slide.place),
                            .go_v = object().v_of(slide.place),
                            .go = slide.point + object().origin(),
                            .normal = slide.normal,
-                           .normal_force = k * slide.load,
+                           .normal_force = k * load,
                            .mu = mu,
+                           .vertex_slew = slide.out_of_budget,
                            .outside_cone = slide.outside_cone,
                            .settled = slide.settled};
-    const double cone = mu * slide.load;
+    const double cone = mu * load;
     // Without friction what is left along the surface is rounding, or held.
     if (!slide.in_crease && (cone == 0.0 || (slide.outside_cone && slide.length > cone))) {
         const double share = cone > 0.0 ? cone / slide.length : 0.0;
-        contact.force = k * (slide.load * slide.normal - share * slide.tangential);
+        contact.force = k * (load * slide.normal - share * slide.tangential);
         contact.tangential_force = k * cone;
         return contact;
     }
     contact.force = k * (slide.point - h);
     contact.tangential_force = k * slide.length;
     return contact;
+}
+
+/// The damper acts on the rate of the spring, as Scene's: the surface still only pushes, friction
+/// stays in its cone, and in a concave crease the force may not turn against the spring.
+void SurfaceScene::damp(SurfaceState& state,
+                        const SurfaceSlide& slide,
+                        SurfaceContact& contact) const noexcept {
+    const Vec3 spring = contact.force / spec_.contact.stiffness;
+    const Vec3 rate = (spring - state.last_spring) / spec_.contact.period;
+    state.last_spring = spring;
+    Vec3 force = contact.force + spec_.contact.damping * rate;
+    if (slide.in_crease) {
+        force = glm::dot(force, contact.force) > 0.0 ? force : Vec3{};
+        contact.normal_force = std::max(glm::dot(force, slide.normal), 0.0);
+        contact.tangential_force = glm::length(force - contact.normal_force * slide.normal);
+        contact.force = force;
+        return;
+    }
+    contact.normal_force = std::max(glm::dot(force, slide.normal), 0.0);
+    const Vec3 along = force - glm::dot(force, slide.normal) * slide.normal;
+    const double length = glm::length(along);
+    contact.tangential_force = std::min(length, contact.mu * contact.normal_force);
+    contact.force = contact.normal_force * slide.normal +
+                    (length > 0.0 ? contact.tangential_force / length : 0.0) * along;
 }
 
 void SurfaceScene::set_period(double period) {

@@ -13,7 +13,8 @@ namespace palpate::engine {
 
 /// What is to be felt on a surface. SI.
 struct SurfaceSceneSpec {
-    SceneSpec contact{};  ///< as for an outline, without slew: a surface has no vertices
+    SceneSpec
+        contact{};  ///< as for an outline; edges and corners are vertices. Without compliance and law
 
     /// The closest point is looked for in contact, too; else the last one stays: a third of the
     /// cost of a tick.
@@ -29,12 +30,16 @@ struct SurfaceSceneSpec {
 /// What lives on from tick to tick. A plain value: copying it copies the contact.
 struct SurfaceState {
     bool touching = false;
-    SurfacePlace place{};       ///< of the GO while touching
-    double theta = 1.0;         ///< Stribeck state: 1 static, 0 dynamic
-    SurfaceTrack track{};       ///< of the closest point, with its counters
-    SurfaceClosest seen{};      ///< the last closest point that was looked for
-    Vec3 clear_at{};            ///< HIP then, m
-    double clear2 = 0.0;        ///< squared distance from clear_at without contact, m^2; 0: unknown
+    SurfacePlace place{};   ///< of the GO while touching
+    SurfaceFan fan{};       ///< in which the GO is, with a vertex slew
+    double theta = 1.0;     ///< Stribeck state: 1 static, 0 dynamic
+    bool started = false;   ///< last_hip is known
+    Vec3 last_hip{};        ///< of the tick before, m
+    Vec3 last_spring{};     ///< GO - HIP of the tick before as it was felt, m, zero out of contact
+    SurfaceTrack track{};   ///< of the closest point, with its counters
+    SurfaceClosest seen{};  ///< the last closest point that was looked for
+    Vec3 clear_at{};        ///< HIP then, m
+    double clear2 = 0.0;    ///< squared distance from clear_at without contact, m^2; 0: unknown
     std::uint64_t skipped = 0;  ///< ticks that did not look
 };
 
@@ -47,13 +52,15 @@ struct SurfaceContact {
     double go_v = 0.0;
     Vec3 go{};                      ///< m
     Vec3 normal{0.0, 0.0, 1.0};     ///< unit outward normal at the GO; only while in contact
-    Vec3 force{};                   ///< K (GO - HIP), N
+    Vec3 force{};                   ///< K (GO - HIP) + B d(GO - HIP)/dt, N
     double normal_force = 0.0;      ///< force . normal, N, >= 0
     double tangential_force = 0.0;  ///< length of the rest, N, >= 0
     double mu = 0.0;                ///< coefficient in force during this tick, 0 while free
-    bool outside_cone = false;      ///< the GO rests at an open border or in a concave crease
-    bool settled = true;            ///< false: the work limit of a tick ended the GO's walk
-    bool skipped = false;           ///< out of reach: cp.distance is a lower bound
+    bool vertex_slew = false;       ///< the budget of the vertex slew ended the walk of this tick
+    bool outside_cone =
+        false;  ///< the GO rests at an open border, in a concave crease, or under the slew
+    bool settled = true;   ///< false: the work limit of a tick ended the GO's walk
+    bool skipped = false;  ///< out of reach: cp.distance is a lower bound
     bool refused = false;  ///< HIP was not finite or above 1e9 m: force zero, contact ended
 };
 
@@ -63,7 +70,9 @@ struct SurfaceContact {
 /// (slide_on_surface). Moving the GO along the surface never raises K/2 |GO - HIP|^2, so that
 /// F_k . (h_k+1 - h_k) <= E_k - E_k+1 + K/2 |h_k+1 - h_k|^2 for any mu(t) >= 0. At an open border
 /// the tangential part is cut to mu times the normal force, which is outside of that proof; in a
-/// concave crease both sides carry, and nothing is cut.
+/// concave crease both sides carry, and nothing is cut. With a damper B the device must give b > K T / 2 + B, as
+/// for Scene; with a vertex slew a convex edge is the fan of its normals (turn_in_fan), and what it
+/// cuts is outside of the proof as well.
 class SurfaceScene {
 public:
     /// @throws std::invalid_argument for a null surface or values out of range: which one, the
@@ -102,6 +111,9 @@ private:
     template <bool HasFriction>
     SurfaceContact step(SurfaceState& state, const Vec3& hip) const noexcept;
     [[nodiscard]] SurfaceContact free(SurfaceState& state, const Vec3& hip) const noexcept;
+    void damp(SurfaceState& state,
+              const SurfaceSlide& slide,
+              SurfaceContact& contact) const noexcept;
     [[nodiscard]] SurfaceContact render(const SurfaceSlide& slide,
                                         const Vec3& h,
                                         double mu) const noexcept;

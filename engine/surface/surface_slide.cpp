@@ -13,17 +13,28 @@ using Way = Footing::Way;
 /// The walk of one tick.
 class Slider {
 public:
-    Slider(const SurfaceObject& surface, const Vec3& h, double mu, Work work) noexcept
-        : ground_(surface, h, mu), size_(surface.size()), work_(work) {}
+    Slider(const SurfaceObject& surface,
+           const Vec3& h,
+           double mu,
+           Work work,
+           const SurfaceSlew& slew,
+           SurfaceFan& fan) noexcept
+        : ground_(surface, h, mu), size_(surface.size()), work_(work), slew_(slew), fan_(fan) {}
 
     SurfaceSlide run(const SurfacePlace& from) noexcept {
         SurfaceSpot s = ground_.look(from);
         const Vec3 start = s.jet.point;
         double slid = 0.0;
-        Footing at = ground_.footing(s);
+        Footing at = fan_.on ? turned(from) : onwards(s);
         while (at.way != Way::rests && at.way != Way::held && !tired()) {
+            if (slew_.spent()) {
+                spent_ = true;
+                break;
+            }
             const SurfaceSpot next = advance(at);
-            slid += glm::length(next.jet.point - at.spot.jet.point);
+            const double chord = glm::length(next.jet.point - at.spot.jet.point);
+            slid += chord;
+            slew_.used += chord;
             if (done_) {
                 at.spot = next;
                 if (at.way != Way::open) {
@@ -31,7 +42,7 @@ public:
                 }
                 break;
             }
-            at = ground_.footing(next);
+            at = onwards(next);
         }
         // Newton's last bits are no slip: a hand at rest finds the contact stuck.
         const bool moved = glm::length(at.spot.jet.point - start) > 4.0 * at.spot.rounding;
@@ -39,12 +50,34 @@ public:
     }
 
 private:
+    /// Where the god-object goes on; over a convex edge, with a vertex slew, through its fan.
+    Footing onwards(const SurfaceSpot& s) noexcept {
+        const Footing at = ground_.footing(s);
+        const SurfacePlace& to = at.spot.place;
+        const bool stays = to.surface == s.place.surface && to.i == s.place.i && to.j == s.place.j;
+        if (!slew_.limited() || stays || at.way == Way::held || !falls_away(s, at.spot)) {
+            return at;
+        }
+        fan_ = {.on = true, .beyond = to, .angle = 0.0};
+        return turned(s.place);
+    }
+
+    Footing turned(const SurfacePlace& place) noexcept {
+        const FanTurn turn = turn_in_fan(ground_, place, fan_, slew_);
+        spent_ = turn.end == FanTurn::End::spent;
+        if (turn.end == FanTurn::End::back || turn.end == FanTurn::End::beyond) {
+            return ground_.on_patch(turn.spot);
+        }
+        const bool rests = turn.end == FanTurn::End::rests;
+        return {turn.spot, rests ? Way::rests : Way::held, turn.spot.excess};
+    }
+
     /// The next spot; `done_` when there is nothing left to gain.
     SurfaceSpot advance(const Footing& at) noexcept {
         const SurfaceSpot& s = at.spot;
         const SurfaceSteps steps(s, size_);
         const double noise = 6.0 * std::sqrt(s.r2) * s.noise;
-        const double whole = wanted(at, steps);
+        const double whole = std::min(wanted(at, steps), slew_.budget - slew_.used);
         double length = std::min(whole, trust_);
         last_excess_ = at.excess;
         bool tried = false;
@@ -285,7 +318,8 @@ private:
                 .load = s.load,
                 .slid = slid,
                 .outside_cone = outside,
-                .in_crease = outside && at.way == Way::held && ground_.enclosed(s.place),
+                .in_crease = outside && at.way == Way::held && !spent_ && ground_.enclosed(s.place),
+                .out_of_budget = spent_,
                 .settled = !tired() && (!outside || barred || foot_)};
     }
 
@@ -297,6 +331,9 @@ private:
     SurfaceGround ground_;
     double size_;
     Work work_;
+    SurfaceSlew slew_;
+    SurfaceFan& fan_;
+    bool spent_ = false;
     double last_ = 0.0;         ///< length of the last step, m
     double trust_ = 1e300;      ///< so long may the next one be, m
     double last_excess_ = 0.0;  ///< before it, m
@@ -312,12 +349,35 @@ SurfaceSlide slide_on_surface(const SurfaceObject& surface,
                               const Vec3& h,
                               double mu,
                               Work work) noexcept {
-    return Slider(surface, h, HasFriction ? mu : 0.0, work).run(from);
+    SurfaceFan none;
+    return Slider(surface, h, HasFriction ? mu : 0.0, work, {}, none).run(from);
+}
+
+template <bool HasFriction>
+SurfaceSlide slide_on_surface(const SurfaceObject& surface,
+                              const SurfacePlace& from,
+                              const Vec3& h,
+                              double mu,
+                              const SurfaceSlew& slew,
+                              SurfaceFan& fan) noexcept {
+    return Slider(surface, h, HasFriction ? mu : 0.0, kSlideWork, slew, fan).run(from);
 }
 
 template SurfaceSlide slide_on_surface<true>(
     const SurfaceObject&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
 template SurfaceSlide slide_on_surface<false>(
     const SurfaceObject&, const SurfacePlace&, const Vec3&, double, Work) noexcept;
+template SurfaceSlide slide_on_surface<true>(const SurfaceObject&,
+                                             const SurfacePlace&,
+                                             const Vec3&,
+                                             double,
+                                             const SurfaceSlew&,
+                                             SurfaceFan&) noexcept;
+template SurfaceSlide slide_on_surface<false>(const SurfaceObject&,
+                                              const SurfacePlace&,
+                                              const Vec3&,
+                                              double,
+                                              const SurfaceSlew&,
+                                              SurfaceFan&) noexcept;
 
 }  // namespace palpate::engine

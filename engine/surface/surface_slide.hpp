@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/friction/friction_law.hpp"
-#include "engine/surface/surface_foot.hpp"
+#include "engine/surface/surface_fan.hpp"
 
 namespace palpate::engine {
 
@@ -16,6 +16,7 @@ struct SurfaceSlide {
     double slid = 0.0;           ///< way of the GO, m: sum of chords
     bool outside_cone = false;   ///< stopped outside its cone: at an open border or in a crease
     bool in_crease = false;      ///< in a concave crease, whose sides carry together
+    bool out_of_budget = false;  ///< the vertex slew ended the walk, outside of the cone
     bool settled = true;  ///< false: the work limit ended the walk, mostly outside of the cone
 };
 
@@ -49,5 +50,16 @@ template <bool HasFriction>
                                             const Vec3& h,
                                             double mu,
                                             Work work = kSlideWork) noexcept;
+
+/// The same with a vertex slew: way and turns are paid from its budget, and a convex edge is gone over through
+/// the fan of its normals (turn_in_fan).
+/// @param fan  where in one the god-object is; carried from tick to tick
+template <bool HasFriction>
+[[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,
+                                            const SurfacePlace& from,
+                                            const Vec3& h,
+                                            double mu,
+                                            const SurfaceSlew& slew,
+                                            SurfaceFan& fan) noexcept;
 
 }  // namespace palpate::engine
