@@ -50,7 +50,12 @@ struct Closed {
     [[nodiscard]] double power(double n) const {
         const boost::math::non_central_t t(n - 1.0, std::fabs(change) / sd() * std::sqrt(n));
         const double far = boost::math::quantile(boost::math::students_t(n - 1.0), 0.975);
-        return boost::math::cdf(complement(t, far)) + boost::math::cdf(t, -far);
+        return boost::math::cdf(complement(t, far)) + wrong(n);
+    }
+    /// Of it, with the wrong sign.
+    [[nodiscard]] double wrong(double n) const {
+        const boost::math::non_central_t t(n - 1.0, std::fabs(change) / sd() * std::sqrt(n));
+        return boost::math::cdf(t, -boost::math::quantile(boost::math::students_t(n - 1.0), 0.975));
     }
 };
 
@@ -81,6 +86,10 @@ TEST_CASE("power of the paired t is that of the noncentral t where differences a
     if (expected < 0.6) {
         CHECK(point.exaggeration->value > 1.1);
     }
+    const double wrong = closed.wrong(n) / expected;
+    CHECK(
+        point.wrong_sign.value().value ==
+        Approx(wrong).margin(0.005 + 4.0 * std::sqrt(wrong * (1.0 - wrong) / (1500.0 * expected))));
 }
 
 TEST_CASE("without an effect each test is significant as often as it says", "[power][law]") {
