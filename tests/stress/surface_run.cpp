@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstring>
-#include <ctime>
 
+#include "tests/stress/stress_run.hpp"
 #include "tests/stress/surface_laws.hpp"
 
 namespace palpate::stress {
@@ -20,13 +20,6 @@ constexpr double kSurfaceTooSlow = 2e-4;
 
 double wall_seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-/// Of the processor, by this thread alone: on a busy machine the clock on the wall tells of others.
-double processor_seconds() {
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 /// The best of many tries.
