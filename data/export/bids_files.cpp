@@ -37,6 +37,7 @@ std::vector<Channel> channels() {
         all.push_back({&column,
                        name.find("_x_") != std::string_view::npos   ? "x"
                        : name.find("_y_") != std::string_view::npos ? "y"
+                       : name.find("_z_") != std::string_view::npos ? "z"
                                                                     : "n/a",
                        name == "time_s"           ? "LATENCY"
                        : name.starts_with("hip_") ? "POS"
@@ -107,14 +108,13 @@ void write_channels(double rate_hz, const std::filesystem::path& path) {
 
 Json channels_json() {
     return {{"reference_frame",
-             {{"Description", "where x and y are measured"},
+             {{"Description", "where x, y and z are measured"},
               {"Levels",
                {{"object",
-                 {{"SpatialAxes", "RA_"},
+                 {{"SpatialAxes", "RAS"},
                   {"Description",
-                   "the plane of the handle, origin where the study's objects have theirs: x to "
-                   "the right, y "
-                   "away from the person"}}}}}}}};
+                   "origin where the study's objects have theirs: x to the right, y away from the "
+                   "person, z up, which is 0 where the handle moves in a plane"}}}}}}}};
 }
 
 std::int64_t channels_of(std::string_view type) {
@@ -143,6 +143,7 @@ void write_stim(const std::vector<TickRecord>& ticks, const std::filesystem::pat
     each_tick(ticks, [&file](const TickRecord* tick) {
         file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.x);
         file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command.y);
+        file.real(tick == nullptr ? std::numeric_limits<double>::quiet_NaN() : tick->command_z);
         file.end_row();
     });
     file.close();
@@ -154,11 +155,12 @@ Json stim_json(const ChosenSession& session) {
     };
     return {{"SamplingFrequency", session.rate_hz},
             {"StartTime", 0},
-            {"Columns", {"commanded_x_n", "commanded_y_n"}},
+            {"Columns", {"commanded_x_n", "commanded_y_n", "commanded_z_n"}},
             {"commanded_x_n",
              column("force commanded to the device after the safety chain, to the right")},
             {"commanded_y_n",
-             column("force commanded to the device after the safety chain, away from the person")}};
+             column("force commanded to the device after the safety chain, away from the person")},
+            {"commanded_z_n", column("force commanded to the device after the safety chain, up")}};
 }
 
 }  // namespace

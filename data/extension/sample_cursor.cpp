@@ -97,18 +97,18 @@ void SampleCursor::next_merged() {
     next_part();
 }
 
-engine::Vec2 SampleCursor::velocity() const noexcept {
+engine::Vec3 SampleCursor::velocity() const noexcept {
     const bool inside = !merged_ && at_ > 0;
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
     if (!inside && !has_last_) {
-        return {kNone, kNone};
+        return {kNone, kNone, kNone};
     }
     const TickRecord& before = inside ? block_[at_ - 1] : last_;
     const double time = static_cast<double>(tick_->time_ns - before.time_ns) * 1e-9;
     if (!(time > 0.0)) {
-        return {kNone, kNone};
+        return {kNone, kNone, kNone};
     }
-    return (tick_->hip - before.hip) / time;
+    return (hip_in_space(*tick_) - hip_in_space(before)) / time;
 }
 
 }  // namespace palpate::data

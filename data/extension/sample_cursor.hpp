@@ -35,7 +35,7 @@ public:
     [[nodiscard]] const TrialPart& part() const noexcept { return part_; }
     [[nodiscard]] const engine::TickRecord& tick() const noexcept { return *tick_; }
     /// Velocity of HIP from the stored tick before, m/s; NaN without one, or with no time between.
-    [[nodiscard]] engine::Vec2 velocity() const noexcept;
+    [[nodiscard]] engine::Vec3 velocity() const noexcept;
 
 private:
     void next_part();

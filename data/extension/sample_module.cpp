@@ -130,10 +130,14 @@ TickValue value_of(const SampleCursor& at, SampleColumn column) {
             return at.velocity().x;
         case SampleColumn::hip_vy_m_per_s:
             return at.velocity().y;
+        case SampleColumn::hip_vz_m_per_s:
+            return at.velocity().z;
         case SampleColumn::commanded_x_n:
             return in_whole_steps(at.tick().command.x);
         case SampleColumn::commanded_y_n:
             return in_whole_steps(at.tick().command.y);
+        case SampleColumn::commanded_z_n:
+            return in_whole_steps(at.tick().command_z);
         default:
             return trace_columns()[static_cast<std::size_t>(column) - kKeys].value(at.tick());
     }

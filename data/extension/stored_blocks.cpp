@@ -22,10 +22,14 @@ public:
                  const TrialPart& part,
                  SampleColumns columns,
                  const TickRange& range,
-                 const std::optional<engine::PantographSpec>& machine)
-        : part_(part), columns_(columns), range_(range), chunks_(db, part) {
-        if (machine && (columns & kHipColumns) != 0) {
-            hip_.emplace(*machine);
+                 const HipSource& source)
+        : part_(part),
+          columns_(columns),
+          range_(range),
+          chunks_(db, part),
+          in_space_(source.in_space) {
+        if (source.machine && (columns & kHipColumns) != 0) {
+            hip_.emplace(*source.machine);
         }
         if (range.to_s < kNoTime || range.from_s > -kNoTime) {
             columns_ |= bit(C::time_s);
@@ -107,12 +111,18 @@ private:
              [&](TickRecord& t, std::int64_t v) { t.codes[0] = small(v); });
         each(reader, Stored::code_2, bit(C::code_2),
              [&](TickRecord& t, std::int64_t v) { t.codes[1] = small(v); });
+        each(reader, Stored::count_3, bit(C::count_3),
+             [&](TickRecord& t, std::int64_t v) { t.count_3 = small(v); });
+        each(reader, Stored::code_3, bit(C::code_3),
+             [&](TickRecord& t, std::int64_t v) { t.code_3 = small(v); });
         each(reader, Stored::flags, bit(C::flags),
              [](TickRecord& t, std::int64_t v) { t.flags = static_cast<std::uint8_t>(v); });
         each(reader, Stored::command_x, bit(C::commanded_x_n),
              [](TickRecord& t, std::int64_t v) { t.command.x = steps_in_newton(v); });
         each(reader, Stored::command_y, bit(C::commanded_y_n),
              [](TickRecord& t, std::int64_t v) { t.command.y = steps_in_newton(v); });
+        each(reader, Stored::command_z, bit(C::commanded_z_n),
+             [](TickRecord& t, std::int64_t v) { t.command_z = steps_in_newton(v); });
     }
 
     void load_lateness(ChunkReader& reader) {
@@ -129,41 +139,49 @@ private:
 
     /// HIP as the device had it, which is what the fixed-point columns say to 0.1 um.
     void load_hip(ChunkReader& reader) {
-        const bool stored = (reader.chunk().parts & part_hip) != 0;
-        if (stored) {
+        if ((reader.chunk().parts & part_hip) != 0) {
             exact_.resize(ticks_.size());
             reader.read_exact(exact_);
-        } else if (!hip_) {
+            for (std::size_t i = 0; i < ticks_.size(); ++i) {
+                ticks_[i].hip = exact_[i].hip;
+                ticks_[i].hip_z = exact_[i].hip_z;
+            }
+        } else if (!hip_ && !in_space_) {
             throw TraceError(
                 "HIP follows from the encoder counts by a calibration that the session has not");
-        }
-        counts_.resize(ticks_.size());
-        hips_.resize(ticks_.size());
-        for (std::size_t i = 0; i < ticks_.size(); ++i) {
-            counts_[i] = ticks_[i].counts;
-        }
-        if (hip_) {
+        } else if (hip_) {
+            counts_.resize(ticks_.size());
+            hips_.resize(ticks_.size());
+            for (std::size_t i = 0; i < ticks_.size(); ++i) {
+                counts_[i] = ticks_[i].counts;
+            }
             hip_->at(counts_, hips_);
+            for (std::size_t i = 0; i < ticks_.size(); ++i) {
+                ticks_[i].hip = hips_[i];
+                ticks_[i].hip_z = 0.0;
+            }
         }
-        for (std::size_t i = 0; i < ticks_.size(); ++i) {
-            ticks_[i].hip = stored ? exact_[i].hip : hips_[i];
-        }
-        const auto check = [&](Stored column, double engine::Vec2::*axis) {
+        const bool steps = (reader.chunk().parts & part_hip) == 0 && !hip_;
+        const auto axis = [&](Stored column, auto&& place) {
             reader.read(column, values_);
             for (std::size_t i = 0; i < ticks_.size(); ++i) {
-                if (in_steps(ticks_[i].hip.*axis, kHipSteps) != values_[i]) {
+                if (steps) {
+                    place(ticks_[i]) = steps_in_metres(values_[i]);
+                } else if (in_steps(place(ticks_[i]), kHipSteps) != values_[i]) {
                     throw SampleError(replay_sentence(part_.trial, reader.chunk().first_tick));
                 }
             }
         };
-        check(Stored::hip_x, &engine::Vec2::x);
-        check(Stored::hip_y, &engine::Vec2::y);
+        axis(Stored::hip_x, [](TickRecord& tick) -> double& { return tick.hip.x; });
+        axis(Stored::hip_y, [](TickRecord& tick) -> double& { return tick.hip.y; });
+        axis(Stored::hip_z, [](TickRecord& tick) -> double& { return tick.hip_z; });
     }
 
     TrialPart part_;
     SampleColumns columns_;
     TickRange range_;
     PartChunks chunks_;
+    bool in_space_;
     std::optional<HipFromCounts> hip_;
     std::size_t next_ = 0;
     std::vector<TickRecord> ticks_;
@@ -179,8 +197,8 @@ std::unique_ptr<TickBlocks> stored_blocks(Asked& db,
                                           const TrialPart& part,
                                           SampleColumns columns,
                                           const TickRange& range,
-                                          const std::optional<engine::PantographSpec>& machine) {
-    return std::make_unique<StoredBlocks>(db, part, columns, range, machine);
+                                          const HipSource& source) {
+    return std::make_unique<StoredBlocks>(db, part, columns, range, source);
 }
 
 }  // namespace palpate::data

@@ -10,14 +10,18 @@
 
 namespace palpate::data {
 
+/// What HIP follows from, if columns of HIP are wanted.
+struct HipSource {
+    std::optional<engine::PantographSpec> machine{};  ///< if the session has a calibration
+    bool in_space = false;                            ///< from its own columns
+};
+
 /// Columns that chunks hold, and HIP from the encoder counts: chunk by chunk without any replay, decoding
 /// the columns wanted only, those chunks left out that are out of range.
-/// @param machine  what HIP follows from, if columns of HIP are wanted and the session has a calibration
-[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(
-    Asked& db,
-    const TrialPart& part,
-    SampleColumns columns,
-    const TickRange& range,
-    const std::optional<engine::PantographSpec>& machine);
+[[nodiscard]] std::unique_ptr<TickBlocks> stored_blocks(Asked& db,
+                                                        const TrialPart& part,
+                                                        SampleColumns columns,
+                                                        const TickRange& range,
+                                                        const HipSource& source);
 
 }  // namespace palpate::data

@@ -25,7 +25,7 @@ public:
     PartReplay(const TrialPart& part,
                std::vector<std::vector<std::byte>> bytes,
                std::span<const ChunkView> chunks,
-               std::shared_ptr<const engine::Scene> scene,
+               std::shared_ptr<const engine::FeltScene> scene,
                const std::optional<engine::PantographSpec>& machine,
                std::vector<TickRecord> room)
         : part_(part),
@@ -69,12 +69,12 @@ private:
 
     TrialPart part_;
     std::vector<std::vector<std::byte>> bytes_;  ///< what it is made of
-    std::shared_ptr<const engine::Scene> scene_;
+    std::shared_ptr<const engine::FeltScene> scene_;
     ChunkReplay replay_;
     std::vector<std::int64_t> first_ticks_;
     std::size_t ticks_ = 0;
     std::size_t with_closest_ = 0;  ///< the first chunk without closest points
-    engine::TrackState track_;
+    engine::FeltTrack track_;
     bool given_up_ = false;
 };
 
@@ -245,11 +245,13 @@ std::unique_ptr<TickBlocks> TickStore::blocks(const TrialPart& part,
         return std::make_unique<ReplayedBlocks>(
             part, of_part(part, [&] { return state.replayed(part); }), closest, range);
     }
-    std::optional<engine::PantographSpec> machine;
+    HipSource source;
     if ((columns & kHipColumns) != 0) {
-        machine = of_part(part, [&] { return state.context_of(part).session->machine(); });
+        const SessionTraces& session =
+            *of_part(part, [&] { return state.context_of(part).session; });
+        source = {.machine = session.machine(), .in_space = session.in_space()};
     }
-    return stored_blocks(state.db, part, columns, range, machine);
+    return stored_blocks(state.db, part, columns, range, source);
 }
 
 }  // namespace palpate::data

@@ -51,7 +51,7 @@ std::vector<engine::TickRecord> TraceReader::stored(std::int64_t trial, std::int
     if (all.differs_from) {
         throw ReplayError(replay_sentence(trial, *all.differs_from));
     }
-    engine::TrackState track;
+    engine::FeltTrack track;
     find_closest_points(*session->second.scene_of(context.trial), track, all.ticks);
     return std::move(all.ticks);
 }

@@ -100,7 +100,8 @@ void SqliteRecorder::begin_interval(TrialId trial,
         write_presentation(database_, trial, felt, scene);
         all.commit();
     });
-    std::unique_ptr<engine::Scene> compiled(new engine::Scene(make_scene(protocol_, felt)));
+    std::unique_ptr<engine::FeltScene> compiled(
+        new engine::FeltScene(make_felt_scene(protocol_, felt)));
     compiled->restore_decay({.slip = scene.slip_decay, .heal = scene.heal_decay});
     interval_ = static_cast<std::int64_t>(felt.interval);
     trace_.begin(trial, interval_, std::move(compiled));

@@ -20,7 +20,7 @@ TraceWriter::TraceWriter(Database& database,
 
 void TraceWriter::begin(std::int64_t trial,
                         std::int64_t interval,
-                        std::unique_ptr<engine::Scene> scene) {
+                        std::unique_ptr<engine::FeltScene> scene) {
     trial_ = trial;
     interval_ = interval;
     scene_ = std::move(scene);

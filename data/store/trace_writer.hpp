@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "engine/device/calibration.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "engine/rendering/scene.hpp"
 #include "data/store/database.hpp"
 #include "data/trace/retrace.hpp"
 
@@ -29,7 +29,7 @@ public:
 
     /// From here on ticks are those of this interval, what is not saved of another is dropped.
     /// @param scene  as the servo has it, with the same decays
-    void begin(std::int64_t trial, std::int64_t interval, std::unique_ptr<engine::Scene> scene);
+    void begin(std::int64_t trial, std::int64_t interval, std::unique_ptr<engine::FeltScene> scene);
 
     /// Into memory, nothing else.
     void add(std::span<const engine::TickRecord> ticks);
@@ -49,7 +49,7 @@ private:
     std::int64_t period_ns_;
     std::int64_t trial_ = 0;
     std::int64_t interval_ = 1;
-    std::unique_ptr<engine::Scene> scene_;
+    std::unique_ptr<engine::FeltScene> scene_;
     std::unique_ptr<Retrace> retrace_;
     std::vector<engine::TickRecord> ticks_;  ///< from the first of the chunk that is not full
     std::vector<std::uint8_t> parts_;        ///< of each tick

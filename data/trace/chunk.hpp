@@ -68,6 +68,10 @@ public:
     void read(Stored column, std::span<std::int64_t> values) const;
     /// The same of a column of no more than 4 bytes.
     void read(Stored column, std::span<std::int32_t> values) const;
+    /// All values of a column of every chunk are 0.
+    [[nodiscard]] bool all_zero(Stored column) const noexcept {
+        return streams_[static_cast<std::size_t>(column)].empty();
+    }
     /// All exact columns that the chunk holds, into the ticks. `command` becomes bits XOR those of force.
     void read_exact(std::span<engine::TickRecord> ticks) const;
     /// The same columns, to be put into ticks later. @throws TraceError

@@ -47,12 +47,18 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
         tick.segment = exact.segment;
         tick.mode = exact.mode;
         tick.flags = exact.flags;
+        tick.go_z = exact.go_z;
+        tick.force_z = exact.force_z;
+        tick.v = exact.v;
     }
     tick.command = tick.force;
+    tick.command_z = tick.force_z;
     if ((parts & part_command) != 0) {
         tick.command = exact.command;
         exclusive_or(tick.command.x, tick.force.x);
         exclusive_or(tick.command.y, tick.force.y);
+        tick.command_z = exact.command_z;
+        exclusive_or(tick.command_z, tick.force_z);
     }
     if ((parts & part_lateness) != 0) {
         tick.lateness_us = exact.lateness_us;
@@ -63,7 +69,8 @@ void set_exact(TickRecord& tick, std::uint8_t parts, const TickRecord& exact) no
 
 /// HIP is NaN where the linkage has no pose. @throws TraceError
 void ChunkReplay::Unpacked::unpack(const ChunkView& view,
-                                   const std::optional<engine::ManyHips>& machine) {
+                                   const std::optional<engine::ManyHips>& machine,
+                                   bool in_space) {
     const ChunkReader reader(view);  // without the columns of HIP, which the counts tell
     numbers.resize(view.ticks);
     times.resize(view.ticks);
@@ -78,10 +85,21 @@ void ChunkReplay::Unpacked::unpack(const ChunkView& view,
     for (std::size_t i = 0; i < view.ticks; ++i) {
         counts[i] = {small[0][i], small[1][i]};
     }
-    if (machine) {
+    third.clear();
+    if (in_space) {
+        unpack_steps(reader);
+    } else if (machine) {
         machine->of(counts, hips);
     } else {
         std::fill(hips.begin(), hips.end(), engine::Vec2{});
+    }
+    if (!(reader.all_zero(Stored::count_3) && reader.all_zero(Stored::code_3) &&
+          reader.all_zero(Stored::hip_z))) {
+        third.resize(3 * view.ticks);
+        const std::span all(third);
+        reader.read(Stored::count_3, all.first(view.ticks));
+        reader.read(Stored::code_3, all.subspan(view.ticks, view.ticks));
+        reader.read(Stored::hip_z, all.last(view.ticks));
     }
     exact = reader.exact();
     if ((view.parts & part_contact) != 0) {
@@ -89,12 +107,24 @@ void ChunkReplay::Unpacked::unpack(const ChunkView& view,
     }
 }
 
+/// HIP in the plane as its columns say. @throws TraceError
+void ChunkReplay::Unpacked::unpack_steps(const ChunkReader& reader) {
+    std::vector<std::int32_t> steps(hips.size());
+    for (const Stored column : {Stored::hip_x, Stored::hip_y}) {
+        reader.read(column, steps);
+        const auto axis = column == Stored::hip_x ? &engine::Vec2::x : &engine::Vec2::y;
+        for (std::size_t i = 0; i < hips.size(); ++i) {
+            hips[i].*axis = steps_in_metres(steps[i]);
+        }
+    }
+}
+
 ChunkReplay::ChunkReplay(const std::optional<engine::PantographSpec>& machine,
-                         const engine::Scene* scene,
+                         const engine::SceneView& scene,
                          std::span<const ChunkView> chunks,
                          bool helped,
                          std::vector<TickRecord> room)
-    : contacts_(std::nullopt, scene), ticks_(std::move(room)) {
+    : in_space_(scene.space != nullptr), contacts_(std::nullopt, scene), ticks_(std::move(room)) {
     if (machine) {
         machine_.emplace(*machine);
     }
@@ -185,7 +215,7 @@ bool ChunkReplay::work(Lock& lock) noexcept {
                 if (!chunk.bytes) {
                     chunk.bytes = std::make_unique<Unpacked>();
                 }
-                chunk.bytes->unpack(chunk.view, machine_);
+                chunk.bytes->unpack(chunk.view, machine_, in_space_);
             } catch (...) {
                 chunk.damage = std::current_exception();
             }
@@ -222,11 +252,13 @@ void ChunkReplay::follow(Chunk& chunk) noexcept {
         if ((parts & part_hip) != 0) {
             for (std::size_t i = 0; i < count; ++i) {
                 ticks[i].hip = exact[i].hip;
+                ticks[i].hip_z = exact[i].hip_z;
             }
         }
         contacts_.contacts(ticks);
         for (std::size_t i = 0; i < count; ++i) {
             ticks[i].command = ticks[i].force;
+            ticks[i].command_z = ticks[i].force_z;
             if (parts != 0) {
                 exact[i].flags = static_cast<std::uint8_t>(bytes.column(Stored::flags)[first + i]);
                 set_exact(ticks[i], parts, exact[i]);
@@ -255,6 +287,12 @@ void ChunkReplay::set_stored(const Unpacked& bytes,
         const engine::Vec2& hip = bytes.hips[first + i];
         last_hip_ = std::isnan(hip.x) ? last_hip_ : hip;
         tick.hip = last_hip_;
+    }
+    const std::size_t all = bytes.third.size() / 3;  // 0 in the plane
+    for (std::size_t i = 0; all > 0 && i < ticks.size(); ++i) {
+        ticks[i].count_3 = bytes.third[first + i];
+        ticks[i].code_3 = bytes.third[all + first + i];
+        ticks[i].hip_z = steps_in_metres(bytes.third[2 * all + first + i]);
     }
 }
 

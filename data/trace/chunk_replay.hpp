@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "engine/device/many_hips.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "engine/rendering/scene.hpp"
 #include "data/trace/chunk.hpp"
 #include "data/trace/retrace.hpp"
 
@@ -31,13 +31,14 @@ namespace palpate::data {
 /// than a few beyond the last one that was asked for. One caller at a time.
 class ChunkReplay {
 public:
-    /// @param machine  nothing: HIP is (0, 0) where the chunks do not hold it
+    /// @param machine  nothing: HIP is (0, 0) where the chunks do not hold it; in space it is what its
+    ///                 columns say there
     /// @param scene    nothing: contacts are what the chunks hold
     /// @param chunks   in the order of their ticks; their bytes and the scene must outlive this
     /// @param helped   by a thread; not where intervals are replayed side by side
     /// @param room     of an earlier replay: memory that is there already
     ChunkReplay(const std::optional<engine::PantographSpec>& machine,
-                const engine::Scene* scene,
+                const engine::SceneView& scene,
                 std::span<const ChunkView> chunks,
                 bool helped = true,
                 std::vector<engine::TickRecord> room = {});
@@ -69,9 +70,13 @@ private:
         std::array<std::vector<std::int32_t>, 6> small;  ///< from count_1 to flags
         std::vector<engine::Pantograph::Counts> counts;
         std::vector<engine::Vec2> hips;
-        std::vector<ExactColumn> exact;  ///< those that are held in full
+        std::vector<std::int32_t> third;  ///< counts, codes, steps of HIP; empty: all 0
+        std::vector<ExactColumn> exact;   ///< those that are held in full
 
-        void unpack(const ChunkView& view, const std::optional<engine::ManyHips>& machine);
+        void unpack_steps(const ChunkReader& reader);
+        void unpack(const ChunkView& view,
+                    const std::optional<engine::ManyHips>& machine,
+                    bool in_space);
         [[nodiscard]] const std::int32_t* column(Stored which) const noexcept {
             return small[static_cast<std::size_t>(which) -
                          static_cast<std::size_t>(Stored::count_1)]
@@ -98,6 +103,7 @@ private:
                     std::span<engine::TickRecord> ticks) noexcept;
 
     std::optional<engine::ManyHips> machine_;
+    bool in_space_;
     Retrace contacts_;
     engine::Vec2 last_hip_{};  ///< that the machine gave
     std::vector<engine::TickRecord> ticks_;

@@ -72,12 +72,14 @@ std::uint64_t bits_at(const std::byte* at, std::size_t size) noexcept {
 }
 
 void shuffle_exact(const StoredColumn& column, std::span<const TickRecord> ticks, std::byte* out) {
-    constexpr std::size_t kToForce = offsetof(TickRecord, command) - offsetof(TickRecord, force);
+    const std::size_t to_force = column.offset == offsetof(TickRecord, command_z)
+                                   ? offsetof(TickRecord, command_z) - offsetof(TickRecord, force_z)
+                                   : offsetof(TickRecord, command) - offsetof(TickRecord, force);
     for (const TickRecord& tick : ticks) {
         const auto* const at = reinterpret_cast<const std::byte*>(&tick) + column.offset;
         std::uint64_t bits = bits_at(at, column.size);
         if (column.part == part_command) {
-            bits ^= bits_at(at - kToForce, column.size);
+            bits ^= bits_at(at - to_force, column.size);
         }
         for (std::size_t byte = 0; byte < column.size; ++byte) {
             out[byte * ticks.size()] = static_cast<std::byte>(bits >> (8U * byte));
@@ -202,6 +204,15 @@ void stored_values(Stored column,
         case Stored::command_y:
             return each(
                 [](const TickRecord& tick) { return in_steps(tick.command.y, kCommandSteps); });
+        case Stored::count_3:
+            return each([](const TickRecord& tick) { return tick.count_3; });
+        case Stored::code_3:
+            return each([](const TickRecord& tick) { return tick.code_3; });
+        case Stored::hip_z:
+            return each([](const TickRecord& tick) { return in_steps(tick.hip_z, kHipSteps); });
+        case Stored::command_z:
+            return each(
+                [](const TickRecord& tick) { return in_steps(tick.command_z, kCommandSteps); });
     }
 }
 

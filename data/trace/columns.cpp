@@ -92,7 +92,9 @@ constexpr std::array kColumns{
     column<std::int16_t, offsetof(TickRecord, segment)>(
         "segment",
         "1",
-        "under the god-object: i >= 0 segment i, from 0; -1 - j vertex j, at the end of segment j"),
+        "under the god-object: i >= 0 segment i, from 0; -1 - j vertex j, at the end of segment j; "
+        "in "
+        "space the surface, from 0"),
     column<double, offsetof(TickRecord, u)>("u",
                                             "1 or rad",
                                             "of the god-object: its segment's own parameter (0 to "
@@ -125,6 +127,17 @@ constexpr std::array kColumns{
     column<double, offsetof(TickRecord, tangential_force)>(
         "rendered_tangential_n", "N", "rendered force along the direction of travel"),
     column<double, offsetof(TickRecord, mu)>("mu", "1", "friction coefficient in force"),
+    column<std::int32_t, offsetof(TickRecord, count_3)>(
+        "count_3", "1", "encoder of motor 3 as read; this and what follows: 0 in the plane"),
+    column<std::int32_t, offsetof(TickRecord, code_3)>("code_3", "1", "as written to motor 3"),
+    column<double, offsetof(TickRecord, v)>(
+        "v", "1", "of the god-object, its surface's other parameter beside u"),
+    column<double, offsetof(TickRecord, hip_z)>("hip_z_m", "m", "handle, up"),
+    column<double, offsetof(TickRecord, cp_z)>("cp_z_m", "m", "closest point, up"),
+    column<double, offsetof(TickRecord, go_z)>("go_z_m", "m", "god-object, up"),
+    column<double, offsetof(TickRecord, force_z)>(
+        "rendered_z_n", "N", "rendered force on the hand, up"),
+    column<double, offsetof(TickRecord, command_z)>("commanded_z_n", "N", "commanded force, up"),
 };
 
 constexpr std::size_t total_bytes() {

@@ -12,7 +12,7 @@ using engine::TickRecord;
 
 // The declared order is that of the struct in memory. Who changes the struct copies it to this one.
 static_assert(std::endian::native == std::endian::little);
-static_assert(sizeof(TickRecord) == 152);
+static_assert(sizeof(TickRecord) == 208);
 static_assert(offsetof(TickRecord, tick) == 0 && offsetof(TickRecord, time_ns) == 8);
 static_assert(offsetof(TickRecord, hip) == 16 && offsetof(TickRecord, cp) == 32);
 static_assert(offsetof(TickRecord, go) == 48 && offsetof(TickRecord, force) == 64);
@@ -22,6 +22,10 @@ static_assert(offsetof(TickRecord, u) == 120 && offsetof(TickRecord, counts) == 
 static_assert(offsetof(TickRecord, codes) == 136 && offsetof(TickRecord, lateness_us) == 144);
 static_assert(offsetof(TickRecord, segment) == 148 && offsetof(TickRecord, mode) == 150);
 static_assert(offsetof(TickRecord, flags) == 151);
+static_assert(offsetof(TickRecord, hip_z) == 152 && offsetof(TickRecord, cp_z) == 160);
+static_assert(offsetof(TickRecord, go_z) == 168 && offsetof(TickRecord, force_z) == 176);
+static_assert(offsetof(TickRecord, command_z) == 184 && offsetof(TickRecord, v) == 192);
+static_assert(offsetof(TickRecord, count_3) == 200 && offsetof(TickRecord, code_3) == 204);
 
 std::uint64_t derived_hash(std::span<const TickRecord> ticks) noexcept {
     return XXH3_64bits(ticks.data(), ticks.size_bytes());

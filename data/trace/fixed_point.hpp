@@ -27,6 +27,11 @@ inline constexpr double kHipSteps = 1e7;       ///< per m: 0.1 um
 inline constexpr double kCommandSteps = 1e4;   ///< per N: 0.1 mN
 inline constexpr double kLatenessSteps = 1e3;  ///< per us: 1 ns
 
+/// HIP of a whole number of its steps, m: the nearest double.
+[[nodiscard]] inline double steps_in_metres(std::int64_t steps) noexcept {
+    return static_cast<double>(steps) / kHipSteps;
+}
+
 /// The lateness that a tick has from whole ns, as the servo computes it.
 [[nodiscard]] inline float lateness_us(std::int64_t ns) noexcept {
     return static_cast<float>(static_cast<double>(ns) * 1e-3);

@@ -39,7 +39,7 @@ std::string replay_sentence(std::int64_t trial, std::int64_t tick) {
         trial, tick);
 }
 
-Replayed replay(const engine::Scene* scene,
+Replayed replay(const engine::SceneView& scene,
                 const std::optional<engine::PantographSpec>& machine,
                 std::span<const ChunkView> chunks,
                 bool helped) {
@@ -54,11 +54,21 @@ Replayed replay(const engine::Scene* scene,
     return all;
 }
 
-void find_closest_points(const engine::Scene& scene,
-                         engine::TrackState& track,
+void find_closest_points(const engine::SceneView& scene,
+                         engine::FeltTrack& track,
                          std::span<TickRecord> ticks) noexcept {
     for (TickRecord& tick : ticks) {
-        tick.cp = tick.mode == engine::Mode::free ? tick.go : scene.closest(track, tick.hip).point;
+        if (tick.mode == engine::Mode::free) {
+            tick.cp = tick.go;
+            tick.cp_z = tick.go_z;
+        } else if (scene.space != nullptr) {
+            const engine::Vec3 point =
+                scene.space->feet().track(track.space, hip_in_space(tick)).point;
+            tick.cp = engine::Vec2(point);
+            tick.cp_z = point.z;
+        } else {
+            tick.cp = scene.plane->closest(track.plane, tick.hip).point;
+        }
     }
 }
 
@@ -85,7 +95,7 @@ SessionTraces::SessionTraces(protocols::Protocol protocol,
                              std::optional<engine::PantographSpec> machine)
     : protocol_(std::move(protocol)), machine_(std::move(machine)) {}
 
-std::shared_ptr<const engine::Scene> SessionTraces::scene_of(const TraceTrial& trial) {
+std::shared_ptr<const engine::FeltScene> SessionTraces::scene_of(const TraceTrial& trial) {
     const Felt key(trial.object, trial.friction, trial.slip_decay, trial.heal_decay,
                    trial.curvature, trial.mu_s, trial.mu_d, trial.stimulus);
     auto found = scenes_.find(key);
@@ -103,8 +113,8 @@ std::shared_ptr<const engine::Scene> SessionTraces::scene_of(const TraceTrial& t
             protocol_.procedure->varies == protocols::Varies::compliance) {
             feel_stimulus(*protocol_.procedure, *trial.stimulus, felt);
         }
-        const std::shared_ptr<engine::Scene> scene(
-            new engine::Scene(protocols::make_scene(protocol_, felt)));
+        const std::shared_ptr<engine::FeltScene> scene(
+            new engine::FeltScene(protocols::make_felt_scene(protocol_, felt)));
         scene->restore_decay({.slip = trial.slip_decay, .heal = trial.heal_decay});
         if (scenes_.size() >= kMostScenes) {
             scenes_.clear();
@@ -115,7 +125,7 @@ std::shared_ptr<const engine::Scene> SessionTraces::scene_of(const TraceTrial& t
 }
 
 Replayed SessionTraces::replay(const TraceTrial& trial, std::span<const ChunkView> chunks) {
-    const std::shared_ptr<const engine::Scene> scene = scene_of(trial);
+    const std::shared_ptr<const engine::FeltScene> scene = scene_of(trial);
     return data::replay(scene.get(), machine_, chunks);
 }
 

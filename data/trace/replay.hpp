@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "engine/device/calibration.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "engine/rendering/scene.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "data/trace/chunk.hpp"
 
@@ -67,11 +67,14 @@ public:
 
     /// The scene of the trial, with the decays that were recorded.
     /// @throws std::invalid_argument if it cannot be built
-    [[nodiscard]] std::shared_ptr<const engine::Scene> scene_of(const TraceTrial& trial);
+    [[nodiscard]] std::shared_ptr<const engine::FeltScene> scene_of(const TraceTrial& trial);
 
     [[nodiscard]] const std::optional<engine::PantographSpec>& machine() const noexcept {
         return machine_;
     }
+
+    /// Objects are surfaces: HIP follows from its own columns, and no calibration is needed.
+    [[nodiscard]] bool in_space() const noexcept { return protocol_.surface.has_value(); }
 
 private:
     protocols::Protocol protocol_;
@@ -85,7 +88,7 @@ private:
                             std::optional<double>,
                             std::optional<double>,
                             std::optional<double>>;
-    std::map<Felt, std::shared_ptr<const engine::Scene>> scenes_;
+    std::map<Felt, std::shared_ptr<const engine::FeltScene>> scenes_;
 };
 
 /// The machine of a canonical calibration text, if it is one.
@@ -94,7 +97,7 @@ private:
 /// Replay of one interval with a scene that is there already; no scene: only what is stored. The closest
 /// points are left out: see find_closest_points(). Chunk by chunk: ChunkReplay.
 /// @param helped  by a thread; not where intervals are replayed side by side
-[[nodiscard]] Replayed replay(const engine::Scene* scene,
+[[nodiscard]] Replayed replay(const engine::SceneView& scene,
                               const std::optional<engine::PantographSpec>& machine,
                               std::span<const ChunkView> chunks,
                               bool helped = true);
@@ -102,8 +105,8 @@ private:
 /// The closest point of the next ticks of an interval, from its first one on: out of contact the one that was
 /// last looked for, which is where the god-object is.
 /// @param track  of these questions alone; new before the first tick
-void find_closest_points(const engine::Scene& scene,
-                         engine::TrackState& track,
+void find_closest_points(const engine::SceneView& scene,
+                         engine::FeltTrack& track,
                          std::span<engine::TickRecord> ticks) noexcept;
 
 /// One column of every chunk without any replay. 10 to 100 times as fast.

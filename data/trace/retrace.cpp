@@ -20,7 +20,8 @@ bool same(const T& a, const T& b) noexcept {
 bool same_contact(const TickRecord& a, const TickRecord& b) noexcept {
     return same(a.go, b.go) && same(a.force, b.force) && same(a.normal_force, b.normal_force) &&
            same(a.tangential_force, b.tangential_force) && same(a.mu, b.mu) && same(a.u, b.u) &&
-           a.segment == b.segment && a.mode == b.mode && a.flags == b.flags;
+           a.segment == b.segment && a.mode == b.mode && a.flags == b.flags &&
+           same(a.go_z, b.go_z) && same(a.force_z, b.force_z) && same(a.v, b.v);
 }
 
 }  // namespace
@@ -42,7 +43,8 @@ void HipFromCounts::at(std::span<const engine::Pantograph::Counts> counts,
     }
 }
 
-Retrace::Retrace(const std::optional<engine::PantographSpec>& machine, const engine::Scene* scene)
+Retrace::Retrace(const std::optional<engine::PantographSpec>& machine,
+                 const engine::SceneView& scene)
     : scene_(scene) {
     if (machine) {
         machine_.emplace(*machine);
@@ -50,14 +52,25 @@ Retrace::Retrace(const std::optional<engine::PantographSpec>& machine, const eng
 }
 
 void Retrace::contacts(std::span<TickRecord> ticks) noexcept {
-    if (scene_ != nullptr) {
-        engine::set_contacts(ticks, *scene_, state_);
+    engine::set_contacts(ticks, scene_, state_);
+}
+
+/// HIP follows from the other columns.
+bool Retrace::same_hip(const TickRecord& tick) noexcept {
+    const auto whole = [](double metres) {
+        return steps_in_metres(in_steps(metres, kHipSteps));
+    };
+    if (scene_.space != nullptr) {
+        return same(engine::Vec2{whole(tick.hip.x), whole(tick.hip.y)}, tick.hip) &&
+               same(whole(tick.hip_z), tick.hip_z);
     }
+    return same(machine_ ? machine_->at(tick.counts) : engine::Vec2{}, tick.hip) &&
+           same(0.0, tick.hip_z);
 }
 
 std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
     unsigned parts = 0;
-    if (!same(machine_ ? machine_->at(tick.counts) : engine::Vec2{}, tick.hip)) {
+    if (!same_hip(tick)) {
         parts |= part_hip;
     }
     TickRecord again = tick;
@@ -65,7 +78,7 @@ std::uint8_t Retrace::parts(const TickRecord& tick) noexcept {
     if (!has_scene() || !same_contact(again, tick)) {
         parts |= part_contact;
     }
-    if (!same(tick.command, tick.force)) {
+    if (!same(tick.command, tick.force) || !same(tick.command_z, tick.force_z)) {
         parts |= part_command;
     }
     const auto us = static_cast<double>(tick.lateness_us);

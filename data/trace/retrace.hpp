@@ -5,8 +5,8 @@
 #include <span>
 
 #include "engine/device/many_hips.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "engine/rendering/scene.hpp"
 
 namespace palpate::data {
 
@@ -28,9 +28,10 @@ private:
 /// what one answers, the other can rely on.
 class Retrace {
 public:
-    /// @param machine  nothing: HIP follows from nothing
+    /// @param machine  nothing: HIP follows from nothing; in space, where there is none, from its columns where
+    ///                 it is a whole number of their steps
     /// @param scene    nothing: contacts follow from nothing; must outlive this
-    Retrace(const std::optional<engine::PantographSpec>& machine, const engine::Scene* scene);
+    Retrace(const std::optional<engine::PantographSpec>& machine, const engine::SceneView& scene);
 
     /// The parts of a recorded tick that nothing else in it tells.
     [[nodiscard]] std::uint8_t parts(const engine::TickRecord& tick) noexcept;
@@ -38,12 +39,14 @@ public:
     /// The contacts of the next ticks, after HIP is known. Every tick, in order.
     void contacts(std::span<engine::TickRecord> ticks) noexcept;
 
-    [[nodiscard]] bool has_scene() const noexcept { return scene_ != nullptr; }
+    [[nodiscard]] bool has_scene() const noexcept { return scene_.any(); }
 
 private:
+    [[nodiscard]] bool same_hip(const engine::TickRecord& tick) noexcept;
+
     std::optional<HipFromCounts> machine_;
-    const engine::Scene* scene_;
-    engine::ContactState state_;
+    engine::SceneView scene_;
+    engine::FeltState state_;
 };
 
 }  // namespace palpate::data

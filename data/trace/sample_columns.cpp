@@ -32,7 +32,8 @@ std::string sample_declaration() {
            "    hip_vx_m_per_s REAL,  -- of HIP: (x - x of the stored tick before) / (t - t of "
            "it); NULL: no tick "
            "before\n"
-           "    hip_vy_m_per_s REAL  -- the same in y\n)";
+           "    hip_vy_m_per_s REAL,  -- the same in y\n"
+           "    hip_vz_m_per_s REAL  -- the same in z\n)";
 }
 
 }  // namespace palpate::data

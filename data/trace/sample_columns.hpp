@@ -33,8 +33,17 @@ enum class SampleColumn : std::uint8_t {
     rendered_normal_n,
     rendered_tangential_n,
     mu,
+    count_3,
+    code_3,
+    v,
+    hip_z_m,
+    cp_z_m,
+    go_z_m,
+    rendered_z_n,
+    commanded_z_n,
     hip_vx_m_per_s,
     hip_vy_m_per_s,
+    hip_vz_m_per_s,
     count_of_columns
 };
 
@@ -46,20 +55,23 @@ using SampleColumns = std::uint64_t;
 }
 
 /// Columns that need HIP, and the tick before.
-inline constexpr SampleColumns kVelocityColumns =
-    bit(SampleColumn::hip_vx_m_per_s) | bit(SampleColumn::hip_vy_m_per_s);
-inline constexpr SampleColumns kHipColumns =
-    bit(SampleColumn::hip_x_m) | bit(SampleColumn::hip_y_m) | kVelocityColumns;
+inline constexpr SampleColumns kVelocityColumns = bit(SampleColumn::hip_vx_m_per_s) |
+                                                  bit(SampleColumn::hip_vy_m_per_s) |
+                                                  bit(SampleColumn::hip_vz_m_per_s);
+inline constexpr SampleColumns kHipColumns = bit(SampleColumn::hip_x_m) |
+                                             bit(SampleColumn::hip_y_m) |
+                                             bit(SampleColumn::hip_z_m) | kVelocityColumns;
 /// Columns that no force needs: looked for where they are asked for.
 inline constexpr SampleColumns kClosestColumns =
-    bit(SampleColumn::cp_x_m) | bit(SampleColumn::cp_y_m);
+    bit(SampleColumn::cp_x_m) | bit(SampleColumn::cp_y_m) | bit(SampleColumn::cp_z_m);
 /// Columns that follow from the hand's whole path: they need a replay.
 inline constexpr SampleColumns kReplayedColumns =
     kClosestColumns | bit(SampleColumn::go_x_m) | bit(SampleColumn::go_y_m) |
     bit(SampleColumn::mode) | bit(SampleColumn::segment) | bit(SampleColumn::u) |
     bit(SampleColumn::mu) | bit(SampleColumn::rendered_normal_n) |
     bit(SampleColumn::rendered_tangential_n) | bit(SampleColumn::rendered_x_n) |
-    bit(SampleColumn::rendered_y_n);
+    bit(SampleColumn::rendered_y_n) | bit(SampleColumn::v) | bit(SampleColumn::go_z_m) |
+    bit(SampleColumn::rendered_z_n);
 
 /// The table as SQL: its columns with their comments.
 [[nodiscard]] std::string sample_declaration();

@@ -56,6 +56,10 @@ constexpr std::array kStored{
     whole("hip_y_100nm", "m", 1e-7, Rule::line, 4),
     whole("commanded_x_100un", "N", 1e-4, Rule::line, 4),
     whole("commanded_y_100un", "N", 1e-4, Rule::line, 4),
+    whole("count_3", "1", 1.0, Rule::line, 4),
+    whole("code_3", "1", 1.0, Rule::line, 4),
+    whole("hip_z_100nm", "m", 1e-7, Rule::line, 4),
+    whole("commanded_z_100un", "N", 1e-4, Rule::line, 4),
     exact("hip_x_m", "m", part_hip, offsetof(TickRecord, hip)),
     exact("hip_y_m", "m", part_hip, offsetof(TickRecord, hip.y)),
     exact("go_x_m", "m", part_contact, offsetof(TickRecord, go)),
@@ -71,6 +75,11 @@ constexpr std::array kStored{
     exact("commanded_x_xor_rendered", "N", part_command, offsetof(TickRecord, command), "u64le"),
     exact("commanded_y_xor_rendered", "N", part_command, offsetof(TickRecord, command.y), "u64le"),
     exact("lateness_us", "us", part_lateness, offsetof(TickRecord, lateness_us), "f32le", 4),
+    exact("hip_z_m", "m", part_hip, offsetof(TickRecord, hip_z)),
+    exact("go_z_m", "m", part_contact, offsetof(TickRecord, go_z)),
+    exact("rendered_z_n", "N", part_contact, offsetof(TickRecord, force_z)),
+    exact("v", "1", part_contact, offsetof(TickRecord, v)),
+    exact("commanded_z_xor_rendered", "N", part_command, offsetof(TickRecord, command_z), "u64le"),
 };
 static_assert(kStored.size() == kAllColumns);
 static_assert(kStored[kStoredColumns - 1].rule != Rule::exact);

@@ -23,10 +23,14 @@ enum class Stored : std::uint8_t {
     hip_y,
     command_x,
     command_y,
+    count_3,  ///< this and what follows of sessions in space; all 0 in the plane, which takes no bytes
+    code_3,
+    hip_z,
+    command_z,
 };
-inline constexpr std::size_t kStoredColumns = 12;
+inline constexpr std::size_t kStoredColumns = 16;
 /// With the exact ones.
-inline constexpr std::size_t kAllColumns = 27;
+inline constexpr std::size_t kAllColumns = 36;
 
 /// How a value becomes the number that is written, in two's complement of the column's width. All but `plain`
 /// and `exact` are then folded (zigzag): 0, -1, 1, -2 become 0, 1, 2, 3.
@@ -41,7 +45,9 @@ enum class Rule : std::uint8_t {
 /// Exact columns are in a chunk only where they do not follow from the others: a chunk names the parts
 /// that it holds.
 enum Part : std::uint8_t {
-    part_hip = 1U << 0U,       ///< HIP is not what the calibration makes of the counts
+    part_hip =
+        1U
+        << 0U,  ///< HIP is not what the calibration makes of the counts; without one: no whole steps
     part_contact = 1U << 1U,   ///< the contact is not what the scene makes of HIP
     part_command = 1U << 2U,   ///< the safety chain changed the force
     part_lateness = 1U << 3U,  ///< no whole number of ns

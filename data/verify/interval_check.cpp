@@ -23,12 +23,13 @@ using protocols::Presentation;
 constexpr double kExpError = 4e-16;
 
 /// With the decays that were recorded.
-std::unique_ptr<engine::Scene> scene_of(const SessionFrame& frame,
-                                        const Presentation& felt,
-                                        const StoredRow& row,
-                                        Findings& findings) {
+std::unique_ptr<engine::FeltScene> scene_of(const SessionFrame& frame,
+                                            const Presentation& felt,
+                                            const StoredRow& row,
+                                            Findings& findings) {
     constexpr std::string_view table = "presentation";
-    std::unique_ptr<engine::Scene> scene(new engine::Scene(make_scene(frame.protocol, felt)));
+    std::unique_ptr<engine::FeltScene> scene(
+        new engine::FeltScene(make_felt_scene(frame.protocol, felt)));
     const auto check_decay = [&](std::string_view column, double here) {
         const double stored = row.real(column);
         if (!(std::fabs(stored - here) <= kExpError * here)) {

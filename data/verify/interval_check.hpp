@@ -36,7 +36,7 @@ struct SessionFrame {
 struct CheckedInterval {
     StoredRow row;
     /// What the ticks follow from, until all that they say is checked.
-    std::unique_ptr<const engine::Scene> scene;
+    std::unique_ptr<const engine::FeltScene> scene;
     StoredChunks chunks;
     StoredTrace trace;
 };

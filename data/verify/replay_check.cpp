@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -54,6 +55,9 @@ constexpr std::array kColumns{
     column<&TickRecord::normal_force>("trace.rendered_normal_n"),
     column<&TickRecord::tangential_force>("trace.rendered_tangential_n"),
     column<&TickRecord::u>("trace.u"),
+    column<&TickRecord::v>("trace.v"),
+    column<&TickRecord::go_z>("trace.go_z_m"),
+    column<&TickRecord::force_z>("trace.rendered_z_n"),
     Column{"trace.segment", same_field<&TickRecord::segment>,
            [](const TickRecord& tick) {
                return fmt::format("{}", tick.segment);
@@ -73,7 +77,7 @@ constexpr std::array kColumns{
 
 }  // namespace
 
-void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings& findings) {
+void check_replay(const engine::SceneView& scene, const StoredTrace& trace, Findings& findings) {
     if (!trace.holds_contacts) {
         return;
     }
@@ -81,10 +85,12 @@ void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings
     for (Finding& finding : found) {
         finding.count = 0;
     }
-    engine::ContactState state;
+    engine::FeltState state;
     for (const TickRecord& tick : trace.ticks) {
         TickRecord again;
-        engine::set_contact(again, scene.tick(state, tick.hip), scene.outline());
+        again.hip = tick.hip;
+        again.hip_z = tick.hip_z;
+        engine::set_contacts(std::span(&again, 1), scene, state);
         for (std::size_t i = 0; i < kColumns.size(); ++i) {
             if (kColumns[i].same(tick, again) || found[i].count++ > 0) {
                 continue;

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "engine/rendering/scene.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "data/verify/stored_trace.hpp"
 
 namespace palpate::data {
@@ -10,7 +10,7 @@ namespace palpate::data {
 /// Where chunks hold contacts: runs the trial's recorded HIP through `scene` again and compares, to the bit:
 /// force, normal and tangential force, GO, mu, u, segment, mode, and the flags skipped and outside cone. One
 /// finding a column, with its first tick and how many differ. Other contacts are the scene's already.
-void check_replay(const engine::Scene& scene, const StoredTrace& trace, Findings& findings);
+void check_replay(const engine::SceneView& scene, const StoredTrace& trace, Findings& findings);
 
 /// What is stored of a virtual clock's ticks: none is late, time goes in whole periods. A real clock's
 /// ticks: time never goes back.

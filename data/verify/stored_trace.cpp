@@ -31,12 +31,12 @@ void differs_from(std::int64_t tick,
 class TraceCheck {
 public:
     TraceCheck(std::span<const ChunkView> chunks,
-               const engine::Scene& scene,
+               const engine::SceneView& scene,
                const std::optional<engine::PantographSpec>& machine,
                std::int64_t period_ns,
                Findings& findings)
         : chunks_(chunks),
-          replay_(machine, &scene, chunks, false),
+          replay_(machine, scene, chunks, false),
           period_ns_(period_ns),
           findings_(findings) {}
 
@@ -96,8 +96,9 @@ private:
 
     /// What everybody can read must be what the exact numbers say. The other columns are the ticks' own.
     void check_readable(const ChunkView& chunk, std::span<const TickRecord> ticks) {
-        constexpr std::array kReadable{Stored::lateness_ns, Stored::flags,     Stored::hip_x,
-                                       Stored::hip_y,       Stored::command_x, Stored::command_y};
+        constexpr std::array kReadable{Stored::lateness_ns, Stored::flags,    Stored::hip_x,
+                                       Stored::hip_y,       Stored::hip_z,    Stored::command_x,
+                                       Stored::command_y,   Stored::command_z};
         const ChunkReader reader(chunk);
         stored_.resize(chunk.ticks);
         exact_.resize(chunk.ticks);
@@ -129,7 +130,7 @@ private:
 }  // namespace
 
 StoredTrace check_trace(std::span<const ChunkView> chunks,
-                        const engine::Scene& scene,
+                        const engine::SceneView& scene,
                         const std::optional<engine::PantographSpec>& machine,
                         std::int64_t period_ns,
                         Findings& findings) {

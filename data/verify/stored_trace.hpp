@@ -25,7 +25,7 @@ struct StoredTrace {
 /// @param scene      as the trial's, with its decays
 /// @param period_ns  of the session
 [[nodiscard]] StoredTrace check_trace(std::span<const ChunkView> chunks,
-                                      const engine::Scene& scene,
+                                      const engine::SceneView& scene,
                                       const std::optional<engine::PantographSpec>& machine,
                                       std::int64_t period_ns,
                                       Findings& findings);

@@ -137,7 +137,7 @@ void check_shared(std::string_view table,
 protocols::TrialSummary summary_of(const SessionFrame& frame,
                                    const CheckedInterval& interval,
                                    std::int64_t felt) {
-    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness, interval.scene->outline());
+    protocols::TrialMeter meter(frame.protocol.apparatus.stiffness, *interval.scene);
     meter.add(std::span(interval.trace.ticks).first(static_cast<std::size_t>(felt)));
     return meter.summary();
 }

@@ -24,7 +24,7 @@ enum class DeviceFault : std::uint8_t {
 /// Whether the participant holds the handle, where a device can tell.
 enum class Grip : std::uint8_t { unknown, held, released };
 
-/// What a device said when read.
+/// What a device said when read. Of a machine of three axes hip_z and count_3 are the third; else 0.
 struct Reading {
     Vec2 hip{};  ///< object frame, m
     std::array<std::int32_t, 2> counts{};
@@ -33,16 +33,20 @@ struct Reading {
     /// Ticks that it is older than DeviceTraits::delay_ticks says, >= 0: of answers that came late.
     double behind = 0.0;
     Grip grip = Grip::unknown;
+    double hip_z = 0.0;  ///< m, up
+    std::int32_t count_3 = 0;
 
     /// Whether hip and counts may be used.
     [[nodiscard]] bool ok() const noexcept { return fault == DeviceFault::none; }
 };
 
-/// What a device did with a commanded force.
+/// What a device did with a commanded force. Without a third motor code_3 and load_3 are 0.
 struct Applied {
     std::array<std::int32_t, 2> codes{};  ///< DAC codes
     bool saturated = false;               ///< it could not give the force asked for
     Vec2 load{};  ///< each motor's torque as a share of the torque that it can give for ever, >= 0
+    std::int32_t code_3 = 0;
+    double load_3 = 0.0;
 };
 
 /// What is known of a device before it is used.
@@ -54,6 +58,7 @@ struct DeviceTraits {
     /// s that the last force stays when this program falls silent; infinity: for ever
     double holds_force = 0.0;
     double round_trip = 0.0;  ///< s from a question to its answer, as measured; 0: it was not
+    int axes = 2;             ///< 3: a machine in space, which is written to by press()
 };
 
 /// The port to whatever holds the hand: read HIP, write force, once a tick each, in this order.
@@ -69,6 +74,8 @@ public:
     [[nodiscard]] virtual Reading read() noexcept = 0;
     /// @param force  on the user, object frame, N; finite
     virtual Applied write(const Vec2& force) noexcept = 0;
+    /// The same of a force in space. A machine in the plane gives what lies in it.
+    virtual Applied press(const Vec3& force) noexcept { return write(Vec2(force)); }
     /// What people call it, for messages and the record of a session.
     [[nodiscard]] virtual std::string name() const = 0;
 

@@ -1,6 +1,7 @@
 #include "engine/device/hand_path.hpp"
 
-#include <cstddef>
+#include <utility>
+#include <vector>
 
 #include "engine/math/elementary.hpp"
 
@@ -40,39 +41,21 @@ HandPath::HandPath(const Exploration& plan) : plan_(plan) {
     const Vec2 landing_1 = plan.vertex + kLanding * (plan.a - plan.vertex) + press_1;
     const Vec2 landing_2 = plan.vertex + kLanding * (plan.b - plan.vertex) + press_2;
 
-    corners_ = {plan.start, on_1 + kClearance * out_1, on_1 + press_1};
+    std::vector<Vec2> corners{plan.start, on_1 + kClearance * out_1, on_1 + press_1};
     for (int i = 0; i < plan.sweeps; ++i) {
         const bool towards_b = i % 2 == 0;
-        corners_.push_back(towards_b ? over_1 : over_2);
-        corners_.push_back(towards_b ? landing_2 : landing_1);
-        corners_.push_back(towards_b ? on_2 + press_2 : on_1 + press_1);
+        corners.push_back(towards_b ? over_1 : over_2);
+        corners.push_back(towards_b ? landing_2 : landing_1);
+        corners.push_back(towards_b ? on_2 + press_2 : on_1 + press_1);
     }
     const bool at_b = plan.sweeps % 2 == 1;
-    corners_.push_back(at_b ? on_2 + kClearance * out_2 : on_1 + kClearance * out_1);
+    corners.push_back(at_b ? on_2 + kClearance * out_2 : on_1 + kClearance * out_1);
 
-    reached_.push_back(0.0);
-    for (std::size_t i = 1; i < corners_.size(); ++i) {
-        duration_ += glm::length(corners_[i] - corners_[i - 1]) / plan.speed;
-        reached_.push_back(duration_);
-    }
+    way_ = TimedWay<2>(std::move(corners), plan.speed);
 }
 
 HandPath::Intention HandPath::at(double t) const noexcept {
-    Intention now;
-    if (t <= 0.0) {
-        now.position = corners_.front();
-    } else if (t >= duration_) {
-        now.position = corners_.back();
-    } else {
-        std::size_t i = 1;
-        while (reached_[i] < t) {
-            ++i;
-        }
-        const Vec2 leg = corners_[i] - corners_[i - 1];
-        const double time = reached_[i] - reached_[i - 1];
-        now.position = corners_[i - 1] + leg * ((t - reached_[i - 1]) / time);
-        now.velocity = leg / time;
-    }
+    Intention now = way_.at(t);
     const SinCos shake = sin_cos(2.0 * kPi * kTremorHz * t + plan_.tremor_phase);
     now.position += plan_.tremor * Vec2{shake.sin, shake.cos};
     return now;

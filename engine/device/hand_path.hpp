@@ -1,7 +1,6 @@
 #pragma once
 
-#include <vector>
-
+#include "engine/device/timed_way.hpp"
 #include "engine/geometry/vec.hpp"
 
 namespace palpate::engine {
@@ -27,21 +26,16 @@ public:
     /// @param plan  speed > 0, sweeps >= 0
     explicit HandPath(const Exploration& plan);
 
-    struct Intention {
-        Vec2 position{};  ///< m
-        Vec2 velocity{};  ///< m/s, of the path alone
-    };
+    using Intention = TimedWay<2>::Moment;  ///< the velocity is of the path alone
 
     /// @param t  s since the start; before 0 the start, after the end the last point
     [[nodiscard]] Intention at(double t) const noexcept;
     /// When the hand is off again, s since the start.
-    [[nodiscard]] double duration() const noexcept { return duration_; }
+    [[nodiscard]] double duration() const noexcept { return way_.duration(); }
 
 private:
     Exploration plan_;
-    std::vector<Vec2> corners_;
-    std::vector<double> reached_;  ///< s, when each corner is reached
-    double duration_ = 0.0;
+    TimedWay<2> way_;
 };
 
 }  // namespace palpate::engine

@@ -106,7 +106,7 @@ VirtualServo::~VirtualServo() {
     }
 }
 
-void VirtualServo::begin(const Scene& scene) {
+void VirtualServo::begin(const SceneView& scene) {
     rewind();
     loop_.begin(scene);
     ticks_ = 0;

@@ -72,8 +72,8 @@ public:
     Servo& operator=(const Servo&) = delete;
     virtual ~Servo() = default;
 
-    /// Starts a trial: time 0, force ramping in. @param scene  outlives the trial
-    virtual void begin(const Scene& scene) = 0;
+    /// Starts a trial: time 0, force ramping in. @param scene  what it looks at outlives the trial
+    virtual void begin(const SceneView& scene) = 0;
     /// Lets a little time pass (about 10 ms, or less) and tells how things stand.
     virtual ServoStatus advance() = 0;
     /// Ramps the force out, writes zero, stops. The ramp's ticks are in the ring as well.
@@ -167,7 +167,7 @@ public:
     /// Zero force is the last thing written, also where a trial was left by an exception.
     ~VirtualServo() override;
 
-    void begin(const Scene& scene) override;
+    void begin(const SceneView& scene) override;
     ServoStatus advance() override;
     void end() override;
     [[nodiscard]] double elapsed_s() const noexcept override;

@@ -69,10 +69,10 @@ ThreadServo::~ThreadServo() {
     thread_.join();
 }
 
-void ThreadServo::begin(const Scene& scene) {
+void ThreadServo::begin(const SceneView& scene) {
     end();
     rewind();
-    scene_ = &scene;
+    scene_ = scene;
     program_rights_.renew();
     give(Order::run);
 }
@@ -179,7 +179,7 @@ bool ThreadServo::obey(std::int64_t deadline_ns) noexcept {
     taken_ = word;
     switch (static_cast<Order>(word % 8)) {
         case Order::run:
-            loop_.begin(*scene_, rest_s(deadline_ns));
+            loop_.begin(scene_, rest_s(deadline_ns));
             start_ns_.store(deadline_ns, std::memory_order_relaxed);
             stand(State::running);
             done();

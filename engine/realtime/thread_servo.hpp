@@ -34,7 +34,7 @@ public:
     /// Ramps out of a trial that still runs. Zero force is the last thing written.
     ~ThreadServo() override;
 
-    void begin(const Scene& scene) override;
+    void begin(const SceneView& scene) override;
     /// Does not wait for a caller that waits for its own events; one that comes back within half a
     /// millisecond waits here for one, so that it does not take a processor for itself.
     ServoStatus advance() override;
@@ -69,7 +69,7 @@ private:
     std::atomic<std::uint64_t> done_{0};  ///< the last order that was carried out
     std::atomic<State> state_{State::parked};
     std::atomic<std::int64_t> start_ns_{0};  ///< the trial's first deadline
-    const Scene* scene_ = nullptr;           ///< set before the order to run it
+    SceneView scene_{};                      ///< set before the order to run it
     std::int64_t asked_ns_ = 0;              ///< the caller's own: end of the last advance()
 
     // The thread's own.

@@ -5,10 +5,10 @@
 namespace palpate::engine {
 namespace {
 
-Trip found(const Reading& reading, const Contact& contact) noexcept {
+Trip found(const Reading& reading, bool refused) noexcept {
     switch (reading.fault) {
         case DeviceFault::none:
-            return contact.refused ? Trip::scene_refused : Trip::none;
+            return refused ? Trip::scene_refused : Trip::none;
         case DeviceFault::silent:
             return Trip::device_silent;
         case DeviceFault::stopped:
@@ -42,61 +42,104 @@ std::uint8_t flags_of(const Command& command,
 
 }  // namespace
 
-void TickLoop::begin(const Scene& scene, double rest) noexcept {
-    scene_ = &scene;
-    state_ = ContactState{};
+void TickLoop::begin(const SceneView& scene, double rest) noexcept {
+    scene_ = scene;
+    state_ = FeltState{};
     safety_ = fresh_state(safety_, limits_, rest);
     applied_ = Applied{};
     flight_.clear();
     next_ = 0;
 }
 
-TickRecord TickLoop::tick(const TickOrder& order) noexcept {
-    const Reading reading = usable(device_->read());
-    const Contact contact = scene_->tick(state_, reading.hip);
-    const Command command = make_safe(
-        safety_, limits_,
-        {.force = contact.force,
-         .spring = scene_->spring(state_, contact, reading.hip),
-         .depth = contact.mode == Mode::free ? 0.0 : contact.normal_force / limits_.stiffness,
-         .hip = reading.hip,
-         .counts = reading.counts,
-         .found = found(reading, contact),
-         .fresh = reading.fresh,
-         .behind = reading.behind,
-         .time_ns = order.time_ns,
-         .lateness_ns = order.lateness_ns,
-         .load = applied_.load,
-         .clipped = applied_.saturated,
-         .screen_age = order.screen_age,
-         .enable = order.enable,
-         .held = order.held && reading.grip != Grip::released,
-         .stop = order.stop});
-    applied_ = device_->write(command.force);
+/// What does not depend on the contact.
+SafetyInput TickLoop::input_of(const TickOrder& order, const Reading& reading) const noexcept {
+    return {.hip = reading.hip,
+            .counts = reading.counts,
+            .fresh = reading.fresh,
+            .behind = reading.behind,
+            .time_ns = order.time_ns,
+            .lateness_ns = order.lateness_ns,
+            .load = applied_.load,
+            .clipped = applied_.saturated,
+            .screen_age = order.screen_age,
+            .enable = order.enable,
+            .held = order.held && reading.grip != Grip::released,
+            .stop = order.stop,
+            .hip_z = reading.hip_z,
+            .load_3 = applied_.load_3};
+}
 
+/// All but the contact, after the force is written.
+TickRecord TickLoop::recorded(const TickOrder& order,
+                              const Reading& reading,
+                              const Command& command) noexcept {
     TickRecord record;
     record.tick = next_++;
     record.time_ns = order.time_ns;
     record.hip = reading.hip;
+    record.hip_z = reading.hip_z;
     record.command = command.force;
+    record.command_z = command.force_z;
     record.counts = reading.counts;
+    record.count_3 = reading.count_3;
     record.codes = applied_.codes;
+    record.code_3 = applied_.code_3;
     record.lateness_us = static_cast<float>(static_cast<double>(order.lateness_ns) * 1e-3);
     record.flags = flags_of(command, applied_, periods_late(order.lateness_ns, limits_.period) > 0,
                             reading.ok() && !reading.fresh);
-    set_contact(record, contact, scene_->outline());
+    return record;
+}
+
+TickRecord TickLoop::tick_in_plane(const TickOrder& order) noexcept {
+    const Reading reading = usable(device_->read());
+    const Scene& scene = *scene_.plane;
+    const Contact contact = scene.tick(state_.plane, reading.hip);
+    SafetyInput input = input_of(order, reading);
+    input.force = contact.force;
+    input.spring = scene.spring(state_.plane, contact, reading.hip);
+    input.depth = contact.mode == Mode::free ? 0.0 : contact.normal_force / limits_.stiffness;
+    input.found = found(reading, contact.refused);
+    const Command command = make_safe(safety_, limits_, input);
+    applied_ = device_->write(command.force);
+
+    TickRecord record = recorded(order, reading, command);
+    set_contact(record, contact, scene.outline());
+    flight_.add(record);
+    return record;
+}
+
+TickRecord TickLoop::tick_in_space(const TickOrder& order) noexcept {
+    const Reading reading = usable(device_->read());
+    const Vec3 hip(reading.hip, reading.hip_z);
+    const SurfaceContact contact = scene_.space->tick(state_.space, hip);
+    const bool free = contact.mode == Mode::free;
+    const Vec3 spring = free ? Vec3{} : contact.go - hip;
+    SafetyInput input = input_of(order, reading);
+    input.force = Vec2(contact.force);
+    input.force_z = contact.force.z;
+    input.spring = Vec2(spring);
+    input.spring_z = spring.z;
+    input.depth = free ? 0.0 : contact.normal_force / limits_.stiffness;
+    input.found = found(reading, contact.refused);
+    const Command command = make_safe(safety_, limits_, input);
+    applied_ = device_->press(Vec3(command.force, command.force_z));
+
+    TickRecord record = recorded(order, reading, command);
+    set_contact(record, contact);
     flight_.add(record);
     return record;
 }
 
 Reading TickLoop::usable(Reading reading) noexcept {
-    if (reading.ok() && !(std::isfinite(reading.hip.x) && std::isfinite(reading.hip.y))) {
+    if (reading.ok() && !(std::isfinite(reading.hip.x) && std::isfinite(reading.hip.y) &&
+                          std::isfinite(reading.hip_z))) {
         reading.fault = DeviceFault::garbage;
     }
     if (!reading.ok()) {
-        reading.hip = hip_;
+        reading.hip = Vec2(hip_);
+        reading.hip_z = hip_.z;
     }
-    hip_ = reading.hip;
+    hip_ = Vec3(reading.hip, reading.hip_z);
     return reading;
 }
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "engine/device/device.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
-#include "engine/rendering/scene.hpp"
 #include "engine/safety/safety_chain.hpp"
 
 namespace palpate::engine {
@@ -56,11 +56,14 @@ public:
     /// A new trial: fresh contact, force off. @param scene  outlives the trial
     /// @param rest  s since the last trial's last tick, in which the motors cooled; by default for
     ///       ever
-    void begin(const Scene& scene, double rest = std::numeric_limits<double>::infinity()) noexcept;
+    void begin(const SceneView& scene,
+               double rest = std::numeric_limits<double>::infinity()) noexcept;
 
     /// One tick of a trial. A reading that is not to be used, or that is not finite, is a trip; the
     /// tick then has the last HIP that was good, so that every recorded force follows from its HIP.
-    TickRecord tick(const TickOrder& order) noexcept;
+    TickRecord tick(const TickOrder& order) noexcept {
+        return scene_.space == nullptr ? tick_in_plane(order) : tick_in_space(order);
+    }
 
     /// One tick between trials: the device is read, and commanded to give no force. The HIP of a
     /// reading with a fault is the last good one.
@@ -75,15 +78,22 @@ public:
     [[nodiscard]] const FlightRecorder& flight() const noexcept { return flight_; }
 
 private:
+    TickRecord tick_in_plane(const TickOrder& order) noexcept;
+    TickRecord tick_in_space(const TickOrder& order) noexcept;
     [[nodiscard]] Reading usable(Reading reading) noexcept;
+    [[nodiscard]] SafetyInput input_of(const TickOrder& order,
+                                       const Reading& reading) const noexcept;
+    [[nodiscard]] TickRecord recorded(const TickOrder& order,
+                                      const Reading& reading,
+                                      const Command& command) noexcept;
 
     Device* device_;
     SafetyLimits limits_;
-    const Scene* scene_ = nullptr;
-    ContactState state_{};
+    SceneView scene_{};
+    FeltState state_{};
     SafetyState safety_{};
     Applied applied_{};  ///< by the last tick
-    Vec2 hip_{};         ///< the last one that could be used
+    Vec3 hip_{};         ///< the last one that could be used
     FlightRecorder flight_{};
     std::int64_t next_ = 0;
 };

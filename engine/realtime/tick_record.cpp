@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/rendering/scene.hpp"
+#include "engine/realtime/felt_scene.hpp"
 
 namespace palpate::engine {
 
@@ -32,10 +32,33 @@ void set_contact(TickRecord& tick, const Contact& contact, const Outline& outlin
     set(tick, contact, outline);
 }
 
-void set_contacts(std::span<TickRecord> ticks, const Scene& scene, ContactState& state) noexcept {
-    const Outline& outline = scene.outline();
-    for (TickRecord& tick : ticks) {
-        set(tick, scene.tick(state, tick.hip), outline);
+void set_contact(TickRecord& tick, const SurfaceContact& contact) noexcept {
+    tick.go = Vec2(contact.go);
+    tick.go_z = contact.go.z;
+    tick.force = Vec2(contact.force);
+    tick.force_z = contact.force.z;
+    tick.normal_force = contact.normal_force;
+    tick.tangential_force = contact.tangential_force;
+    tick.mu = contact.mu;
+    tick.u = contact.go_u;
+    tick.v = contact.go_v;
+    tick.segment = static_cast<std::int16_t>(contact.surface);
+    tick.mode = contact.mode;
+    const unsigned scene = static_cast<unsigned>(contact.skipped) * tick_skipped |
+                           static_cast<unsigned>(contact.outside_cone) * tick_outside_cone;
+    tick.flags = static_cast<std::uint8_t>((tick.flags & ~kSceneFlags) | scene);
+}
+
+void set_contacts(std::span<TickRecord> ticks, const SceneView& scene, FeltState& state) noexcept {
+    if (scene.plane != nullptr) {
+        const Outline& outline = scene.plane->outline();
+        for (TickRecord& tick : ticks) {
+            set(tick, scene.plane->tick(state.plane, tick.hip), outline);
+        }
+    } else if (scene.space != nullptr) {
+        for (TickRecord& tick : ticks) {
+            set_contact(tick, scene.space->tick(state.space, hip_in_space(tick)));
+        }
     }
 }
 

@@ -11,9 +11,10 @@
 namespace palpate::engine {
 
 struct Contact;
-struct ContactState;
 class Outline;
-class Scene;
+struct SurfaceContact;
+struct FeltState;
+struct SceneView;
 
 /// Bits of TickRecord::flags.
 enum TickFlag : std::uint8_t {
@@ -57,8 +58,27 @@ struct TickRecord {
     std::int16_t segment = 0;  ///< i >= 0: the GO is on segment i; -1 - j: on vertex j at its end
     Mode mode = Mode::free;
     std::uint8_t flags = 0;  ///< TickFlag bits
+
+    // The third coordinate of all of these, up; all 0 in the plane.
+    double hip_z = 0.0;        ///< m
+    double cp_z = 0.0;         ///< m
+    double go_z = 0.0;         ///< m
+    double force_z = 0.0;      ///< N
+    double command_z = 0.0;    ///< N
+    double v = 0.0;            ///< of the GO on its surface, as u; `segment` is the surface then
+    std::int32_t count_3 = 0;  ///< third encoder
+    std::int32_t code_3 = 0;   ///< third motor
 };
 static_assert(std::is_trivially_copyable_v<TickRecord>);
+
+/// HIP in space, m.
+[[nodiscard]] inline Vec3 hip_in_space(const TickRecord& tick) noexcept {
+    return {tick.hip, tick.hip_z};
+}
+/// The rendered force in space, N.
+[[nodiscard]] inline Vec3 force_in_space(const TickRecord& tick) noexcept {
+    return {tick.force, tick.force_z};
+}
 
 /// The tick belongs to an episode of the energy ledger: a contact, and what an object that yields stores of it.
 [[nodiscard]] inline bool in_episode(const TickRecord& tick) noexcept {
@@ -69,10 +89,12 @@ static_assert(std::is_trivially_copyable_v<TickRecord>);
 /// leaves the others alone: no force needs the closest point, a replay finds it. Servo and replay both call this, and nothing else sets these columns.
 /// @param outline  of the scene that made `contact`
 void set_contact(TickRecord& tick, const Contact& contact, const Outline& outline) noexcept;
+/// The same of a contact in space: u and v are the surface's own parameters.
+void set_contact(TickRecord& tick, const SurfaceContact& contact) noexcept;
 
 /// The same for ticks one after the other, whose HIP is set: what a replay does. @param state  after the tick
 /// before them
-void set_contacts(std::span<TickRecord> ticks, const Scene& scene, ContactState& state) noexcept;
+void set_contacts(std::span<TickRecord> ticks, const SceneView& scene, FeltState& state) noexcept;
 
 /// Time from tick to tick, ns: 1e9 / rate, rounded. @param rate_hz  > 0
 [[nodiscard]] std::int64_t tick_period_ns(double rate_hz) noexcept;

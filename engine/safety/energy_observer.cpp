@@ -9,14 +9,14 @@ namespace palpate::engine {
 namespace {
 
 /// The force commanded `back` ticks before the last one; 0 before the first.
-Vec2 command_before(const EnergyObserver& observer, std::size_t back) noexcept {
+Vec3 command_before(const EnergyObserver& observer, std::size_t back) noexcept {
     return back < observer.commands
              ? observer.forces[(observer.commands - 1 - back) % EnergyObserver::kForces]
-             : Vec2{};
+             : Vec3{};
 }
 
 /// The mean force that acted over the last tick, for a delay of whole ticks and a part.
-Vec2 acting(const EnergyObserver& observer, double delay_ticks) noexcept {
+Vec3 acting(const EnergyObserver& observer, double delay_ticks) noexcept {
     const double delay = std::clamp(delay_ticks, 0.0, EnergyObserver::kForces - 2.0);
     const double whole = std::floor(delay);
     const double part = delay - whole;
@@ -35,13 +35,13 @@ double stored_energy(double length, double stiffness, double max_force) noexcept
 
 double observe_energy(EnergyObserver& observer,
                       const SafetyLimits& limits,
-                      const Vec2& hip,
-                      const Vec2& spring,
+                      const Vec3& hip,
+                      const Vec3& spring,
                       double gain,
                       double since) noexcept {
     const double stored = stored_energy(glm::length(spring), limits.stiffness, limits.max_force);
     if (observer.started) {
-        const Vec2 step = hip - observer.hip;
+        const Vec3 step = hip - observer.hip;
         const double given = glm::dot(acting(observer, limits.delay_ticks), step) +
                              gain * (stored - observer.stored);
         const double needed = min_damping(limits.stiffness, limits.period, limits.delay_ticks);
@@ -55,7 +55,7 @@ double observe_energy(EnergyObserver& observer,
     return observer.energy;
 }
 
-void note_command(EnergyObserver& observer, const Vec2& force) noexcept {
+void note_command(EnergyObserver& observer, const Vec3& force) noexcept {
     observer.forces[observer.commands++ % EnergyObserver::kForces] = force;
 }
 

@@ -14,9 +14,9 @@ struct EnergyObserver {
 
     double energy = 0.0;  ///< E, J, >= 0
     double stored = 0.0;  ///< in the contact at the last tick, J, at full gain
-    Vec2 hip{};           ///< of the last tick, m
+    Vec3 hip{};           ///< of the last tick, m
     bool started = false;
-    std::array<Vec2, kForces> forces{};  ///< commanded, N
+    std::array<Vec3, kForces> forces{};  ///< commanded, N
     std::size_t commands = 0;
 };
 
@@ -47,12 +47,12 @@ struct EnergyObserver {
 /// @return E after this tick, J; NaN once any of it was not a number
 double observe_energy(EnergyObserver& observer,
                       const SafetyLimits& limits,
-                      const Vec2& hip,
-                      const Vec2& spring,
+                      const Vec3& hip,
+                      const Vec3& spring,
                       double gain,
                       double since) noexcept;
 
 /// What was commanded in this tick: acts from here on, or `delay_ticks` later.
-void note_command(EnergyObserver& observer, const Vec2& force) noexcept;
+void note_command(EnergyObserver& observer, const Vec3& force) noexcept;
 
 }  // namespace palpate::engine

@@ -13,7 +13,7 @@ std::size_t window_ticks(double period) noexcept {
 
 Trip watch_motion(MotionWatch& watch,
                   const SafetyLimits& limits,
-                  const Vec2& hip,
+                  const Vec3& hip,
                   bool fresh,
                   const ReadingClock& clock) noexcept {
     if (watch.seen == 0 && !fresh) {

@@ -22,7 +22,7 @@ struct MotionWatch {
     static constexpr std::size_t kSlots = 256;  ///< 20 ms at 10 kHz and a little more
 
     struct Seen {
-        Vec2 hip{};         ///< m
+        Vec3 hip{};         ///< m
         double time = 0.0;  ///< when it was read, s
     };
     std::array<Seen, kSlots> ring{};
@@ -36,7 +36,7 @@ struct MotionWatch {
 /// fresh one.
 [[nodiscard]] Trip watch_motion(MotionWatch& watch,
                                 const SafetyLimits& limits,
-                                const Vec2& hip,
+                                const Vec3& hip,
                                 bool fresh,
                                 const ReadingClock& clock) noexcept;
 

@@ -4,7 +4,7 @@
 
 namespace palpate::engine {
 
-/// Heat of both motors, as a share of what each can bear for ever: the I^2 t model, first order,
+/// Heat of the motors, as a share of what each can bear for ever: the I^2 t model, first order,
 ///
 ///     theta' = (load^2 - theta) / tau
 ///
@@ -12,6 +12,6 @@ namespace palpate::engine {
 /// s^3/6, and between 0 and 1 for any step. A load of 1 for ever never brings theta above 1.
 /// @param heat  theta, >= 0   @param load  |torque| / torque_forever   @param step  time / tau, >=
 ///       0
-[[nodiscard]] Vec2 heated(const Vec2& heat, const Vec2& load, double step) noexcept;
+[[nodiscard]] Vec3 heated(const Vec3& heat, const Vec3& load, double step) noexcept;
 
 }  // namespace palpate::engine

@@ -16,7 +16,7 @@ double pace_before(const RunawayWatch& watch) noexcept {
     return pace;
 }
 
-void close_stretch(RunawayWatch& watch, double depth, const Vec2& hip, double time) noexcept {
+void close_stretch(RunawayWatch& watch, double depth, const Vec3& hip, double time) noexcept {
     const double pace = glm::length(hip - watch.from) / time;
     // A god-object that turns to another side adds no more than HIP went.
     const double deeper = std::min((depth - watch.depth) / time, pace);
@@ -30,7 +30,7 @@ void close_stretch(RunawayWatch& watch, double depth, const Vec2& hip, double ti
 
 }  // namespace
 
-bool runs_away(RunawayWatch& watch, bool full, double depth, const Vec2& hip, double now) noexcept {
+bool runs_away(RunawayWatch& watch, bool full, double depth, const Vec3& hip, double now) noexcept {
     watch.free = watch.free && depth == 0.0;
     watch.full = watch.full && full;
     const double time = now - watch.since;

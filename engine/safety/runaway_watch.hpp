@@ -22,7 +22,7 @@ inline constexpr double kRunawayShare = 1.4;
 struct RunawayWatch {
     bool started = false;
     double since = 0.0;  ///< when the present stretch began, s
-    Vec2 from{};         ///< HIP then, m
+    Vec3 from{};         ///< HIP then, m
     double depth = 0.0;  ///< then, m
     bool free = true;    ///< all of the stretch was out of contact
     bool full = true;    ///< the command was full all through it
@@ -47,6 +47,6 @@ struct RunawayWatch {
 /// @param depth  along the normal, m; 0 out of contact: friction along the surface takes no part
 /// @param hip    m   @param now  s, never less than before
 [[nodiscard]] bool runs_away(
-    RunawayWatch& watch, bool full, double depth, const Vec2& hip, double now) noexcept;
+    RunawayWatch& watch, bool full, double depth, const Vec3& hip, double now) noexcept;
 
 }  // namespace palpate::engine

@@ -11,17 +11,17 @@ namespace {
 /// `force`, or where it is longer than `limit` the vector of that length in its direction: a force
 /// that is clipped axis by axis would turn, and a wall would feel as if it had friction.
 /// @param force  N, finite, |force| < 1e154   @param limit  N, >= 0
-Vec2 saturated(const Vec2& force, double limit) noexcept {
+Vec3 saturated(const Vec3& force, double limit) noexcept {
     const double length = glm::length(force);
     return length > limit ? force * (limit / length) : force;
 }
 
 /// `target`, or where that is further than `slew` from `last` the point at that distance on the way
-/// to it. Between two vectors of a disc the way stays inside: what is no longer than a limit stays
+/// to it. Between two vectors of a ball the way stays inside: what is no longer than a limit stays
 /// so.
 /// @param last    the force of the tick before, N   @param slew  N, >= 0, infinity: no limit
-Vec2 within_slew(const Vec2& last, const Vec2& target, double slew) noexcept {
-    const Vec2 change = target - last;
+Vec3 within_slew(const Vec3& last, const Vec3& target, double slew) noexcept {
+    const Vec3 change = target - last;
     const double length = glm::length(change);
     return length > slew ? last + change * (slew / length) : target;
 }
@@ -32,15 +32,28 @@ double ramped(double gain, double step, bool enable) noexcept {
 }
 
 /// |v| is a number: beyond 1e154 its square is not, and that is a fault too.
-bool finite(const Vec2& v) noexcept {
+bool finite(const Vec3& v) noexcept {
     return std::isfinite(glm::length(v));
+}
+
+Vec3 force_of(const SafetyInput& input) noexcept {
+    return {input.force, input.force_z};
+}
+Vec3 spring_of(const SafetyInput& input) noexcept {
+    return {input.spring, input.spring_z};
+}
+Vec3 hip_of(const SafetyInput& input) noexcept {
+    return {input.hip, input.hip_z};
+}
+Vec3 load_of(const SafetyInput& input) noexcept {
+    return {input.load, input.load_3};
 }
 
 constexpr double kRounding = 1e-9;  ///< share by which a full command may be less than its limit
 
 bool finite(const SafetyInput& input) noexcept {
-    return finite(input.force) && finite(input.spring) && finite(input.hip) && finite(input.load) &&
-           std::isfinite(input.depth) && std::isfinite(input.behind);
+    return finite(force_of(input)) && finite(spring_of(input)) && finite(hip_of(input)) &&
+           finite(load_of(input)) && std::isfinite(input.depth) && std::isfinite(input.behind);
 }
 
 bool silent_too_long(SafetyState& state, const SafetyLimits& limits, bool fresh) noexcept {
@@ -56,7 +69,7 @@ bool quiet(const SafetyState& state, const SafetyLimits& limits) noexcept {
 /// E of this tick is above its limit, or not a number. Without a limit nothing is summed.
 bool too_active(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     return std::isfinite(limits.energy) &&
-           !(observe_energy(state.energy, limits, input.hip, input.spring, state.gain,
+           !(observe_energy(state.energy, limits, hip_of(input), spring_of(input), state.gain,
                             state.clock.since) <= limits.energy);
 }
 
@@ -67,7 +80,7 @@ bool handle_runs_away(SafetyState& state,
     const bool full =
         input.clipped || glm::length(state.command) >= limits.max_force * (1.0 - kRounding);
     return limits.watch_runaway &&
-           runs_away(state.runaway, full, input.depth, input.hip, state.clock.now);
+           runs_away(state.runaway, full, input.depth, hip_of(input), state.clock.now);
 }
 
 bool contact_buzzes(SafetyState& state,
@@ -78,9 +91,10 @@ bool contact_buzzes(SafetyState& state,
 
 bool too_hot(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     if (limits.heat_step > 0.0) {
-        state.heat = heated(state.heat, input.load, limits.heat_step);
+        state.heat = heated(state.heat, load_of(input), limits.heat_step);
     }
-    return limits.heat_step > 0.0 && !(state.heat.x <= 1.0 && state.heat.y <= 1.0);
+    return limits.heat_step > 0.0 &&
+           !(state.heat.x <= 1.0 && state.heat.y <= 1.0 && state.heat.z <= 1.0);
 }
 
 /// What ends a force although nothing is wrong with it: whoever watches it, and for how long. The
@@ -108,7 +122,8 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
         return Trip::not_finite;
     }
     advance(state.clock, input.time_ns, limits.period, input.fresh);
-    if (const Trip motion = watch_motion(state.motion, limits, input.hip, input.fresh, state.clock);
+    if (const Trip motion =
+            watch_motion(state.motion, limits, hip_of(input), input.fresh, state.clock);
         motion != Trip::none) {
         return motion;
     }
@@ -143,14 +158,17 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
 
 Command limited(SafetyState& state, const SafetyLimits& limits, const SafetyInput& input) noexcept {
     Command command;
-    const Vec2 strong = saturated(input.force, limits.max_force);
-    command.saturated = strong != input.force;
+    const Vec3 force = force_of(input);
+    const Vec3 strong = saturated(force, limits.max_force);
+    command.saturated = strong != force;
     const bool off = quiet(state, limits);
     state.gain = off ? 0.0 : ramped(state.gain, limits.ramp_step, input.enable);
     command.ramped = state.gain < 1.0;
-    const Vec2 target = state.gain * strong;
-    command.force = off ? Vec2{} : within_slew(state.command, target, limits.slew);
-    command.force_slew = command.force != target;
+    const Vec3 target = state.gain * strong;
+    const Vec3 given = off ? Vec3{} : within_slew(state.command, target, limits.slew);
+    command.force = Vec2(given);
+    command.force_z = given.z;
+    command.force_slew = given != target;
     return command;
 }
 
@@ -169,15 +187,15 @@ Command make_safe(SafetyState& state,
         state.gain = 0.0;
     }
     command.trip = state.trip;
-    state.command = command.force;
-    note_command(state.energy, command.force);
+    state.command = Vec3(command.force, command.force_z);
+    note_command(state.energy, state.command);
     return command;
 }
 
 SafetyState fresh_state(const SafetyState& last, const SafetyLimits& limits, double rest) noexcept {
     SafetyState state;
     if (limits.heat_step > 0.0) {
-        state.heat = heated(last.heat, Vec2{}, rest / limits.period * limits.heat_step);
+        state.heat = heated(last.heat, Vec3{}, rest / limits.period * limits.heat_step);
     }
     return state;
 }

@@ -17,7 +17,7 @@
 
 namespace palpate::engine {
 
-/// What the safety chain gets each tick.
+/// What the safety chain gets each tick. In the plane what ends in _z or _3 is 0.
 struct SafetyInput {
     Vec2 force{};        ///< rendered, N
     Vec2 spring{};       ///< GO - HIP, m; 0 out of contact
@@ -35,14 +35,18 @@ struct SafetyInput {
     bool enable = true;            ///< ramp towards on (true) or off (false)
     bool held = true;              ///< someone holds the dead-man key
     bool stop = false;             ///< the experimenter's key
+    double force_z = 0.0;          ///< N
+    double spring_z = 0.0;         ///< m
+    double hip_z = 0.0;            ///< m
+    double load_3 = 0.0;           ///< of the third motor
 };
 
-/// What the safety chain remembers. A plain value; 8 kB, most of it the ways of the last 20 ms.
+/// What the safety chain remembers. A plain value; 12 kB, most of it the ways of the last 20 ms.
 struct SafetyState {
     double gain = 0.0;        ///< of the ramp: 0 off, 1 on
     Trip trip = Trip::none;   ///< latched: zero until the next trial
-    Vec2 command{};           ///< of the last tick, N
-    Vec2 heat{};              ///< of both motors, 1: what they bear for ever
+    Vec3 command{};           ///< of the last tick, N
+    Vec3 heat{};              ///< of the motors, 1: what they bear for ever
     std::int32_t silent = 0;  ///< ticks in a row without a fresh reading
     DelayWatch delay{};
     ReadingClock clock{};
@@ -60,6 +64,7 @@ struct Command {
     bool force_slew = false;  ///< it changed as fast as the limit allows
     bool ramped = false;      ///< scaled down by the ramp
     Trip trip = Trip::none;   ///< the latched cause; the force is zero
+    double force_z = 0.0;     ///< N
 };
 
 /// What stands between the rendered force and the device, in this order:

@@ -31,8 +31,18 @@ std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol, std:
     return outline_of(protocol, protocol.objects.at(object));
 }
 
+std::shared_ptr<const engine::NurbsSurface> surface_of(const Protocol& protocol,
+                                                       const ObjectSpec& spec) {
+    return stimuli::make_surface({.size = protocol.surface.value().size,
+                                  .curvature_x = spec.curvature,
+                                  .curvature_y = spec.cross_curvature});
+}
+
 std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t object) {
     const ObjectSpec& spec = protocol.objects.at(object);
+    if (protocol.surface) {
+        return stimuli::drawing_of(*surface_of(protocol, spec)).border;
+    }
     return spec.segments.empty() ? stimuli::silhouette(object_of(protocol, object))
                                  : stimuli::silhouette(*outline_of(protocol, object));
 }
@@ -42,9 +52,10 @@ std::optional<double> curvature_of(const ObjectSpec& object) noexcept {
 }
 
 bool differ_in_curvature_alone(const Protocol& protocol) noexcept {
-    return std::all_of(protocol.objects.begin(), protocol.objects.end(), [](const ObjectSpec& one) {
-        return one.segments.empty() && one.pose() == stimuli::Pose{};
-    });
+    return !protocol.surface &&
+           std::all_of(protocol.objects.begin(), protocol.objects.end(), [](const ObjectSpec& one) {
+               return one.segments.empty() && one.pose() == stimuli::Pose{};
+           });
 }
 
 }  // namespace palpate::protocols

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/geometry/outline.hpp"
+#include "stimuli/surface_patch.hpp"
 #include "stimuli/two_curve.hpp"
 #include "protocols/protocol/protocol.hpp"
 
@@ -22,10 +23,16 @@ namespace palpate::protocols {
 [[nodiscard]] std::shared_ptr<const engine::Outline> outline_of(const Protocol& protocol,
                                                                 const ObjectSpec& spec);
 
-/// Its picture: a closed polyline, m.
+/// The object as a patch of a surface, with its rim. @pre the protocol has surfaces
+/// @throws std::invalid_argument if it cannot be built; no object read from a file is like that
+[[nodiscard]] std::shared_ptr<const engine::NurbsSurface> surface_of(const Protocol& protocol,
+                                                                     const ObjectSpec& spec);
+
+/// Its picture: a closed polyline, m. Of a surface the border of its patch, as it is drawn.
 [[nodiscard]] std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t object);
 
-/// Signed curvature of both curves as they are felt, 1/m: of the file, by the size. A free form has none.
+/// Signed curvature of both curves as they are felt, 1/m: of the file, by the size; of a patch the one along x.
+/// A free form has none.
 [[nodiscard]] std::optional<double> curvature_of(const ObjectSpec& object) noexcept;
 
 /// All objects are two curves between the chords of [outline], as they stand there: what is felt differs

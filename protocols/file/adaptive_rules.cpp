@@ -170,6 +170,9 @@ private:
     }
 
     void curvatures() {
+        if (protocol_.surface) {
+            return;  // said with the objects
+        }
         if (!differ_in_curvature_alone(protocol_)) {
             add("procedure.varies",
                 "varies is \"curvature_per_m\", and an object has a form of its own, a size, a "

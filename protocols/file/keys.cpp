@@ -65,6 +65,13 @@ constexpr Key kOutline[]{
      .meaning = "[x, y] of B, right end of the base line"},
 };
 
+constexpr Key kSurface[]{
+    {.name = "size_mm", .slot = at<&SurfaceSpec::size>, .range = {5, 200}, .per_si = 1000,
+     .meaning = "side of every patch, which a level rim surrounds"},
+    {.name = "start_height_mm", .slot = at<&SurfaceSpec::start_height>, .range = {1, 200}, .per_si = 1000,
+     .meaning = "how high above the middle of the patches start_mm is"},
+};
+
 constexpr Key kObject[]{
     {.name = "name", .slot = at<&ObjectSpec::name>, .need = required,
      .meaning = "names the object in the database"},
@@ -80,6 +87,8 @@ constexpr Key kObject[]{
      .meaning = "then moved by [x, y]"},
     {.name = "compliance_mm_per_n", .slot = at<&ObjectSpec::compliance>, .range = {0, 5}, .per_si = 1000, .late = true,
      .meaning = "how far the vertex of two curves gives way to a force that rests on it; 0: rigid"},
+    {.name = "cross_curvature_per_m", .slot = at<&ObjectSpec::cross_curvature>, .range = {-1000, 1000}, .late = true,
+     .meaning = "with [surface]: curvature along y, where curvature_per_m is that along x; opposite signs are a saddle"},
 };
 
 constexpr Key kSafety[]{
@@ -263,6 +272,10 @@ Keys keys_of<ApparatusSpec>() {
 template <>
 Keys keys_of<OutlineSpec>() {
     return kOutline;
+}
+template <>
+Keys keys_of<SurfaceSpec>() {
+    return kSurface;
 }
 template <>
 Keys keys_of<ObjectSpec>() {

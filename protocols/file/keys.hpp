@@ -76,6 +76,8 @@ Keys keys_of<ApparatusSpec>();
 template <>
 Keys keys_of<OutlineSpec>();
 template <>
+Keys keys_of<SurfaceSpec>();
+template <>
 Keys keys_of<ObjectSpec>();
 template <>
 Keys keys_of<FrictionSpec>();

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/contact/closest_point.hpp"
+#include "engine/surface/surface_scene.hpp"
 #include "protocols/design/object_outline.hpp"
 #include "protocols/design/session_plan.hpp"
 #include "protocols/file/rules.hpp"
@@ -34,7 +35,8 @@ constexpr double kSameEnd = 1e-9;
 
 /// They would look the same, wherever they stand in the file.
 bool alike(const ObjectSpec& a, const ObjectSpec& b) {
-    return a.curvature == b.curvature && a.pose() == b.pose() && a.segments == b.segments;
+    return a.curvature == b.curvature && a.cross_curvature == b.cross_curvature &&
+           a.pose() == b.pose() && a.segments == b.segments;
 }
 
 class ObjectRules {
@@ -44,6 +46,18 @@ public:
 
     void check() {
         pictures_differ();
+        if (protocol_.surface) {
+            surfaces();
+            return;
+        }
+        for (std::size_t i = 0; i < protocol_.objects.size(); ++i) {
+            if (protocol_.objects[i].cross_curvature != 0.0) {
+                add(path(i, "cross_curvature_per_m"),
+                    fmt::format("the object {} has a cross_curvature_per_m, which only surfaces "
+                                "have: delete it, or add the table [surface]",
+                                protocol_.objects[i].name));
+            }
+        }
         softness();
         if (outline()) {
             for (std::size_t i = 0; i < protocol_.objects.size(); ++i) {
@@ -86,6 +100,82 @@ private:
                                 object.name, *known + 1));
             }
         }
+    }
+
+    /// What a surface is: a patch of two curvatures, rigid, as it stands.
+    void surfaces() {
+        if (places_.has("outline")) {
+            add("outline",
+                "[outline] is given beside [surface], and only objects in the plane "
+                "have one: delete one of the two");
+        }
+        if (protocol_.procedure && protocol_.procedure->varies != Varies::mu) {
+            add("procedure.varies",
+                "varies is no friction, and the objects are surfaces: give "
+                "\"mu\", or delete [surface]");
+        }
+        bool sound = friction_of_surfaces();
+        for (std::size_t i = 0; i < protocol_.objects.size() && sound; ++i) {
+            sound = surface(i);
+        }
+    }
+
+    bool friction_of_surfaces() {
+        bool known = true;
+        for (std::size_t i = 0; i < protocol_.frictions.size(); ++i) {
+            const FrictionSpec& friction = protocol_.frictions[i];
+            if (engine::law_kind(friction.law) != engine::LawKind::none) {
+                known = false;
+                add(fmt::format("friction.{}.law", i + 1),
+                    fmt::format("law is \"{}\", which surfaces do not have: give "
+                                "\"frictionless\", \"gos\" or \"coulomb\"",
+                                friction.law));
+            }
+        }
+        return known;
+    }
+
+    /// @return false where one object says it for all
+    bool surface(std::size_t index) {
+        const ObjectSpec& object = protocol_.objects[index];
+        if (!object.segments.empty() || object.pose() != stimuli::Pose{} ||
+            object.compliance > 0.0) {
+            add(path(index, "name"),
+                fmt::format("the object {} has segments, a place or a compliance of its own: a "
+                            "surface has curvature_per_m and cross_curvature_per_m alone",
+                            object.name));
+            return true;
+        }
+        std::shared_ptr<const engine::NurbsSurface> built;
+        try {
+            built = surface_of(protocol_, object);
+        } catch (const std::invalid_argument& error) {
+            add(path(index, "curvature_per_m"),
+                fmt::format("the object {} cannot be built: {}", object.name, error.what()));
+            return true;
+        }
+        try {
+            const ApparatusSpec& apparatus = protocol_.apparatus;
+            static_cast<void>(engine::SurfaceScene(
+                built, engine::SceneSpec{.stiffness = apparatus.stiffness,
+                                         .damping = apparatus.damping,
+                                         .period = 1.0 / apparatus.rate_hz,
+                                         .slew = {.speed = apparatus.vertex_slew,
+                                                  .radius = apparatus.vertex_radius}}));
+        } catch (const std::invalid_argument& error) {
+            add(protocol_.apparatus.vertex_slew > 0.0 ? "apparatus.vertex_slew_mm_per_s"
+                                                      : "apparatus.damping_n_s_per_m",
+                fmt::format("the object {} is a surface, and {}", object.name, error.what()));
+            return false;
+        }
+        const engine::Vec3 start(protocol_.apparatus.start, protocol_.surface->start_height);
+        if (engine::SurfaceFeet(built).closest(start).inside) {
+            add("surface.start_height_mm",
+                fmt::format("start_height_mm is {}, inside the object {}: give more",
+                            millimetres(start.z), object.name));
+            return false;
+        }
+        return true;
     }
 
     /// What yields is two curves, under a contact of one spring and friction in its cone.

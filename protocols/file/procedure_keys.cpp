@@ -186,6 +186,10 @@ std::vector<TableText> protocol_reference() {
         {"[study]", "", keys_of<Protocol>()},
         {"[apparatus]", "", keys_of<ApparatusSpec>()},
         {"[outline]", "", keys_of<OutlineSpec>()},
+        {"[surface]",
+         "instead of [outline]: every object is a patch of a surface in space, for a machine of "
+         "three axes",
+         keys_of<SurfaceSpec>()},
         {"[[object]]",
          fmt::format("once each, {} to {} of them pictured", kMinPictures, kMaxPictures),
          keys_of<ObjectSpec>()}};

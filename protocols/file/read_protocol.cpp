@@ -12,10 +12,10 @@
 namespace palpate::protocols {
 namespace {
 
-constexpr std::array<std::string_view, 18> kTablesOfProtocols{
-    "format",   "study",   "apparatus",    "outline",   "object", "friction",
-    "safety",   "invalid", "exclusion",    "design",    "timing", "response",
-    "observer", "masking", "instructions", "procedure", "run",    "analysis"};
+constexpr std::array<std::string_view, 19> kTablesOfProtocols{
+    "format",       "study",     "apparatus", "outline",  "object",   "friction", "safety",
+    "invalid",      "exclusion", "design",    "timing",   "response", "observer", "masking",
+    "instructions", "procedure", "run",       "analysis", "surface"};
 
 /// Stage 2: keys, types and ranges.
 class Stage {
@@ -36,6 +36,9 @@ public:
         table("study", protocol, true);
         table("apparatus", protocol.apparatus, false);
         table("outline", protocol.outline, false);
+        if (find("surface") != nullptr) {
+            table("surface", protocol.surface.emplace(), false);
+        }
         tables("object", [&](const Table& found, const Position& at) {
             read_object(found, at, problems_, places_, protocol.objects);
         });

@@ -133,7 +133,11 @@ std::string to_toml(const Protocol& protocol) {
     std::string text = fmt::format("format = {}\n", kFormat);
     append(text, "[study]", protocol);
     append(text, "[apparatus]", protocol.apparatus);
-    append(text, "[outline]", protocol.outline);
+    if (protocol.surface) {
+        append(text, "[surface]", *protocol.surface);
+    } else {
+        append(text, "[outline]", protocol.outline);
+    }
     for (const ObjectSpec& object : protocol.objects) {
         if (object.segments.empty()) {
             append(text, "[[object]]", object);

@@ -12,6 +12,10 @@ namespace {}  // namespace
 OutlineCues::OutlineCues(const Protocol& protocol, const std::vector<std::size_t>& pictures)
     : softness_(1.0 / protocol.apparatus.stiffness) {
     for (const std::size_t object : pictures) {
+        if (protocol.surface) {
+            surfaces_.emplace_back(surface_of(protocol, protocol.objects.at(object)));
+            continue;
+        }
         outlines_.push_back(outline_of(protocol, object));
         feet_.emplace_back(*outlines_.back());
     }
@@ -19,18 +23,25 @@ OutlineCues::OutlineCues(const Protocol& protocol, const std::vector<std::size_t
 }
 
 void OutlineCues::forget() noexcept {
-    squares_.assign(feet_.size(), 0.0);
+    squares_.assign(feet_.size() + surfaces_.size(), 0.0);
+    tracks_.assign(surfaces_.size(), {});
     points_ = 0.0;
     tick_ = 0;
 }
 
 void OutlineCues::add(std::span<const engine::TickRecord> ticks) noexcept {
     for (const engine::TickRecord& tick : ticks) {
-        const double pressed = glm::length(tick.force);
+        const engine::Vec3 force = force_in_space(tick);
+        const double pressed = glm::length(force);
         if (tick.mode == engine::Mode::free || !(pressed > kFeltForce) || tick_++ % kEach != 0) {
             continue;
         }
-        const engine::Vec2 surface = tick.hip + softness_ * tick.force;
+        const engine::Vec3 felt = hip_in_space(tick) + softness_ * force;
+        for (std::size_t i = 0; i < surfaces_.size(); ++i) {
+            const double away = surfaces_[i].track(tracks_[i], felt).distance;
+            squares_[i] += away * away;
+        }
+        const engine::Vec2 surface(felt);
         for (std::size_t i = 0; i < feet_.size(); ++i) {
             const double away = feet_[i].closest(surface).distance;
             squares_[i] += away * away;

@@ -6,6 +6,7 @@
 
 #include "engine/contact/closest_point.hpp"
 #include "engine/realtime/tick_record.hpp"
+#include "engine/surface/surface_closest.hpp"
 #include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
@@ -20,7 +21,7 @@ namespace palpate::protocols {
 ///
 /// Friction turns the force by atan(mu), and so moves s along the surface by mu |F_n| / K, 1 mm at 2 N, 0.5
 /// and 1000 N/m. Every kEach-th tick with 0.05 N or more counts. The misfit of a picture is the root of the
-/// mean square of the distances from s to its outline. Ticks say neither which object it was nor where its
+/// mean square of the distances from s to its outline, in space to its surface. Ticks say neither which object it was nor where its
 /// closest points were: those columns are not read.
 class OutlineCues {
 public:
@@ -40,8 +41,10 @@ public:
 private:
     std::vector<std::shared_ptr<const engine::Outline>> outlines_;  ///< kept alive for feet_
     std::vector<engine::OutlineFeet> feet_;
-    std::vector<double> squares_;  ///< m^2, summed
-    double softness_ = 0.0;        ///< m/N
+    std::vector<engine::SurfaceFeet> surfaces_;  ///< instead, of a study of surfaces
+    std::vector<engine::SurfaceTrack> tracks_;   ///< of each surface
+    std::vector<double> squares_;                ///< m^2, summed
+    double softness_ = 0.0;                      ///< m/N
     double points_ = 0.0;
     int tick_ = 0;
 };

@@ -50,7 +50,9 @@ SimulatedObserver::SimulatedObserver(const Protocol& protocol,
     }
     if (!differ_in_curvature_alone(protocol)) {
         shapes_.emplace(protocol, picture_order);
-        const double chord = glm::length(protocol.outline.vertex - protocol.outline.a);
+        const double chord = protocol.surface
+                               ? protocol.surface->size
+                               : glm::length(protocol.outline.vertex - protocol.outline.a);
         blur_ = person_.spec.noise * chord * chord / 8.0;
     }
     switch (asked_) {

@@ -29,6 +29,8 @@ struct ObjectSpec {
     double compliance =
         0.0;  ///< m/N at the vertex of two curves, 0: rigid; engine/deformation/soft_shape.hpp
     std::vector<stimuli::Segment> segments{};  ///< of a free form, closed; none: two curves
+    /// Of a study of surfaces: 1/m along y, where `curvature` is that along x; > 0 bulges up.
+    double cross_curvature = 0.0;
 
     [[nodiscard]] stimuli::Pose pose() const noexcept { return {size, offset, turn}; }
 
@@ -56,6 +58,15 @@ struct OutlineSpec {
     engine::Vec2 b{0.040, 0.0};
 
     friend bool operator==(const OutlineSpec&, const OutlineSpec&) = default;
+};
+
+/// Present in a study of surfaces: every object is a square patch in space, curved along x and along y
+/// (stimuli/surface_patch.hpp), felt on a machine of three axes.
+struct SurfaceSpec {
+    double size = 0.060;          ///< side of the patch, m
+    double start_height = 0.030;  ///< of the start pose above the middle of every patch, m
+
+    friend bool operator==(const SurfaceSpec&, const SurfaceSpec&) = default;
 };
 
 /// What a real session of the study must be run on.
@@ -300,6 +311,7 @@ struct Protocol {
     Language language = Language::en;
     std::vector<ObjectSpec> objects;
     OutlineSpec outline{};
+    std::optional<SurfaceSpec> surface{};  ///< none: objects in the plane
     std::vector<FrictionSpec> frictions;
     ApparatusSpec apparatus{};
     SafetySpec safety{};

@@ -84,6 +84,28 @@ double OutlineCover::share() const noexcept {
     return all > 0.0 ? visited / all : 0.0;
 }
 
+void PatchCover::add(const engine::TickRecord& tick) noexcept {
+    const auto cell = [](double parameter) {
+        return std::floor((parameter - 1.0) * static_cast<double>(kSide));
+    };
+    const double i = cell(tick.u);
+    const double j = cell(tick.v);
+    constexpr auto kEnd = static_cast<double>(kSide);
+    if (i >= 0.0 && i < kEnd && j >= 0.0 && j < kEnd) {
+        visited_[static_cast<std::size_t>(i) * kSide + static_cast<std::size_t>(j)] = true;
+    }
+}
+
+double PatchCover::share() const noexcept {
+    const auto visited = std::count(visited_.begin(), visited_.end(), true);
+    return static_cast<double>(visited) / static_cast<double>(visited_.size());
+}
+
+ExplorationMeter::ExplorationMeter(const engine::SceneView& scene)
+    : cover_(scene.plane != nullptr
+                 ? std::variant<OutlineCover, PatchCover>(OutlineCover(scene.plane->outline()))
+                 : PatchCover()) {}
+
 void ExplorationMeter::add(const engine::TickRecord& tick) {
     using engine::Mode;
     const Mode before = last_mode_;
@@ -91,16 +113,17 @@ void ExplorationMeter::add(const engine::TickRecord& tick) {
     if (tick.mode == Mode::free) {
         return;
     }
-    cover_.add(tick);
+    std::visit([&tick](auto& cover) { cover.add(tick); }, cover_);
     vertex_ticks_ += tick.segment == -1 ? 1 : 0;
     stick_events_ += tick.mode == Mode::stuck && before != Mode::stuck && before != Mode::free;
     forces_.push_back(tick.normal_force);
     if (before == Mode::free) {
-        from_ = tick.hip;
+        from_ = hip_in_space(tick);
         from_time_ = tick.time_ns;
     } else if (const std::int64_t time = tick.time_ns - from_time_; time >= kWindow) {
-        speeds_.push_back(glm::length(tick.hip - from_) / (static_cast<double>(time) * 1e-9));
-        from_ = tick.hip;
+        speeds_.push_back(glm::length(hip_in_space(tick) - from_) /
+                          (static_cast<double>(time) * 1e-9));
+        from_ = hip_in_space(tick);
         from_time_ = tick.time_ns;
     }
 }

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
+#include <variant>
 #include <vector>
 
 #include "engine/geometry/outline.hpp"
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
 
 namespace palpate::protocols {
@@ -45,31 +49,47 @@ private:
     std::size_t at_ = 0;              ///< where the last one was found
 };
 
+/// How much of a patch (stimuli/surface_patch.hpp) the god-object visited: of kSide x kSide cells, each as
+/// large in u and v, those in which it was. The rim does not count.
+class PatchCover {
+public:
+    static constexpr std::size_t kSide = 12;  ///< 5 mm of a patch of 60 mm: a finger's breadth
+
+    void add(const engine::TickRecord& tick) noexcept;
+    [[nodiscard]] double share() const noexcept;
+
+private:
+    std::array<bool, kSide * kSide> visited_{};
+};
+
 /// What a hand did on an object, beside StrokeCounter: contour following is made of strokes, stops and turns
 /// (S. J. Lederman, R. L. Klatzky, Cognitive Psychology 19:342, 1987).
 class ExplorationMeter {
 public:
     static constexpr std::int64_t kWindow = 20'000'000;  ///< ns over which a speed is taken
 
-    explicit ExplorationMeter(const engine::Outline& outline) : cover_(outline) {}
+    explicit ExplorationMeter(const engine::Outline& outline) : cover_(OutlineCover(outline)) {}
+    explicit ExplorationMeter(const engine::SceneView& scene);
 
     /// The next tick of the interval.
     void add(const engine::TickRecord& tick);
 
     [[nodiscard]] std::int64_t vertex_ticks() const noexcept { return vertex_ticks_; }
     [[nodiscard]] std::int64_t stick_events() const noexcept { return stick_events_; }
-    [[nodiscard]] double covered_share() const noexcept { return cover_.share(); }
+    [[nodiscard]] double covered_share() const noexcept {
+        return std::visit([](const auto& cover) { return cover.share(); }, cover_);
+    }
     /// m/s, of HIP: way by time between contact ticks kWindow or more apart, nothing but contact between.
     [[nodiscard]] Deciles speed() const;
     /// N, rendered, of contact ticks.
     [[nodiscard]] Deciles normal_force() const;
 
 private:
-    OutlineCover cover_;
+    std::variant<OutlineCover, PatchCover> cover_;
     std::int64_t vertex_ticks_ = 0;
     std::int64_t stick_events_ = 0;
     engine::Mode last_mode_ = engine::Mode::free;
-    engine::Vec2 from_{};         ///< where the speed's window began
+    engine::Vec3 from_{};         ///< where the speed's window began
     std::int64_t from_time_ = 0;  ///< ns
     std::vector<double> speeds_;
     std::vector<double> forces_;

@@ -96,6 +96,11 @@ struct Spot {
 
 std::vector<Spot> spots(const Protocol& protocol, const engine::Device& device) {
     std::vector<Spot> found;
+    if (protocol.surface) {  // what a machine of three axes gives is the same all over
+        const engine::Vec2 start = protocol.apparatus.start;
+        return {{&protocol.objects.front(), start, device.weakest_force(start),
+                 device.reading_error(start)}};
+    }
     for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
         const auto outline = outline_of(protocol, i);
         for (const auto& side : outline->spans()) {

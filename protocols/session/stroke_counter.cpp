@@ -15,23 +15,41 @@ engine::Vec2 along(const engine::TickRecord& tick) noexcept {
 
 }  // namespace
 
-void StrokeCounter::add(const engine::TickRecord& tick) noexcept {
+engine::Vec2 StrokeCounter::step_to(const engine::TickRecord& tick) noexcept {
     const engine::Vec2 step = started_ ? tick.hip - last_hip_ : engine::Vec2{};
     started_ = true;
     last_hip_ = tick.hip;
-    if (tick.mode == engine::Mode::free) {
-        return;
-    }
+    return step;
+}
+
+/// A tick in contact: after a lift a stroke begins anew.
+void StrokeCounter::touch(const engine::TickRecord& tick) noexcept {
     if (tick.time_ns - last_contact_ > kLift) {
         direction_ = 0;
         place_ = low_ = high_ = 0.0;
     }
     last_contact_ = tick.time_ns;
+}
+
+void StrokeCounter::add(const engine::TickRecord& tick) noexcept {
+    const engine::Vec2 step = step_to(tick);
+    if (tick.mode == engine::Mode::free) {
+        return;
+    }
+    touch(tick);
     segment_ = tick.segment >= 0 ? tick.segment : segment_;
     const engine::Vec2 t = along(tick);
     const double length = glm::length(t);
     if (length > 0.0) {
         go(glm::dot(step, t) / length);
+    }
+}
+
+void StrokeCounter::add_along(const engine::TickRecord& tick, const engine::Vec2& axis) noexcept {
+    const engine::Vec2 step = step_to(tick);
+    if (tick.mode != engine::Mode::free) {
+        touch(tick);
+        go(glm::dot(step, axis));
     }
 }
 

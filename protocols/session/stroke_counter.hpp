@@ -24,6 +24,9 @@ public:
 
     /// The next tick. Where the force is 0 there is no tangent, and the tick adds nothing.
     void add(const engine::TickRecord& tick) noexcept;
+    /// The same on a surface, where a stroke is counted along x, or along y, each by a counter of its own.
+    /// @param axis  unit, in the plane
+    void add_along(const engine::TickRecord& tick, const engine::Vec2& axis) noexcept;
     [[nodiscard]] std::int64_t strokes() const noexcept { return strokes_; }
     /// Of these, those that had gone kStroke on segment 0; on a vertex, where the god-object was before.
     [[nodiscard]] std::int64_t before_vertex() const noexcept { return on_side_[0]; }
@@ -32,6 +35,8 @@ public:
     [[nodiscard]] std::int64_t reversals() const noexcept { return reversals_; }
 
 private:
+    [[nodiscard]] engine::Vec2 step_to(const engine::TickRecord& tick) noexcept;
+    void touch(const engine::TickRecord& tick) noexcept;
     void go(double step) noexcept;
     void count(int direction) noexcept;
 

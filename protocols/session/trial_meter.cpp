@@ -8,8 +8,10 @@ namespace palpate::protocols {
 
 void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
     for (const engine::TickRecord& tick : ticks) {
+        const engine::Vec3 hip = hip_in_space(tick);
+        const engine::Vec3 force = force_in_space(tick);
         if (started_) {
-            const engine::Vec2 step = tick.hip - last_hip_;
+            const engine::Vec3 step = hip - last_hip_;
             sum_.path_length_m += glm::length(step);
             sum_.energy_j += glm::dot(last_force_, step);
             if (tick.mode != engine::Mode::free) {
@@ -19,11 +21,16 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         }
         sum_.start = started_ ? sum_.start : tick.hip;
         started_ = true;
-        ledger_.add(tick.hip, tick.force, engine::in_episode(tick));
-        last_hip_ = tick.hip;
-        last_force_ = tick.force;
+        ledger_.add(hip, force, engine::in_episode(tick));
+        last_hip_ = hip;
+        last_force_ = force;
         last_time_ = tick.time_ns;
-        strokes_.add(tick);
+        if (in_space_) {
+            strokes_.add_along(tick, {1.0, 0.0});
+            across_.add_along(tick, {0.0, 1.0});
+        } else {
+            strokes_.add(tick);
+        }
         exploration_.add(tick);
         ++sum_.ticks;
         sum_.late_ticks += (tick.flags & engine::tick_late) != 0 ? 1 : 0;
@@ -37,8 +44,8 @@ void TrialMeter::add(std::span<const engine::TickRecord> ticks) {
         if (sum_.contact_ticks++ == 0) {
             sum_.first_contact_s = static_cast<double>(tick.time_ns) * 1e-9;
         }
-        sum_.before_vertex_ticks += tick.segment == 0 ? 1 : 0;
-        sum_.after_vertex_ticks += tick.segment == 1 ? 1 : 0;
+        sum_.before_vertex_ticks += !in_space_ && tick.segment == 0 ? 1 : 0;
+        sum_.after_vertex_ticks += !in_space_ && tick.segment == 1 ? 1 : 0;
         sum_.slip_ticks += tick.mode != engine::Mode::stuck ? 1 : 0;
         force_sum_ += tick.normal_force;
         sum_.max_normal_force_n = std::max(sum_.max_normal_force_n, tick.normal_force);
@@ -49,10 +56,10 @@ TrialSummary TrialMeter::summary() const {
     TrialSummary summary = sum_;
     summary.contact_episodes = ledger_.episodes();
     summary.worst_episode_j = ledger_.worst();
-    summary.strokes = strokes_.strokes();
+    summary.strokes = strokes_.strokes() + across_.strokes();
     summary.strokes_before_vertex = strokes_.before_vertex();
     summary.strokes_after_vertex = strokes_.after_vertex();
-    summary.reversals = strokes_.reversals();
+    summary.reversals = strokes_.reversals() + across_.reversals();
     summary.vertex_ticks = exploration_.vertex_ticks();
     summary.stick_events = exploration_.stick_events();
     summary.speed = exploration_.speed();

@@ -18,20 +18,25 @@ public:
     /// @param stiffness  K of the contact, N/m   @param outline  of what is felt
     TrialMeter(double stiffness, const engine::Outline& outline)
         : ledger_(stiffness), exploration_(outline) {}
+    /// In space nothing is before or after a vertex.
+    TrialMeter(double stiffness, const engine::SceneView& scene)
+        : ledger_(stiffness), exploration_(scene), in_space_(scene.space != nullptr) {}
     void add(std::span<const engine::TickRecord> ticks);
     [[nodiscard]] TrialSummary summary() const;
 
 private:
     TrialSummary sum_{};
-    engine::EnergyLedger<2> ledger_;
+    engine::EnergyLedger<3> ledger_;
     StrokeCounter strokes_;
+    StrokeCounter across_;  ///< on a surface: along y
     ExplorationMeter exploration_;
+    bool in_space_ = false;
     double force_sum_ = 0.0;     ///< N, over contact ticks
     double contact_path_ = 0.0;  ///< m, of the steps that end in contact
     double contact_time_ = 0.0;  ///< s, of these steps
     bool started_ = false;
-    engine::Vec2 last_hip_{};
-    engine::Vec2 last_force_{};
+    engine::Vec3 last_hip_{};
+    engine::Vec3 last_force_{};
     std::int64_t last_time_ = 0;  ///< ns
 };
 

@@ -12,7 +12,7 @@ namespace {
 class Felt {
 public:
     Felt(Apparatus& apparatus,
-         const engine::Scene& scene,
+         const engine::SceneView& scene,
          const PlannedTrial& planned,
          std::size_t interval)
         : apparatus_(&apparatus) {
@@ -86,7 +86,7 @@ TrialResult TrialRunner::run(const PlannedTrial& planned, TrialView view) {
             result.outcome = Outcome::aborted;
             break;
         }
-        const engine::Scene scene = make_scene(protocol_, one);
+        const engine::FeltScene scene = make_felt_scene(protocol_, one);
         ports_.recorder.begin_interval(
             id, one, {.slip_decay = scene.decay().slip, .heal_decay = scene.decay().heal});
         feel(id, planned, one, scene, view, result);
@@ -124,10 +124,10 @@ void TrialRunner::end(TrialId id,
 void TrialRunner::feel(TrialId id,
                        const PlannedTrial& planned,
                        const Presentation& felt,
-                       const engine::Scene& scene,
+                       const engine::SceneView& scene,
                        const TrialView& view,
                        TrialResult& result) {
-    meter_.emplace(protocol_.apparatus.stiffness, scene.outline());
+    meter_.emplace(protocol_.apparatus.stiffness, scene);
     tripped_s_.reset();
     result.done_uncertainty_s = 0.0;  // of this interval, and not of the one before
     {

@@ -38,7 +38,7 @@ private:
     void feel(TrialId id,
               const PlannedTrial& planned,
               const Presentation& felt,
-              const engine::Scene& scene,
+              const engine::SceneView& scene,
               const TrialView& view,
               TrialResult& result);
     void explore(TrialId id, const TrialView& view, TrialResult& result);

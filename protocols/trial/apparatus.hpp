@@ -17,8 +17,8 @@ public:
     Apparatus& operator=(const Apparatus&) = delete;
     virtual ~Apparatus() = default;
 
-    /// Starts an interval of a trial. @param scene  outlives end() @param interval  1 or 2
-    virtual void begin(const engine::Scene& scene,
+    /// Starts an interval of a trial. @param scene  what it looks at outlives end() @param interval  1 or 2
+    virtual void begin(const engine::SceneView& scene,
                        const PlannedTrial& planned,
                        std::size_t interval) = 0;
     /// Lets a little time pass; ticks come out of ring().

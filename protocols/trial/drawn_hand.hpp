@@ -4,6 +4,7 @@
 #include <string>
 
 #include "engine/device/hand_path.hpp"
+#include "engine/device/simulated_gantry.hpp"
 #include "protocols/design/plan.hpp"
 #include "protocols/protocol/observer_model.hpp"
 #include "protocols/protocol/protocol.hpp"
@@ -21,9 +22,15 @@ public:
               const HandSpec& own = {});
 
     [[nodiscard]] engine::Exploration at(std::size_t position, std::size_t interval = 1) const;
+    /// The same of a study of surfaces. @pre the protocol has them
+    [[nodiscard]] engine::SurfaceExploration on_surface(std::size_t position,
+                                                        std::size_t interval = 1) const;
 
 private:
+    [[nodiscard]] Pcg32 stream_of(std::size_t position, std::size_t interval) const;
+
     OutlineSpec outline_;
+    SurfaceSpec surface_;
     engine::Vec2 start_;
     std::string protocol_hash_;
     SessionKey key_;

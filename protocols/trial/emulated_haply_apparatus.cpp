@@ -63,7 +63,7 @@ EmulatedHaplyApparatus::EmulatedHaplyApparatus(const Protocol& protocol,
       haply_(emulated_haply(machine, 1.0 / protocol.apparatus.rate_hz, link)),
       servo_(haply_.device(), patient(servo_spec(protocol, haply_.device(), spin_share))) {}
 
-void EmulatedHaplyApparatus::begin(const engine::Scene& scene,
+void EmulatedHaplyApparatus::begin(const engine::SceneView& scene,
                                    const PlannedTrial& planned,
                                    std::size_t interval) {
     servo_.park();  // the handle is put at its start: no reading of ours may fall in between

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/geometry/outline.hpp"
+#include "engine/surface/nurbs_surface.hpp"
 #include "protocols/protocol/protocol.hpp"
 
 namespace palpate::protocols {
@@ -19,7 +20,16 @@ namespace palpate::protocols {
 /// experimenter's segment (its knots) where the span begins and ends.
 [[nodiscard]] std::string outline_text(const engine::Outline& outline);
 
-/// "object sha256 NAME" with the SHA-256 (hex) of outline_text() for every object of a protocol, in its
+/// The same of a surface, by its rational Bezier patches, coordinates about the surface's origin:
+///
+///     palpate-surface-v1 origin BITS BITS BITS
+///     patch 0 0 degree 2 2
+///     point BITS BITS BITS weight BITS
+///
+/// Points are homogeneous: coordinates times the weight, m.
+[[nodiscard]] std::string surface_text(const engine::NurbsSurface& surface);
+
+/// "object sha256 NAME" with the SHA-256 (hex) of outline_text() or surface_text() for every object of a protocol, in its
 /// order: two sessions with the same hash felt the same geometry, to the bit.
 /// @throws std::invalid_argument if an outline cannot be built
 [[nodiscard]] std::vector<std::pair<std::string, std::string>> object_hashes(

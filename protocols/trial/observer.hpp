@@ -73,7 +73,8 @@ enum class InputKind : std::uint8_t { simulated, key, arrows, mouse };
 
 /// One of the pictures, ready to draw. Coordinates: object frame, m, y up.
 struct Picture {
-    std::vector<engine::Vec2> outline;  ///< closed polyline, chord error <= 20 um
+    std::vector<engine::Vec2> outline;               ///< closed polyline, chord error <= 20 um
+    std::vector<std::vector<engine::Vec2>> lines{};  ///< open polylines within it, of a surface
 };
 
 /// What is asked after feeling. The same for every trial of a session.

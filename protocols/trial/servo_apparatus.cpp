@@ -59,7 +59,7 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
                                                                        *traits.damping))
                            : kUnknownSpare;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
-        limits.watch_encoders = true;
+        limits.watch_encoders = traits.axes == 2;  // a straight axis may rest while others move
         limits.watch_runaway = true;
         limits.watch_buzz = true;
         limits.screen_silence = kScreenSilence;
@@ -83,10 +83,22 @@ SimulatedApparatus::SimulatedApparatus(const Protocol& protocol,
       device_(model, 1.0 / protocol.apparatus.rate_hz),
       servo_(device_, servo_spec(protocol, device_), pace) {}
 
-void SimulatedApparatus::begin(const engine::Scene& scene,
+void SimulatedApparatus::begin(const engine::SceneView& scene,
                                const PlannedTrial& planned,
                                std::size_t interval) {
     device_.begin(hand_.at(planned.position, interval));
+    servo_.begin(scene);
+}
+
+GantryApparatus::GantryApparatus(const Protocol& protocol, DrawnHand hand, double pace)
+    : hand_(std::move(hand)),
+      device_({}, 1.0 / protocol.apparatus.rate_hz),
+      servo_(device_, servo_spec(protocol, device_), pace) {}
+
+void GantryApparatus::begin(const engine::SceneView& scene,
+                            const PlannedTrial& planned,
+                            std::size_t interval) {
+    device_.begin(hand_.on_surface(planned.position, interval));
     servo_.begin(scene);
 }
 
@@ -109,7 +121,7 @@ ReplayApparatus::ReplayApparatus(const Protocol& protocol,
     }
 }
 
-void ReplayApparatus::begin(const engine::Scene& scene,
+void ReplayApparatus::begin(const engine::SceneView& scene,
                             const PlannedTrial& planned,
                             std::size_t interval) {
     const std::size_t at = planned.position * intervals_ + interval - 1;
@@ -127,7 +139,7 @@ DeviceApparatus::DeviceApparatus(const Protocol& protocol,
                                  double spin_share)
     : device_(std::move(device)), servo_(*device_, servo_spec(protocol, *device_, spin_share)) {}
 
-void DeviceApparatus::begin(const engine::Scene& scene,
+void DeviceApparatus::begin(const engine::SceneView& scene,
                             const PlannedTrial& /*planned*/,
                             std::size_t /*interval*/) {
     servo_.begin(scene);
@@ -155,7 +167,7 @@ PointerApparatus::PointerApparatus(const Protocol& protocol)
     device_.publish(protocol.apparatus.start);
 }
 
-void PointerApparatus::begin(const engine::Scene& scene,
+void PointerApparatus::begin(const engine::SceneView& scene,
                              const PlannedTrial& /*planned*/,
                              std::size_t /*interval*/) {
     servo_.begin(scene);

@@ -7,6 +7,7 @@
 
 #include "engine/device/pointer_device.hpp"
 #include "engine/device/replay_device.hpp"
+#include "engine/device/simulated_gantry.hpp"
 #include "engine/device/simulated_pantograph.hpp"
 #include "engine/realtime/thread_servo.hpp"
 #include "protocols/protocol/protocol.hpp"
@@ -59,7 +60,7 @@ public:
                        double pace = 0.0,
                        const engine::PantographModel& model = {});
 
-    void begin(const engine::Scene& scene,
+    void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
@@ -76,6 +77,29 @@ private:
     engine::VirtualServo servo_;
 };
 
+/// The simulated machine of three axes and its hand, for surfaces, on a virtual clock.
+class GantryApparatus : public ServoApparatus {
+public:
+    /// @param pace  multiple of real time, 0: as fast as the machine
+    GantryApparatus(const Protocol& protocol, DrawnHand hand, double pace = 0.0);
+
+    void begin(const engine::SceneView& scene,
+               const PlannedTrial& planned,
+               std::size_t interval) override;
+    [[nodiscard]] bool hand_is_done() const noexcept override { return device_.hand_is_done(); }
+    [[nodiscard]] std::string device_name() const override { return device_.name(); }
+    [[nodiscard]] const engine::Device& device() const noexcept override { return device_; }
+
+protected:
+    [[nodiscard]] engine::Servo& servo() noexcept override { return servo_; }
+    [[nodiscard]] const engine::Servo& servo() const noexcept override { return servo_; }
+
+private:
+    DrawnHand hand_;
+    engine::SimulatedGantry device_;
+    engine::VirtualServo servo_;
+};
+
 /// Recorded hands: interval k of the plan, counted through all its trials from 0, gets recording k modulo
 /// their number.
 class ReplayApparatus : public ServoApparatus {
@@ -88,7 +112,7 @@ public:
                     std::string source,
                     double pace = 0.0);
 
-    void begin(const engine::Scene& scene,
+    void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override;
     [[nodiscard]] bool hand_is_done() const noexcept override { return exhausted(); }
@@ -117,7 +141,7 @@ public:
                     std::unique_ptr<engine::Device> device,
                     double spin_share = 0.0);
 
-    void begin(const engine::Scene& scene,
+    void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override;
     /// After a runaway, and after pulses that moved the handle otherwise than they should, pulses have to be
@@ -153,7 +177,7 @@ class PointerApparatus : public ServoApparatus {
 public:
     explicit PointerApparatus(const Protocol& protocol);
 
-    void begin(const engine::Scene& scene,
+    void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override;
     [[nodiscard]] engine::PointerDevice& pointer() noexcept { return device_; }

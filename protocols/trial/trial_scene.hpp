@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/rendering/scene.hpp"
 #include "protocols/protocol/protocol.hpp"
 #include "protocols/trial/observer.hpp"
@@ -11,7 +12,10 @@
 /// From a condition to what is felt and what is shown.
 namespace palpate::protocols {
 
-/// The compiled scene of an interval. @throws std::invalid_argument if it cannot be built
+/// The compiled scene of an interval, in the plane or in space. @throws std::invalid_argument if it cannot be
+/// built
+[[nodiscard]] engine::FeltScene make_felt_scene(const Protocol& protocol, const Presentation& felt);
+/// Of a protocol in the plane.
 [[nodiscard]] engine::Scene make_scene(const Protocol& protocol, const Presentation& felt);
 
 /// The compiled scene of a condition. @throws std::invalid_argument if it cannot be built

@@ -27,7 +27,7 @@ struct Recorded {
 
     data::StoredChunks chunks;
     data::SessionTraces traces;
-    std::shared_ptr<const engine::Scene> scene;
+    std::shared_ptr<const engine::FeltScene> scene;
     std::optional<engine::PantographSpec> machine;
 };
 
@@ -48,7 +48,8 @@ std::vector<TickRecord> by_scalar_ticks(const Recorded& recorded) {
             const auto fix = machine.locate(machine.angles(tick.counts));
             hip = fix ? fix->hip : hip;
             tick.hip = hip;
-            engine::set_contact(tick, recorded.scene->tick(state, hip), recorded.scene->outline());
+            const engine::Scene& scene = *recorded.scene->plane();
+            engine::set_contact(tick, scene.tick(state, hip), scene.outline());
         }
     }
     return ticks;

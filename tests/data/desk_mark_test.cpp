@@ -24,7 +24,7 @@ namespace {
 class Placed : public tests::FaultyApparatus {
 public:
     using FaultyApparatus::FaultyApparatus;
-    void begin(const engine::Scene& scene,
+    void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override {
         position = planned.position;

@@ -157,7 +157,7 @@ for path in out.rglob("*_motion.tsv"):
     frames = json.loads(open(stem + "channels.json").read())["reference_frame"]["Levels"]
     assert all((c[1] == "n/a") == (c[5] == "n/a") and c[5] in {"n/a", *frames} for c in channels)
     kinds = [c[2] for c in channels]
-    assert set(kinds) <= {"POS", "LATENCY", "MISC"} and set(c[1] for c in channels) <= {"x", "y", "n/a"}
+    assert set(kinds) <= {"POS", "LATENCY", "MISC"} and set(c[1] for c in channels) <= {"x", "y", "z", "n/a"}
     words = json.loads(open(stem + "motion.json").read())
     for name in ("SamplingFrequency", "TaskName", "TrackingSystemName"):
         assert words[name]

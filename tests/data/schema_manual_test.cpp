@@ -17,7 +17,7 @@ TEST_CASE("every column of every table and view has a meaning, and every physica
     const auto manual = data::schema_manual(data::schema_sql());
     // What has no unit though it is REAL.
     const std::set<std::string> plain{"mu_s", "mu_d", "mu_s_1", "mu_s_2", "comparison_mu_s",
-                                      "slip_decay", "heal_decay", "u", "mu", "scale",
+                                      "slip_decay", "heal_decay", "u", "v", "mu", "scale",
                                       "covered_share",
                                       // In the unit of what the rule varies, on its scale.
                                       "stimulus", "estimate"};
@@ -52,7 +52,7 @@ TEST_CASE("every column of sample has a meaning, in the order of the program", "
           static_cast<std::size_t>(data::SampleColumn::count_of_columns));
     CHECK(manual[0].columns[static_cast<std::size_t>(data::SampleColumn::rendered_normal_n)].name ==
           "rendered_normal_n");
-    CHECK(manual[0].columns.back().name == "hip_vy_m_per_s");
+    CHECK(manual[0].columns.back().name == "hip_vz_m_per_s");
     for (const auto& column : manual[0].columns) {
         CAPTURE(column.name);
         CHECK_FALSE(column.meaning.empty());

@@ -38,7 +38,7 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
     std::getline(lines, line);
     CHECK(line ==
           "tick,time_ns,count_1,count_2,code_1,code_2,lateness_ns,flags,hip_x_100nm,hip_y_100nm,"
-          "commanded_x_100un,commanded_y_100un");
+          "commanded_x_100un,commanded_y_100un,count_3,code_3,hip_z_100nm,commanded_z_100un");
     for (const engine::TickRecord& tick : ticks) {
         REQUIRE(std::getline(lines, line));
         std::istringstream words(line);
@@ -60,7 +60,9 @@ TEST_CASE("plain Python, base R and palpate trace read every stored value as it 
                     tick.flags, static_cast<std::int64_t>(steps(tick.hip.x, 1e7)),
                     static_cast<std::int64_t>(steps(tick.hip.y, 1e7)),
                     static_cast<std::int64_t>(steps(tick.command.x, 1e4)),
-                    static_cast<std::int64_t>(steps(tick.command.y, 1e4))});
+                    static_cast<std::int64_t>(steps(tick.command.y, 1e4)), tick.count_3,
+                    tick.code_3, static_cast<std::int64_t>(steps(tick.hip_z, 1e7)),
+                    static_cast<std::int64_t>(steps(tick.command_z, 1e4))});
     }
     CHECK_FALSE(std::getline(lines, line));
 

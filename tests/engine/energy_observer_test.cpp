@@ -139,8 +139,8 @@ TEST_CASE("a force that follows the motion trips before it gave the limit and a 
     double worst_tick = 0.0;
     for (const Vec2& hip : random_hand(seed, 200000, {-0.05, -0.05}, {0.05, 0.05}, 1e-3)) {
         const Vec2 step = state.energy.started ? hip - last : Vec2{};
-        given.add(state.command, step, taken, limits.period);
-        worst_tick = std::max(worst_tick, std::fabs(glm::dot(state.command, step)));
+        given.add(Vec2(state.command), step, taken, limits.period);
+        worst_tick = std::max(worst_tick, std::fabs(glm::dot(Vec2(state.command), step)));
         const double length = glm::length(step);
         force = linear ? push * step / limits.period : length > 0.0 ? push * step / length : Vec2{};
         const Command c = make_safe(state, limits, {.force = force, .hip = hip});
@@ -240,10 +240,10 @@ TEST_CASE("a delay of whole ticks and a part takes the forces of those ticks", "
     limits.delay_ticks = 2.25;
     EnergyObserver observer;
     for (int k = 0; k < 10; ++k) {
-        observe_energy(observer, limits, {0.0, 0.0}, {}, 1.0, 1e-3);
-        note_command(observer, {k == 7 ? 4.0 : 0.0, 0.0});
+        observe_energy(observer, limits, {0.0, 0.0, 0.0}, {}, 1.0, 1e-3);
+        note_command(observer, {k == 7 ? 4.0 : 0.0, 0.0, 0.0});
     }
     // The last command was tick 9's; 2.25 ticks earlier: three quarters of tick 7, a quarter of 6.
-    CHECK(observe_energy(observer, limits, {1e-3, 0.0}, {}, 1.0, 1e-3) ==
+    CHECK(observe_energy(observer, limits, {1e-3, 0.0, 0.0}, {}, 1.0, 1e-3) ==
           Approx(0.75 * 4.0 * 1e-3).epsilon(1e-9));
 }

@@ -42,7 +42,7 @@ TEST_CASE("a load that the motors can bear for ever never trips", "[safety][law]
 TEST_CASE("the heat model is the exponential to third order, and stable for any step", "[safety]") {
     for (double step = 1e-6; step < 1e6; step *= 2.0) {
         CAPTURE(step);
-        const Vec2 heat = heated({0.8, 0.0}, {0.0, 1.0}, step);
+        const Vec3 heat = heated({0.8, 0.0, 0.0}, {0.0, 1.0, 0.0}, step);
         CHECK(heat.x >= 0.0);
         CHECK(heat.y <= 1.0);
         CHECK(std::fabs(heat.x - 0.8 * std::exp(-step)) <= step * step * step / 6.0 + 1e-15);

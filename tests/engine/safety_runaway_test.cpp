@@ -101,7 +101,7 @@ bool trips(double came, double on, double at, bool full = true) {
         y -= 1e-3 * (y > -at ? came : on);
         const double read = std::floor(y / 1e-4 + 0.5) * 1e-4;
         const double depth = std::fmax(0.0, -read);
-        if (runs_away(watch, full && depth >= at, depth, {0.0, read}, 1e-3 * k)) {
+        if (runs_away(watch, full && depth >= at, depth, {0.0, read, 0.0}, 1e-3 * k)) {
             return true;
         }
     }

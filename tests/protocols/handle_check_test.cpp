@@ -37,7 +37,7 @@ class Unproved : public FaultyApparatus {
 public:
     Unproved(World& world, int wrong) : FaultyApparatus(world), wrong_(wrong), left_(wrong) {}
 
-    void begin(const engine::Scene& scene,
+    void begin(const engine::SceneView& scene,
                const PlannedTrial& planned,
                std::size_t interval) override {
         CHECK(right_);

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "engine/realtime/felt_scene.hpp"
 #include "engine/realtime/tick_record.hpp"
 #include "engine/rendering/energy_ledger.hpp"
 #include "protocols/design/adaptive_plan.hpp"
@@ -52,7 +53,7 @@ std::vector<engine::TickRecord> press(const engine::Scene& scene) {
         const double depth = 0.003 * std::min(1.0, static_cast<double>(i) / 1000.0);
         ticks[i].hip = at.point + (0.0005 - depth) * at.normal;
     }
-    engine::ContactState state;
+    engine::FeltState state;
     engine::set_contacts(ticks, scene, state);
     return ticks;
 }
@@ -145,7 +146,7 @@ TEST_CASE("an episode of a soft object ends at its rest, and gives nothing more 
         ticks[i].hip = at.point - depth * at.normal;
         ticks[i].time_ns = static_cast<std::int64_t>(i) * 1'000'000;
     }
-    engine::ContactState state;
+    engine::FeltState state;
     engine::set_contacts(ticks, scene, state);
     TrialMeter meter(protocol.apparatus.stiffness, scene.outline());
     meter.add(ticks);

@@ -38,7 +38,7 @@ class FaultyApparatus : public protocols::Apparatus {
 public:
     explicit FaultyApparatus(World& world) : world_(world) {}
 
-    void begin(const engine::Scene& /*scene*/,
+    void begin(const engine::SceneView& /*scene*/,
                const protocols::PlannedTrial& planned,
                std::size_t /*interval*/) override {
         position_ = planned.position;

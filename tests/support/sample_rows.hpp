@@ -112,8 +112,17 @@ inline const std::vector<std::string>& sample_columns() {
                                                 "rendered_normal_n",
                                                 "rendered_tangential_n",
                                                 "mu",
+                                                "count_3",
+                                                "code_3",
+                                                "v",
+                                                "hip_z_m",
+                                                "cp_z_m",
+                                                "go_z_m",
+                                                "rendered_z_n",
+                                                "commanded_z_n",
                                                 "hip_vx_m_per_s",
-                                                "hip_vy_m_per_s"};
+                                                "hip_vy_m_per_s",
+                                                "hip_vz_m_per_s"};
     return names;
 }
 
@@ -129,9 +138,9 @@ inline std::vector<SampleRow> expected_rows(data::Database& database,
     };
     for (std::size_t i = 0; i < ticks.size(); ++i) {
         const engine::TickRecord& t = ticks[i];
-        engine::Vec2 v{std::nan(""), std::nan("")};
+        engine::Vec3 v(std::nan(""));
         if (i > 0 && t.time_ns > ticks[i - 1].time_ns) {
-            v = (t.hip - ticks[i - 1].hip) /
+            v = (hip_in_space(t) - hip_in_space(ticks[i - 1])) /
                 (static_cast<double>(t.time_ns - ticks[i - 1].time_ns) * 1e-9);
         }
         const char* const modes[] = {"free", "stuck", "slip", "transition"};
@@ -161,8 +170,17 @@ inline std::vector<SampleRow> expected_rows(data::Database& database,
                         exactly(t.normal_force),
                         exactly(t.tangential_force),
                         exactly(t.mu),
+                        std::to_string(t.count_3),
+                        std::to_string(t.code_3),
+                        exactly(t.v),
+                        exactly(t.hip_z),
+                        exactly(t.cp_z),
+                        exactly(t.go_z),
+                        exactly(t.force_z),
+                        steps_of(t.command_z),
                         exactly(v.x),
-                        exactly(v.y)});
+                        exactly(v.y),
+                        exactly(v.z)});
     }
     return rows;
 }

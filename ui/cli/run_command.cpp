@@ -246,6 +246,7 @@ int run(const RunOptions& options) {
     RigSpec spec;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
+    require_space(spec.study.protocol, spec.device);
     spec.calibration = options.calibration;
     static_cast<void>(
         calibration_of(spec.device, spec.calibration));  // refused before a file is made

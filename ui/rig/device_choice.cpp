@@ -89,6 +89,15 @@ bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
     return false;
 }
 
+void require_space(const protocols::Protocol& protocol, const DeviceChoice& device) {
+    if (protocol.surface && device.kind != Kind::simulated && device.kind != Kind::replay) {
+        throw std::invalid_argument(fmt::format(
+            "the objects of {} are surfaces in space, and the device that was named moves in a "
+            "plane: give --device sim, or replay:FILE of a session with surfaces",
+            protocol.id));
+    }
+}
+
 bool gives_force(Kind kind) noexcept {
     return kind != Kind::mouse && kind != Kind::replay;
 }

@@ -40,6 +40,10 @@ struct DeviceChoice {
 /// A real session of a study that asks for this class may be run on it.
 [[nodiscard]] bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept;
 
+/// Surfaces are felt on machines that move in space.
+/// @throws std::invalid_argument for surfaces on one that moves in a plane: what to give
+void require_space(const protocols::Protocol& protocol, const DeviceChoice& device);
+
 /// For --help and for errors.
 inline constexpr std::string_view kDeviceWords =
     "sim, mouse, haply:PORT, haply-emulator, board:PORT, board:udp:HOST:PORT, comedi:FILE, or "

@@ -27,11 +27,16 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
                                                           const engine::Calibration& calibration,
                                                           std::vector<OpeningFact>& opening) {
     const protocols::Protocol& protocol = spec.study.protocol;
+    require_space(protocol, spec.device);
     const auto hand = [&] {
         return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed, spec.hand);
     };
     switch (spec.device.kind) {
         case Kind::simulated: {
+            if (protocol.surface) {
+                return std::make_unique<protocols::GantryApparatus>(protocol, hand(),
+                                                                    spec.screen.speed);
+            }
             engine::PantographModel model;
             model.plant.machine = calibration.pantograph;
             return std::make_unique<protocols::SimulatedApparatus>(protocol, hand(),
@@ -105,10 +110,12 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
                 "reply delay",
                 fmt::format("{:g} of the period", apparatus->device().traits().delay_ticks));
         }
-        opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
-        opened.provenance.emplace_back("calibration sha256",
-                                       protocols::calibration_id(calibration));
-        opened.provenance.emplace_back("calibration", protocols::to_toml(calibration));
+        if (!spec.study.protocol.surface) {
+            opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
+            opened.provenance.emplace_back("calibration sha256",
+                                           protocols::calibration_id(calibration));
+            opened.provenance.emplace_back("calibration", protocols::to_toml(calibration));
+        }
     }
     if (spec.spin_share > 0.0 && apparatus->real_time()) {
         opened.provenance.emplace_back("realtime spin",

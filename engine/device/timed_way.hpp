@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "engine/geometry/vec.hpp"
+
+namespace palpate::engine {
+
+/// A way along straight legs at one speed: where somebody means to be at each moment.
+template <int D>
+class TimedWay {
+public:
+    TimedWay() = default;
+    /// @param corners  m, at least one   @param speed  m/s, > 0
+    TimedWay(std::vector<Vec<D>> corners, double speed) : corners_(std::move(corners)) {
+        reached_.push_back(0.0);
+        for (std::size_t i = 1; i < corners_.size(); ++i) {
+            duration_ += glm::length(corners_[i] - corners_[i - 1]) / speed;
+            reached_.push_back(duration_);
+        }
+    }
+
+    struct Moment {
+        Vec<D> position{};  ///< m
+        Vec<D> velocity{};  ///< m/s
+    };
+
+    /// @param t  s since the start; before 0 the start, after the end the last point
+    [[nodiscard]] Moment at(double t) const noexcept {
+        if (t <= 0.0) {
+            return {.position = corners_.front()};
+        }
+        if (t >= duration_) {
+            return {.position = corners_.back()};
+        }
+        std::size_t i = 1;
+        while (reached_[i] < t) {
+            ++i;
+        }
+        const Vec<D> leg = corners_[i] - corners_[i - 1];
+        const double time = reached_[i] - reached_[i - 1];
+        return {.position = corners_[i - 1] + leg * ((t - reached_[i - 1]) / time),
+                .velocity = leg / time};
+    }
+    /// When it ends, s since the start.
+    [[nodiscard]] double duration() const noexcept { return duration_; }
+
+private:
+    std::vector<Vec<D>> corners_;
+    std::vector<double> reached_;  ///< s, when each corner is reached
+    double duration_ = 0.0;
+};
+
+}  // namespace palpate::engine

@@ -1,0 +1,135 @@
+#include "stimuli/surface_patch.hpp"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "engine/base/text.hpp"
+
+namespace palpate::stimuli {
+namespace {
+
+using engine::Vec2;
+using engine::Vec3;
+
+constexpr std::size_t kRow = 7;  ///< control points a side: rim, patch, rim, of degree 2
+
+/// The arc of one curvature through the origin, level there, over [-half, half].
+struct Arc {
+    double drop = 0.0;    ///< of its ends, m: how far they lie below the middle
+    double lift = 0.0;    ///< of its middle control point, m
+    double cosine = 1.0;  ///< of half its angle: the weight of that point
+};
+
+Arc arc_of(double curvature, double half) {
+    const double sine = curvature * half;
+    const double cosine = std::sqrt(1.0 - sine * sine);
+    const double drop = curvature * half * half / (1.0 + cosine);
+    return {.drop = drop, .lift = half * sine / cosine - drop, .cosine = cosine};
+}
+
+void check(const SurfacePatch& patch) {
+    if (!(patch.size > 0.0)) {
+        throw std::invalid_argument("the size of the patch is " + number_text(patch.size) +
+                                    " m: give a number above 0");
+    }
+    for (const double curvature : {patch.curvature_x, patch.curvature_y}) {
+        if (!(std::fabs(curvature) * patch.size / 2.0 <= kMostHalfSine)) {
+            throw std::invalid_argument(
+                "a curvature of " + number_text(curvature) + " 1/m is too strong for a patch of " +
+                number_text(1e3 * patch.size) + " mm: stay within " +
+                number_text(2.0 * kMostHalfSine / patch.size) + " 1/m either way");
+        }
+    }
+}
+
+/// `inner`, with a rim to `far` on both sides.
+std::array<double, kRow> with_rim(const std::array<double, 3>& inner, double far) {
+    return {-far,     0.5 * (inner[0] - far), inner[0], inner[1],
+            inner[2], 0.5 * (inner[2] + far), far};
+}
+
+/// The rim is level: it has its border's height, and its weight.
+std::array<double, kRow> level(const std::array<double, 3>& inner) {
+    return {inner[0], inner[0], inner[0], inner[1], inner[2], inner[2], inner[2]};
+}
+
+}  // namespace
+
+std::shared_ptr<const engine::NurbsSurface> make_surface(const SurfacePatch& patch) {
+    check(patch);
+    const double half = 0.5 * patch.size;
+    const double far = half + kRim;
+    const Arc x = arc_of(patch.curvature_x, half);
+    const Arc y = arc_of(patch.curvature_y, half);
+    const auto places = with_rim({-half, 0.0, half}, far);
+    const auto heights = level({-x.drop, x.lift, -x.drop});
+    const auto weights_x = level({1.0, x.cosine, 1.0});
+    const auto weights_y = level({1.0, y.cosine, 1.0});
+    std::vector<std::vector<Vec3>> points(kRow);
+    std::vector<std::vector<double>> weights(kRow);
+    for (std::size_t i = 0; i < kRow; ++i) {
+        // A point at this height goes round the axis at 1 / curvature_y + height.
+        const double height = heights[i];
+        const double side = half * (1.0 + patch.curvature_y * height);
+        const double end = height * y.cosine - y.drop;
+        const double middle = (height + y.drop) / y.cosine;
+        const auto across = with_rim({-side, 0.0, side}, far);
+        const auto up = level({end, middle, end});
+        for (std::size_t j = 0; j < kRow; ++j) {
+            points[i].emplace_back(places[i], across[j], up[j]);
+            weights[i].push_back(weights_x[i] * weights_y[j]);
+        }
+    }
+    const std::vector<double> knots{0, 0, 0, 1, 1, 2, 2, 3, 3, 3};
+    return std::make_shared<const engine::NurbsSurface>(2, 2, knots, knots, points, weights);
+}
+
+PatchDrawing drawing_of(const engine::NurbsSurface& surface) {
+    constexpr int kSteps = 32;  // of a line
+    constexpr int kLines = 6;   // pieces between two borders
+    // Turned by 30 degrees, seen from 50 degrees above: steeper than any patch, so that nothing hides
+    // anything.
+    constexpr double kTurnCos = 0.8660254037844386;
+    constexpr double kTurnSin = 0.5;
+    constexpr double kAboveCos = 0.6427876096865393;
+    constexpr double kAboveSin = 0.766044443118978;
+    const auto seen = [&](double u, double v) {
+        const Vec3 p = surface.at(1.0 + u, 1.0 + v).point;
+        const double away = kTurnSin * p.x + kTurnCos * p.y;
+        return Vec2{kTurnCos * p.x - kTurnSin * p.y, kAboveSin * away + kAboveCos * p.z};
+    };
+    PatchDrawing drawing;
+    for (int i = 0; i < 4 * kSteps; ++i) {
+        const double t = static_cast<double>(i % kSteps) / kSteps;
+        switch (i / kSteps) {
+            case 0:
+                drawing.border.push_back(seen(0.0, t));
+                break;
+            case 1:
+                drawing.border.push_back(seen(t, 1.0));
+                break;
+            case 2:
+                drawing.border.push_back(seen(1.0, 1.0 - t));
+                break;
+            default:
+                drawing.border.push_back(seen(1.0 - t, 0.0));
+        }
+    }
+    for (int line = 1; line < kLines; ++line) {
+        const double at = static_cast<double>(line) / kLines;
+        std::vector<Vec2> of_u;
+        std::vector<Vec2> of_v;
+        for (int i = 0; i <= kSteps; ++i) {
+            const double t = static_cast<double>(i) / kSteps;
+            of_u.push_back(seen(at, t));
+            of_v.push_back(seen(t, at));
+        }
+        drawing.lines.push_back(std::move(of_u));
+        drawing.lines.push_back(std::move(of_v));
+    }
+    return drawing;
+}
+
+}  // namespace palpate::stimuli

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "engine/surface/nurbs_surface.hpp"
+
+namespace palpate::stimuli {
+
+/// Side of a patch times the stronger of its curvatures, halved: no steeper than 30 degrees along x or y.
+inline constexpr double kMostHalfSine = 0.5;
+/// How far the level rim goes on beyond the patch on each side, m: out of every reach.
+inline constexpr double kRim = 0.5;
+
+/// A square patch that is curved along x and along y: convex, flat, concave, saddle, and what lies
+/// between. Its middle is the origin, z points up, the object is below. All about the middle: the
+/// patch at x = y = 0 passes through the origin, level.
+struct SurfacePatch {
+    double size = 0.060;       ///< along x and along y, m
+    double curvature_x = 0.0;  ///< 1/m: > 0 bulges up, < 0 is hollow
+    double curvature_y = 0.0;
+
+    friend bool operator==(const SurfacePatch&, const SurfacePatch&) = default;
+};
+
+/// The exact patch in a level rim: an arc of curvature_x in the plane y = 0, revolved about the axis
+/// parallel to x that gives curvature_y, biquadratic and rational (The NURBS Book, 7.5 and 8.5). Equal
+/// curvatures give a sphere, opposite ones the inner side of a torus, one of them 0 a cylinder. Beyond its
+/// borders the surface goes on straight outwards for kRim, so that no finger comes round an edge.
+///
+/// In the surface's parameters the patch is u, v in [1, 2]; the rim has the rest of [0, 3].
+/// @throws std::invalid_argument if the size is not above 0 or a curvature too strong for it: the value, and
+///         what to give
+[[nodiscard]] std::shared_ptr<const engine::NurbsSurface> make_surface(const SurfacePatch& patch);
+
+/// How a patch is drawn: seen from in front and above, at one scale, m.
+struct PatchDrawing {
+    std::vector<engine::Vec2> border;  ///< closed polyline; nothing of the patch lies outside
+    std::vector<std::vector<engine::Vec2>> lines;  ///< of equal u and of equal v
+};
+[[nodiscard]] PatchDrawing drawing_of(const engine::NurbsSurface& surface);
+
+}  // namespace palpate::stimuli
