@@ -7,13 +7,15 @@
 namespace palpate::data {
 namespace {
 
-constexpr std::array<NamedFigure, 16> kFigures{{
+constexpr std::array<NamedFigure, 17> kFigures{{
     {"fig_2_1_2", "Six ways to track the closest point", &make_trackers},
     {"fig_2_1_4", "Voronoi regions of an object of three curves", &make_regions},
     {"fig_2_1_5", "Active Voronoi region along a path", &make_region_flow},
     {"fig_2_1_5_graph", "Which Voronoi regions are neighbours", &make_region_graph},
     {"fig_2_1_6", "Force against penetration depth", &make_press},
     {"fig_3_1_2", "Modes of friction", &make_modes},
+    {"fig_3_1_2_patches", "Over the edge of an object of four NURBS surfaces",
+     &make_surface_patches},
     {"fig_3_2_1", "The pre-determined path", &make_friction_path},
     {"fig_3_2_1_snapshots", "HIP and god-object at moments of the path", &make_friction_moments},
     {"fig_3_2_2", "Friction and total force over the path", &make_friction_forces},

@@ -26,6 +26,7 @@ struct MadeFigure {
 [[nodiscard]] MadeFigure make_region_graph();       ///< 2.1.5, which region lies beside which
 [[nodiscard]] MadeFigure make_press();              ///< 2.1.6
 [[nodiscard]] MadeFigure make_modes();              ///< 3.1.2
+[[nodiscard]] MadeFigure make_surface_patches();    ///< several surfaces, 2.1.4 and 3.1.2
 [[nodiscard]] MadeFigure make_friction_path();      ///< 3.2.1 (a)
 [[nodiscard]] MadeFigure make_friction_moments();   ///< 3.2.1 (b) to (l)
 [[nodiscard]] MadeFigure make_friction_forces();    ///< 3.2.2

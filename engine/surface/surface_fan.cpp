@@ -87,7 +87,8 @@ bool step_along(SurfaceGround& ground,
     const double speed2 = glm::dot(e, e);
     const double speed = std::sqrt(speed2);
     const double ahead = speed > 0.0 ? glm::dot(s.r, e) / speed : 0.0;
-    const double excess = std::fabs(ahead) - s.cone;
+    // Of the excess, which has the direction of the stretch, the part along the edge.
+    const double excess = s.length > 0.0 ? std::fabs(ahead) * (s.excess / s.length) : 0.0;
     if (!(excess > 4.0 * s.rounding) || slew.spent()) {
         return false;
     }
@@ -153,7 +154,9 @@ FanTurn turn_in_fan(SurfaceGround& ground,
                     SurfaceFan& fan,
                     SurfaceSlew& slew) noexcept {
     SurfacePlace place = from;
-    for (int k = 0; k < kAlongSteps && step_along(ground, place, fan, slew); ++k) {
+    SurfaceSlew along =
+        slew;  // a budget of its own: a hand along an edge does not keep it from turning
+    for (int k = 0; k < kAlongSteps && step_along(ground, place, fan, along); ++k) {
     }
     const SurfaceSpot own = ground.look(place);
     const SurfaceSpot other = ground.look(fan.beyond);
@@ -177,11 +180,12 @@ FanTurn turn_in_fan(SurfaceGround& ground,
         return then < 0.0 ? then / (then - now) : 0.0;
     };
     const double drive_then = dir * glm::dot(before, way);
-    const double load_then = -glm::dot(before, s.normal);
+    const Stretch<3> then = stretch<3>(before, s.normal);
+    const double stretch_then = then.length - std::fabs(drive_then) + drive_then;
     slew.used =
         std::max(slew.used, slew.budget * std::max(since(drive_then, dir * tau),
-                                                   since(drive_then - ground.mu() * load_then,
-                                                         dir * tau - ground.mu() * s.load)));
+                                                   since(stretch_then - ground.mu() * then.load,
+                                                         s.length - ground.mu() * s.load)));
     if (slew.spent()) {
         return {FanTurn::End::spent, s};
     }

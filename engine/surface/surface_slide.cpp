@@ -24,8 +24,8 @@ public:
     SurfaceSlide run(const SurfacePlace& from) noexcept {
         SurfaceSpot s = ground_.look(from);
         const Vec3 start = s.jet.point;
-        double slid = 0.0;
         Footing at = fan_.on ? turned(from) : onwards(s);
+        double slid = glm::length(at.spot.jet.point - start);  // along the edge of a fan
         while (at.way != Way::rests && at.way != Way::held && !tired()) {
             if (slew_.spent()) {
                 spent_ = true;
@@ -43,6 +43,7 @@ public:
                 break;
             }
             at = onwards(next);
+            slid += glm::length(at.spot.jet.point - next.jet.point);
         }
         // Newton's last bits are no slip: a hand at rest finds the contact stuck.
         const bool moved = glm::length(at.spot.jet.point - start) > 4.0 * at.spot.rounding;
@@ -320,7 +321,7 @@ private:
                 .outside_cone = outside,
                 .in_crease = outside && at.way == Way::held && !spent_ && ground_.enclosed(s.place),
                 .out_of_budget = spent_,
-                .settled = !tired() && (!outside || barred || foot_)};
+                .settled = !tired() && (!outside || barred || foot_ || spent_)};
     }
 
     /// Newton's steps have come to where rounding decides, or soon will.

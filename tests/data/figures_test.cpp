@@ -256,6 +256,40 @@ TEST_CASE("the certified closest point is nearer than any tracker's", "[figures]
     }
 }
 
+TEST_CASE(
+    "over the edge of four surfaces the god-object visits them in turn, and the slew spares the "
+    "hand the step",
+    "[figures][law]") {
+    const Columns run = table_of("fig_3_1_2_patches");
+    const auto step = [&](const std::string& force, std::size_t k) {
+        double sum = 0.0;
+        for (const std::string axis : {"_x_n", "_y_n", "_z_n"}) {
+            const auto& f = run.at(force + axis);
+            sum += (f[k] - f[k - 1]) * (f[k] - f[k - 1]);
+        }
+        return std::sqrt(sum);
+    };
+    double plain = 0.0;
+    double slewed = 0.0;
+    std::vector<double> visited;
+    for (std::size_t k = 1; k < run.at("time_s").size(); ++k) {
+        for (const std::string name : {"feedback_slow", "feedback", "newton"}) {
+            REQUIRE(run.at(name + "_excess_m")[k] >= -1e-15);
+        }
+        if (run.at("mode")[k] == 0.0) {
+            continue;
+        }
+        if (visited.empty() || visited.back() != run.at("surface")[k]) {
+            visited.push_back(run.at("surface")[k]);
+        }
+        plain = std::max(plain, step("force_without_slew", k));
+        slewed = std::max(slewed, step("force", k));
+    }
+    CHECK(visited == std::vector<double>{1.0, 2.0, 4.0});
+    CHECK(plain > 5.0);
+    CHECK(slewed < 0.25 * plain);
+}
+
 TEST_CASE("the recorded stick-slip transition takes 95 ms", "[figures]") {
     const Columns run = table_of("fig_3_3_1");
     const auto& mode = run.at("mode");
