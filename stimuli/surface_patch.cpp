@@ -55,6 +55,20 @@ std::array<double, kRow> level(const std::array<double, 3>& inner) {
     return {inner[0], inner[0], inner[0], inner[1], inner[2], inner[2], inner[2]};
 }
 
+/// Once around the unit square, `steps` a side.
+std::vector<Vec2> around(int steps) {
+    std::vector<Vec2> all;
+    for (int i = 0; i < 4 * steps; ++i) {
+        const double t = static_cast<double>(i % steps) / steps;
+        const int side = i / steps;
+        all.push_back(side == 0   ? Vec2{0.0, t}
+                      : side == 1 ? Vec2{t, 1.0}
+                      : side == 2 ? Vec2{1.0, 1.0 - t}
+                                  : Vec2{1.0 - t, 0.0});
+    }
+    return all;
+}
+
 }  // namespace
 
 std::shared_ptr<const engine::NurbsSurface> make_surface(const SurfacePatch& patch) {
@@ -86,6 +100,15 @@ std::shared_ptr<const engine::NurbsSurface> make_surface(const SurfacePatch& pat
     return std::make_shared<const engine::NurbsSurface>(2, 2, knots, knots, points, weights);
 }
 
+std::vector<Vec2> border_of(const engine::NurbsSurface& surface) {
+    constexpr int kSteps = 32;  // of a side
+    std::vector<Vec2> border;
+    for (const Vec2& at : around(kSteps)) {
+        border.emplace_back(surface.at(1.0 + at.x, 1.0 + at.y).point);
+    }
+    return border;
+}
+
 PatchDrawing drawing_of(const engine::NurbsSurface& surface) {
     constexpr int kSteps = 32;  // of a line
     constexpr int kLines = 6;   // pieces between two borders
@@ -101,21 +124,8 @@ PatchDrawing drawing_of(const engine::NurbsSurface& surface) {
         return Vec2{kTurnCos * p.x - kTurnSin * p.y, kAboveSin * away + kAboveCos * p.z};
     };
     PatchDrawing drawing;
-    for (int i = 0; i < 4 * kSteps; ++i) {
-        const double t = static_cast<double>(i % kSteps) / kSteps;
-        switch (i / kSteps) {
-            case 0:
-                drawing.border.push_back(seen(0.0, t));
-                break;
-            case 1:
-                drawing.border.push_back(seen(t, 1.0));
-                break;
-            case 2:
-                drawing.border.push_back(seen(1.0, 1.0 - t));
-                break;
-            default:
-                drawing.border.push_back(seen(1.0 - t, 0.0));
-        }
+    for (const Vec2& at : around(kSteps)) {
+        drawing.border.push_back(seen(at.x, at.y));
     }
     for (int line = 1; line < kLines; ++line) {
         const double at = static_cast<double>(line) / kLines;

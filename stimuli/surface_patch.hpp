@@ -33,6 +33,9 @@ struct SurfacePatch {
 ///         what to give
 [[nodiscard]] std::shared_ptr<const engine::NurbsSurface> make_surface(const SurfacePatch& patch);
 
+/// The border of a patch seen from above: a closed polyline, m.
+[[nodiscard]] std::vector<engine::Vec2> border_of(const engine::NurbsSurface& surface);
+
 /// How a patch is drawn: seen from in front and above, at one scale, m.
 struct PatchDrawing {
     std::vector<engine::Vec2> border;  ///< closed polyline; nothing of the patch lies outside

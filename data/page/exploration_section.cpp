@@ -149,7 +149,7 @@ Panel map_panel(const Study& study,
                 .equal_aspect = true,
                 .height = 165.0};
     Series outline{.ink = Ink::black, .width = 1.0};
-    for (const engine::Vec2& point : protocols::silhouette_of(study.protocol(), object)) {
+    for (const engine::Vec2& point : protocols::plan_of(study.protocol(), object)) {
         outline.x.push_back(1e3 * point.x);
         outline.y.push_back(1e3 * point.y);
     }

@@ -59,7 +59,9 @@ std::string objects_text(const protocols::Protocol& protocol) {
     for (const auto& one : protocol.objects) {
         unpictured += one.pictured ? 0U : 1U;
         if (one.pictured) {
-            names.push_back(one.segments.empty()
+            names.push_back(protocol.surface ? fmt::format("{} ({:g} and {:g} 1/m)", one.name,
+                                                           one.curvature, one.cross_curvature)
+                            : one.segments.empty()
                                 ? fmt::format("{} ({:g} 1/m)", one.name, one.curvature)
                                 : one.name + " (a free form)");
         }

@@ -62,6 +62,10 @@ std::string sagitta_text(const Protocol& protocol, const ObjectSpec& object) {
 std::string shape_text(const Protocol& protocol,
                        const ObjectSpec& object,
                        const std::vector<Vec2>& outline) {
+    if (protocol.surface) {
+        return fmt::format("{}, across {}", signed_text(object.curvature, "1/m"),
+                           signed_text(object.cross_curvature, "1/m"));
+    }
     if (const auto curvature = curvature_of(object)) {
         return fmt::format("{}, {}", signed_text(*curvature, "1/m"),
                            sagitta_text(protocol, object));
@@ -144,7 +148,19 @@ private:
             "<path d=\"{}z\" fill=\"{}\" fill-opacity=\"0.18\" stroke=\"{}\" "
             "stroke-width=\"1.6\" stroke-linejoin=\"round\"/>\n",
             path, ink, ink);
-        if (object.segments.empty()) {
+        if (protocol_.surface) {
+            const auto surface = protocols::surface_of(protocol_, object);
+            for (const auto& line : stimuli::drawing_of(*surface).lines) {
+                std::string way;
+                for (const Vec2& point : line) {
+                    way += way.empty() ? 'M' : 'L';
+                    way += place(point);
+                }
+                out += fmt::format(
+                    "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"0.6\"/>\n", way,
+                    ink);
+            }
+        } else if (object.segments.empty()) {
             const stimuli::TwoCurve curves = object_of(protocol_, index);
             out += fmt::format(
                 "<path d=\"M{}L{}L{}\" fill=\"none\" stroke=\"#666666\" stroke-width=\"0.8\" "

@@ -47,6 +47,11 @@ std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t ob
                                  : stimuli::silhouette(*outline_of(protocol, object));
 }
 
+std::vector<engine::Vec2> plan_of(const Protocol& protocol, std::size_t object) {
+    return protocol.surface ? stimuli::border_of(*surface_of(protocol, protocol.objects.at(object)))
+                            : silhouette_of(protocol, object);
+}
+
 std::optional<double> curvature_of(const ObjectSpec& object) noexcept {
     return object.segments.empty() ? std::optional(object.curvature / object.size) : std::nullopt;
 }

@@ -31,6 +31,9 @@ namespace palpate::protocols {
 /// Its picture: a closed polyline, m. Of a surface the border of its patch, as it is drawn.
 [[nodiscard]] std::vector<engine::Vec2> silhouette_of(const Protocol& protocol, std::size_t object);
 
+/// Where it is felt, seen from above: its picture, or of a surface the border of its patch, m.
+[[nodiscard]] std::vector<engine::Vec2> plan_of(const Protocol& protocol, std::size_t object);
+
 /// Signed curvature of both curves as they are felt, 1/m: of the file, by the size; of a patch the one along x.
 /// A free form has none.
 [[nodiscard]] std::optional<double> curvature_of(const ObjectSpec& object) noexcept;

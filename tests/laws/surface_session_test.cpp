@@ -197,7 +197,21 @@ TEST_CASE("an export of surfaces has every coordinate", "[surface-session][expor
     }
 }
 
-TEST_CASE("a changed height of a recorded hand is found", "[surface-session][verify]") {
+TEST_CASE("a report of surfaces names both curvatures of each patch", "[surface-session][report]") {
+    const Recorded& session = recorded();
+    const std::string page = session.folder.file("report.html");
+    const Finished reported =
+        palpate_command({"report", session.file, "--kind", "simulated", "--simulations", "19",
+                         "--bootstrap", "19", "-o", page});
+    CAPTURE(reported.error);
+    REQUIRE(reported.code == 0);
+    std::ifstream file(page);
+    std::stringstream text;
+    text << file.rdbuf();
+    CHECK_THAT(text.str(), ContainsSubstring("saddle (-8 and 8 1/m)"));
+}
+
+TEST_CASE("another friction than what was felt is found", "[surface-session][verify]") {
     const Recorded& session = recorded();
     const std::string copy = session.folder.file("changed.sqlite");
     std::filesystem::copy_file(session.file, copy,

@@ -123,6 +123,27 @@ TEST_CASE("a drawing's lines stay within its border, whatever the patch",
     }
 }
 
+TEST_CASE("seen from above the border of a patch is where its sides are",
+          "[stimuli][surface][law]") {
+    const auto seed = GENERATE(range(300U, 320U));
+    CAPTURE(seed);
+    const Drawn drawn(seed);
+    const auto border = stimuli::border_of(*make_surface(drawn.patch));
+    const double half = 0.5 * drawn.patch.size;
+    REQUIRE(border.size() == 128);
+    double area = 0.0;
+    for (std::size_t i = 0; i < border.size(); ++i) {
+        area += 0.5 * engine::cross(border[i], border[(i + 1) % border.size()]);
+        CHECK(glm::length(border[i]) >=
+              half * (1.0 - 1e-12) * 0.86);  // 1 + c z, 30 degrees at most
+        CHECK(glm::length(border[i]) <= 2.0 * half);
+    }
+    // Of a plane a square; a side along y is the longer the higher it lies above the axis.
+    const bool flat = drawn.patch.curvature_x == 0.0 || drawn.patch.curvature_y == 0.0;
+    CHECK(std::fabs(std::fabs(area) / (drawn.patch.size * drawn.patch.size) - 1.0) <
+          (flat ? 1e-12 : 0.2));
+}
+
 TEST_CASE("a patch that cannot be is refused with its value and what to give",
           "[stimuli][surface]") {
     CHECK_THROWS_WITH(make_surface({.size = 0.06, .curvature_x = 20.0}),

@@ -29,17 +29,25 @@ Box box_of(std::span<const protocols::Picture> pictures) {
     return box;
 }
 
-std::vector<Vec2> on_card(const protocols::Picture& picture, const Box& box, const Card& card) {
+std::vector<Vec2> on_card(std::span<const Vec2> drawn, const Box& box, const Card& card) {
     const Vec2 extent = box.hi - box.lo;
     const double scale = 0.90 * std::min(card.size.x / extent.x, card.size.y / extent.y);
     std::vector<Vec2> points;
-    points.reserve(picture.outline.size());
-    for (const Vec2& p : picture.outline) {
+    points.reserve(drawn.size());
+    for (const Vec2& p : drawn) {
         const Vec2 d = (p - 0.5 * (box.lo + box.hi)) * scale;
         points.push_back(card.centre() +
                          Vec2{d.x, -d.y});  // y is up in the object, down on the screen
     }
     return points;
+}
+
+/// An open line as a closed one.
+std::vector<Vec2> there_and_back(std::vector<Vec2> line) {
+    for (std::size_t i = line.size() - 1; i-- > 1;) {
+        line.push_back(line[i]);
+    }
+    return line;
 }
 
 }  // namespace
@@ -84,10 +92,15 @@ void draw_pictures(Window& window,
                 kAccent);
         }
         window.triangles(rectangle(card.corner, card.size), kCard);
-        const std::vector<Vec2> outline = on_card(pictures[i], box, card);
+        const std::vector<Vec2> outline = on_card(pictures[i].outline, box, card);
+        const double width = std::max(3.0, 0.018 * card.size.x);
         window.fine(card.corner, card.size, [&] {
             window.triangles(fill(outline), kShape);
-            window.triangles(stroke(outline, std::max(3.0, 0.018 * card.size.x)), kOutline);
+            for (const auto& line : pictures[i].lines) {
+                window.triangles(stroke(there_and_back(on_card(line, box, card)), 0.4 * width),
+                                 kOutline);
+            }
+            window.triangles(stroke(outline, width), kOutline);
         });
         window.text(fmt::format("{}", i + 1),
                     {card.centre().x, card.corner.y + card.size.y + 1.2 * type}, 1.3 * type,
