@@ -80,7 +80,7 @@ std::vector<double> alone(double seconds, const Clock& clock) {
 class Bare : public Servo {
 public:
     using Servo::Servo;
-    void begin(const Scene& scene) override { loop_.begin(scene); }
+    void begin(const SceneView& scene) override { loop_.begin(scene); }
     ServoStatus advance() override { return ServoStatus::running; }
     void end() override { loop_.silence(); }
     [[nodiscard]] double elapsed_s() const noexcept override { return 0.0; }
