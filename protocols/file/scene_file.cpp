@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "engine/surface/surface_object.hpp"
+#include "engine/surface/surface_trim.hpp"
 #include "protocols/file/object_tables.hpp"
 
 namespace palpate::protocols {
@@ -40,6 +42,7 @@ struct SurfaceTable {
     std::vector<double> knots_v{};
     PointGrid points{};
     NumberGrid weights{};
+    NumberGrid trims{};
 };
 
 /// The first word is no tracker of the thesis; the others are in the order of TrackerKind.
@@ -86,7 +89,7 @@ constexpr Key kRenderer[]{
     {.name = "stiffness_n_per_m", .slot = at<&SceneRenderer::stiffness>, .range = kPositive,
      .meaning = "how hard the object is"},
     {.name = "damping_n_s_per_m", .slot = at<&SceneRenderer::damping>, .range = kFromZero,
-     .meaning = "damper of the contact beside its spring; plane curves only"},
+     .meaning = "damper of the contact beside its spring"},
     {.name = "compliance_m_per_n", .slot = at<&SceneRenderer::compliance>, .range = {0, engine::kMostCompliance},
      .meaning = "of two curves that yield, the first two of a closed outline of three: how far their vertex gives way to a force that rests on it; 0: rigid"},
     {.name = "tracker", .slot = tracker,
@@ -162,6 +165,8 @@ constexpr Key kSurface[]{
      .meaning = "control points, a row for each u"},
     {.name = "weights", .slot = at<&SurfaceTable::weights>,
      .meaning = "of the control points, above 0; left out: all 1"},
+    {.name = "trim_loops", .slot = at<&SurfaceTable::trims>,
+     .meaning = "[u, v, u, v, ...] of each loop's corners, along lines of constant u and v: counter-clockwise, what is kept; clockwise, a hole"},
 };
 // clang-format on
 
@@ -229,13 +234,35 @@ void read_segment(TableReader table, SceneFile& scene) {
     });
 }
 
+/// @throws std::invalid_argument for a loop with an odd count of numbers
+std::vector<engine::TrimLoop> loops_of(const NumberGrid& trims) {
+    std::vector<engine::TrimLoop> loops;
+    for (const std::vector<double>& numbers : trims) {
+        if (numbers.size() % 2 != 0) {
+            throw std::invalid_argument(
+                fmt::format("a loop of trim_loops has {} numbers: give u and v of each corner",
+                            numbers.size()));
+        }
+        engine::TrimLoop& loop = loops.emplace_back();
+        for (std::size_t i = 0; i < numbers.size(); i += 2) {
+            loop.emplace_back(numbers[i], numbers[i + 1]);
+        }
+    }
+    return loops;
+}
+
 void read_surface(TableReader table, SceneFile& scene) {
     SurfaceTable s;
     table.read(kSurface, &s);
     table.refuse_unknown();
     table.attempt([&] {
-        scene.surfaces.emplace_back(s.degree_u, s.degree_v, s.knots_u, s.knots_v, s.points,
-                                    s.weights);
+        auto whole = std::make_shared<const engine::NurbsSurface>(s.degree_u, s.degree_v, s.knots_u,
+                                                                  s.knots_v, s.points, s.weights);
+        const std::size_t number = scene.surface_of.empty() ? 0 : scene.surface_of.back() + 1;
+        const auto pieces =
+            s.trims.empty() ? std::vector{std::move(whole)} : trimmed(*whole, loops_of(s.trims));
+        scene.surfaces.insert(scene.surfaces.end(), pieces.begin(), pieces.end());
+        scene.surface_of.resize(scene.surfaces.size(), number);
     });
 }
 
@@ -268,13 +295,17 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
                       static_cast<int>(!scene.space_curves.empty()) +
                       static_cast<int>(!scene.surfaces.empty());
     if (kinds == 0) {
-        problems.add(at, "there is nothing to feel: add [[segment]] tables, or one [surface]");
+        problems.add(at, "there is nothing to feel: add [[segment]] tables, or [[surface]] tables");
     } else if (kinds > 1) {
         problems.add(
-            at, "the scene mixes plane curves, curves in space and a surface: keep one of them");
+            at, "the scene mixes plane curves, curves in space and surfaces: keep one of them");
     }
-    if (!scene.surfaces.empty() && scene.renderer.damping > 0.0) {
-        problems.add(at, "damping_n_s_per_m is for plane curves: on a [surface] leave it out");
+    if (!scene.surfaces.empty()) {
+        try {
+            const engine::SurfaceObject joined(scene.surfaces);
+        } catch (const std::invalid_argument& error) {
+            problems.add(at, error.what());
+        }
     }
     if (!scene.surfaces.empty() &&
         (!scene.renderer.certified || scene.friction.law == Law::thesis_literal ||
@@ -283,7 +314,7 @@ void check_whole(const SceneFile& scene, const Position& at, Problems& problems)
         problems.add(
             at,
             "the thesis' trackers and the laws from the literature are for plane curves: on a "
-            "[surface] give tracker "
+            "[[surface]] give tracker "
             "\"certified\" and law \"gos\", \"coulomb\" or \"frictionless\"");
     }
     if (scene.renderer.compliance > 0.0) {
@@ -308,8 +339,8 @@ SceneFile parse_scene(std::string_view text, std::string_view file_name) {
     for (const TableReader& table : top.tables("segment")) {
         read_segment(table, scene);
     }
-    if (const auto table = top.table("surface")) {
-        read_surface(*table, scene);
+    for (const TableReader& table : top.tables("surface")) {
+        read_surface(table, scene);
     }
     top.refuse_unknown();
     problems.throw_if_any(file_name);
@@ -324,8 +355,10 @@ std::vector<TableText> scene_reference() {
             {.heading = "[friction]", .keys = kSceneFriction},
             {.heading = "[friction] with a law that rubs", .keys = kMuD},
             {.heading = "[friction] with a law that sticks", .keys = kMuS},
-            segment_reference("[[segment]]", "once each, or one [surface]"),
-            {.heading = "[surface]", .keys = kSurface}};
+            segment_reference("[[segment]]", "once each, or [[surface]] tables"),
+            {.heading = "[[surface]]",
+             .remark = "once each; borders that are the same curve are joined",
+             .keys = kSurface}};
 }
 
 SceneFile load_scene(const std::filesystem::path& file) {

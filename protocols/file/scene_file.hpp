@@ -1,7 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <string_view>
 #include <vector>
 
@@ -69,13 +71,15 @@ struct SceneFriction {
     double dead_band = 0.0;  ///< m/s: the thesis' laws take slower CPs for resting
 };
 
-/// Everything that a scene file says. Either plane curves, curves in space, or one surface.
+/// Everything that a scene file says. Either plane curves, curves in space, or surfaces.
 struct SceneFile {
     SceneRenderer renderer{};
     SceneFriction friction{};
     std::vector<engine::NurbsCurve<2>> curves;
     std::vector<engine::NurbsCurve<3>> space_curves;
-    std::vector<engine::NurbsSurface> surfaces;  ///< none or one
+    /// The pieces that trims leave, and of each its [[surface]], counted from 0.
+    std::vector<std::shared_ptr<const engine::NurbsSurface>> surfaces;
+    std::vector<std::size_t> surface_of;
 
     /// 2 or 3: the number of coordinates of its points.
     [[nodiscard]] int dimension() const noexcept { return curves.empty() ? 3 : 2; }

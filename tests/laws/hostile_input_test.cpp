@@ -206,7 +206,7 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
     const std::string scene = folder.file("s.toml");
     const bool plane = GENERATE(true, false);
     write(scene, plane ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
-                       : "[surface]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = "
+                       : "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = "
                          "[0, 0, 1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, "
                          "0.1, 0]]]\n");
     const std::string z = plane ? "" : ",0";

@@ -304,9 +304,9 @@ private:
     std::vector<Vec3> path_;
 };
 
-std::string surface_text(const SurfaceData& d, const char* head) {
+std::string surface_text(const SurfaceData& d) {
     std::string text =
-        fmt::format("{}\ndegree_u = {}\ndegree_v = {}\nknots_u = [{}]\nknots_v = [{}]\n", head,
+        fmt::format("[[surface]]\ndegree_u = {}\ndegree_v = {}\nknots_u = [{}]\nknots_v = [{}]\n",
                     d.degree_u, d.degree_v, fmt::join(d.knots_u, ", "), fmt::join(d.knots_v, ", "));
     text += "points_m = [";
     for (const auto& row : d.points) {
@@ -367,9 +367,9 @@ std::string scene_text(const SurfaceCase& c) {
                             f.mu_d, f.tau_slip, f.tau_heal);
     }
     for (const SurfaceData& d : c.pieces) {
-        text += surface_text(d, "[[surface]]");
+        text += surface_text(d);
     }
-    return c.pieces.empty() ? text + surface_text(c.data, "[surface]") : text;
+    return c.pieces.empty() ? text + surface_text(c.data) : text;
 }
 
 std::string path_text(const SurfaceCase& c) {

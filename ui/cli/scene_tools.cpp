@@ -187,10 +187,9 @@ std::string render_plane(const SceneFile& file,
 std::string render_surface(const SceneFile& file,
                            const data::NumberTable& path,
                            const std::vector<double>& periods) {
-    const auto surface = std::make_shared<const engine::NurbsSurface>(file.surfaces.front());
-    engine::SceneSpec spec = protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0]);
-    spec.slew = {};  // a surface has no vertices
-    engine::SurfaceScene scene(surface, spec);
+    engine::SurfaceScene scene(
+        file.surfaces,
+        {.contact = protocols::spec_of(file, periods.empty() ? kUsualPeriod : periods[0])});
     engine::SurfaceState state;
     Lines lines(kSpaceHead);
     for (std::size_t i = 0; i < path.rows(); ++i) {
@@ -202,7 +201,7 @@ std::string render_surface(const SceneFile& file,
         lines.begin();
         lines.add(path.at(i, 0));
         lines.add(mode_text(c.mode));
-        lines.add(std::size_t{0});
+        lines.add(file.surface_of[c.cp.place.surface]);
         lines.add(c.cp.u);
         lines.add(c.cp.v);
         lines.add_point<3>(c.cp.point);
@@ -210,7 +209,9 @@ std::string render_surface(const SceneFile& file,
         lines.add(c.normal_force);
         lines.add(c.tangential_force);
         lines.add_point<3>(c.force);
-        add_marks(lines, {.held = c.outside_cone, .unproven = !c.settled || !c.cp.proven});
+        add_marks(lines, {.held = c.outside_cone && !c.vertex_slew,
+                          .slewed = c.vertex_slew,
+                          .unproven = !c.settled || !c.cp.proven});
         lines.end();
     }
     return lines.take();
@@ -296,15 +297,14 @@ std::string closest_on_curves(const std::vector<engine::NurbsCurve<D>>& curves,
     return lines.take();
 }
 
-std::string closest_on_surface(const engine::NurbsSurface& surface,
-                               const data::NumberTable& points) {
-    const engine::SurfaceFeet feet(std::make_shared<const engine::NurbsSurface>(surface));
+std::string closest_on_surfaces(const SceneFile& scene, const data::NumberTable& points) {
+    const engine::SurfaceFeet feet(std::make_shared<const engine::SurfaceObject>(scene.surfaces));
     Lines lines("segment,u,v,cp_x_m,cp_y_m,cp_z_m,distance_m");
     for (std::size_t i = 0; i < points.rows(); ++i) {
         const engine::SurfaceClosest cp =
             feet.closest({points.at(i, 0), points.at(i, 1), points.at(i, 2)});
         lines.begin();
-        lines.add(std::size_t{0});
+        lines.add(scene.surface_of[cp.place.surface]);
         lines.add(cp.u);
         lines.add(cp.v);
         lines.add_point<3>(cp.point);
@@ -327,7 +327,7 @@ std::string render_csv(const SceneFile& scene,
         throw std::invalid_argument(
             "curves in space cannot be felt, only asked for the closest point: give plane curves "
             "or "
-            "a [surface]");
+            "[[surface]] tables");
     }
     return by_thesis(scene) ? render_thesis(scene, path, file_name, periods)
                             : render_plane(scene, path, periods);
@@ -335,7 +335,7 @@ std::string render_csv(const SceneFile& scene,
 
 std::string closest_csv(const SceneFile& scene, const data::NumberTable& points) {
     if (!scene.surfaces.empty()) {
-        return closest_on_surface(scene.surfaces.front(), points);
+        return closest_on_surfaces(scene, points);
     }
     return scene.curves.empty() ? closest_on_curves<3>(scene.space_curves, points)
                                 : closest_on_curves<2>(scene.curves, points);
