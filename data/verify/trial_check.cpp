@@ -193,7 +193,9 @@ void TrialCheck::check_ticks_of(Pending& pending) const {
         check_simulated_answer(frame_, *pending.response, intervals, pending.done, findings);
     }
     if (!never_ended(trial.text("outcome"))) {
-        const bool by_numbers = !pending.response || pending.response->text("input") == "simulated";
+        // Whoever broke off before an answer may have pressed the key that ended the exploration.
+        const bool by_numbers = pending.response ? pending.response->text("input") == "simulated"
+                                                 : trial.text("outcome") != "aborted";
         const auto felt = check_summary(frame_, trial, intervals, by_numbers, findings);
         if (pending.response && felt.size() == intervals.size()) {
             check_invalid(frame_, trial, pending.mark, felt, findings);

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <csignal>
 #include <set>
 #include <thread>
 
@@ -127,4 +128,30 @@ TEST_CASE(
         CHECK(touched > 200);
     }
     CHECK(trials == 4);
+}
+
+TEST_CASE(
+    "a session on surfaces in a real window, broken off at the choice, is what verify recomputes",
+    "[window][surface-session]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("d.sqlite");
+    tests::WindowSession session({"run", "patch_friction", "--participant", "P1", "--db", file,
+                                  "--device", "sim", "--windowed", "--speed", "20"},
+                                 file);
+    session.press_at("welcome", "space");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    session.press_at("question", "2");
+    session.press_at("ready", "space");
+    session.press_at("explore", "space");
+    session.wait_for_screen("question");
+    session.program().signal(SIGTERM);
+    const tests::Finished end = session.finish();
+    CAPTURE(end.out, end.error);
+    CHECK(end.code == 3);
+    CHECK(session.ask("SELECT group_concat(outcome) FROM trial") == "complete,aborted");
+    CHECK(session.ask("SELECT input FROM response") == "key");
+    const tests::Finished verified = tests::palpate_command({"verify", file});
+    CAPTURE(verified.out);
+    CHECK(verified.code == 0);
 }
