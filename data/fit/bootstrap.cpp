@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "engine/base/pcg32.hpp"
 #include "engine/math/elementary.hpp"
@@ -115,6 +116,7 @@ Bootstrap bootstrap(const CurveModel& model,
     Pcg32 random(seed, stream);
     all.at.reserve(samples);
     std::size_t worse = 1;
+    std::map<std::vector<double>, Optimum> searched;  ///< few counts come again and again
     for (std::size_t s = 0; s < samples; ++s) {
         for (std::size_t i = 0; i < values.size(); ++i) {
             values[i] = levels[i].draw(random);
@@ -122,8 +124,11 @@ Bootstrap bootstrap(const CurveModel& model,
         drawn.set_hits(values);
         Optimum found = climb(drawn, all.from, free, 1e-7);
         if (!found.settled || found.at[1] >= model.high()[1] || found.at[1] <= model.low()[1]) {
-            const CurveFit again = fit_curve(drawn);
-            found = again.value > found.value ? Optimum{again.at, again.value, true} : found;
+            const auto [known, first] = searched.try_emplace(values);
+            if (first) {
+                known->second = highest(drawn, found.at, free, Search::quick, 1e-7).best;
+            }
+            found = known->second;
         }
         all.steep += found.at[1] >= model.high()[1] - protocols::kLn2 ? std::size_t{1} : 0;
         all.at.push_back(drawn.whole(found.at));

@@ -24,28 +24,6 @@ bool logarithmic(Family family) {
     return family == Family::weibull_log10 || family == Family::weibull_db;
 }
 
-std::vector<CurvePoint> grid(const CurveModel& model) {
-    const CurveSpec& spec = model.spec();
-    const CurveMask free = model.free();
-    const double range = model.last() - model.first();
-    const std::vector<double> guesses =
-        free[2] ? std::vector{0.02, 0.15, 0.4} : std::vector{spec.guess};
-    const std::vector<double> lapses =
-        free[3] ? std::vector{0.005, 0.05, 0.15} : std::vector{spec.lapse};
-    std::vector<CurvePoint> all;
-    for (int i = -3; i <= 9; ++i) {
-        for (double log_slope = natural_log(0.5 / range); log_slope < model.high()[1];
-             log_slope += protocols::kLn2) {
-            for (const double guess : guesses) {
-                for (const double lapse : lapses) {
-                    all.push_back({model.first() + range * i / 6.0, log_slope, guess, lapse});
-                }
-            }
-        }
-    }
-    return all;
-}
-
 /// Which parameter or tie of the model holds the quantity, and the quantity at a place of it.
 struct Held {
     std::size_t parameter = 0;
@@ -128,7 +106,8 @@ std::optional<Held> held(const CurveModel& model,
     return std::nullopt;
 }
 
-/// The loss of log-likelihood where a quantity is held, each search begun where the last one ended.
+/// The loss of log-likelihood where a quantity is held: the best of the searches from where the last one ended and
+/// from a grid.
 class Profile {
 public:
     Profile(CurveModel model, const CurveFit& fit, const Held& held)
@@ -147,17 +126,26 @@ public:
             tie.value = place;
             model_.tie(tie);
             free = model_.free();
+            if (tie.kind != Tie::Kind::share) {  // the location stays, not the slope
+                near_[1] = model_.log_slope_at(near_[0]);
+            }
         }
-        const Optimum found = climb(model_, near_, free, 1e-10);
-        near_ = found.at;
+        const bool rate = held_.tie.kind == Tie::Kind::none && held_.parameter >= 2;
+        const Search search = rate ? Search::quick : Search::thorough;
+        const Optimum found = highest(model_, near_, free, search, 1e-10).best;
+        near_ = model_.whole(found.at);
         return found.value;
     }
 
     /// The signed root of the deviance against the maximum, which is nearly a straight line.
     double root(double place) { return std::sqrt(2.0 * std::max(0.0, fit_->value - value(place))); }
 
-    /// The place on one side where the root is kReach; nothing if it is not reached up to the end.
+    /// The place on one side where the root is kReach; nothing if it is not reached at the end.
     std::optional<double> edge(double step, double end) {
+        restart();
+        if (std::isfinite(end) && root(end) < kReach) {
+            return std::nullopt;
+        }
         restart();
         double near = held_.at;
         double root_near = 0.0;
@@ -243,28 +231,28 @@ double quantity_of(const CurveSpec& spec,
     return kNoNumber;
 }
 
+namespace {
+
+/// The best with the steepest slope.
+Optimum steepest(const CurveModel& model, CurvePoint near) {
+    CurveMask others = model.free();
+    others[1] = false;
+    near[1] = model.high()[1];
+    return highest(model, near, others, Search::thorough, 1e-10).best;
+}
+
+}  // namespace
+
 CurveFit fit_curve(const CurveModel& model) {
-    struct Start {
-        CurvePoint at{};
-        double value = 0.0;
-    };
-    std::vector<Start> starts;
-    for (const CurvePoint& point : grid(model)) {
-        starts.push_back({point, model.value(point)});
-    }
-    constexpr std::size_t kStarts = 4;
-    const std::size_t tried = std::min(kStarts, starts.size());
-    std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(tried),
-                      starts.end(),
-                      [](const Start& a, const Start& b) { return a.value > b.value; });
+    const CurveSpec& spec = model.spec();
     const CurveMask free = model.free();
-    Optimum best{.value = -kInfinity};
-    for (std::size_t i = 0; i < tried; ++i) {
-        const Optimum found = climb(model, starts[i].at, free);
-        best = found.value > best.value ? found : best;
-    }
+    const double range = model.last() - model.first();
+    const CurvePoint middle{0.5 * (model.first() + model.last()), natural_log(2.0 / range),
+                            spec.guess, spec.lapse};
+    const Highest found = highest(model, middle, free, Search::thorough);
+    Optimum best = found.best;
     CurveFit fit;
-    const Optimum second = nelder_mead(model, starts.front().at, free);
+    const Optimum second = nelder_mead(model, found.start, free);
     fit.second = second.value;
     fit.agree = std::fabs(second.value - best.value) < 1e-6;
     if (second.value > best.value) {
@@ -283,14 +271,7 @@ CurveFit fit_curve(const CurveModel& model) {
     fit.at = model.whole(best.at);
     fit.deviance = model.deviance(fit.at);
     // A likelihood that still grows is as good as its end long before it: within 0.5 of the log of the slope.
-    const auto no_better = [&](std::size_t i, double end) {
-        CurveMask others = free;
-        others[i] = false;
-        CurvePoint there = best.at;
-        there[i] = end;
-        return climb(model, there, others).value > fit.value - 1e-7;
-    };
-    fit.steep = no_better(1, model.high()[1]);
+    fit.steep = steepest(model, best.at).value > fit.value - 1e-7;
     fit.shallow = !model.spec().slope_prior && fit.deviance > model.flat_deviance() - 1e-6;
     fit.far = fit.at[0] <= model.low()[0] || fit.at[0] >= model.high()[0];
     return fit;
@@ -345,11 +326,14 @@ std::optional<Interval> profile_interval(const CurveModel& model,
                        place->tie.kind == Tie::Kind::none;
     const double least = rate || positive ? 0.0 : -kInfinity;
     const double most = rate ? place->high : kInfinity;
-    // Of a slope without end the least JND is 0, though the model's slopes have an end.
-    const double at_down = fit.steep && place->tie.kind != Tie::Kind::none ? least
-                         : down                                            ? place->quantity(*down)
-                         : falls                                           ? most
-                                                                           : least;
+    // Where a slope without end is not refuted, no JND is too small, though the model's slopes have an end.
+    bool endless = false;
+    if (place->tie.kind == Tie::Kind::jnd || place->tie.kind == Tie::Kind::weber) {
+        const Optimum end = steepest(model, fit.at);
+        endless = 2.0 * (fit.value - end.value) < kReach * kReach &&
+                  (place->tie.kind == Tie::Kind::jnd || end.at[0] > 0.0);
+    }
+    const double at_down = endless ? least : down ? place->quantity(*down) : falls ? most : least;
     const double at_up = up ? place->quantity(*up) : falls ? least : most;
     return Interval{std::min(at_down, at_up), std::max(at_down, at_up)};
 }

@@ -38,17 +38,17 @@ struct CurveFit {
     std::int64_t parameters = 0;  ///< that were fitted
     /// Inverse of the expected information, as R's glm takes it. 0 for what is fixed, or at an end of its range.
     CurveMatrix covariance{};
-    double second = 0.0;  ///< the value that the other optimiser reached, from the same grid
-    bool agree = true;    ///< the two differ by less than 1e-6
+    double second =
+        0.0;  ///< the value that the other optimiser reached, from the same point of the grid
+    bool agree = true;  ///< the two differ by less than 1e-6
     bool steep =
         false;  ///< the likelihood grows with the slope to no end: no level lies on the rise
     bool shallow = false;  ///< one share for all levels is as good: it does not grow
     bool far = false;      ///< the threshold left the levels by 20 times their range
 };
 
-/// The highest of four maxima: Fisher scoring from the four best points of a grid (13 thresholds from half of the
-/// levels' range below to half above x slopes in factors of two x rates), and Nelder-Mead's from the best of it; where
-/// that is higher it is taken, and `agree` is false.
+/// The highest maximum that thorough Search finds by Fisher scoring, and Nelder-Mead's from the same point of the grid;
+/// where that is higher it is taken, and `agree` is false.
 [[nodiscard]] CurveFit fit_curve(const CurveModel& model);
 
 /// Standard error by the delta method; nothing where the covariance says nothing.

@@ -26,6 +26,8 @@ constexpr double kTiny = 1e-300;
 constexpr double kBeyond = 20.0;
 constexpr double kSteepest = 60.0;
 constexpr double kShallowest = 0.002;
+/// Of stimuli and the reciprocals of their gaps: the squares of slopes and ranges stay finite.
+constexpr double kLargest = 1e100;
 
 bool gumbel_like(Family family) {
     return family != Family::normal && family != Family::logistic;
@@ -120,7 +122,10 @@ double slope_factor(Family family) noexcept {
 }
 
 CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
-    : spec_(spec), half_(core_quantile(spec.family, 0.5)) {
+    : spec_(spec),
+      half_(core_quantile(spec.family, 0.5)),
+      upper_(core_quantile(spec.family, 0.75) - half_),
+      lower_(core_quantile(spec.family, 0.25) - half_) {
     check(spec);
     std::map<double, std::pair<double, double>> merged;
     for (const Level& level : levels) {
@@ -131,6 +136,11 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
                             spec.family == Family::weibull
                                 ? " from 0, or another function: a Weibull begins at 0"
                                 : ""));
+        }
+        if (std::fabs(level.stimulus) > kLargest) {
+            throw std::invalid_argument(
+                fmt::format("a stimulus is {}: give stimuli up to {}, in a larger unit",
+                            level.stimulus, kLargest));
         }
         if (level.k < 0 || level.k > level.n) {
             throw std::invalid_argument(
@@ -159,11 +169,22 @@ CurveModel::CurveModel(std::span<const Level> levels, const CurveSpec& spec)
                                        : "are too few stimuli",
                         spec.family == Family::weibull ? " above 0" : ""));
     }
+    if (gap < 1.0 / kLargest) {
+        throw std::invalid_argument(
+            fmt::format("two stimuli are {} apart: give stimuli further apart than {}, in a "
+                        "smaller unit",
+                        gap, 1.0 / kLargest));
+    }
     first_ = std::isfinite(z_.front()) ? z_.front() : z_[1];
     last_ = z_.back();
     const double range = last_ - first_;
     low_ = {first_ - kBeyond * range, natural_log(kShallowest / range), 0.0, 0.0};
     high_ = {last_ + kBeyond * range, natural_log(kSteepest / gap), kMostGuess, kMostLapse};
+}
+
+void CurveModel::tie(const Tie& tie) {
+    tie_ = tie;
+    shared_ = tie.kind == Tie::Kind::share ? core_quantile(spec_.family, tie.share) - half_ : 0.0;
 }
 
 CurveMask CurveModel::free() const {
@@ -173,27 +194,37 @@ CurveMask CurveModel::free() const {
 
 Tied CurveModel::tied(const CurvePoint& point) const {
     const double b = exponential(point[1]);
-    const double upper = core_quantile(spec_.family, 0.75) - half_;
-    const double lower = core_quantile(spec_.family, 0.25) - half_;
     switch (tie_.kind) {
         case Tie::Kind::none:
             return {point[0], 0.0};
         case Tie::Kind::jnd: {  // of a weibull: e^location (e^(upper / b) - e^(lower / b)) / 2
-            const double up = exponential(upper / b);
-            const double down = exponential(lower / b);
+            const double up = exponential(upper_ / b);
+            const double down = exponential(lower_ / b);
             return {tie_.value - natural_log(0.5 * (up - down)),
-                    (upper * up - lower * down) / b / (up - down)};
+                    (upper_ * up - lower_ * down) / b / (up - down)};
         }
         case Tie::Kind::weber: {  // of all others: (upper - lower) / (2 b location)
-            const double location = 0.5 * (upper - lower) / b * exponential(-tie_.value);
+            const double location = 0.5 * (upper_ - lower_) / b * exponential(-tie_.value);
             return {location, -location};
         }
         case Tie::Kind::share: {
-            const double away = (core_quantile(spec_.family, tie_.share) - half_) / b;
+            const double away = shared_ / b;
             return {tie_.value - away, away};
         }
     }
     return {};
+}
+
+double CurveModel::log_slope_at(double location) const {
+    double low = low_[1];
+    double high = high_[1];
+    const bool falls = tie_.kind == Tie::Kind::weber;
+    while (high - low > 1e-6) {
+        const double middle = 0.5 * (low + high);
+        const bool beyond = (tied({0.0, middle, 0.0, 0.0}).location > location) != falls;
+        (beyond ? high : low) = middle;
+    }
+    return 0.5 * (low + high);
 }
 
 CurvePoint CurveModel::whole(CurvePoint point) const {

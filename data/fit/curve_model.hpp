@@ -96,14 +96,21 @@ struct Tie {
 class CurveModel {
 public:
     /// @throws std::invalid_argument with value and remedy: no level with answers, fewer than two different levels,
-    ///         k outside 0 .. n, a stimulus that is not finite or below 0 for a weibull, rates or priors out of range
+    ///         k outside 0 .. n, a stimulus that is not finite, beyond 1e100 or below 0 for a weibull, two within
+    ///         1e-100, rates or priors out of range
     CurveModel(std::span<const Level> levels, const CurveSpec& spec);
 
     [[nodiscard]] const CurveSpec& spec() const { return spec_; }
     [[nodiscard]] std::size_t levels() const { return z_.size(); }
+    /// Places on the axis, rising (-infinity first for a weibull at 0), answers and 1s there.
+    [[nodiscard]] std::span<const double> places() const { return z_; }
     [[nodiscard]] std::span<const double> counts() const { return n_; }
+    [[nodiscard]] std::span<const double> hits() const { return k_; }
     void set_hits(std::span<const double> hits) { k_.assign(hits.begin(), hits.end()); }
-    void tie(const Tie& tie) { tie_ = tie; }
+    void tie(const Tie& tie);
+    [[nodiscard]] Tie::Kind tied_by() const { return tie_.kind; }
+    /// The ln b at which a JND or Weber fraction that is held has the location there, to 1e-6 between the ends.
+    [[nodiscard]] double log_slope_at(double location) const;
     void set_rate_priors(const std::optional<Prior>& guess, const std::optional<Prior>& lapse) {
         spec_.guess_prior = guess;
         spec_.lapse_prior = lapse;
@@ -150,7 +157,10 @@ private:
     CurvePoint high_{};
     double first_ = 0.0;
     double last_ = 0.0;
-    double half_ = 0.0;  ///< u of F = 1/2
+    double half_ = 0.0;    ///< u of F = 1/2
+    double upper_ = 0.0;   ///< u of F = 3/4 less half_
+    double lower_ = 0.0;   ///< of F = 1/4
+    double shared_ = 0.0;  ///< of the share that is tied
     Tie tie_{};
 };
 

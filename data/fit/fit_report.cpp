@@ -65,15 +65,17 @@ FittedCurve fitted(const Answers& answers, const FitOptions& options, std::uint6
     return curve;
 }
 
-double value_of(const FittedCurve& curve, Quantity quantity) {
-    const auto found = std::ranges::find(curve.told, quantity, &Told::quantity);
-    return found == curve.told.end() ? kUnbounded : found->value;
+const Told& told_in(const FittedCurve& curve, Quantity quantity) {
+    return *std::ranges::find(curve.told, quantity, &Told::quantity);
 }
 
 std::optional<Interval> interval_of_difference(const CurveSpec& spec,
                                                const FittedCurve& one,
                                                const FittedCurve& two,
                                                Quantity quantity) {
+    if (!told_in(one, quantity).bootstrap || !told_in(two, quantity).bootstrap) {
+        return std::nullopt;
+    }
     const std::vector<double> first = of_all(spec, one.samples, quantity);
     std::vector<double> second = of_all(spec, two.samples, quantity);
     if (first.size() != second.size()) {
@@ -105,8 +107,9 @@ void compare(FitReport& report) {
             continue;
         }
         Difference made{.participant = two.answers.participant};
-        made.threshold = value_of(two, Quantity::threshold) - value_of(*one, Quantity::threshold);
-        made.jnd = value_of(two, Quantity::jnd) - value_of(*one, Quantity::jnd);
+        made.threshold =
+            told_in(two, Quantity::threshold).value - told_in(*one, Quantity::threshold).value;
+        made.jnd = told_in(two, Quantity::jnd).value - told_in(*one, Quantity::jnd).value;
         made.threshold_interval = interval_of_difference(spec, *one, two, Quantity::threshold);
         made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd);
         made.threshold_p =
@@ -134,7 +137,7 @@ void over_people(FitReport& report) {
             std::vector<double> values;
             for (const FittedCurve& curve : report.curves) {
                 if (curve.answers.condition == condition && !curve.answers.participant.empty()) {
-                    values.push_back(value_of(curve, quantity));
+                    values.push_back(told_in(curve, quantity).value);
                 }
             }
             add_people(report, condition.empty() ? name : name + ", " + condition, values, false);

@@ -60,7 +60,8 @@ struct Difference {
     std::string participant{};
     double threshold = 0.0;
     double jnd = 0.0;
-    std::optional<Interval> threshold_interval{};  ///< bootstrap, both drawn apart
+    std::optional<Interval>
+        threshold_interval{};  ///< bootstrap, both drawn apart; none where a curve has none
     std::optional<Interval> jnd_interval{};
     double threshold_p = 1.0;  ///< equality_p
     double slope_p = 1.0;

@@ -2,13 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "engine/math/elementary.hpp"
+#include "protocols/psychometric/exact_math.hpp"
 #include "data/statistics/simplex.hpp"
 
 namespace palpate::data {
 namespace {
+
+using protocols::exponential;
 
 /// A parameter at the end of its range that would leave it does not take part in a step.
 CurveMask inside(const CurveModel& model,
@@ -49,7 +55,160 @@ double dot(const CurvePoint& a, const CurvePoint& b) {
     return sum;
 }
 
+/// In how many levels a location is looked for by their shares; of more, every second, third ...
+constexpr std::size_t kSharesUsed = 24;
+
+/// Where a curve may lie: places whatever its slope is, and a level with the u of its share.
+struct Places {
+    std::vector<double> plain{};
+    std::vector<std::pair<double, double>> shares{};
+
+    Places(const CurveModel& model, const CurvePoint& rates, Search search) {
+        const double range = model.last() - model.first();
+        const int steps = search == Search::thorough ? 12 : 6;  // a range
+        for (int i = -steps / 2; i <= steps + steps / 2; ++i) {
+            plain.push_back(model.first() + range * i / steps);
+        }
+        const protocols::Family family = model.spec().family;
+        const double half = core_quantile(family, 0.5);
+        const auto z = model.places();
+        const std::size_t stride = 1 + z.size() / kSharesUsed;
+        for (std::size_t i = 0; i < z.size(); i += stride) {
+            if (!std::isfinite(z[i])) {
+                continue;
+            }
+            if (i + 1 < z.size()) {
+                plain.push_back(0.5 * (z[i] + z[i + 1]));
+            }
+            const double share = (model.hits()[i] / model.counts()[i] - rates[2]) /
+                                 std::max(1.0 - rates[2] - rates[3], 0.01);
+            if (share > 0.0 && share < 1.0) {
+                shares.emplace_back(z[i], core_quantile(family, share) - half);
+            }
+        }
+    }
+
+    /// Rising locations of a curve whose ln b at a location is `log_slope`.
+    template <typename LogSlope>
+    [[nodiscard]] std::vector<double> locations(const LogSlope& log_slope) const {
+        std::vector<double> all = plain;
+        for (const auto& [z, u] : shares) {
+            all.push_back(z - u * exponential(-log_slope(z)));
+        }
+        std::ranges::sort(all);
+        return all;
+    }
+};
+
+/// Rows of points, each with its neighbours beside it; the rates as in `near`.
+std::vector<std::vector<CurvePoint>> rows(const CurveModel& model,
+                                          const CurvePoint& near,
+                                          const CurveMask& free,
+                                          Search search) {
+    const double range = model.last() - model.first();
+    const double lowest = engine::natural_log(0.25 / range);
+    const double ratio = search == Search::thorough ? 0.5 * protocols::kLn2 : protocols::kLn2;
+    const double step = std::max(ratio, (model.high()[1] - lowest) / 60.0);
+    std::vector<double> slopes;
+    for (double one = lowest; one < model.high()[1]; one += step) {
+        slopes.push_back(one);
+    }
+    slopes.push_back(model.high()[1]);
+    const Places places(model, near, search);
+    std::vector<std::vector<CurvePoint>> all;
+    const auto row_at = [&](const auto& log_slope) {
+        std::vector<CurvePoint> row;
+        for (const double location : places.locations(log_slope)) {
+            row.push_back({location, log_slope(location), near[2], near[3]});
+        }
+        all.push_back(std::move(row));
+    };
+    const Tie::Kind tie = model.tied_by();
+    if (tie == Tie::Kind::jnd || tie == Tie::Kind::weber) {
+        row_at([&](double location) { return model.log_slope_at(location); });
+    } else if (!free[1]) {
+        row_at([&](double) { return near[1]; });
+    } else if (free[0]) {
+        for (const double slope : slopes) {
+            row_at([slope](double) { return slope; });
+        }
+    } else {
+        all.emplace_back();
+        for (const double slope : slopes) {
+            all.back().push_back({near[0], slope, near[2], near[3]});
+        }
+    }
+    return all;
+}
+
 }  // namespace
+
+Highest highest(const CurveModel& model,
+                const CurvePoint& near,
+                const CurveMask& free,
+                Search search,
+                double tolerance) {
+    const std::vector<double> guesses =
+        free[2] ? std::vector{0.02, 0.15, 0.4} : std::vector{near[2]};
+    const std::vector<double> lapses =
+        free[3] ? std::vector{0.005, 0.05, 0.15} : std::vector{near[3]};
+    struct Start {
+        CurvePoint at{};
+        double value = 0.0;
+    };
+    const auto keep = [](std::vector<Start>& starts, std::size_t most) {
+        most = std::min(most, starts.size());
+        std::partial_sort(starts.begin(), starts.begin() + static_cast<std::ptrdiff_t>(most),
+                          starts.end(),
+                          [](const Start& a, const Start& b) { return a.value > b.value; });
+        starts.resize(most);
+    };
+    std::vector<Start> all;
+    const std::vector<std::vector<CurvePoint>> grid = rows(model, near, free, search);
+    for (const std::vector<CurvePoint>& row : grid) {
+        std::vector<Start> here;
+        for (CurvePoint point : row) {
+            Start best{.value = -std::numeric_limits<double>::infinity()};
+            for (const double guess : guesses) {
+                for (const double lapse : lapses) {
+                    point[2] = guess;
+                    point[3] = lapse;
+                    const double value = model.value(point);
+                    best = value > best.value ? Start{point, value} : best;
+                }
+            }
+            here.push_back(best);
+        }
+        std::vector<Start> tops;
+        for (std::size_t i = 0; i < here.size();) {
+            std::size_t end = i + 1;
+            while (end < here.size() && here[end].value == here[i].value) {
+                ++end;
+            }
+            const bool above_left = i == 0 || here[i].value > here[i - 1].value;
+            const bool above_right = end == here.size() || here[i].value > here[end].value;
+            if (above_left && above_right) {
+                tops.push_back(here[(i + end - 1) / 2]);  // of equals the middle
+            }
+            i = end;
+        }
+        keep(tops, grid.size() == 1 ? 4 : 2);
+        all.insert(all.end(), tops.begin(), tops.end());
+    }
+    keep(all, search == Search::quick ? 4 : all.size());
+    Highest found{climb(model, near, free, tolerance), near};
+    for (const Start& start : all) {
+        const Optimum one = climb(model, start.at, free, tolerance);
+        if (one.value > found.best.value) {
+            found = {one, start.at};
+        }
+    }
+    const int more = search == Search::thorough ? 20 : 0;
+    for (int i = 0; i < more && !found.best.settled; ++i) {
+        found.best = climb(model, found.best.at, free, tolerance);
+    }
+    return found;
+}
 
 CurveMatrix inverse(const CurveMatrix& matrix, const CurveMask& used) {
     CurveMatrix left = matrix;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+
 #include "data/fit/curve_model.hpp"
 
 /// Maxima of a CurveModel by two methods that share nothing but the value.
@@ -19,6 +21,26 @@ struct Optimum {
                             const CurvePoint& start,
                             const CurveMask& free,
                             double tolerance = 1e-12);
+
+enum class Search : std::uint8_t {
+    quick,    ///< slopes in factors of two; from the four best points
+    thorough  ///< in factors of the root of two; from the two best of each slope
+};
+
+struct Highest {
+    Optimum best{};
+    CurvePoint start{};  ///< from which it was reached
+};
+
+/// The highest of climb() from `near` and from the highest points of a grid, none of whose neighbours at its slope is
+/// higher: locations from half of the levels' range below to half above, in between all levels, and where the curve
+/// passes through the share of a level; slopes from 0.25 / range to the steepest; rates. What is not free stays as in
+/// `near`; where a JND or Weber fraction is held, the slope follows from the location.
+[[nodiscard]] Highest highest(const CurveModel& model,
+                              const CurvePoint& near,
+                              const CurveMask& free,
+                              Search search,
+                              double tolerance = 1e-12);
 
 /// The simplex of J. A. Nelder, R. Mead, Computer J. 7:308, 1965, begun anew where it ended until that gains less than
 /// 1e-9. Knows no derivative.

@@ -1,10 +1,168 @@
+#include <array>
 #include <cmath>
+#include <optional>
+#include <vector>
 
-#include "data/fit/bootstrap.hpp"
+#include "data/fit/fit_report.hpp"
 #include "tests/support/catch.hpp"
+#include "tests/support/random.hpp"
 
 using namespace palpate::data;
 using palpate::protocols::Family;
+using palpate::tests::Random;
+
+namespace {
+
+constexpr double kChiSquare95 = 3.841458820694124;  ///< of one degree of freedom
+
+std::vector<Level> counted(double first, std::int64_t n, const std::vector<std::int64_t>& hits) {
+    std::vector<Level> levels;
+    for (const std::int64_t k : hits) {
+        levels.push_back({first + static_cast<double>(levels.size()), n, k});
+    }
+    return levels;
+}
+
+/// What a curve may say that the fit does not, on a grid that knows nothing of it: no point is higher than the fit, and
+/// all that the answers do not refute lies within the intervals.
+void hold_against_grid(const CurveModel& model, const CurveFit& fit) {
+    constexpr std::array kTold{Quantity::threshold, Quantity::slope, Quantity::jnd,
+                               Quantity::weber};
+    std::array<std::optional<Interval>, kTold.size()> told{};
+    for (std::size_t q = 0; q < kTold.size(); ++q) {
+        told.at(q) = profile_interval(model, fit, kTold.at(q));
+    }
+    const double range = model.last() - model.first();
+    std::array<Interval, kTold.size()> seen{};
+    seen.fill({INFINITY, -INFINITY});
+    double highest = -INFINITY;
+    for (int row = 0; row <= 90; ++row) {
+        const double log_slope =
+            model.low()[1] + (model.high()[1] - model.low()[1]) * std::pow(row / 90.0, 0.5);
+        for (int i = 0; i <= 330; ++i) {
+            const CurvePoint at{model.first() + range * (i - 80.37) / 150.0, log_slope,
+                                model.spec().guess, model.spec().lapse};
+            const double value = model.value(at);
+            highest = std::max(highest, value);
+            if (2.0 * (fit.value - value) > kChiSquare95 - 1e-5) {
+                continue;
+            }
+            for (std::size_t q = 0; q < kTold.size(); ++q) {
+                const double here = quantity_of(model.spec(), at, kTold.at(q));
+                if (!std::isnan(here)) {
+                    seen.at(q).low = std::min(seen.at(q).low, here);
+                    seen.at(q).high = std::max(seen.at(q).high, here);
+                }
+            }
+        }
+    }
+    CHECK(highest < fit.value + 1e-7);
+    for (std::size_t q = 0; q < kTold.size(); ++q) {
+        CAPTURE(q, seen.at(q).low, seen.at(q).high);
+        if (told.at(q)) {
+            CHECK(told.at(q)->low <= seen.at(q).low + 1e-6 * std::fabs(seen.at(q).low));
+            CHECK(told.at(q)->high >= seen.at(q).high - 1e-6 * std::fabs(seen.at(q).high));
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE(
+    "no curve of a grid is higher than the fit, and none that is not refuted lies outside "
+    "the intervals",
+    "[fit][law]") {
+    SECTION("answers with two maxima, or a slope without end") {
+        struct Case {
+            Family family;
+            double guess;
+            std::int64_t n;
+            std::vector<std::int64_t> hits;
+        };
+        const Case one = GENERATE(Case{Family::weibull, 0.0, 20, {0, 7, 19, 20}},
+                                  Case{Family::normal, 0.5, 20, {13, 15, 20}},
+                                  Case{Family::logistic, 0.5, 20, {13, 14, 14, 20, 20, 19}},
+                                  Case{Family::normal, 1.0 / 3.0, 30, {13, 21, 30}},
+                                  Case{Family::normal, 1.0 / 3.0, 10, {4, 5, 10, 8, 10, 9}},
+                                  Case{Family::normal, 0.0, 40, {0, 0, 40, 40}},
+                                  Case{Family::gumbel, 1.0 / 3.0, 40, {10, 32, 39, 40, 39, 39, 38}},
+                                  Case{Family::weibull, 0.5, 40, {2, 8, 20, 31, 38}});
+        CAPTURE(one.family, one.guess, one.hits);
+        const CurveModel model(counted(1.0, one.n, one.hits),
+                               {.family = one.family, .guess = one.guess, .lapse = 0.02});
+        hold_against_grid(model, fit_curve(model));
+    }
+    SECTION("drawn answers") {
+        const auto seed = GENERATE(range(0U, 60U));
+        CAPTURE(seed);
+        Random random(seed);
+        const CurveSpec spec{
+            .family =
+                std::array{Family::weibull, Family::gumbel, Family::normal, Family::logistic}.at(
+                    seed % 4),
+            .guess = std::array{0.0, 0.5, 1.0 / 3.0}.at(seed % 3),
+            .lapse = 0.02};
+        const auto n = static_cast<std::int64_t>(random.in(8.0, 41.0));
+        std::vector<std::int64_t> hits(static_cast<std::size_t>(random.in(3.0, 8.0)));
+        const double middle = random.in(1.0, static_cast<double>(hits.size()));
+        const double slope = random.decade(-1, 1);
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            const double away = slope * (static_cast<double>(i + 1) - middle);
+            const double p = spec.guess + (0.98 - spec.guess) / (1.0 + std::exp(-away));
+            for (std::int64_t answer = 0; answer < n; ++answer) {
+                hits[i] += random.in(0.0, 1.0) < p ? 1 : 0;
+            }
+        }
+        CAPTURE(spec.family, n, hits);
+        const CurveModel model(counted(1.0, n, hits), spec);
+        const CurveFit fit = fit_curve(model);
+        if (!fit.shallow) {
+            hold_against_grid(model, fit);
+        }
+    }
+}
+
+TEST_CASE(
+    "at both ends of a Weber fraction's interval the answers refute it just so, wherever the "
+    "levels begin",
+    "[fit][law]") {
+    const double first = GENERATE(1.0, 11.0, 101.0, 1001.0);
+    const Family family = GENERATE(Family::normal, Family::logistic, Family::gumbel);
+    CAPTURE(first, family);
+    const CurveSpec spec{.family = family, .lapse = 0.02};
+    const CurveModel model(counted(first, 40, {2, 8, 20, 33, 38}), spec);
+    const CurveFit fit = fit_curve(model);
+    const Interval told = profile_interval(model, fit, Quantity::weber).value();
+    const double jnd = 0.5 * (core_quantile(family, 0.75) - core_quantile(family, 0.25));
+    for (const double weber : {told.low, told.high}) {
+        double highest = -INFINITY;
+        for (int i = 0; i <= 20000; ++i) {
+            const double location = first - 0.9 + i * 4.0 / 20000.0;
+            highest = std::max(
+                highest, model.value({location, std::log(jnd / (weber * location)), 0.0, 0.02}));
+        }
+        CHECK(2.0 * (fit.value - highest) == Approx(kChiSquare95).margin(1e-3));
+    }
+    CHECK(told.low < quantity_of(spec, fit.at, Quantity::weber));
+    CHECK(told.high > quantity_of(spec, fit.at, Quantity::weber));
+}
+
+TEST_CASE("a difference has no bootstrap interval where one of its curves has none", "[fit]") {
+    const Answers bounded{
+        .participant = "P01", .condition = "off", .levels = counted(1.0, 40, {2, 8, 20, 33, 38})};
+    Answers other{
+        .participant = "P01", .condition = "on", .levels = counted(1.0, 40, {0, 0, 40, 40})};
+    const auto difference = [&] {
+        return fit_all("test", {bounded, other}, {.bootstrap = 100}).differences.at(0);
+    };
+    const Difference unbounded = difference();
+    CHECK(std::isnan(unbounded.jnd));
+    CHECK_FALSE(unbounded.jnd_interval);
+    CHECK_FALSE(unbounded.threshold_interval);
+    other.levels = counted(1.0, 40, {1, 6, 17, 31, 39});
+    CHECK(difference().jnd_interval);
+    CHECK(difference().threshold_interval);
+}
 
 TEST_CASE("answers that bound nothing are told so, and a prior bounds them", "[fit]") {
     const std::vector<Level> perfect{{1, 10, 0}, {2, 10, 0}, {3, 10, 10}, {4, 10, 10}};
@@ -51,7 +209,7 @@ TEST_CASE(
     }
     double sum = 0.0;
     for (const CurvePoint& point : samples.at) {
-        lapsing += point[3] > 0.0 ? 1 : 0;
+        lapsing += point[3] > 0.0 ? std::size_t{1} : 0;
         sum += point[1] - samples.from[1];
     }
     CHECK(lapsing > 100);
@@ -72,6 +230,8 @@ TEST_CASE("answers that are none are refused with value and remedy", "[fit]") {
     refused({{1, 10, 2}, {1, 10, 3}}, {}, "two different stimuli");
     refused({{1, 10, 2}, {2, 10, 11}}, {}, "k is 11 of n = 10");
     refused({{NAN, 10, 2}, {2, 10, 1}}, {}, "finite");
+    refused({{1e308, 10, 2}, {-1e308, 10, 1}}, {}, "a stimulus is 1e+308");
+    refused({{0, 10, 2}, {1e-308, 10, 1}}, {}, "1e-308 apart");
     refused({{-1, 10, 2}, {2, 10, 1}}, {.family = Family::weibull}, "a Weibull begins at 0");
     refused({{0, 10, 2}, {2, 10, 1}}, {.family = Family::weibull}, "above 0");
     refused(good, {.guess = 0.8}, "guess rate is 0.8");
