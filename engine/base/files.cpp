@@ -69,6 +69,39 @@ struct Part {
     int fd = -1;
 };
 
+/// How every text of this one's kind begins.
+std::string_view beginning_of(std::string_view text) {
+    std::size_t end = text.starts_with('<') ? text.find_first_of(" >\n") : text.find('\n');
+    if (text.starts_with("format = ")) {  // so begins every TOML of ours: its first table as well
+        for (int line = 1; line < 3 && end != std::string_view::npos; ++line) {
+            end = text.find('\n', end + 1);
+        }
+    }
+    return text.substr(0, end);
+}
+
+void require_own_kind(const std::filesystem::path& file, std::string_view text) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error) ||
+        std::filesystem::file_size(file, error) == 0) {
+        return;
+    }
+    const std::string_view wanted = beginning_of(text);
+    std::string there(wanted.size() + 1, '\0');
+    std::ifstream in(file, std::ios::binary);
+    in.read(there.data(), static_cast<std::streamsize>(there.size()));
+    there.resize(static_cast<std::size_t>(in.gcount()));
+    // "t_s,x" is not the head "t_s,x_m"; a tag that is asked for alone has no end to compare.
+    const bool ends = there.size() <= wanted.size() || wanted.size() == text.size() ||
+                      there[wanted.size()] == text[wanted.size()];
+    if (text.empty() || !there.starts_with(wanted) || !ends) {
+        throw std::invalid_argument(
+            fmt::format("{} is there already and is not what this command writes: it stays as it "
+                        "is; give another name",
+                        file.string()));
+    }
+}
+
 }  // namespace
 
 std::string first_line(const std::filesystem::path& file) {
@@ -78,10 +111,11 @@ std::string first_line(const std::filesystem::path& file) {
     return line;
 }
 
-void require_writable(const std::filesystem::path& file) {
+void require_writable(const std::filesystem::path& file, std::string_view text) {
     if (file.empty()) {
         return;
     }
+    require_own_kind(file, text);
     const Part part(file);
     ::close(part.fd);
     if (!part.special) {
@@ -97,6 +131,7 @@ void write_whole(const std::filesystem::path& file, std::string_view text) {
         }
         return;
     }
+    require_own_kind(file, text);
     const Part part(file);
     const auto& [special, name, fd] = part;
     const std::string target = file.string();

@@ -18,11 +18,18 @@ namespace palpate {
 [[nodiscard]] std::string first_line(const std::filesystem::path& file);
 
 /// Before long work: whether write_whole() could write it now. @throws as that
-void require_writable(const std::filesystem::path& file);
+/// @param text the text that will be written, or how it will begin; empty: nothing is there yet
+void require_writable(const std::filesystem::path& file, std::string_view text);
 
 /// Writes the text so that the file is either whole or as it was: to a file beside it, synced, then
-/// renamed. An empty path means standard output. @throws std::runtime_error with file, why and
-/// remedy
+/// renamed. An empty path means standard output.
+///
+/// What is there is written over only if it is empty or of the text's own kind, as the same command
+/// wrote it before: it begins with the same tag (<svg, <!DOCTYPE), the same head of a CSV, or the
+/// same first three lines of a TOML file. Anything else stays: a database, somebody's table, a
+/// protocol. Pipes and terminals have no kind.
+/// @throws std::invalid_argument if a file of another kind is there, std::runtime_error if it cannot
+///         be written; both with file, why and remedy
 void write_whole(const std::filesystem::path& file, std::string_view text);
 
 /// Writes a file that is not there yet, and syncs it: nobody's file is ever written over, whoever

@@ -319,7 +319,7 @@ TEST_CASE("palpate report refuses what it cannot take, with value and remedy, an
     refused({file, "--kind", "simulated"}, 2, "--output");
     refused({folder.file("none.sqlite"), "-o", page}, 2, "none.sqlite");
     refused({PALPATE_SOURCE_DIR "/README.md", "-o", page}, 2, "README.md");
-    refused({file, "-o", file, "--kind", "simulated"}, 2, "that is a database, and stays");
+    refused({file, "-o", file, "--kind", "simulated"}, 2, "is not what this command writes");
     refused({file, "-o", folder.file("no/r.html"), "--kind", "simulated"}, 1, "no/r.html");
 }
 

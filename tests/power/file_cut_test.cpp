@@ -163,8 +163,8 @@ TEST_CASE(
     "half",
     "[power][law]") {
     const TemporaryFolder folder;
-    const std::string first(20'000, 'a');
-    const std::string second(30'000, 'b');
+    const std::string first = "x\n" + std::string(20'000, 'a');
+    const std::string second = "x\n" + std::string(30'000, 'b');
     write_whole(folder.file("out.csv"), first);
     const auto work = [&] {
         write_whole(folder.file("out.csv"), second);

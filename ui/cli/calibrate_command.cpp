@@ -130,7 +130,8 @@ void declare(CommandWords& words, CalibrateOptions& options) {
 int run(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
     const std::vector<Vec2> marks = marks_of(options, calibration);
-    require_writable(options.output);  // before anybody brings a handle
+    require_writable(options.output,
+                     protocols::to_toml(calibration));  // before anybody brings a handle
     const auto device = open_for_calibration(options.device, calibration);
     say("{}: {} with the numbers of {}, {}\n", options.output, device->name(),
         calibration.pantograph.name, counted(marks.size(), "mark"));

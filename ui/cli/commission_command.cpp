@@ -155,7 +155,8 @@ int run(const CommissionOptions& options) {
         machine.home = engine::Exploration{}.start;
     }
     const std::vector<Vec2> places = places_of(options, machine);
-    require_writable(options.output);  // before anybody brings a handle
+    require_writable(options.output,
+                     protocols::to_toml(machine));  // before anybody brings a handle
     Rig rig = open_rig(options, machine);
     say("{}: {} with the numbers of {}; the handle is free\n", options.output, rig.device->name(),
         machine.pantograph.name);

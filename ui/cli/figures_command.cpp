@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -22,12 +25,17 @@ void declare(CommandWords& words, FigureOptions& options) {
 int run(const FigureOptions& options) {
     const std::filesystem::path directory(options.directory);
     make_folder(directory);
+    std::vector<data::FigureFile> files;
     for (const data::NamedFigure& figure : data::thesis_figures()) {
-        for (const data::FigureFile& file : data::files_of(figure)) {
-            const std::filesystem::path path = directory / file.name;
-            write_whole(path, file.text);
-            say("{}\n", path.string());
-        }
+        std::ranges::move(data::files_of(figure), std::back_inserter(files));
+    }
+    for (const data::FigureFile& file : files) {  // all of them, or none
+        require_writable(directory / file.name, file.text);
+    }
+    for (const data::FigureFile& file : files) {
+        const std::filesystem::path path = directory / file.name;
+        write_whole(path, file.text);
+        say("{}\n", path.string());
     }
     return 0;
 }

@@ -193,9 +193,7 @@ int run(const PowerOptions& options) {
     protocols::require_judged(protocol);
     study.seed = options.seed.value_or(protocol.seed);
     const protocols::FrictionPair pair = pair_of(protocol, options.friction);
-    if (!options.drawing.empty()) {
-        require_writable(options.drawing);
-    }
+    require_writable(options.drawing, "<svg");
     data::PowerReport report{.study = protocol.id,
                              .friction = protocol.frictions[pair.with].name,
                              .against = protocol.frictions[pair.without].name,

@@ -274,7 +274,7 @@ int run(const RunOptions& options) {
     if (fresh && held_by_a_person(spec.device.kind)) {  // a device that is refused makes no file
         heed_consent({}, options, spec);
         heed_handedness({}, options, spec);
-        require_writable(options.database);
+        require_writable(options.database, "");
         felt = open_and_heed(spec);
     }
     data::Database database(options.database, data::Access::write);

@@ -227,6 +227,7 @@ int run(const FitWords& words) {
     } else {
         answers = data::read_answers(words.file);
     }
+    require_writable(words.svg, "<svg");
     const data::FitReport report = data::fit_all(words.file, answers, options);
     if (!words.svg.empty()) {
         data::write_svg(words.svg, data::fit_figure(report));

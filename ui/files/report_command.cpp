@@ -1,7 +1,4 @@
-#include <stdexcept>
 #include <string>
-
-#include <fmt/format.h>
 
 #include "engine/base/files.hpp"
 #include "data/page/study_page.hpp"
@@ -45,11 +42,7 @@ void declare(CommandWords& words, ReportWords& options) {
 }
 
 int run(const ReportWords& words) {
-    if (data::is_database(words.output)) {
-        throw std::invalid_argument(fmt::format(
-            "-o is {}: that is a database, and stays; give a name as report.html", words.output));
-    }
-    require_writable(words.output);
+    require_writable(words.output, "<!DOCTYPE");
     data::Database database(words.database, data::Access::read);
     const std::string page =
         data::study_page(database, {.kind = words.kind,

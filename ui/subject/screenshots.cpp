@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "engine/base/files.hpp"
 #include "ui/subject/stage.hpp"
 
 namespace palpate::ui {
@@ -15,6 +16,7 @@ std::vector<std::string> write_screenshots(const std::string& directory,
     const auto take = [&](const std::string& name, auto face) {
         stage.show(face);
         files.push_back(directory + "/" + name + ".png");
+        require_writable(files.back(), "\x89PNG\r\n");
         stage.window().save_png(files.back());
     };
     take("welcome", WelcomeFace{.trials = 114});

@@ -1,0 +1,125 @@
+#include <string>
+#include <vector>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::palpate_command;
+using tests::slurp;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+const std::string kOwnStudy = PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml";
+
+constexpr const char* kPlaneScene = R"([renderer]
+stiffness_n_per_m = 1000.0
+[friction]
+law = "gos"
+mu_s = 0.7
+mu_d = 0.5
+tau_slip_s = 0.02
+tau_heal_s = 0.1
+[[segment]]
+kind = "line"
+from_m = [-0.05, 0.0]
+to_m = [0.05, 0.0]
+)";
+
+constexpr const char* kQuestProcedure = R"(format = 1
+[procedure]
+kind = "quest_plus"
+trials = 8
+[model]
+family = "weibull_db"
+[stimuli]
+stimulus = { from = -40, to = 0, count = 41 }
+[parameters]
+threshold = { from = -40, to = 0, count = 41 }
+slope = 3.5
+guess = 0.5
+lapse = 0.02
+)";
+
+}  // namespace
+
+TEST_CASE("a command writes over nothing but what it wrote itself, whatever has that name",
+          "[report][law]") {
+    const TemporaryFolder folder;
+    const auto f = [&](const char* name) {
+        return folder.file(name);
+    };
+    const std::string database = f("d.sqlite");
+    REQUIRE(palpate_command(
+                {"simulate", kOwnStudy, "--participants", "2", "--no-traces", "--db", database})
+                .code == 0);
+    write(f("p.toml"), slurp(kOwnStudy));
+    write(f("nm.csv"), "stimulus,n,k\n1,10,2\n2,10,5\n3,10,9\n");
+    write(f("notes.txt"), "t_s, and what else I saw\n<svgs> are drawings\n");
+    write(f("drawn.svg"), "<?xml version=\"1.0\"?>\n<svg><title>by hand</title></svg>\n");
+    write(f("t.csv"), "t_s,x_m,y_m\n0,0.05,0\n0.001,0.02,0\n");
+    write(f("xy.csv"), "x_m,y_m\n0.05,0\n");
+    write(f("s.toml"), kPlaneScene);
+    write(f("proc.toml"), kQuestProcedure);
+    write(f("r.csv"), "response\n1\n1\n0\n");
+
+    const std::vector<std::vector<std::string>> commands{
+        {"fit", f("nm.csv"), "--bootstrap", "0", "--svg"},
+        {"power", f("p.toml"), "--effect", "-1", "--participants", "3", "--studies", "20",
+         "--hands", "1", "--svg"},
+        {"check", f("p.toml"), "--svg"},
+        {"report", database, "--kind", "simulated", "--simulations", "0", "-o"},
+        {"render", f("s.toml"), f("t.csv"), "-o"},
+        {"closest", f("s.toml"), f("xy.csv"), "-o"},
+        {"procedure", f("proc.toml"), f("r.csv"), "-o"},
+        {"calibrate", "--device", "sim", "--mark", "0,0", "-o"},
+    };
+    const auto names = folder.names();
+    for (const auto& command : commands) {
+        const auto to = [&](const std::string& file) {
+            auto words = command;
+            words.push_back(file);
+            return palpate_command(words);
+        };
+        for (const std::string& name : names) {
+            CAPTURE(command.front(), name);
+            const std::string before = slurp(f(name.c_str()));
+            const auto done = to(f(name.c_str()));
+            CHECK(done.code == 2);
+            CHECK(done.out.empty());
+            CHECK_THAT(done.error, ContainsSubstring(name + " is there already and is not what"));
+            CHECK(slurp(f(name.c_str())) == before);
+        }
+        CHECK(folder.names() == names);
+    }
+    for (const auto& command : commands) {
+        if (command.front() == "calibrate") {
+            continue;  // asks at the keyboard
+        }
+        const TemporaryFolder made;
+        write(made.file("out"), "");  // an empty file is nobody's
+        auto words = command;
+        words.push_back(made.file("out"));
+        const auto first = palpate_command(words);
+        CAPTURE(command.front(), first.error);
+        REQUIRE(first.code == 0);
+        const std::string text = slurp(made.file("out"));
+        CHECK(!text.empty());
+        CHECK(palpate_command(words).code == 0);
+        CHECK(slurp(made.file("out")) == text);
+    }
+}
+
+TEST_CASE("figures write all of their files or none where somebody's table has the name of one",
+          "[report]") {
+    const TemporaryFolder folder;
+    write(folder.file("fig_3_2_2.svg"), "mine\n");
+    const auto done = palpate_command({"figures", "-o", folder.path().string()});
+    CHECK(done.code == 2);
+    CHECK_THAT(done.error, ContainsSubstring("fig_3_2_2.svg is there already"));
+    CHECK(folder.names() == std::vector<std::string>{"fig_3_2_2.svg"});
+}
