@@ -26,7 +26,7 @@ constexpr std::string_view kHelp =
     ".quit            the end\n"
     "Anything else is SQL and ends with a semicolon. Beside the tables there is sample, every tick "
     "of every\n"
-    "trial: SELECT avg(fn_n) FROM sample WHERE trial_id = 1 AND mode <> 'free';\n"
+    "trial: SELECT avg(rendered_normal_n) FROM sample WHERE trial_id = 1 AND mode <> 'free';\n"
     "Functions: wilson_low, wilson_high, clopper_pearson_low, clopper_pearson_high (k, n [, "
     "confidence]),\n"
     "d_prime(hits, n, alternatives) (n of n hits count as n - 1/2, none as 1/2, so that it is "

@@ -123,6 +123,20 @@ TEST_CASE("a sentence of .tables is wrapped, and not a character of it is lost",
     CHECK_THAT(sql(".help").out, ContainsSubstring("n of n hits count as n - 1/2"));
 }
 
+TEST_CASE("the queries that .help recommends run, and find something", "[sql]") {
+    const std::string help = sql(".help").out;
+    std::size_t queries = 0;
+    for (std::size_t at = help.find("SELECT"); at != std::string::npos;
+         at = help.find("SELECT", at + 1)) {
+        const Finished ran = sql(help.substr(at, help.find(';', at) - at), {"--csv"});
+        CAPTURE(ran.error);
+        CHECK(ran.code == 0);
+        CHECK(ran.out.find('\n') + 1 < ran.out.size());
+        ++queries;
+    }
+    CHECK(queries == 1);
+}
+
 TEST_CASE("what SQLite refuses comes with its place, and exit code 1", "[sql]") {
     const Finished wrong = sql("SELECT count(*)\nFROM trial\nWHERE fnord = 1");
     CHECK(wrong.code == 1);
