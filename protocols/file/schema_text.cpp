@@ -170,8 +170,10 @@ std::string default_of(const Key& key) {
 
 /// By the end of the key's name.
 std::string_view unit_of(std::string_view name) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 26> kUnits{
-        {{"_mm_per_n", "mm/N"},
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 28> kUnits{
+        {{"mu_s", ""},  // s for static: a coefficient
+         {"_mn_m_s", "mN m s"},
+         {"_mm_per_n", "mm/N"},
          {"_m_per_n", "m/N"},
          {"_n_s_per_m", "N s/m"},
          {"_n_per_ms", "N/ms"},

@@ -373,6 +373,8 @@ TEST_CASE("docs/protocol.md has every key as the program reads it", "[documents]
         by_hand +
         "\nMade from the tables by which palpate itself reads, checks and writes these files.\n" +
         keys_of_the_program();
+    CHECK_THAT(whole, Catch::Matchers::ContainsSubstring("| `mu_s` |  |") &&
+                          Catch::Matchers::ContainsSubstring("| `damping_1_mn_m_s` | mN m s |"));
     if (std::getenv("PALPATE_WRITE_DOCS") != nullptr) {
         std::ofstream(page) << whole;
     } else {
