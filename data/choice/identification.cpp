@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/base/text.hpp"
 #include "data/export/json_text.hpp"
 #include "data/inference/mixed_logit.hpp"
 
@@ -32,6 +33,13 @@ void name_items(IdentificationReport& report) {
     names.insert(names.end(), report.table.responses.begin(), report.table.responses.end());
     std::ranges::sort(names);
     names.erase(std::unique(names.begin(), names.end()), names.end());
+    for (const std::string& name : report.options.given) {
+        if (!std::ranges::binary_search(names, name)) {
+            throw std::invalid_argument(
+                fmt::format("{}: there is no item \"{}\"{}: its items are {}", report.table.source,
+                            name, suggestion(name, names, ""), fmt::join(names, ", ")));
+        }
+    }
     for (const std::string& name : names) {
         const std::optional<double> value = value_of(report.options, name);
         if (!value) {

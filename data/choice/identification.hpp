@@ -2,6 +2,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ namespace palpate::data {
 struct IdentificationOptions {
     double lapse = 0.02;
     std::map<std::string, double> items{};  ///< values by name; a name that is a number is its own
+    std::set<std::string> given{};  ///< of the items, those that somebody named: each must be there
 };
 
 /// Of one person, two conditions: a change that is not told from none has a p near 1.

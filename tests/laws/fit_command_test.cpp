@@ -323,4 +323,11 @@ TEST_CASE(
     refused({file, "--kind", "simulated", "--function", "weibull"}, "holds identifications");
     refused({folder.file("t.csv")}, "has no value to be ordered by: give --item");
     refused({folder.file("t.csv"), "--item", "flat"}, "--item is \"flat\": give NAME=VALUE");
+    const std::string first = ours["items"][0];
+    refused({file, "--kind", "simulated", "--item", "nosuch=1"},
+            "there is no item \"nosuch\": its items are");
+    refused({file, "--kind", "simulated", "--item", first + "=1", "--item", first + "=2"},
+            "--item " + first + " is there twice");
+    CHECK(palpate_command({"fit", file, "--kind", "simulated", "--item", first + "=-12"}).code ==
+          0);
 }

@@ -1,6 +1,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -171,8 +172,12 @@ int fit_identifications(const FitWords& words, bool database) {
             throw std::invalid_argument(
                 fmt::format("--item is \"{}\": give NAME=VALUE, as flat=0", item));
         }
-        options.items[item.substr(0, equals)] =
-            number_of("--item " + item.substr(0, equals), item.substr(equals + 1));
+        const std::string name = item.substr(0, equals);
+        if (!options.given.insert(name).second) {
+            throw std::invalid_argument(
+                fmt::format("--item {} is there twice: give one value for each item", name));
+        }
+        options.items[name] = number_of("--item " + name, item.substr(equals + 1));
     }
     const data::IdentificationReport report = data::identification_of(std::move(table), options);
     say("{}", words.json ? data::identification_json(report) : data::identification_text(report));
