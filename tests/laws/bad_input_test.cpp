@@ -104,6 +104,12 @@ TEST_CASE("what is no finite number is refused by every word that takes one", "[
             words.pop_back();
         }
     }
+    for (const char* command : {"run", "demo", "power", "sequence", "fit", "stats"}) {
+        const Finished end = palpate_command({command, "--seed", "-1"});
+        CAPTURE(command, end.error);
+        CHECK(end.code == 2);
+        CHECK_THAT(end.error, ContainsSubstring("-1 is below 0"));
+    }
     CHECK(std::filesystem::is_empty(folder.path()));
 }
 

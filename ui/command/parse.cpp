@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
+#include <optional>
 #include <sstream>
 
 #include <CLI/CLI.hpp>
@@ -27,6 +29,13 @@ std::string finite_number(const std::string& given) {
     return std::isfinite(std::strtod(given.c_str(), nullptr))
              ? ""
              : fmt::format("{} is no finite number", given);
+}
+
+/// CLI11 takes -1 for 2^64 - 1.
+std::string whole_number(const std::string& given) {
+    return given.find('-') == std::string::npos
+             ? ""
+             : fmt::format("{} is below 0: give a whole number from 0 to 2^64 - 1", given);
 }
 
 /// A check of a word that is one of a few; what it says of another names the nearest.
@@ -66,6 +75,9 @@ CLI::Option* added(CLI::App& app, const Word& word) {
     }
     if (std::holds_alternative<double*>(word.target)) {
         option->check(finite_number);
+    }
+    if (std::holds_alternative<std::optional<std::uint64_t>*>(word.target)) {
+        option->check(whole_number);
     }
     if (word.positive) {
         option->check(CLI::PositiveNumber);
