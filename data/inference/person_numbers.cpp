@@ -114,6 +114,8 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
         ++counts[{std::to_string(shapes[i]), std::to_string(responses[i])}];
     }
     made.bits = mutual_information(counts);
+    const double most = std::max(entropy_of(shapes), 0.0);
+    made.corrected = std::clamp(made.bits.miller_madow, 0.0, most);
     Confusion matrix(shapes, responses);
     const double cells = matrix.cells();
     if (shapes.size() >= 2) {
@@ -121,7 +123,6 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
             made.bits.plug_in - (different(shapes) - 1.0) * (different(responses) - 1.0) /
                                     (2.0 * static_cast<double>(shapes.size()) * std::numbers::ln2);
         const double half = kNormal95 * matrix.jackknife_error();
-        const double most = entropy_of(shapes);
         made.interval =
             Interval{std::clamp(centre - half, 0.0, most),
                      std::clamp(std::max(centre + half, made.bits.miller_madow), 0.0, most)};
@@ -138,8 +139,10 @@ Transmitted transmitted(std::span<const std::size_t> shapes,
         reached += other >= cells - 1e-9 * cells ? std::size_t{1} : 0;
         sum += made.bits.plug_in + (other - cells) / n;
     }
-    made.null_p = static_cast<double>(reached) / static_cast<double>(permutations + 1);
-    made.null_mean = permutations > 0 ? sum / static_cast<double>(permutations) : 0.0;
+    if (permutations > 0) {
+        made.null_p = static_cast<double>(reached) / static_cast<double>(permutations + 1);
+        made.null_mean = sum / static_cast<double>(permutations);
+    }
     return made;
 }
 
@@ -176,6 +179,7 @@ Trend trend(std::span<const Moment> moments) {
     double zz = 0.0;
     double xy = 0.0;
     double zy = 0.0;
+    double most = 0.0;
     for (const Moment& one : moments) {
         const double dx = one.trial - x;
         const double dz = one.since_break.value_or(0.0) - z;
@@ -185,14 +189,19 @@ Trend trend(std::span<const Moment> moments) {
         zz += dz * dz;
         xy += dx * dy;
         zy += dz * dy;
+        most = std::max(most, std::fabs(one.value));
     }
+    // What one trial changes, against the values: rounding is no trend, and no sign of one.
+    const auto slope = [&](double raw, double spread) {
+        return std::fabs(raw) * std::sqrt(spread / n) <= 1e-12 * most ? 0.0 : raw;
+    };
     Trend made;
     const double both = xx * zz - xz * xz;
     if (rested && moments.size() >= 4 && both > 1e-9 * xx * zz) {
-        made.trial = (zz * xy - xz * zy) / both;
-        made.since_break = (xx * zy - xz * xy) / both;
+        made.trial = slope((zz * xy - xz * zy) / both, xx);
+        made.since_break = slope((xx * zy - xz * xy) / both, zz);
     } else if (moments.size() >= 3 && xx > 0.0) {
-        made.trial = xy / xx;
+        made.trial = slope(xy / xx, xx);
     }
     return made;
 }

@@ -14,9 +14,12 @@ namespace palpate::data {
 /// Information that answers transmit about shapes, bits.
 struct Transmitted {
     Information bits{};
-    double null_mean = 0.0;  ///< plug-in of answers given to other trials: what a guesser shows
-    double null_p =
-        1.0;  ///< share of these, the data's own counted as one, at least as high as the data's
+    /// Miller and Madow's, cut to 0 and the entropy of the shapes as `interval` is: what is shown and averaged.
+    double corrected = 0.0;
+    /// Plug-in of answers given to other trials: what a guesser shows. Nothing without permutations.
+    std::optional<double> null_mean{};
+    /// Share of these, the data's own counted as one, at least as high as the data's.
+    std::optional<double> null_p{};
     std::optional<Interval> interval{};
 };
 
@@ -57,6 +60,7 @@ struct Trend {
 
 /// Least squares of value on trial and, where each trial has it and it is no line of the trial number (one stretch
 /// without a break is), on since_break. Nothing for fewer trials than coefficients + 1, or where trial never changes.
+/// A slope that over the spread of its trials changes the value by less than 1e-12 of the largest value is rounding: 0.
 [[nodiscard]] Trend trend(std::span<const Moment> moments);
 
 }  // namespace palpate::data

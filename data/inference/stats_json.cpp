@@ -37,9 +37,9 @@ Json cell_json(const PersonCell& cell) {
         {"bits", nullptr}};
     if (cell.bits) {
         one["bits"] = {{"plug_in", cell.bits->bits.plug_in},
-                       {"miller_madow", cell.bits->bits.miller_madow},
-                       {"null_mean", cell.bits->null_mean},
-                       {"null_p", cell.bits->null_p},
+                       {"miller_madow", cell.bits->corrected},
+                       {"null_mean", finite(cell.bits->null_mean)},
+                       {"null_p", finite(cell.bits->null_p)},
                        {"interval_95", ends(cell.bits->interval)}};
     }
     return one;

@@ -32,8 +32,8 @@ d_prime <- function(k, n, m) {
 }
 h <- function(n) -sum(ifelse(n > 0, n / sum(n) * log2(n / sum(n)), 0))
 plug_in <- function(t) h(rowSums(t)) + h(colSums(t)) - h(t)
-miller_madow <- function(t) plug_in(t) +
-    (sum(rowSums(t) > 0) + sum(colSums(t) > 0) - sum(t > 0) - 1) / (2 * sum(t) * log(2))
+miller_madow <- function(t) min(max(plug_in(t) +
+    (sum(rowSums(t) > 0) + sum(colSums(t) > 0) - sum(t > 0) - 1) / (2 * sum(t) * log(2)), 0), h(rowSums(t)))
 bits_95 <- function(t) {  # every cell of the rows and columns corrected for, -+ the jackknife's standard errors
     at <- which(t > 0); n <- sum(t)
     less <- sapply(at, function(i) { t[i] <- t[i] - 1; plug_in(t) })
@@ -42,6 +42,7 @@ bits_95 <- function(t) {  # every cell of the rows and columns corrected for, -+
     ends <- centre + qnorm(c(.025, .975)) * se
     pmin(pmax(c(ends[1], max(ends[2], miller_madow(t))), 0), h(rowSums(t)))
 }
+told <- function(x, size) ifelse(abs(x) <= 1e-12 * size, 0, x)  # rounding is no difference
 signed_rank <- function(x) {  # every pattern of signs, ties with their mean rank
     x <- x[abs(x) > 1e-9 * max(abs(x))]
     if (!length(x)) return(c(0, 1))
@@ -143,7 +144,7 @@ trend <- function(d, y) {
     if (nrow(d) < 3 || diff(range(d$trial)) == 0) return(c(NA, NA))
     rested <- !anyNA(d$since_break) && nrow(d) > 3
     b <- coef(if (rested) lm(y ~ d$trial + d$since_break) else lm(y ~ d$trial))
-    c(b[2], if (rested) b[3] else NA)
+    c(told(b[2], max(abs(y)) / sd(d$trial)), if (rested) told(b[3], max(abs(y)) / sd(d$since_break)) else NA)
 }
 part <- function(d, at) {
     say(paste0(at, '/answers'), nrow(d))
@@ -192,7 +193,7 @@ part <- function(d, at) {
     for (what in names) for (f in frictions) {
         x <- value[, f, what]; to <- paste0(at, '/measures/', what)
         mean_of_people(x, what == 'share', paste0(to, '/means/', key(f)))
-        if (f != frictions[1]) tests(x - value[, frictions[1], what], 0, paste0(to, '/effects/', key(f)))
+        if (f != frictions[1]) tests(told(x - value[, frictions[1], what], pmax(abs(x), abs(value[, frictions[1], what]))), 0, paste0(to, '/effects/', key(f)))
     }
     for (what in colnames(slopes)) tests(slopes[, what], if (what == 'confidence_area') .5 else 0,
         paste0(at, '/within_person/', what))

@@ -66,8 +66,11 @@ std::string excluded_text(const StatsReport& report) {
 }
 
 std::string bits_text(const std::optional<Transmitted>& bits) {
-    return bits ? fmt::format("{:.2f} {:>5.2f} {:>5.2f}  {:.3f}  {:<13}", bits->bits.plug_in,
-                              bits->bits.miller_madow, bits->null_mean, bits->null_p,
+    const auto known = [](const std::optional<double>& value, int digits) {
+        return value ? fmt::format("{:.{}f}", *value, digits) : std::string("-");
+    };
+    return bits ? fmt::format("{:.2f} {:>5.2f} {:>5}  {:>5}  {:<13}", bits->bits.plug_in,
+                              bits->corrected, known(bits->null_mean, 2), known(bits->null_p, 3),
                               bits->interval ? fmt::format("{:.2f} to {:.2f}", bits->interval->low,
                                                            bits->interval->high)
                                              : "-")

@@ -242,6 +242,27 @@ TEST_CASE("palpate stats of a few people says what cannot be known from them", "
         }
     }
     write(folder.file("alike.csv"), alike);
+    std::string even = "subject,trial,shape,friction,response,rt_s\n";
+    for (int i = 0; i < 12 * 30; ++i) {
+        even += fmt::format("P{:02},{},{},{},{},1.3\n", i / 30, i % 30 + 1, i % 3 == 0 ? "a" : "b",
+                            i % 7 < 3 ? "off" : "on", i % 3 == 0 ? "a" : "b");
+    }
+    write(folder.file("even.csv"), even);
+    const std::vector<std::string> words{folder.file("even.csv"), "--simulations", "0",
+                                         "--permutations", "0"};
+    auto json = words;
+    json.emplace_back("--json");
+    const Json all = Json::parse(stats(json).out);
+    CHECK(all["applied"]["people"]["P00"]["friction"]["off"]["bits"]["null_p"].is_null());
+    for (const Json& none : {all["applied"]["measures"]["share"]["effects"]["on"],
+                             all["applied"]["measures"]["log_rt"]["effects"]["on"],
+                             all["applied"]["within_person"]["share_per_trial"],
+                             all["applied"]["within_person"]["log_rt_per_trial"]}) {
+        CHECK(none["sign_flip_p"] == 1.0);
+        CHECK(none["wilcoxon_p"] == 1.0);
+        CHECK(none["wilcoxon_ranked"] == 0);
+    }
+    CHECK_THAT(stats(words).out, ContainsSubstring("    -      -  "));
     const Finished same = stats({folder.file("alike.csv"), "--simulations", "0"});
     CHECK(same.code == 0);
     CHECK_THAT(same.out, ContainsSubstring("all the same: no t") &&
