@@ -88,10 +88,11 @@ struct PowerReport {
     std::string against{};   ///< ... and what it is compared with
     PowerSpec spec{};
     std::size_t null_studies = 0;
-    std::size_t hands = 0;             ///< simulated once, of all conditions
-    std::size_t trials = 0;            ///< of a person under each friction
-    std::size_t planned = 0;           ///< participants, by the protocol
-    std::string effect{};              ///< "-0.5 logit (sd 0.3 over people)"
+    std::size_t hands = 0;    ///< simulated once, of all conditions
+    std::size_t trials = 0;   ///< of a person under each friction
+    std::size_t planned = 0;  ///< participants, by the protocol
+    std::string effect{};     ///< "-0.5 logit (sd 0.3 over people)"
+    bool none = false;  ///< the effect is 0: what is found is type I error, and is not exaggerated
     double share_without = 0.0;        ///< mean chance of a right answer
     double true_difference = 0.0;      ///< of shares
     double people_sd = 0.0;            ///< of the log odds without friction, over people
@@ -104,7 +105,7 @@ struct PowerReport {
 
 /// Tables for people, with the sentence for a pre-registration.
 [[nodiscard]] std::string power_text(const PowerReport& report);
-/// Power and type I error over participants, with twice the Monte-Carlo errors.
+/// Power and type I error over participants, with 95 % intervals of Wilson.
 [[nodiscard]] Figure power_figure(const PowerReport& report);
 
 /// Two-sided p of a test of the differences of people, as `palpate stats` has it: paired t, sign-flip and signed ranks

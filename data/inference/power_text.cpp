@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include <fmt/format.h>
 
 #include "data/inference/power.hpp"
+#include "data/statistics/wilson.hpp"
 
 namespace palpate::data {
 namespace {
@@ -11,6 +13,30 @@ namespace {
 std::string with_error(const std::optional<MonteCarlo>& value, int digits) {
     return value ? fmt::format("{:.{}f} ({:.{}f})", value->value, digits, value->se, digits)
                  : std::string("-");
+}
+
+/// Of a share that was 0 or 1 in all studies the standard error would be 0: the other end of Wilson's interval.
+std::string share_text(const MonteCarlo& share, std::size_t studies, int digits) {
+    if (share.se > 0.0) {
+        return with_error(share, digits);
+    }
+    const auto n = static_cast<std::int64_t>(studies);
+    const bool all = share.value > 0.5;
+    const Interval ends = wilson(all ? n : 0, n);
+    return fmt::format("{:.{}f} ({} {:.{}f})", share.value, digits, all ? "from" : "to",
+                       all ? ends.low : ends.high, digits);
+}
+
+Interval power_interval(const PowerPoint& point, std::size_t studies) {
+    return wilson(std::llround(point.power.value * static_cast<double>(studies)),
+                  static_cast<std::int64_t>(studies));
+}
+
+std::string wrong_text(const PowerPoint& point, std::size_t studies) {
+    const double found = point.power.value * static_cast<double>(studies);
+    return point.wrong_sign
+             ? share_text(*point.wrong_sign, static_cast<std::size_t>(std::lround(found)), 4)
+             : std::string("-");
 }
 
 const PowerPoint* point_of(const PowerReport& report, std::size_t participants) {
@@ -34,16 +60,28 @@ std::string sentence(const PowerReport& report) {
     if (point == nullptr) {
         point = &report.points.back();
     }
-    return fmt::format(
-        "For the pre-registration:\n  \"The primary test is the {}, {} against {}, two-sided with "
-        "alpha = {:g}. In {} simulated studies of {} participants and {} trials under each "
-        "friction, "
-        "whose hands and percepts palpate simulated, it finds an effect of {} with a power of "
-        "{:.2f} "
-        "(Monte-Carlo standard error {:.3f}).{}\"\n",
+    const std::string design = fmt::format(
+        "The primary test is the {}, {} against {}, two-sided with alpha = {:g}. In {} simulated "
+        "studies of {} participants and {} trials under each friction, whose hands and percepts "
+        "palpate simulated, ",
         title_of(report.spec.test), report.friction, report.against, report.spec.alpha,
-        report.spec.studies, point->participants, report.trials, report.effect, point->power.value,
-        point->power.se,
+        report.spec.studies, point->participants, report.trials);
+    const Interval ends = power_interval(*point, report.spec.studies);
+    const std::string error =
+        point->power.se > 0.0
+            ? fmt::format("Monte-Carlo standard error {:.3f}", point->power.se)
+            : fmt::format("Wilson's 95 % interval {:.3f} to {:.3f}", ends.low, ends.high);
+    if (report.none) {
+        return fmt::format(
+            "There is no effect to be found ({}): no number of people finds it, and what is "
+            "significant is type I error.\n  \"{}it is significant in a share of {:.3f} ({}) where "
+            "there is no effect.\"\n",
+            report.effect, design, point->power.value, error);
+    }
+    return fmt::format(
+        "For the pre-registration:\n  \"{}it finds an effect of {} with a power of {:.2f} "
+        "({}).{}\"\n",
+        design, report.effect, point->power.value, error,
         point->exaggeration
             ? fmt::format(
                   " Where it is significant, the effect seems {:.2f} times as large as it is.",
@@ -60,14 +98,11 @@ Series series_of(const std::vector<PowerPoint>& points, std::string name, Ink in
     return series;
 }
 
-void add_errors(Panel& panel, const std::vector<PowerPoint>& points, Ink ink) {
+void add_errors(Panel& panel, const std::vector<PowerPoint>& points, std::size_t studies, Ink ink) {
     for (const PowerPoint& point : points) {
         const auto x = static_cast<double>(point.participants);
-        panel.series.push_back({.x = {x, x},
-                                .y = {std::max(0.0, point.power.value - 2.0 * point.power.se),
-                                      std::min(1.0, point.power.value + 2.0 * point.power.se)},
-                                .ink = ink,
-                                .width = 3.0});
+        const Interval ends = power_interval(point, studies);
+        panel.series.push_back({.x = {x, x}, .y = {ends.low, ends.high}, .ink = ink, .width = 3.0});
     }
 }
 
@@ -96,18 +131,19 @@ std::string power_text(const PowerReport& report) {
         "by {:.2f} logit.\n"
         "  {} studies each, {} without an effect, judged from {} hands that felt once. In "
         "brackets: "
-        "Monte-Carlo standard errors.\n\n",
+        "Monte-Carlo standard errors; of none or all of the studies the 95 % bound of Wilson.\n\n",
         report.study, report.friction, report.against, report.trials, title_of(report.spec.test),
         report.spec.alpha, report.effect, report.share_without, report.true_difference,
         report.people_sd, report.spec.studies, report.null_studies, report.hands);
-    text += fmt::format("  {:>6}  {:<14}  {:<16}  {:<15}  {:<14}  {}\n", "people", "power",
+    text += fmt::format("  {:>6}  {:<18}  {:<18}  {:<15}  {:<14}  {}\n", "people", "power",
                         "type I error", "interval width", "exaggeration", "wrong sign");
     for (std::size_t i = 0; i < report.points.size(); ++i) {
         const PowerPoint& one = report.points[i];
-        text += fmt::format("  {:>6}  {:<14}  {:<16}  {:<15}  {:<14}  {}\n", one.participants,
-                            with_error(one.power, 3), with_error(report.null[i].power, 4),
+        text += fmt::format("  {:>6}  {:<18}  {:<18}  {:<15}  {:<14}  {}\n", one.participants,
+                            share_text(one.power, report.spec.studies, 3),
+                            share_text(report.null[i].power, report.null_studies, 4),
                             with_error(one.width, 3), with_error(one.exaggeration, 2),
-                            with_error(one.wrong_sign, 4));
+                            wrong_text(one, report.spec.studies));
     }
     text +=
         "\n  Interval width: of the 95 % interval of the difference of shares, over people. "
@@ -124,8 +160,8 @@ Figure power_figure(const PowerReport& report) {
     panel.series.push_back(
         series_of(report.points, fmt::format("power, {}", report.effect), Ink::blue));
     panel.series.push_back(series_of(report.null, "type I error", Ink::vermillion));
-    add_errors(panel, report.points, Ink::blue);
-    add_errors(panel, report.null, Ink::vermillion);
+    add_errors(panel, report.points, report.spec.studies, Ink::blue);
+    add_errors(panel, report.null, report.null_studies, Ink::vermillion);
     const auto last = static_cast<double>(report.points.back().participants);
     for (const double level : {report.spec.alpha, 0.8, 0.9}) {
         panel.series.push_back({.x = {0.0, last},
@@ -136,7 +172,7 @@ Figure power_figure(const PowerReport& report) {
     }
     std::string caption = fmt::format(
         "{}; {} against {}, {} trials of a person under each. {} simulated studies a point, {} "
-        "without an effect; bars are two Monte-Carlo standard errors to each side.",
+        "without an effect; bars are 95 % intervals of Wilson.",
         title_of(report.spec.test), report.friction, report.against, report.trials,
         report.spec.studies, report.null_studies);
     for (const auto& [power, least] : report.least) {

@@ -56,6 +56,29 @@ TEST_CASE("palpate power counts the protocol's own primary test, the same by any
     CHECK_THAT(wilcoxon.out, ContainsSubstring("Wilcoxon signed-rank"));
 }
 
+TEST_CASE("palpate power says where there is no effect, and never an error of 0", "[power]") {
+    const TemporaryFolder folder;
+    const std::string study = study_in(folder, "paired_t");
+    const auto none =
+        palpate_command({"power", study, "--effect", "0", "--observer", folder.file("quick.toml"),
+                         "--participants", "3,4", "--studies", "20", "--hands", "1"});
+    CAPTURE(none.out, none.error);
+    REQUIRE(none.code == 0);
+    CHECK_THAT(none.out, ContainsSubstring("There is no effect to be found (0 logit") &&
+                             ContainsSubstring("type I error.") && !ContainsSubstring("takes") &&
+                             !ContainsSubstring("times as large") &&
+                             !ContainsSubstring("For the pre-registration"));
+    // Four people, the least p of signed ranks is 1/8: never significant. Wilson: 1.96^2 / (n + 1.96^2).
+    const auto never = palpate_command({"power", study, "--effect", "-2", "--test", "signed_rank",
+                                        "--observer", folder.file("quick.toml"), "--participants",
+                                        "4", "--studies", "20", "--hands", "1"});
+    CAPTURE(never.out);
+    REQUIRE(never.code == 0);
+    CHECK_THAT(never.out, ContainsSubstring("0.000 (to 0.161)") &&
+                              ContainsSubstring("0.0000 (to 0.0188)") &&
+                              !ContainsSubstring("(0.000)"));
+}
+
 TEST_CASE("palpate stats names the protocol's primary test first", "[power][law]") {
     const TemporaryFolder folder;
     const std::string study = study_in(folder, "sign_flip");

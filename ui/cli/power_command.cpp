@@ -236,8 +236,16 @@ int run(const PowerOptions& options) {
         report.null.push_back(null.at(number));
     }
     report.true_difference = studies.truth();
+    report.none =
+        (effect && effect->mean == 0.0) || std::fabs(report.true_difference) < data::kNoEffect;
+    if (report.none) {
+        for (data::PowerPoint& point : report.points) {
+            point.exaggeration.reset();
+            point.wrong_sign.reset();
+        }
+    }
     for (const double power : {0.8, 0.9}) {
-        if (std::fabs(report.true_difference) < data::kNoEffect) {
+        if (report.none) {
             break;  // no number of people finds it
         }
         report.least.emplace_back(power, studies.least(power, kMost));
