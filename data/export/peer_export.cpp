@@ -67,12 +67,12 @@ void export_quickpsy(Database& database,
         file.end_row();
     });
     file.close();
-    write_whole(
-        folder / "README.txt",
-        "k of n answers at x were yes, or the comparison. In R, with quickpsy 0.1.6:\n\n"
-        "d <- read.csv('quickpsy.csv')\n"
-        "quickpsy::quickpsy(d, x, k, n, grouping = c('participant', 'condition'))\n\n"
-        "(up to 0.1.5: grouping = .(participant, condition)). Take one kind of sessions.\n");
+    write_whole(folder / "README.txt",
+                "k of n answers at x were yes, or the comparison. In R, with quickpsy 0.1.6:\n\n"
+                "d <- read.csv('quickpsy.csv')\n"
+                "quickpsy::quickpsy(d, x, k, n, grouping = c('participant', 'study', 'kind', "
+                "'condition'))\n\n"
+                "(up to 0.1.5: grouping = .(participant, study, kind, condition)).\n");
 }
 
 void export_psignifit(Database& database,

@@ -111,11 +111,19 @@ trials <- load_table('trials')
 main <- droplevels(subset(trials, session_kind == kind & phase == 'main' & counts == 1))
 main$friction <- factor(main$friction, levels = frictions)
 
-# The person is the unit: a share each, then differences within person.
-share <- with(main, tapply(correct, list(subject, friction), mean))
-print(round(share, 3))
-# t.test(share[, 2] - share[, 1])
-# lme4::glmer(correct ~ friction + (friction | subject), main, binomial)
+# The person is the unit: a share each, then differences within person. Studies are kept apart.
+for (study in unique(main$study_label)) {
+    own <- droplevels(main[main$study_label == study & !is.na(main$correct), ])
+    if (nrow(own) == 0) {
+        cat(study, ', ', kind, ': no answer is right or wrong here: no share of right answers\n', sep = '')
+        next
+    }
+    cat(study, ', ', kind, ':\n', sep = '')
+    share <- with(own, tapply(correct, list(subject, friction), mean))
+    print(round(share, 3))
+    # t.test(share[, 2] - share[, 1])
+    # lme4::glmer(correct ~ friction + (friction | subject), own, binomial)
+}
 )R";
 
 constexpr std::string_view kPython = R"PY(
@@ -153,10 +161,16 @@ trials = load_table("trials")
 # Real, pilot and simulated data are never mixed; practice and catch trials are no main trials.
 main = trials[(trials.session_kind == kind) & (trials.phase == "main") & (trials.counts == 1)].copy()
 
-# The person is the unit: a share each, then differences within person.
-share = main.pivot_table(values="correct", index="subject", columns="friction", aggfunc="mean", observed=True)
-print(share.round(3))
-# scipy.stats.ttest_1samp(share.iloc[:, 1] - share.iloc[:, 0], 0)
+# The person is the unit: a share each, then differences within person. Studies are kept apart.
+for study, own in main.groupby("study_label", observed=True, sort=False):
+    own = own[own.correct.notna()]
+    if own.empty:
+        print(f"{study}, {kind}: no answer is right or wrong here: no share of right answers")
+        continue
+    print(f"{study}, {kind}:")
+    share = own.pivot_table(values="correct", index="subject", columns="friction", aggfunc="mean", observed=True)
+    print(share.round(3))
+    # scipy.stats.ttest_1samp(share.iloc[:, 1] - share.iloc[:, 0], 0)
 )PY";
 
 }  // namespace

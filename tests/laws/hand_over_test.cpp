@@ -127,6 +127,40 @@ TEST_CASE("scripts to begin with load an export in R and Python, factors and lev
     CHECK_THAT(none.error, ContainsSubstring("is no export: it has no columns.csv"));
 }
 
+TEST_CASE("scripts to begin with keep studies apart, and say where nothing is right or wrong",
+          "[export][stats]") {
+    const TemporaryFolder folder;
+    const std::string file = identified(folder);
+    std::string asked = tests::slurp(PALPATE_SOURCE_DIR "/tests/golden/four_trials.toml");
+    asked.replace(asked.find("id = \"four_trials\""), 18, "id = \"asked\"");
+    asked += "\n[response]\nkind = \"yes_no\"\nquestion = \"Was it convex?\"\n";
+    write(folder.file("asked.toml"), asked);
+    (void)succeeded({"run", folder.file("asked.toml"), "--participant", "Cem", "--db", file,
+                     "--device", "sim"});
+    const std::string out = folder.file("shared");
+    (void)succeeded({"export", file, "--kind", "all", "-o", out});
+    (void)succeeded({"analysis", "init", out});
+    for (const char* run : {"Rscript analysis.R", "/usr/bin/python3 analysis.py"}) {
+        CAPTURE(run);
+        const bool r = std::string(run).starts_with("R");
+        const auto has = r ? Process({"Rscript", "-e", "1"}).wait()
+                           : Process({"/usr/bin/python3", "-c", "import pandas"}).wait();
+        if (has.code != 0) {
+            WARN("not installed: skipped");
+            continue;
+        }
+        const Finished ran = Process({"sh", "-c", "cd '" + out + "' && " + run}).wait();
+        CAPTURE(ran.out, ran.error);
+        REQUIRE(ran.code == 0);
+        CHECK_THAT(ran.out,
+                   ContainsSubstring("fourtrials, simulated:\n") &&
+                       ContainsSubstring("asked, simulated: no answer is right or wrong") &&
+                       !ContainsSubstring("NA") && !ContainsSubstring("NaN"));
+        const std::string first = ran.out.substr(ran.out.find("fourtrials"));
+        CHECK(lines_of_text(first.substr(0, first.find("asked"))).size() == (r ? 4 : 5));
+    }
+}
+
 TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no name",
           "[export][fit][law]") {
     const TemporaryFolder folder;
@@ -142,6 +176,8 @@ TEST_CASE("quickpsy and psignifit get the counts that palpate fit takes, and no 
     const auto theirs = lines_of_text(wanted);
     REQUIRE(ours.size() == theirs.size() + 1);
     CHECK(ours[0] == "participant,study,kind,condition,x,k,n");
+    CHECK_THAT(tests::slurp(folder.file("q/README.txt")),
+               ContainsSubstring("grouping = c('participant', 'study', 'kind', 'condition')"));
     (void)succeeded({"export", file, "--as", "psignifit", "--kind", "all", "-o", folder.file("p")});
     std::map<std::string, std::string> files;  // by whose they are
     for (const std::string& line : lines_of_text(tests::slurp(folder.file("p/index.csv")))) {
