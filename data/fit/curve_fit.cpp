@@ -334,7 +334,17 @@ std::optional<Interval> profile_interval(const CurveModel& model,
                   (place->tie.kind == Tie::Kind::jnd || end.at[0] > 0.0);
     }
     const double at_down = endless ? least : down ? place->quantity(*down) : falls ? most : least;
-    const double at_up = up ? place->quantity(*up) : falls ? least : most;
+    // Where a threshold of 0 is not refuted, no Weber fraction is too large.
+    bool through_zero = false;
+    if (place->tie.kind == Tie::Kind::weber) {
+        CurveMask others = model.free();
+        others[0] = false;
+        CurvePoint near = fit.at;
+        near[0] = 0.0;
+        const Optimum zero = highest(model, near, others, Search::thorough, 1e-10).best;
+        through_zero = 2.0 * (fit.value - zero.value) < kReach * kReach;
+    }
+    const double at_up = through_zero ? most : up ? place->quantity(*up) : falls ? least : most;
     return Interval{std::min(at_down, at_up), std::max(at_down, at_up)};
 }
 

@@ -86,6 +86,8 @@ TEST_CASE(
                                   Case{Family::normal, 1.0 / 3.0, 10, {4, 5, 10, 8, 10, 9}},
                                   Case{Family::normal, 0.0, 40, {0, 0, 40, 40}},
                                   Case{Family::gumbel, 1.0 / 3.0, 40, {10, 32, 39, 40, 39, 39, 38}},
+                                  Case{Family::normal, 0.5, 26, {20, 23, 25, 26, 26, 25, 26}},
+                                  Case{Family::logistic, 0.5, 13, {11, 12, 13}},
                                   Case{Family::weibull, 0.5, 40, {2, 8, 20, 31, 38}});
         CAPTURE(one.family, one.guess, one.hits);
         const CurveModel model(counted(1.0, one.n, one.hits),
