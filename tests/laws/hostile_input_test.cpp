@@ -205,10 +205,11 @@ TEST_CASE("a hand that is too far away is refused at its place, whatever the sce
     const TemporaryFolder folder;
     const std::string scene = folder.file("s.toml");
     const bool plane = GENERATE(true, false);
-    write(scene, plane ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
-                       : "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = "
-                         "[0, 0, 1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, "
-                         "0.1, 0]]]\n");
+    write(scene, plane
+                     ? "[[segment]]\nkind = \"line\"\nfrom_m = [0, 0]\nto_m = [0.1, 0]\n"
+                     : "[[surface]]\ndegree_u = 1\ndegree_v = 1\nknots_u = [0, 0, 1, 1]\nknots_v = "
+                       "[0, 0, 1, 1]\npoints_m = [[[0, 0, 0], [0, 0.1, 0]], [[0.1, 0, 0], [0.1, "
+                       "0.1, 0]]]\n");
     const std::string z = plane ? "" : ",0";
     for (const char* far : {"1e155", "-1e155", "1e308", "1.7976931348623157e308", "1000001"}) {
         CAPTURE(far);
