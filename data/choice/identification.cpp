@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "engine/base/text.hpp"
-#include "data/export/json_text.hpp"
 #include "data/inference/mixed_logit.hpp"
 
 namespace palpate::data {
@@ -81,159 +81,179 @@ double p_against(const ThurstoneFit& full, const ThurstoneFit& less) {
     return chi_square_p(std::max(2.0 * (full.log_likelihood - less.log_likelihood), 0.0), 1);
 }
 
+ThurstoneChange change_of(const std::vector<CallCounts>& pair, const ThurstoneSpec& spec) {
+    ThurstoneSpec relative = spec;
+    relative.checked = false;
+    relative.relative = true;
+    const ThurstoneFit full = fit_thurstone(pair, relative);
+    ThurstoneSpec less = spec;
+    less.checked = less.intervals = false;
+    less.one_sigma = true;
+    ThurstoneSpec still = less;
+    still.one_sigma = false;
+    still.no_shift = true;
+    const ThurstonePart& part = full.parts[1];
+    Interval ratio = *part.sigma_interval;
+    if (full.parts[0].sigma_interval->low == 0.0) {  // a first sigma of 0 is not refuted
+        ratio.high = std::numeric_limits<double>::infinity();
+    }
+    const bool known = full.parts[0].end == SigmaEnd::both && part.end == SigmaEnd::both;
+    return {.ratio = known ? std::optional(part.sigma / full.parts[0].sigma) : std::nullopt,
+            .ratio_interval = ratio,
+            .ratio_p = p_against(full, fit_thurstone(pair, less)),
+            .shift = known && std::isfinite(part.shift_interval->low) &&
+                             std::isfinite(part.shift_interval->high)
+                       ? std::optional(part.shift)
+                       : std::nullopt,
+            .shift_interval = *part.shift_interval,
+            .shift_p = p_against(full, fit_thurstone(pair, still))};
+}
+
+/// The first item that was never called by its name.
+std::string never_named(const IdentificationReport& report, const CallCounts& counts) {
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        if (counts[i][i] == 0) {
+            return report.names[i];
+        }
+    }
+    return {};
+}
+
 IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject) {
     const ThurstoneSpec spec{.items = report.values, .lapse = report.options.lapse};
     IdentifiedPerson person{.name = report.table.subjects[subject],
                             .counts = counts_of(report, subject)};
     person.thurstone = fit_thurstone(person.counts, spec);
     for (std::size_t f = 1; f < person.counts.size(); ++f) {
-        const std::vector<CallCounts> pair{person.counts.front(), person.counts[f]};
-        ThurstoneSpec plain = spec;
-        plain.checked = false;
-        const ThurstoneFit full = fit_thurstone(pair, plain);
-        ThurstoneSpec one = plain;
-        one.one_sigma = true;
-        ThurstoneSpec still = plain;
-        still.no_shift = true;
-        const auto& parts = person.thurstone.parts;
-        person.changes.push_back({.ratio = parts[f].sigma / parts.front().sigma,
-                                  .ratio_p = p_against(full, fit_thurstone(pair, one)),
-                                  .shift = parts[f].shift,
-                                  .shift_p = p_against(full, fit_thurstone(pair, still))});
+        person.changes.push_back(change_of({person.counts.front(), person.counts[f]}, spec));
     }
     for (const CallCounts& one : person.counts) {
-        try {
-            person.similarity.emplace_back(fit_similarity(one));
-        } catch (const std::invalid_argument&) {
-            person.similarity.emplace_back();
+        const std::string unnamed = never_named(report, one);
+        person.no_similarity.push_back(
+            unnamed.empty() ? "" : unnamed + " was never called by its name: unbounded");
+        person.similarity.emplace_back();
+        if (unnamed.empty()) {
+            person.similarity.back() = fit_similarity(one);
         }
     }
     return person;
 }
 
+/// Of one person: a number, or its rank alone (infinite), or neither and why.
+struct Known {
+    double value = std::nan("");
+    double rank = std::nan("");
+    std::string why{};
+};
+
 void add_number(IdentificationReport& report,
                 std::string what,
-                std::vector<double> values,
+                const std::function<Known(const IdentifiedPerson&)>& number,
                 bool ratio,
                 bool test) {
-    if (values.size() < 2) {
+    if (report.people.size() < 2) {
         return;
     }
-    report.over_people.push_back({.what = std::move(what),
-                                  .mean = mean_over_people(values),
-                                  .ratio = ratio,
-                                  .test = test ? std::optional(sign_flip(values)) : std::nullopt});
+    IdentifiedNumber made{.what = std::move(what), .ratio = ratio};
+    std::vector<double> values;
+    std::vector<double> ranks;
+    for (const IdentifiedPerson& person : report.people) {
+        const Known known = number(person);
+        if (std::isfinite(known.value)) {
+            values.push_back(known.value);
+            ranks.push_back(known.value);
+        } else {
+            made.left_out.push_back({person.name, known.why});
+            if (!std::isnan(known.rank)) {
+                ranks.push_back(known.rank);
+            }
+        }
+    }
+    made.mean = values.empty() ? PeopleMean{.mean = std::nan("")} : mean_over_people(values);
+    if (ranks.size() == report.people.size()) {
+        made.median = median_of(ranks);
+    }
+    if (test && values.size() > 1) {
+        made.test = sign_flip(values);
+    }
+    report.over_people.push_back(std::move(made));
 }
 
-/// The answers tell both sigmas, this condition's and the first one's.
-bool comparable(const IdentifiedPerson& person, std::size_t condition) {
-    const auto& parts = person.thurstone.parts;
-    return parts.front().sigma_interval && parts[condition].sigma_interval;
+/// ln sigma, and on which side it has no end.
+Known log_sigma(const ThurstonePart& part) {
+    constexpr double kEndless = std::numeric_limits<double>::infinity();
+    const double value = std::log(part.sigma);
+    return part.end == SigmaEnd::both ? Known{value, value, ""}
+                                      : Known{std::nan(""),
+                                              part.end == SigmaEnd::sharp   ? -kEndless
+                                              : part.end == SigmaEnd::blunt ? kEndless
+                                                                            : std::nan(""),
+                                              why_unbounded(part.end)};
+}
+
+/// Of two numbers the second less the first.
+Known difference_of(const Known& first, const Known& second) {
+    const double value = second.value - first.value;
+    return {value, std::isfinite(value) ? value : std::nan(""),
+            first.why.empty() || first.why == second.why ? second.why : first.why};
 }
 
 void over_people(IdentificationReport& report) {
     const auto& frictions = report.table.frictions;
-    const auto collect = [&](const auto& number) {
-        std::vector<double> values;
-        for (const IdentifiedPerson& person : report.people) {
-            if (const std::optional<double> value = number(person); value) {
-                values.push_back(*value);
-            }
-        }
-        return values;
+    const auto sigma = [](const IdentifiedPerson& person, std::size_t f) {
+        return log_sigma(person.thurstone.parts[f]);
     };
     const auto similarity = [](const IdentifiedPerson& person, std::size_t f) {
         const auto& fit = person.similarity[f];
-        return fit ? std::optional(mean_similarity(*fit)) : std::nullopt;
+        const double value = fit ? mean_similarity(*fit) : std::nan("");
+        return Known{value, value, person.no_similarity[f]};
     };
     for (std::size_t f = 0; f < frictions.size(); ++f) {
-        add_number(report, "sigma, " + frictions[f], collect([f](const IdentifiedPerson& person) {
-                       const ThurstonePart& part = person.thurstone.parts[f];
-                       return part.sigma_interval ? std::optional(std::log(part.sigma))
-                                                  : std::nullopt;
-                   }),
-                   true, false);
-        add_number(report, "mean similarity, " + frictions[f],
-                   collect([&](const IdentifiedPerson& person) { return similarity(person, f); }),
-                   false, false);
+        add_number(
+            report, "sigma, " + frictions[f],
+            [&](const IdentifiedPerson& person) { return sigma(person, f); }, true, false);
+        add_number(
+            report, "mean similarity, " + frictions[f],
+            [&](const IdentifiedPerson& person) { return similarity(person, f); }, false, false);
     }
     for (std::size_t f = 1; f < frictions.size(); ++f) {
-        const std::string against = frictions[f] + " against " + frictions.front();
-        add_number(report, "sigma, " + against, collect([f](const IdentifiedPerson& person) {
-                       const auto& parts = person.thurstone.parts;
-                       return comparable(person, f)
-                                ? std::optional(std::log(parts[f].sigma / parts.front().sigma))
-                                : std::nullopt;
-                   }),
-                   true, true);
-        add_number(report, "shift, " + against, collect([f](const IdentifiedPerson& person) {
-                       return comparable(person, f) ? std::optional(person.thurstone.parts[f].shift)
-                                                    : std::nullopt;
-                   }),
-                   false, true);
-        add_number(report, "mean similarity, " + against,
-                   collect([&](const IdentifiedPerson& person) -> std::optional<double> {
-                       const auto one = similarity(person, 0);
-                       const auto two = similarity(person, f);
-                       return one && two ? std::optional(*two - *one) : std::nullopt;
-                   }),
-                   false, true);
-    }
-}
-
-std::string with(double value, const std::optional<Interval>& interval) {
-    return interval ? fmt::format("{:.3g} [{:.3g}, {:.3g}]", value, interval->low, interval->high)
-                    : fmt::format("{:.3g}", value);
-}
-
-Json interval_json(const std::optional<Interval>& interval) {
-    return interval ? Json::array({interval->low, interval->high}) : Json(nullptr);
-}
-
-Json finite(double value) {
-    return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
-
-void person_text(const IdentificationReport& report,
-                 const IdentifiedPerson& person,
-                 std::string& out) {
-    const auto& frictions = report.table.frictions;
-    out += fmt::format("\n{}\n", person.name);
-    for (std::size_t f = 0; f < frictions.size(); ++f) {
-        const ThurstonePart& part = person.thurstone.parts[f];
-        out += fmt::format("  {:<12} sigma {}", frictions[f],
-                           part.unbounded ? "not bounded: no answer is wrong but by lapse"
-                           : part.sigma_interval
-                               ? with(part.sigma, part.sigma_interval)
-                               : "not told: too few different answers, or none wrong elsewhere");
-        if (f > 0 && comparable(person, f)) {
-            const ThurstoneChange& change = person.changes[f - 1];
-            out +=
-                fmt::format("; {:.3g} of the first, p {:.3g}; shift {}, p {:.3g}", change.ratio,
-                            change.ratio_p, with(part.shift, part.shift_interval), change.shift_p);
-        }
-        out += '\n';
-        if (const auto& fit = person.similarity[f]; fit) {
-            out += fmt::format("  {:<12} mean similarity {:.3g}; bias", "", mean_similarity(*fit));
-            for (std::size_t j = 0; j < report.names.size(); ++j) {
-                out += fmt::format("{} {} {:.2f}", j > 0 ? "," : "", report.names[j], fit->bias[j]);
-            }
-            out += '\n';
-        } else {
-            out +=
-                fmt::format("  {:<12} no similarities: an item was never called by its name\n", "");
-        }
-    }
-    out += fmt::format("  {:<12} deviance {:.1f} of {} df\n", "", person.thurstone.deviance,
-                       person.thurstone.df);
-    if (!person.thurstone.agree) {
-        out += fmt::format(
-            "  {:<12} the second optimiser ends elsewhere: log-likelihood {:.6f}, not {:.6f}\n", "",
-            person.thurstone.second, person.thurstone.log_likelihood);
+        const std::string less = frictions[f] + " - " + frictions.front();
+        const auto both = [&](const IdentifiedPerson& person) {
+            return difference_of(sigma(person, 0), sigma(person, f));
+        };
+        add_number(report, "sigma, " + frictions[f] + " / " + frictions.front(), both, true, true);
+        add_number(
+            report, "shift, " + less,
+            [&](const IdentifiedPerson& person) {
+                const Known ratio = both(person);
+                const double shift = person.changes[f - 1].shift.value_or(std::nan(""));
+                return Known{shift, shift, ratio.why.empty() ? "unbounded" : ratio.why};
+            },
+            false, true);
+        add_number(
+            report, "mean similarity, " + less,
+            [&](const IdentifiedPerson& person) {
+                return difference_of(similarity(person, 0), similarity(person, f));
+            },
+            false, true);
     }
 }
 
 }  // namespace
+
+std::string why_unbounded(SigmaEnd end) {
+    switch (end) {
+        case SigmaEnd::both:
+            return {};
+        case SigmaEnd::sharp:
+            return "as good as 0: no answer is wrong but by lapse";
+        case SigmaEnd::blunt:
+            return "unbounded: the answers do not follow the items";
+        case SigmaEnd::untold:
+            break;
+    }
+    return "not told: no answers, or too few different ones";
+}
 
 std::map<std::string, double> item_values(Database& database, const std::string& study) {
     std::map<std::string, double> values;
@@ -270,96 +290,6 @@ IdentificationReport identification_of(TrialTable table, const IdentificationOpt
     }
     over_people(report);
     return report;
-}
-
-std::string identification_text(const IdentificationReport& report) {
-    std::string out = fmt::format("{}: {} people, {} items\n", report.table.source,
-                                  report.people.size(), report.names.size());
-    out += "Items:";
-    for (std::size_t i = 0; i < report.names.size(); ++i) {
-        out += fmt::format("{} {} ({:g})", i > 0 ? "," : "", report.names[i], report.values[i]);
-    }
-    out += fmt::format(
-        "\nThurstone: sigma in the unit of the items, one a friction; criteria the same in all; "
-        "lapses {:g}.\n"
-        "Similarity choice: 0 never confused, 1 alike; biases of the answers sum to 1. Intervals: "
-        "95 %.\n",
-        report.options.lapse);
-    for (const IdentifiedPerson& person : report.people) {
-        person_text(report, person, out);
-    }
-    if (!report.over_people.empty()) {
-        out += "\nOver people\n";
-    }
-    for (const IdentifiedNumber& one : report.over_people) {
-        const auto shown = [&](double value) {
-            return one.ratio ? std::exp(value) : value;
-        };
-        std::optional<Interval> interval;
-        if (one.mean.interval) {
-            interval = Interval{shown(one.mean.interval->low), shown(one.mean.interval->high)};
-        }
-        out +=
-            fmt::format("  {:<36} {:>3} people  {}{}{}\n", one.what, one.mean.people,
-                        with(shown(one.mean.mean), interval), one.ratio ? " (geometric mean)" : "",
-                        one.test ? fmt::format(", sign-flip p {:.3g}", one.test->p) : "");
-    }
-    for (const std::string& who : report.left_out) {
-        out += fmt::format("\nLeft out: {}\n", who);
-    }
-    return out;
-}
-
-std::string identification_json(const IdentificationReport& report) {
-    Json all = {{"source", report.table.source},
-                {"items", report.names},
-                {"values", report.values},
-                {"lapse", report.options.lapse},
-                {"frictions", report.table.frictions}};
-    for (const IdentifiedPerson& person : report.people) {
-        Json one = {{"participant", person.name},
-                    {"log_likelihood", person.thurstone.log_likelihood},
-                    {"log_likelihood_nelder_mead", finite(person.thurstone.second)},
-                    {"optimisers_agree", person.thurstone.agree},
-                    {"deviance", person.thurstone.deviance},
-                    {"df", person.thurstone.df}};
-        for (const double criterion : person.thurstone.criteria) {
-            one["criteria"].push_back(finite(criterion));
-        }
-        for (std::size_t f = 0; f < report.table.frictions.size(); ++f) {
-            const ThurstonePart& part = person.thurstone.parts[f];
-            Json friction = {
-                {"friction", report.table.frictions[f]},
-                {"counts", person.counts[f]},
-                {"sigma", part.sigma_interval ? Json(part.sigma) : Json(nullptr)},
-                {"sigma_95", interval_json(part.sigma_interval)},
-                {"shift", f == 0 || comparable(person, f) ? Json(part.shift) : Json(nullptr)},
-                {"shift_95", interval_json(part.shift_interval)}};
-            if (f > 0 && comparable(person, f)) {
-                friction["ratio_p"] = person.changes[f - 1].ratio_p;
-                friction["shift_p"] = person.changes[f - 1].shift_p;
-            }
-            if (const auto& fit = person.similarity[f]; fit) {
-                friction["bias"] = fit->bias;
-                friction["similarity"] = fit->similarity;
-                friction["mean_similarity"] = mean_similarity(*fit);
-                friction["similarity_deviance"] = fit->deviance;
-            }
-            one["conditions"].push_back(friction);
-        }
-        all["people"].push_back(one);
-    }
-    for (const IdentifiedNumber& one : report.over_people) {
-        all["over_people"].push_back(
-            {{"what", one.what},
-             {"people", one.mean.people},
-             {"logarithm", one.ratio},
-             {"mean", one.mean.mean},
-             {"interval_95", interval_json(one.mean.interval)},
-             {"sign_flip_p", one.test ? Json(one.test->p) : Json(nullptr)}});
-    }
-    all["left_out"] = report.left_out;
-    return json_text(all);
 }
 
 }  // namespace palpate::data

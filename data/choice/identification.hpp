@@ -21,12 +21,16 @@ struct IdentificationOptions {
     std::set<std::string> given{};  ///< of the items, those that somebody named: each must be there
 };
 
-/// Of one person, two conditions: a change that is not told from none has a p near 1.
+/// Of one person, two conditions: a change that is not told from none has a p near 1. Numbers are there where both
+/// sigmas have ends; intervals and p always, and they agree: a p below .05 is an interval without the ratio of 1, or the
+/// shift of 0.
 struct ThurstoneChange {
-    double ratio = 1.0;  ///< sigma of the condition over the first one's
+    std::optional<double> ratio{};  ///< sigma of the condition over the first one's
+    Interval ratio_interval{};      ///< 95 % by profile likelihood; 0 and infinite where open
     double ratio_p = 1.0;
-    double shift = 0.0;
-    double shift_p = 1.0;  ///< both by likelihood ratio, chi-square of 1 df
+    std::optional<double> shift{};
+    Interval shift_interval{};  ///< the same
+    double shift_p = 1.0;       ///< both by likelihood ratio, chi-square of 1 df
 };
 
 struct IdentifiedPerson {
@@ -34,8 +38,9 @@ struct IdentifiedPerson {
     std::vector<CallCounts> counts{};  ///< of each condition
     ThurstoneFit thurstone{};
     std::vector<ThurstoneChange> changes{};  ///< of each condition but the first
-    /// Of each condition; nothing where an item was never called by its name.
+    /// Of each condition; nothing where an item was never called by its name: which, in no_similarity.
     std::vector<std::optional<SimilarityFit>> similarity{};
+    std::vector<std::string> no_similarity{};
 };
 
 /// A number a person, over people; of a change also the sign-flip test of none.
@@ -43,7 +48,9 @@ struct IdentifiedNumber {
     std::string what{};
     PeopleMean mean{};  ///< of a logarithm where `ratio` says so
     bool ratio = false;
+    std::optional<double> median{};  ///< of all, a sigma without end by its rank
     std::optional<SignFlip> test{};
+    std::vector<Without> left_out{};
 };
 
 struct IdentificationReport {
@@ -64,6 +71,9 @@ struct IdentificationReport {
 /// @throws std::invalid_argument with value and remedy: an item without a value, answers of yes and no, nobody to fit
 [[nodiscard]] IdentificationReport identification_of(TrialTable table,
                                                      const IdentificationOptions& options);
+
+/// Why a sigma has no estimate; empty where it has one.
+[[nodiscard]] std::string why_unbounded(SigmaEnd end);
 
 /// Tables for people, and the same for programs.
 [[nodiscard]] std::string identification_text(const IdentificationReport& report);

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <stdexcept>
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 
 namespace palpate::data {
@@ -92,12 +95,166 @@ Table as_numbers(const CallCounts& counts) {
         table.emplace_back(counts[i].begin(), counts[i].end());
         if (counts[i][i] == 0) {
             throw std::invalid_argument(fmt::format(
-                "item {} was never called by its name: the similarity choice model has no maximum "
-                "there",
-                i + 1));
+                "item {} was never called by its name: its similarities are unbounded", i + 1));
         }
     }
     return table;
+}
+
+/// The likelihood with one similarity held, by Newton's steps: P(j | i) is a softmax of ln bias_j + ln similarity_ij, concave
+/// in both. Pairs that were never confused, but for the one that is held, have a similarity of 0.
+class HeldPair {
+public:
+    HeldPair(const Table& counts, std::size_t one, std::size_t other)
+        : counts_(counts), place_(counts.size(), std::vector<int>(counts.size(), kNone)) {
+        const std::size_t m = counts.size();
+        size_ = static_cast<int>(m) - 1;  // ln bias of all but the first
+        for (std::size_t i = 0; i < m; ++i) {
+            for (std::size_t j = 0; j < i; ++j) {
+                const bool held = (i == one && j == other) || (i == other && j == one);
+                const bool never = counts[i][j] + counts[j][i] == 0.0;
+                place_[i][j] = place_[j][i] = held ? kHeld : never ? kNever : size_;
+                size_ += held || never ? 0 : 1;
+            }
+        }
+        at_ = Eigen::VectorXd::Zero(size_);
+    }
+
+    /// The highest log-likelihood. The next one is looked for from where this one was.
+    double best(double log_similarity) {
+        held_ = log_similarity;
+        double value = derivatives(at_);
+        for (int step = 0; step < 200; ++step) {
+            const Eigen::MatrixXd information =
+                information_ +
+                1e-11 * (1.0 + information_.trace()) * Eigen::MatrixXd::Identity(size_, size_);
+            Eigen::VectorXd move = information.ldlt().solve(gradient_);
+            const double gain = move.dot(gradient_);
+            if (!(gain > 1e-11)) {
+                break;
+            }
+            double next = derivatives(at_ + move);
+            for (int half = 0; half < 40 && !(next >= value); ++half) {
+                move *= 0.5;
+                next = derivatives(at_ + move);
+            }
+            if (!(next >= value)) {
+                static_cast<void>(derivatives(at_));
+                break;
+            }
+            at_ += move;
+            value = next;
+        }
+        return value;
+    }
+
+private:
+    static constexpr int kNone = -1;  ///< the diagonal: similarity 1
+    static constexpr int kHeld = -2;
+    static constexpr int kNever = -3;
+
+    double derivatives(const Eigen::VectorXd& at) {
+        gradient_.setZero(size_);
+        information_.setZero(size_, size_);
+        const std::size_t m = counts_.size();
+        double sum = 0.0;
+        std::vector<double> weights(m);
+        for (std::size_t i = 0; i < m; ++i) {
+            double answers = 0.0;
+            double largest = -std::numeric_limits<double>::infinity();
+            for (std::size_t j = 0; j < m; ++j) {
+                const int pair = place_[i][j];
+                weights[j] = (j > 0 ? at[static_cast<int>(j) - 1] : 0.0) +
+                             (pair >= 0        ? at[pair]
+                              : pair == kHeld  ? held_
+                              : pair == kNever ? -std::numeric_limits<double>::infinity()
+                                               : 0.0);
+                largest = std::max(largest, weights[j]);
+                answers += counts_[i][j];
+            }
+            double total = 0.0;
+            for (double& weight : weights) {
+                weight = std::exp(weight - largest);
+                total += weight;
+            }
+            Eigen::VectorXd mean = Eigen::VectorXd::Zero(size_);
+            for (std::size_t j = 0; j < m; ++j) {
+                const double p = weights[j] / total;
+                sum += counts_[i][j] > 0.0 ? counts_[i][j] * std::log(p) : 0.0;
+                for_each(i, j, [&](int a) {
+                    gradient_[a] += counts_[i][j] - answers * p;
+                    mean[a] += p;
+                    for_each(i, j, [&](int b) { information_(a, b) += answers * p; });
+                });
+            }
+            information_ -= answers * mean * mean.transpose();
+        }
+        return std::isfinite(sum) ? sum : -std::numeric_limits<double>::infinity();
+    }
+
+    /// The parameters of a cell.
+    template <class Do>
+    void for_each(std::size_t i, std::size_t j, const Do& what) const {
+        if (j > 0) {
+            what(static_cast<int>(j) - 1);
+        }
+        if (place_[i][j] >= 0) {
+            what(place_[i][j]);
+        }
+    }
+
+    const Table& counts_;
+    std::vector<std::vector<int>> place_;
+    int size_ = 0;
+    double held_ = 0.0;
+    Eigen::VectorXd at_{};
+    Eigen::VectorXd gradient_{};
+    Eigen::MatrixXd information_{};
+};
+
+/// Where the loss against `top` is that of 95 %, from `start` towards `end`; nothing if it never is.
+std::optional<double> edge(HeldPair& profile, double top, double start, double end) {
+    constexpr double kLoss = 1.920729410347062;  // half the 95 % point of chi-square of 1 df
+    const double sign = end < start ? -1.0 : 1.0;
+    double near = start;
+    double far = start;
+    for (double way = 0.5; top - profile.best(far) < kLoss; way *= 1.5) {
+        if (far == end) {
+            return std::nullopt;
+        }
+        near = far;
+        far = sign * std::min(sign * start + way, sign * end);
+    }
+    while (std::fabs(far - near) > 1e-7) {
+        const double middle = 0.5 * (near + far);
+        (top - profile.best(middle) < kLoss ? near : far) = middle;
+    }
+    return 0.5 * (near + far);
+}
+
+void add_intervals(SimilarityFit& fit, const Table& table) {
+    constexpr double kLeast = -20.0;  // ln 2e-9
+    constexpr double kMost = 14.0;    // ln 1e6
+    const std::size_t m = table.size();
+    fit.intervals.assign(m, std::vector<Interval>(m, Interval{1.0, 1.0}));
+    for (std::size_t i = 0; i < m; ++i) {
+        for (std::size_t j = 0; j < i; ++j) {
+            HeldPair profile(table, i, j);
+            const double similarity = fit.similarity[i][j];
+            const double start =
+                similarity > 0.0 ? std::clamp(std::log(similarity), kLeast, kMost) : kLeast;
+            const auto low = edge(profile, fit.log_likelihood, start, kLeast);
+            HeldPair upward(table, i, j);
+            const auto high = edge(upward, fit.log_likelihood, start, kMost);
+            fit.intervals[i][j] = fit.intervals[j][i] = {
+                low ? std::exp(*low) : 0.0,
+                high ? std::exp(*high) : std::numeric_limits<double>::infinity()};
+            if (!low && table[i][j] + table[j][i] > 0.0) {  // matching comes near it for ever
+                fit.similarity[i][j] = fit.similarity[j][i] = 0.0;
+                fit.one_way.emplace_back(j, i);
+            }
+        }
+    }
 }
 
 }  // namespace
@@ -133,6 +290,7 @@ SimilarityFit fit_similarity(const CallCounts& counts) {
     }
     fit.deviance = std::max(2.0 * (saturated - fit.log_likelihood), 0.0);
     fit.df = static_cast<std::int64_t>((m - 1) * (m - 2) / 2);
+    add_intervals(fit, table);
     return fit;
 }
 

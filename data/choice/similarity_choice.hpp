@@ -2,9 +2,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "data/choice/thurstone.hpp"
+#include "data/statistics/wilson.hpp"
 
 namespace palpate::data {
 
@@ -17,6 +19,12 @@ struct SimilarityFit {
     std::int64_t df = 0;    ///< (m - 1)(m - 2) / 2
     /// Largest difference of a margin, answers, from the one of the likelihood equations: what is left to gain.
     double residual = 0.0;
+    /// 95 % of each similarity by profile likelihood: 0 below where none is too small (a pair that was never confused),
+    /// infinite above where none is too large.
+    std::vector<std::vector<Interval>> intervals{};
+    /// Pairs whose similarity is 0 though they were confused, one way alone: the maximum is a limit, in which the biases on
+    /// either side have no ratio.
+    std::vector<std::pair<std::size_t, std::size_t>> one_way{};
 };
 
 /// The similarity choice model (R. D. Luce, Handbook of Mathematical Psychology 1:103, 1963; J. E. K. Smith, Percept. &
@@ -28,7 +36,7 @@ struct SimilarityFit {
 /// Ratcliff, Ann. Math. Stat. 43:1470, 1972) until none is off by more than 1e-10 answers. The likelihood is concave in
 /// the logarithms, so that this is its one maximum.
 /// @param counts  items and responses are the same list
-/// @throws std::invalid_argument with remedy: not square, or an item that was never called by its name
+/// @throws std::invalid_argument: not square, or an item that was never called by its name
 [[nodiscard]] SimilarityFit fit_similarity(const CallCounts& counts);
 
 /// Mean similarity of two different items: 0 where none was confused, 1 where all look alike.

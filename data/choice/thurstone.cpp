@@ -20,6 +20,14 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 /// Below this share of the least distance of two items nothing but lapses is left: sigma is unbounded.
 constexpr double kSharp = 0.1;
 
+/// Beyond this many times the items' range an answer tells nothing of the item.
+constexpr double kBlunt = 1000.0;
+/// A shift beyond this many times the items' range is without end.
+constexpr double kFarShift = 20.0;
+/// Half the 95 % point of chi-square of 1 df; and what is no loss.
+constexpr double kLoss95 = 1.920729410347062;
+constexpr double kNoLoss = 1e-3;
+
 /// Two maxima closer than this are one.
 constexpr double kSame = 1e-6;
 
@@ -34,6 +42,22 @@ double density(double z) {
 /// Phi(high) - Phi(low) without loss in either tail.
 double between(double low, double high) {
     return low > 0.0 ? above(low) - above(high) : above(-high) - above(-low);
+}
+
+double least_distance(const std::vector<double>& items) {
+    double least = kInfinite;
+    for (std::size_t i = 0; i + 1 < items.size(); ++i) {
+        least = std::min(least, items[i + 1] - items[i]);
+    }
+    return least;
+}
+
+/// Ends of ln sigma, or of ln of a ratio of two.
+Interval sigma_limits(const ThurstoneSpec& spec, bool ratio) {
+    const double range = spec.items.back() - spec.items.front();
+    const double sharp = std::log(kSharp * least_distance(spec.items));
+    const double blunt = std::log(kBlunt * range);
+    return ratio ? Interval{sharp - blunt, blunt - sharp} : Interval{sharp, blunt};
 }
 
 /// Which parameters there are: criteria between responses that were given, ln sigma, shifts.
@@ -71,7 +95,33 @@ public:
         layout_.conditions = counts.size();
         layout_.one_sigma = spec.one_sigma;
         layout_.no_shift = spec.no_shift;
+        for (const CallCounts& one : counts) {
+            double& answers = answers_.emplace_back(0.0);
+            for (const auto& row : one) {
+                for (const std::int64_t n : row) {
+                    answers += static_cast<double>(n);
+                }
+            }
+        }
     }
+
+    /// Sigmas stay within a factor of 10,000 of what is as good as 0 and as infinite, but for one that is
+    /// held.
+    void keep_within(Eigen::VectorXd& at, Eigen::Index held = -1) const {
+        const Interval limits = sigma_limits(spec_, false);
+        const double wide = std::log(1e4);
+        for (std::size_t f = 0; f < (layout_.one_sigma ? 1 : layout_.conditions); ++f) {
+            if (index(layout_.sigma(f)) == held) {
+                continue;
+            }
+            double& one = at[index(layout_.sigma(f))];
+            const double first = spec_.relative && f > 0 ? at[index(layout_.sigma(0))] : 0.0;
+            one = std::clamp(one, limits.low - wide - first, limits.high + wide - first);
+        }
+    }
+
+    /// Of a condition.
+    [[nodiscard]] double answers(std::size_t f) const { return answers_[f]; }
 
     [[nodiscard]] const Layout& layout() const { return layout_; }
 
@@ -108,14 +158,16 @@ public:
                spec_.lapse / m;
     }
 
+    [[nodiscard]] double sigma(const Eigen::VectorXd& at, std::size_t f) const {
+        const bool ratio = spec_.relative && f > 0;
+        return std::exp(at[index(layout_.sigma(f))] + (ratio ? at[index(layout_.sigma(0))] : 0.0));
+    }
+
 private:
     static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
     [[nodiscard]] double shift(const Eigen::VectorXd& at, std::size_t f) const {
         return f == 0 || layout_.no_shift ? 0.0 : at[index(layout_.first_shift() + f - 1)];
-    }
-    [[nodiscard]] double sigma(const Eigen::VectorXd& at, std::size_t f) const {
-        return std::exp(at[index(layout_.sigma(f))]);
     }
     /// z of the lower end of place j; j = responses in use: of the last one's upper end.
     [[nodiscard]] double edge(const Eigen::VectorXd& at,
@@ -159,7 +211,11 @@ private:
             const auto pull = [](double z) {
                 return std::isinf(z) ? 0.0 : z * density(z);
             };
-            slope[index(layout_.sigma(f))] -= (1.0 - spec_.lapse) * (pull(high) - pull(low));
+            const double pulled = (1.0 - spec_.lapse) * (pull(high) - pull(low));
+            slope[index(layout_.sigma(f))] -= pulled;
+            if (spec_.relative && f > 0) {
+                slope[index(layout_.sigma(0))] -= pulled;
+            }
             if (f > 0 && !layout_.no_shift) {
                 slope[index(layout_.first_shift() + f - 1)] -=
                     scale * (density(high) - density(low));
@@ -173,6 +229,7 @@ private:
     const std::vector<CallCounts>& counts_;
     const ThurstoneSpec& spec_;
     Layout layout_{};
+    std::vector<double> answers_{};
 };
 
 struct Maximum {
@@ -180,11 +237,22 @@ struct Maximum {
     double value = kLowest;
 };
 
-Maximum climb(const Model& model, Eigen::VectorXd start) {
+/// @param held  a parameter that stays; -1: none
+Maximum climb(const Model& model, Eigen::VectorXd start, Eigen::Index held = -1) {
     Eigen::VectorXd gradient;
     Eigen::MatrixXd information;
+    const auto derivatives = [&](const Eigen::VectorXd& at) {
+        const double value = model.value(at, &gradient, &information);
+        if (held >= 0) {
+            gradient[held] = 0.0;
+            information.row(held).setZero();
+            information.col(held).setZero();
+            information(held, held) = 1.0;
+        }
+        return value;
+    };
     Maximum best{std::move(start), kLowest};
-    best.value = model.value(best.at, &gradient, &information);
+    best.value = derivatives(best.at);
     double damping = 0.0;
     for (int step = 0; step < 300 && std::isfinite(best.value); ++step) {
         Eigen::MatrixXd damped = information;
@@ -194,12 +262,13 @@ Maximum climb(const Model& model, Eigen::VectorXd start) {
         const double promised = move.dot(gradient);
         Maximum next{best.at + move, kLowest};
         if (move.allFinite()) {
+            model.keep_within(next.at, held);
             next.value = model.value(next.at);
         }
         if (next.value >= best.value) {
             const bool settled = promised < 1e-13 || next.value - best.value < 1e-13;
             best = std::move(next);
-            static_cast<void>(model.value(best.at, &gradient, &information));
+            static_cast<void>(derivatives(best.at));
             damping = damping < 1e-3 ? 0.0 : 0.1 * damping;
             if (settled) {
                 break;
@@ -213,14 +282,6 @@ Maximum climb(const Model& model, Eigen::VectorXd start) {
     return best;
 }
 
-double least_distance(const std::vector<double>& items) {
-    double least = kInfinite;
-    for (std::size_t i = 0; i + 1 < items.size(); ++i) {
-        least = std::min(least, items[i + 1] - items[i]);
-    }
-    return least;
-}
-
 /// Criteria spread evenly over the items, and this sigma.
 Eigen::VectorXd start_at(const Layout& layout, const ThurstoneSpec& spec, double sigma) {
     Eigen::VectorXd at = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.size()));
@@ -231,9 +292,18 @@ Eigen::VectorXd start_at(const Layout& layout, const ThurstoneSpec& spec, double
             range * (static_cast<double>(j) + 0.5) / static_cast<double>(layout.criteria());
     }
     for (std::size_t f = 0; f < layout.conditions; ++f) {
-        at[static_cast<Eigen::Index>(layout.sigma(f))] = std::log(sigma);
+        at[static_cast<Eigen::Index>(layout.sigma(f))] =
+            spec.relative && f > 0 ? 0.0 : std::log(sigma);
     }
     return at;
+}
+
+std::vector<Eigen::VectorXd> starts_of(const Layout& layout, const ThurstoneSpec& spec) {
+    std::vector<Eigen::VectorXd> all;
+    for (const double sigma : {0.4, 1.0, 3.0}) {
+        all.push_back(start_at(layout, spec, sigma * least_distance(spec.items)));
+    }
+    return all;
 }
 
 void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
@@ -253,30 +323,119 @@ void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
     }
 }
 
-void add_intervals(ThurstoneFit& fit, const Model& model, const Maximum& top) {
-    Eigen::VectorXd gradient;
-    Eigen::MatrixXd information;
-    static_cast<void>(model.value(top.at, &gradient, &information));
-    const Eigen::FullPivLU<Eigen::MatrixXd> solver(information);
-    if (!solver.isInvertible()) {
-        return;
-    }
-    const Eigen::MatrixXd covariance = solver.inverse();
-    const Layout& layout = model.layout();
-    const auto error = [&](std::size_t i) {
-        const auto k = static_cast<Eigen::Index>(i);
-        return std::sqrt(covariance(k, k));
+/// What holding one parameter elsewhere costs, walked from the maximum outward.
+class Profile {
+public:
+    Profile(const Model& model,
+            const Maximum& top,
+            const std::vector<Eigen::VectorXd>& starts,
+            std::size_t parameter)
+        : model_(model),
+          top_(top),
+          starts_(starts),
+          parameter_(static_cast<Eigen::Index>(parameter)) {}
+
+    struct Edge {
+        std::optional<double> at{};  ///< where the loss is that of 95 %; nothing: it never is
+        double loss = 0.0;           ///< where the walk ended
     };
+
+    /// From the maximum to `end`, or to where the loss is too large.
+    Edge edge(double step, double end) {
+        near_ = top_.at;
+        const double start = top_.at[parameter_];
+        double left = start;
+        double loss_left = 0.0;
+        const double sign = step < 0.0 ? -1.0 : 1.0;
+        if (sign * (end - start) <= 0.0) {
+            return {};
+        }
+        for (double way = std::fabs(step);; way *= 1.7) {
+            const double right = sign * std::min(sign * (start + sign * way), sign * end);
+            const double loss = loss_at(right);
+            if (loss >= kLoss95) {
+                return {between_edges(left, loss_left, right, loss), loss};
+            }
+            if (right == end) {
+                return {std::nullopt, loss};
+            }
+            left = right;
+            loss_left = loss;
+        }
+    }
+
+private:
+    double loss_at(double place) {
+        near_[parameter_] = place;
+        Maximum found = climb(model_, near_, parameter_);
+        if (top_.value - found.value >= kLoss95) {  // a walk may end on a lower hill
+            for (Eigen::VectorXd start : starts_) {
+                start[parameter_] = place;
+                Maximum other = climb(model_, std::move(start), parameter_);
+                if (other.value > found.value) {
+                    found = std::move(other);
+                }
+            }
+        }
+        near_ = std::move(found.at);
+        return std::max(top_.value - found.value, 0.0);
+    }
+
+    /// The root of the loss is nearly a straight line: false position on it, halving at times.
+    double between_edges(double left, double loss_left, double right, double loss_right) {
+        const double wanted = std::sqrt(kLoss95);
+        double low = std::sqrt(loss_left);
+        double high = std::sqrt(loss_right);
+        for (int i = 0; i < 40; ++i) {
+            const double t =
+                i % 4 == 3 ? 0.5 : std::clamp((wanted - low) / (high - low), 0.02, 0.98);
+            const double middle = left + t * (right - left);
+            const double here = std::sqrt(loss_at(middle));
+            if (std::fabs(here - wanted) < 1e-6) {
+                return middle;
+            }
+            (here < wanted ? left : right) = middle;
+            (here < wanted ? low : high) = here;
+        }
+        return 0.5 * (left + right);
+    }
+
+    const Model& model_;
+    const Maximum& top_;
+    const std::vector<Eigen::VectorXd>& starts_;
+    Eigen::Index parameter_;
+    Eigen::VectorXd near_{};
+};
+
+void add_intervals(ThurstoneFit& fit,
+                   const Model& model,
+                   const Maximum& top,
+                   const ThurstoneSpec& spec) {
+    const Layout& layout = model.layout();
+    const double range = spec.items.back() - spec.items.front();
+    std::vector<Eigen::VectorXd> starts = starts_of(layout, spec);
+    starts.push_back(top.at);
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart& part = fit.parts[f];
-        if (part.unbounded) {
-            continue;
-        }
-        const double reach = std::exp(kNormal95 * error(layout.sigma(f)));
-        part.sigma_interval = Interval{part.sigma / reach, part.sigma * reach};
+        const Interval limits = sigma_limits(spec, spec.relative && f > 0);
+        Profile sigma(model, top, starts, layout.sigma(f));
+        const Profile::Edge low = sigma.edge(-0.4, limits.low);
+        const Profile::Edge high = sigma.edge(0.4, limits.high);
+        const double at = top.at[static_cast<Eigen::Index>(layout.sigma(f))];
+        const bool sharp = !low.at && (low.loss < kNoLoss || at < limits.low);
+        const bool blunt = !high.at && (high.loss < kNoLoss || at > limits.high);
+        part.end = model.answers(f) == 0.0 || (sharp && blunt) ? SigmaEnd::untold
+                 : sharp                                       ? SigmaEnd::sharp
+                 : blunt                                       ? SigmaEnd::blunt
+                                                               : SigmaEnd::both;
+        part.sigma_interval =
+            Interval{low.at ? std::exp(*low.at) : 0.0, high.at ? std::exp(*high.at) : kInfinite};
         if (f > 0 && !layout.no_shift) {
-            const double way = kNormal95 * error(layout.first_shift() + f - 1);
-            part.shift_interval = Interval{part.shift - way, part.shift + way};
+            Profile shift(model, top, starts, layout.first_shift() + f - 1);
+            const double step = 0.1 * range;
+            const Profile::Edge down = shift.edge(-step, -kFarShift * range);
+            const Profile::Edge up = shift.edge(step, kFarShift * range);
+            part.shift_interval = Interval{down.at.value_or(-kInfinite), up.at.value_or(kInfinite)};
         }
     }
 }
@@ -312,8 +471,8 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     }
     const double spacing = least_distance(spec.items);
     Maximum top;
-    for (const double sigma : {0.4, 1.0, 3.0}) {
-        Maximum found = climb(model, start_at(layout, spec, sigma * spacing));
+    for (const Eigen::VectorXd& start : starts_of(layout, spec)) {
+        Maximum found = climb(model, start);
         if (found.value > top.value) {
             top = std::move(found);
         }
@@ -327,14 +486,22 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
         for (std::size_t f = 0; f < layout.conditions; ++f) {
             edge[layout.sigma(f)] = 0.3;
         }
-        fit.second = simplex_maximum(
-                         [&](std::span<const double> at) {
-                             return model.value(Eigen::Map<const Eigen::VectorXd>(
-                                 at.data(), static_cast<Eigen::Index>(at.size())));
-                         },
-                         start, edge)
-                         .value;
+        const auto place_of = [&](std::span<const double> at) {
+            Eigen::VectorXd place =
+                Eigen::Map<const Eigen::VectorXd>(at.data(), static_cast<Eigen::Index>(at.size()));
+            model.keep_within(place);
+            return place;
+        };
+        const Summit second = simplex_maximum(
+            [&](std::span<const double> at) { return model.value(place_of(at)); }, start, edge);
+        fit.second = second.value;
         fit.agree = std::fabs(fit.second - top.value) < kSame;
+        if (second.value > top.value) {
+            Maximum again = climb(model, place_of(second.at));
+            top = again.value > second.value ? std::move(again)
+                                             : Maximum{place_of(second.at), second.value};
+            fit.log_likelihood = top.value;
+        }
     }
     std::size_t given = 0;  // of the responses up to j
     for (std::size_t j = 0; j + 1 < counts.front().front().size(); ++j) {
@@ -348,14 +515,15 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     }
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart part;
-        part.sigma = std::exp(top.at[static_cast<Eigen::Index>(layout.sigma(f))]);
+        part.sigma = model.sigma(top.at, f);
         part.shift = f == 0 || layout.no_shift
                        ? 0.0
                        : top.at[static_cast<Eigen::Index>(layout.first_shift() + f - 1)];
-        part.unbounded = part.sigma < kSharp * spacing;
         fit.parts.push_back(part);
     }
-    add_intervals(fit, model, top);
+    if (spec.intervals) {
+        add_intervals(fit, model, top, spec);
+    }
     add_deviance(fit, counts, layout);
     return fit;
 }

@@ -17,7 +17,17 @@ struct ThurstoneSpec {
     double lapse = 0.02;          ///< share of answers that any response gets alike, 0 .. 0.25
     bool one_sigma = false;       ///< the same in all conditions
     bool no_shift = false;        ///< no condition shifts the percept
-    bool checked = true;          ///< also by the second optimiser
+    bool relative = false;  ///< sigma of a condition is fitted by its ratio to the first one's
+    bool checked = true;    ///< also by the second optimiser
+    bool intervals = true;  ///< also the intervals
+};
+
+/// Whether the answers bound a sigma. Its estimate is a number in the first case alone.
+enum class SigmaEnd : std::uint8_t {
+    both,
+    sharp,   ///< as good as 0: no answer is wrong but by lapses
+    blunt,   ///< as good as infinite: answers do not follow the items
+    untold,  ///< any is as good: no answers, or too few different ones
 };
 
 /// A condition's part of a fit.
@@ -25,11 +35,12 @@ struct ThurstonePart {
     double sigma =
         0.0;  ///< sd of the percept, in the unit of the items: what it takes to tell them apart
     double shift = 0.0;  ///< of every percept against the first condition's, same unit; there 0
-    /// 95 %, from the information of all parameters: of ln sigma, and of the shift. Nothing where sigma is unbounded.
+    SigmaEnd end = SigmaEnd::both;
+    /// 95 % by profile likelihood, as data/fit/curve_fit.hpp has it: what costs less than 1.92 of log-likelihood. Low is
+    /// 0, high infinite, where that end is open: beyond 0.1 of the least distance of two items, or 1,000 times the
+    /// range of all. Of the shift beyond 20 times the range. Of a ratio where sigmas are relative.
     std::optional<Interval> sigma_interval{};
     std::optional<Interval> shift_interval{};
-    bool unbounded =
-        false;  ///< the answers do not bound sigma from below: all are right, but for lapses
 };
 
 struct ThurstoneFit {

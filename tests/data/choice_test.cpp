@@ -155,8 +155,9 @@ TEST_CASE("an answer that was never given, items that are never confused, and no
     CHECK(fit.criteria[1] < fit.criteria[2]);
     const auto sharp =
         data::fit_thurstone({{{10, 0, 0}, {0, 10, 0}, {0, 0, 10}}}, {.items = {-1, 0, 1}});
-    CHECK(sharp.parts[0].unbounded);
-    CHECK_FALSE(sharp.parts[0].sigma_interval);
+    CHECK(sharp.parts[0].end == data::SigmaEnd::sharp);
+    CHECK(sharp.parts[0].sigma_interval->low == 0.0);
+    CHECK(sharp.parts[0].sigma_interval->high < 1.0);
     CHECK_THROWS_WITH(data::fit_thurstone({{{10, 0}, {10, 0}}}, {.items = {-1, 1}}),
                       ContainsSubstring("the same response"));
     CHECK_THROWS_WITH(data::fit_thurstone({{{10, 0}, {0, 10}}}, {.items = {1, 1}}),
@@ -212,4 +213,103 @@ TEST_CASE("similarities and biases of five items come back from the shares they 
     CHECK(fit.residual < 1e-6);
     CHECK(fit.df == 6);
     CHECK_THROWS_WITH(data::fit_similarity({{1, 1}, {1, 0}}), ContainsSubstring("item 2"));
+}
+
+// R: the slopes of glm(cbind(k, n - k) ~ 1, binomial(probit), offset = slope * x), x = -2, 3, k = 9 and 27 of 40, whose
+// deviance is 3.8415 above that of the best; a slope is 1 / sigma.
+TEST_CASE("of two items and two answers sigma's interval is that of R's profiled glm", "[choice]") {
+    const auto fit =
+        data::fit_thurstone({{{31, 9}, {13, 27}}}, {.items = {-2.0, 3.0}, .lapse = 0.0});
+    const data::Interval& told = fit.parts[0].sigma_interval.value();
+    CHECK_THAT(told.low, WithinRel(1.0 / 0.361878185, 1e-5));
+    CHECK_THAT(told.high, WithinRel(1.0 / 0.125357668, 1e-5));
+}
+
+TEST_CASE(
+    "answers that do not follow the items leave sigma without an upper end, and p says the same",
+    "[choice][law]") {
+    Random random(GENERATE(range(1U, 13U)));
+    CallCounts chance(5, std::vector<std::int64_t>(5, 0));
+    for (auto& row : chance) {
+        for (int trial = 0; trial < 10; ++trial) {
+            ++row[static_cast<std::size_t>(random.below(5))];
+        }
+    }
+    // No model tells fewer shares apart than one of the responses alone, which is that of an infinite sigma.
+    double flat = 0.0;
+    for (std::size_t j = 0; j < 5; ++j) {
+        double given = 0.0;
+        for (const auto& row : chance) {
+            given += static_cast<double>(row[j]);
+        }
+        flat += given > 0.0 ? given * std::log(given / 50.0) : 0.0;
+    }
+    const auto fit = data::fit_thurstone({chance}, {.items = kFive, .lapse = 0.0});
+    const auto& part = fit.parts[0];
+    CAPTURE(part.sigma, part.sigma_interval->low, fit.log_likelihood - flat);
+    const bool follows = 2.0 * (fit.log_likelihood - flat) > 3.8414588;
+    CHECK(std::isfinite(part.sigma_interval->high) == follows);
+    CHECK(fit.log_likelihood > flat - 1e-4);
+    if (fit.log_likelihood < flat + 1e-4) {
+        CHECK(part.end == data::SigmaEnd::blunt);
+    }
+    if (part.end == data::SigmaEnd::blunt) {
+        CHECK(fit.log_likelihood < flat + 2e-3);
+    }
+}
+
+TEST_CASE("a change of sigma has a p below .05 where its interval leaves out none, and so a shift",
+          "[choice][law]") {
+    Random random(GENERATE(range(1U, 25U)));
+    const int n = 10;
+    const Namer off{.sigma = random.in(1.0, 6.0)};
+    const Namer on{.sigma = random.in(1.0, 6.0), .shift = random.in(-3.0, 3.0)};
+    const std::vector<CallCounts> both{off.answers(random, n), on.answers(random, n)};
+    const ThurstoneSpec relative{.items = kFive, .relative = true, .checked = false};
+    const auto full = data::fit_thurstone(both, relative);
+    const auto plain = data::fit_thurstone(both, {.items = kFive, .checked = false});
+    CHECK_THAT(full.log_likelihood, WithinAbs(plain.log_likelihood, 1e-6));
+    CHECK_THAT(full.parts[1].sigma, WithinRel(plain.parts[1].sigma, 1e-3));
+    const auto outside = [](const data::Interval& one, double none) {
+        return none < one.low || none > one.high;
+    };
+    const auto loss = [&](ThurstoneSpec less) {
+        less.intervals = less.checked = false;
+        return full.log_likelihood - data::fit_thurstone(both, less).log_likelihood;
+    };
+    const double of_sigma = loss({.items = kFive, .one_sigma = true});
+    const double of_shift = loss({.items = kFive, .no_shift = true});
+    CAPTURE(of_sigma, of_shift);
+    CHECK(outside(full.parts[1].sigma_interval.value(), 1.0) == (of_sigma > 1.92072941));
+    CHECK(outside(full.parts[1].shift_interval.value(), 0.0) == (of_shift > 1.92072941));
+    CHECK(plain.parts[1].shift_interval->low ==
+          Approx(full.parts[1].shift_interval->low).margin(1e-3));
+}
+
+// A pair's similarity is the root of an odds ratio of a table of two: of n of n against k of n its profile is known.
+TEST_CASE(
+    "intervals of similarities hold what the answers do not refute, and are open where they bound "
+    "nothing",
+    "[choice]") {
+    const auto none = data::fit_similarity({{20, 0}, {0, 30}});
+    CHECK(none.similarity[0][1] == 0.0);
+    CHECK(none.intervals[0][1].low == 0.0);
+    CHECK(none.one_way.empty());
+    // P(1 | 1) P(2 | 2) = 1 / (1 + s r) 1 / (1 + s / r), the highest where r is that of equal shares of 20 and 30.
+    const double s = none.intervals[0][1].high;
+    double best = -1e9;
+    for (double r = 0.2; r < 5.0; r += 1e-4) {
+        best = std::max(best, -20.0 * std::log1p(s * r) - 30.0 * std::log1p(s / r));
+    }
+    CHECK_THAT(best, WithinAbs(-1.92072941, 1e-5));
+
+    const auto one_way = data::fit_similarity({{10, 0}, {3, 7}});
+    CHECK(one_way.similarity[0][1] == 0.0);
+    REQUIRE(one_way.one_way.size() == 1);
+    CHECK(one_way.intervals[0][1].low == 0.0);
+    const auto both = data::fit_similarity({{12, 8}, {6, 14}});
+    CHECK(both.one_way.empty());
+    CHECK(both.intervals[0][1].low > 0.1);
+    CHECK(both.intervals[0][1].low < both.similarity[0][1]);
+    CHECK(both.similarity[0][1] < both.intervals[0][1].high);
 }
