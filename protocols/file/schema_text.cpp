@@ -170,7 +170,7 @@ std::string default_of(const Key& key) {
 
 /// By the end of the key's name.
 std::string_view unit_of(std::string_view name) {
-    constexpr std::array<std::pair<std::string_view, std::string_view>, 28> kUnits{
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 31> kUnits{
         {{"mu_s", ""},  // s for static: a coefficient
          {"_mn_m_s", "mN m s"},
          {"_mm_per_n", "mm/N"},
@@ -190,11 +190,14 @@ std::string_view unit_of(std::string_view name) {
          {"from_m", "m"},
          {"to_m", "m"},
          {"radius_m", "m"},
+         {"spacing_m", "m"},
          {"_deg", "degrees"},
          {"_ms", "ms"},
          {"_hz", "Hz"},
          {"_db", "dB"},
          {"_bits", "bit"},
+         {"_g_cm2", "g cm^2"},
+         {"handle_g", "g"},
          {"_adc", "ADC value"},
          {"_j", "J"},
          {"_n", "N"},
