@@ -11,6 +11,7 @@
 #include "data/inference/mixed_logit.hpp"
 #include "data/statistics/over_people.hpp"
 #include "data/statistics/paired.hpp"
+#include "data/statistics/wilson.hpp"
 
 namespace palpate::data {
 namespace {
@@ -180,21 +181,58 @@ PowerPoint PowerStudies::at(std::size_t participants) {
     return point;
 }
 
-std::optional<std::size_t> PowerStudies::least(double wanted, std::size_t most) {
-    std::size_t low = 2;  // its power is not enough, as far as that is known
-    std::size_t high = 6;
-    while (at(high).power.value < wanted) {
-        if (high == most) {
-            return std::nullopt;
+double PowerStudies::found(std::size_t participants) {
+    const auto [place, is_new] = found_.try_emplace(participants);
+    if (is_new) {
+        place->second = at(participants).power.value * static_cast<double>(spec_.studies);
+    }
+    return place->second;
+}
+
+LeastPeople PowerStudies::least(double wanted, std::size_t most) {
+    const auto n = static_cast<std::int64_t>(spec_.studies);
+    const auto share = [&](std::size_t participants) {
+        return found(participants) / static_cast<double>(n);
+    };
+    const auto ends = [&](std::size_t participants) {
+        return wilson(std::llround(found(participants)), n);
+    };
+    const auto search = [&](const auto& enough) -> std::optional<std::size_t> {
+        std::size_t low = 2;  // its power is not enough, as far as that is known
+        std::size_t high = std::min<std::size_t>(6, most);
+        while (!enough(high)) {
+            if (high == most) {
+                return std::nullopt;
+            }
+            low = high;
+            high = std::min(2 * high, most);
         }
-        low = high;
-        high = std::min(2 * high, most);
+        while (high - low > 1) {
+            const std::size_t middle = (low + high) / 2;
+            (enough(middle) ? high : low) = middle;
+        }
+        return high;
+    };
+    LeastPeople told{.power = wanted};
+    told.people = search([&](std::size_t people) { return share(people) >= wanted; });
+    told.low = search([&](std::size_t people) { return ends(people).high >= wanted; });
+    told.high = search([&](std::size_t people) { return ends(people).low >= wanted; });
+    if (!told.people || !told.low || (told.high && *told.high - *told.low <= 2)) {
+        return told;
     }
-    while (high - low > 1) {
-        const std::size_t middle = (low + high) / 2;
-        (at(middle).power.value < wanted ? low : high) = middle;
+    // A person more raises the power by so much near there: 1.96 standard errors are to be as much.
+    const std::size_t right = told.high.value_or(most);
+    const std::size_t left = std::min(*told.low, right - 1);
+    const double growth = (share(right) - share(left)) / static_cast<double>(right - left);
+    if (growth > 0.0) {
+        const double studies = wanted * (1.0 - wanted) * std::pow(kNormal95 / growth, 2.0);
+        const double step = std::pow(10.0, std::floor(std::log10(studies)));
+        told.studies = static_cast<std::size_t>(std::ceil(studies / step) * step);
+        if (*told.studies <= spec_.studies) {
+            told.studies.reset();
+        }
     }
-    return high;
+    return told;
 }
 
 double PowerStudies::truth() const {

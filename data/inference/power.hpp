@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -60,6 +61,18 @@ struct PowerPoint {
     friend bool operator==(const PowerPoint&, const PowerPoint&) = default;
 };
 
+/// How many participants a power takes. Nothing: more than were looked for.
+struct LeastPeople {
+    double power = 0.0;
+    std::optional<std::size_t> people{};
+    std::optional<std::size_t> low{};
+    std::optional<std::size_t> high{};
+    /// Studies that tell this number to about one participant, by the power's growth there; nothing where these do.
+    std::optional<std::size_t> studies{};
+
+    friend bool operator==(const LeastPeople&, const LeastPeople&) = default;
+};
+
 /// Many studies of the same people-to-be: that of fewer participants is the beginning of that of more.
 class PowerStudies {
 public:
@@ -67,15 +80,21 @@ public:
 
     /// @param participants  2 or more. Any number of threads gives the same.
     [[nodiscard]] PowerPoint at(std::size_t participants);
-    /// The least number of participants from 3 to `most` whose power is at least `wanted`, taken to grow with it.
-    [[nodiscard]] std::optional<std::size_t> least(double wanted, std::size_t most);
+    /// The least number of participants from 3 to `most` whose power is at least `wanted`, taken to grow with it, and which
+    /// numbers Monte-Carlo error allows: the least whose power could be that high, and the least whose power must be, by
+    /// the ends of Wilson's 95 % interval of the share of studies.
+    [[nodiscard]] LeastPeople least(double wanted, std::size_t most);
     /// Mean of `expected` over all people drawn so far: the true difference of shares.
     [[nodiscard]] double truth() const;
 
 private:
     PowerSpec spec_;
     PowerPeople people_;
+    /// Studies of so many that found something.
+    [[nodiscard]] double found(std::size_t participants);
+
     std::vector<std::vector<PowerPerson>> drawn_;  ///< by study
+    std::map<std::size_t, double> found_;
 };
 
 /// "paired t of the share of right answers, within people"
@@ -98,8 +117,7 @@ struct PowerReport {
     double people_sd = 0.0;            ///< of the log odds without friction, over people
     std::vector<PowerPoint> points{};  ///< by participants
     std::vector<PowerPoint> null{};  ///< the same without an effect; its power is the type I error
-    /// Least participants for a power, in order; nothing: more than `most`.
-    std::vector<std::pair<double, std::optional<std::size_t>>> least{};
+    std::vector<LeastPeople> least{};  ///< for powers in order
     std::size_t most = 0;
 };
 

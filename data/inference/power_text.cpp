@@ -46,10 +46,19 @@ const PowerPoint* point_of(const PowerReport& report, std::size_t participants) 
 
 std::string least_text(const PowerReport& report) {
     std::string text;
-    for (const auto& [power, least] : report.least) {
-        text += least ? fmt::format("  Power of {:.2g} takes {} people.\n", power, *least)
-                      : fmt::format("  Power of {:.2g} takes more than {} people.\n", power,
-                                    report.most);
+    for (const LeastPeople& one : report.least) {
+        const auto number = [&](const std::optional<std::size_t>& people) {
+            return people ? fmt::format("{}", *people) : fmt::format("more than {}", report.most);
+        };
+        text += fmt::format("  Power of {:.2g} takes {} people", one.power, number(one.people));
+        text += one.low == one.high
+                  ? std::string(".\n")
+                  : fmt::format(": {} to {} by the Monte-Carlo error (95 %) of {} studies{}.\n",
+                                number(one.low), number(one.high), report.spec.studies,
+                                one.studies
+                                    ? fmt::format("; about {} tell it to one person: --studies {}",
+                                                  *one.studies, *one.studies)
+                                    : std::string());
     }
     return text;
 }
@@ -175,8 +184,11 @@ Figure power_figure(const PowerReport& report) {
         "without an effect; bars are 95 % intervals of Wilson.",
         title_of(report.spec.test), report.friction, report.against, report.trials,
         report.spec.studies, report.null_studies);
-    for (const auto& [power, least] : report.least) {
-        caption += least ? fmt::format(" A power of {:.2g} takes {} people.", power, *least) : "";
+    for (const LeastPeople& one : report.least) {
+        caption += one.people && one.low && one.high
+                     ? fmt::format(" A power of {:.2g} takes {} people ({} to {}).", one.power,
+                                   *one.people, *one.low, *one.high)
+                     : "";
     }
     return {.id = "power",
             .title = fmt::format("Power of {}", report.study),

@@ -136,9 +136,21 @@ TEST_CASE("any number of threads and any order of questions gives the same power
     CHECK(three.at(5) == one.at(5));
     CHECK(three.at(12) == one.at(12));
     const auto least = one.least(0.8, 100);
-    REQUIRE(least);
+    REQUIRE(least.people);
+    REQUIRE(least.low);
+    REQUIRE(least.high);
     CHECK(three.least(0.8, 100) == least);
-    CHECK(one.at(*least).power.value >= 0.8);
-    CHECK(one.at(*least - 1).power.value < 0.8);
-    CHECK_FALSE(one.least(0.999999, 8));
+    CHECK(one.at(*least.people).power.value >= 0.8);
+    CHECK(one.at(*least.people - 1).power.value < 0.8);
+    CHECK(*least.low < *least.people);
+    CHECK(*least.people < *least.high);
+    const auto ends = [&](std::size_t people) {
+        return wilson(std::llround(200.0 * one.at(people).power.value), 200);
+    };
+    CHECK(ends(*least.low).high >= 0.8);
+    CHECK(ends(*least.low - 1).high < 0.8);
+    CHECK(ends(*least.high).low >= 0.8);
+    CHECK(ends(*least.high - 1).low < 0.8);
+    CHECK(least.studies.value() > 200);
+    CHECK_FALSE(one.least(0.999999, 8).people);
 }

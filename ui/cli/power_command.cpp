@@ -248,7 +248,7 @@ int run(const PowerOptions& options) {
         if (report.none) {
             break;  // no number of people finds it
         }
-        report.least.emplace_back(power, studies.least(power, kMost));
+        report.least.push_back(studies.least(power, kMost));
     }
     if (!options.drawing.empty()) {
         data::write_svg(options.drawing, power_figure(report));
