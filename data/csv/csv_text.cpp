@@ -17,11 +17,15 @@ bool is_number(std::string_view text) {
            text.find_first_of("+-") != 0;
 }
 
-std::string no_formula(std::string_view text) {
+/// Begins, after any number of ', as a formula does.
+bool is_formula(std::string_view text) {
     const std::string_view start = text.substr(std::min(text.find_first_not_of('\''), text.size()));
-    const bool formula = !start.empty() &&
-                         std::string_view("=+-@\t\r").find(start.front()) != std::string_view::npos;
-    return (formula && !is_number(text) ? "'" : "") + std::string(text);
+    return !start.empty() &&
+           std::string_view("=+-@\t\r").find(start.front()) != std::string_view::npos;
+}
+
+std::string no_formula(std::string_view text) {
+    return (is_formula(text) && !is_number(text) ? "'" : "") + std::string(text);
 }
 
 std::string in_quotes(std::string_view text) {
@@ -38,6 +42,10 @@ std::string csv_field(std::string_view text) {
     const std::string field = no_formula(text);
     return field.empty() || field.find_first_of(",\"\r\n") != std::string::npos ? in_quotes(field)
                                                                                 : field;
+}
+
+std::string_view without_mark(std::string_view field) {
+    return field.starts_with('\'') && is_formula(field) ? field.substr(1) : field;
 }
 
 std::string tsv_field(std::string_view text) {

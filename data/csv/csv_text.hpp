@@ -13,6 +13,9 @@ namespace palpate::data {
 /// what is not there).
 [[nodiscard]] std::string csv_field(std::string_view text);
 
+/// The text of a field as csv_field() and tsv_field() made it, read back: without the ' before a formula.
+[[nodiscard]] std::string_view without_mark(std::string_view field);
+
 /// BIDS (common principles, tabular files): n/a for nothing, tabs and ends of lines become spaces, and a text
 /// with quotation marks is quoted as in CSV.
 [[nodiscard]] std::string tsv_field(std::string_view text);

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "protocols/file/document.hpp"
 #include "protocols/file/protocol_file.hpp"
 
@@ -92,9 +93,7 @@ public:
             fail(1, fmt::format("the file is empty: give a head with the columns {}",
                                 fmt::join(wanted, ",")));
         }
-        for (const Field& name : fields_of(line_)) {
-            head_.push_back(name.text);
-        }
+        read_head();
         NumberTable table;
         for (const std::string_view name : wanted) {
             add_column(table, name);
@@ -110,6 +109,7 @@ public:
         for (const std::string_view name : texts) {
             if (const auto found = std::find(head_.begin(), head_.end(), name);
                 found != head_.end()) {
+                once(name);
                 table.text_columns.emplace_back(name);
                 text_places_.push_back(static_cast<std::size_t>(found - head_.begin()));
             }
@@ -123,6 +123,41 @@ public:
 private:
     [[noreturn]] void fail(std::size_t line, const std::string& what) const {
         throw CsvError(fmt::format("{}:{}: {}", file_, line, what));
+    }
+
+    /// What a spreadsheet writes where it was not asked for commas and UTF-8 is named as such.
+    void read_head() {
+        if (!is_utf8(line_)) {
+            fail(number_,
+                 "the head is not UTF-8 (a spreadsheet may write UTF-16 or a code page): save "
+                 "the table as CSV UTF-8");
+        }
+        for (const Field& name : fields_of(line_)) {
+            head_.push_back(name.text);
+            head_characters_.push_back(name.character);
+        }
+        const std::size_t other = line_.find_first_of(";\t");
+        if (head_.size() == 1 && other != std::string_view::npos) {
+            fail(number_, fmt::format("the fields are parted by {}, not by commas: save the table "
+                                      "with commas, and with a point for decimals",
+                                      line_[other] == ';' ? "semicolons" : "tabs"));
+        }
+    }
+
+    /// Which of two columns of one name is meant nobody can tell.
+    void once(std::string_view name) const {
+        const auto first = std::find(head_.begin(), head_.end(), name);
+        const auto second = std::find(first == head_.end() ? first : first + 1, head_.end(), name);
+        if (second != head_.end()) {
+            fail_at(head_characters_[static_cast<std::size_t>(second - head_.begin())],
+                    fmt::format("the head names the column {} twice, first as its column {}: "
+                                "rename or leave out the one that is not meant",
+                                name, first - head_.begin() + 1));
+        }
+    }
+
+    [[noreturn]] void fail_at(std::size_t character, const std::string& what) const {
+        throw CsvError(fmt::format("{}:{}:{}: {}", file_, number_, character, what));
     }
 
     /// The next line that is not blank.
@@ -145,6 +180,7 @@ private:
             fail(number_, fmt::format("there is no column {}: the head is \"{}\"; add the column",
                                       name, fmt::join(head_, ",")));
         }
+        once(name);
         table.columns.emplace_back(name);
         places_.push_back(static_cast<std::size_t>(found - head_.begin()));
     }
@@ -162,7 +198,13 @@ private:
             table.characters.push_back(static_cast<std::uint32_t>(field.character));
         }
         for (const std::size_t place : text_places_) {
-            table.texts.push_back(plain_text(fields[place].text));
+            const std::string& text = table.texts.emplace_back(plain_text(fields[place].text));
+            if (!is_utf8(text)) {
+                fail_at(fields[place].character,
+                        fmt::format("{} is not UTF-8 (a spreadsheet may write a code page): save "
+                                    "the table as CSV UTF-8",
+                                    head_[place]));
+            }
             table.text_characters.push_back(static_cast<std::uint32_t>(fields[place].character));
         }
         table.lines.push_back(number_);
@@ -177,10 +219,10 @@ private:
         const auto [end, error] =
             std::from_chars(digits.data(), digits.data() + digits.size(), value);
         if (error != std::errc{} || end != digits.data() + digits.size() || !std::isfinite(value)) {
-            throw CsvError(
-                fmt::format("{}:{}:{}: {} is \"{}\", not a finite number: give one, with "
-                            "a point for decimals",
-                            file_, number_, field.character, column, field.text.substr(0, 40)));
+            fail_at(field.character,
+                    fmt::format("{} is \"{}\", not a finite number: give one, with a "
+                                "point for decimals",
+                                column, field.text.substr(0, 40)));
         }
         return value;
     }
@@ -190,6 +232,7 @@ private:
     std::string_view line_;
     std::size_t number_ = 0;
     std::vector<std::string_view> head_;
+    std::vector<std::size_t> head_characters_;
     std::vector<std::size_t> places_;  ///< of the table's columns among the fields
     std::vector<std::size_t> text_places_;
 };

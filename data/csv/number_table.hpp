@@ -46,7 +46,8 @@ struct NumberTable {
 /// `optional` follow if the file has them all, texts of `texts` each if it is there. Commas part the fields; blanks
 /// around a field, quotes around it (which may hold commas, and "" for one of their own), blank lines, a byte-order
 /// mark and CR LF are fine. A field ends with its line.
-/// @throws CsvError for a missing column, a field that is no finite number, a row too short or too long
+/// @throws CsvError for a missing column or one that is there twice, a field that is no finite number, a text that is
+///         not UTF-8, a row too short or too long
 [[nodiscard]] NumberTable parse_numbers(std::string_view text,
                                         std::string_view file_name,
                                         std::span<const std::string_view> wanted,

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "data/csv/csv_text.hpp"
 #include "data/csv/number_table.hpp"
 #include "data/fit/fit_report.hpp"
 
@@ -37,8 +38,8 @@ std::vector<Answers> read_answers(const std::filesystem::path& file) {
                                "comparison), a whole number from 0 to {}",
                                n, n));
         }
-        const std::string participant{table.text(row, "participant").value_or("")};
-        const std::string condition{table.text(row, "condition").value_or("")};
+        const std::string participant{without_mark(table.text(row, "participant").value_or(""))};
+        const std::string condition{without_mark(table.text(row, "condition").value_or(""))};
         auto found = std::ranges::find_if(all, [&](const Answers& one) {
             return one.participant == participant && one.condition == condition;
         });

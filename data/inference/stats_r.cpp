@@ -1,6 +1,8 @@
+#include <algorithm>
+
 #include <fmt/format.h>
 
-#include "data/export/json_text.hpp"
+#include "engine/base/text.hpp"
 #include "data/inference/stats_report.hpp"
 
 namespace palpate::data {
@@ -12,6 +14,7 @@ words <- c('subject', 'shape', 'friction', 'response', 'excluded')
 all <- read.csv(file.path(if (length(self)) dirname(self[1]) else '.', data), na.strings = '', encoding = 'UTF-8',
                 colClasses = setNames(rep('character', 5), words))
 all$excluded[is.na(all$excluded)] <- ''
+for (w in words) all[[w]] <- sub("^'('*[=+@\t\r-])", '\\1', all[[w]])  # ' keeps spreadsheets from taking them for formulas
 all$right <- as.numeric(if (!yes_no) all$response == all$shape else if (length(signals))
     (all$response == 'yes') == (all$shape %in% signals) else all$response == 'yes')
 right_known <- !yes_no || length(signals) > 0
@@ -25,8 +28,8 @@ say <- function(place, value) for (i in seq_along(value)) if (length(value[i]) &
 
 constexpr std::string_view kFunctionsR = R"R(
 # d' of the largest of several normal percepts, of 1/2 answer at least on either side
-d_prime <- function(k, n, m) {
-    p <- min(max(k, .5), n - .5) / n
+d_prime <- function(k, n, m, least = n) {
+    p <- min(max(k / n, .5 / least), 1 - .5 / least)
     share <- function(d) integrate(function(x) dnorm(x - d) * pnorm(x)^(m - 1), d - 10, d + 10, rel.tol = 1e-10)$value
     if (m == 2) sqrt(2) * qnorm(p) else uniroot(function(d) share(d) - p, c(-20, 20), tol = 1e-11)$root
 }
@@ -163,18 +166,25 @@ part <- function(d, at) {
             say(paste0(here, '/k'), k); value[i, f, 'share'] <- k / n
             say(paste0(here, '/wilson_95'), suppressWarnings(prop.test(k, n, correct = FALSE)$conf.int))
             say(paste0(here, '/clopper_pearson_95'), binom.test(k, n)$conf.int)
-            if (!yes_no) value[i, f, 'd_prime'] <- d_prime(k, n, alternatives)
+            if (!yes_no) {  # compared with the correction of the least answers of any friction
+                say(paste0(here, '/d_prime'), d_prime(k, n, alternatives))
+                value[i, f, 'd_prime'] <- d_prime(k, n, alternatives, min(table(own$friction)))
+            }
             signal <- e$shape %in% signals
             if (yes_no && any(signal) && !all(signal)) {  # log-linear correction, Hautus 1995
-                z <- qnorm(c(sum(e$response[signal] == 'yes') + .5, sum(e$response[!signal] == 'yes') + .5) /
-                    c(sum(signal) + 1, sum(!signal) + 1))
+                yes <- c(sum(e$response[signal] == 'yes'), sum(e$response[!signal] == 'yes'))
+                of <- c(sum(signal), sum(!signal)); z <- qnorm((yes + .5) / (of + 1))
+                say(paste0(here, '/d_prime'), z[1] - z[2]); say(paste0(here, '/criterion'), -sum(z) / 2)
+                both <- table(factor(own$shape %in% signals, c(TRUE, FALSE)), own$friction)
+                least <- apply(both[, colSums(both > 0) == 2, drop = FALSE], 1, min)
+                z <- qnorm((yes * least / of + .5) / (least + 1))
                 value[i, f, 'd_prime'] <- z[1] - z[2]; value[i, f, 'criterion'] <- -sum(z) / 2
             }
             value[i, f, 'bits'] <- miller_madow(t)
             value[i, f, 'log_rt'] <- mean(log(e$rt_s), na.rm = TRUE)
             value[i, f, 'log_explore'] <- mean(log(e$explore_s), na.rm = TRUE)
             value[i, f, 'confidence'] <- mean(e$confidence, na.rm = TRUE)
-            for (what in setdiff(names, c('share', 'bits'))) say(paste0(here, '/', what), value[i, f, what])
+            for (what in setdiff(names, c('share', 'bits', 'd_prime', 'criterion'))) say(paste0(here, '/', what), value[i, f, what])
             say(paste0(here, '/bits/plug_in'), plug_in(t)); say(paste0(here, '/bits/miller_madow'), miller_madow(t))
             if (n > 1) say(paste0(here, '/bits/interval_95'), bits_95(t))
         }
@@ -211,10 +221,26 @@ part(all[all$excluded == '', ], '/applied')
 if (any(all$excluded != '')) part(all, '/not_applied')
 )R";
 
+/// A string of R, in ASCII: read the same in every locale.
+std::string r_string(std::string_view text) {
+    std::string out = "\"";
+    while (!text.empty()) {
+        const Character one = first_character(text);
+        const bool plain =
+            one.code >= U' ' && one.code < 127 && one.code != U'"' && one.code != U'\\';
+        out += plain ? std::string(1, text.front())
+             : one.code == U'"' || one.code == U'\\'
+                 ? "\\" + std::string(1, text.front())
+                 : fmt::format("\\U{{{:x}}}", static_cast<unsigned>(one.code));
+        text.remove_prefix(std::max<std::size_t>(one.length, 1));
+    }
+    return out + '"';
+}
+
 std::string list_of(const std::vector<std::string>& all) {
     std::string text = "c(";
     for (const std::string& one : all) {
-        text += (&one == all.data() ? "" : ", ") + json_string(one);
+        text += (&one == all.data() ? "" : ", ") + r_string(one);
     }
     return text + ")";
 }
@@ -235,9 +261,9 @@ std::string stats_r(const StatsReport& report, const std::string& trials) {
                "data <- {}\nfrictions <- {}  # differences are from the first\nyes_no <- {}\n"
                "signals <- {}  # of yes/no: for which yes is right\nalternatives <- {}\n"
                "prior_scale <- {}\n",
-               json_string(trials), list_of(report.table.frictions),
-               report.yes_no ? "TRUE" : "FALSE", list_of(report.options.signals),
-               report.table.alternatives, report.options.prior_scale) +
+               r_string(trials), list_of(report.table.frictions), report.yes_no ? "TRUE" : "FALSE",
+               list_of(report.options.signals), report.table.alternatives,
+               report.options.prior_scale) +
            std::string(kReadR) + std::string(kFunctionsR) + std::string(kMixedR) +
            std::string(kPartR);
 }

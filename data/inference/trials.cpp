@@ -43,9 +43,9 @@ public:
     }
 
     [[nodiscard]] std::string name(std::size_t row, std::string_view column) const {
-        const std::string_view text = *table_.text(row, column);
-        if (text.empty() || !is_utf8(text)) {
-            refuse(row, column, "give a name in UTF-8, or leave the row out");
+        const std::string_view text = without_mark(*table_.text(row, column));
+        if (text.empty()) {
+            refuse(row, column, "give a name, or leave the row out");
         }
         return std::string(text);
     }
@@ -81,7 +81,7 @@ public:
     }
 
     [[nodiscard]] std::string excluded(std::size_t row) const {
-        const std::string_view text = table_.text(row, "excluded").value_or("");
+        const std::string_view text = without_mark(table_.text(row, "excluded").value_or(""));
         return text == "0" || text == "NA" ? std::string() : std::string(text);
     }
 
