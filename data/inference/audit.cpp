@@ -208,13 +208,13 @@ Audit audit_of(Database& database, const TrialChoice& choice, const AuditBounds&
 std::string audit_text(Database& database, const TrialChoice& choice, const AuditBounds& bounds) {
     const Audit audit = audit_of(database, choice, bounds);
     std::string text = fmt::format(
-        "{}: study {}, {} data\n"
+        "Study {}, {} data\n"
         "  Does anything but friction differ? A mean for each person and friction, differences "
         "within person.\n"
         "  The same: the 90 % interval lies within the bounds (two one-sided tests of 5 %, "
         "Schuirmann 1987).\n"
         "  Differs: the 95 % interval does not hold 0, or 1 of a ratio.\n",
-        database.file(), audit.study, choice.kind);
+        audit.study, choice.kind);
     const AuditLine* before = nullptr;
     for (const AuditLine& line : audit.lines) {
         const bool other = before == nullptr || before->friction != line.friction;

@@ -23,11 +23,11 @@ constexpr Kind kKinds[] = {
      }},
     {"d_prime", "d'",
      [](const PersonCell& cell) {
-         return cell.d_prime;
+         return cell.alike_d_prime;
      }},
     {"criterion", "criterion c",
      [](const PersonCell& cell) {
-         return cell.criterion;
+         return cell.alike_criterion;
      }},
     {"bits", "transmitted bits (Miller-Madow)",
      [](const PersonCell& cell) {

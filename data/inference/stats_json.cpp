@@ -69,7 +69,7 @@ Json test_json(const PeopleTest& test) {
     return one;
 }
 
-Json measure_json(const StatsReport& report, const Measure& measure) {
+Json measure_json(const StatsReport& report, const StatsPart& part, const Measure& measure) {
     Json one = {{"title", measure.title}, {"means", Json::object()}, {"effects", Json::object()}};
     for (std::size_t f = 0; f < measure.means.size(); ++f) {
         const std::string& friction = report.table.frictions[f];
@@ -80,6 +80,7 @@ Json measure_json(const StatsReport& report, const Measure& measure) {
         }
         if (measure.effects[f]) {
             one["effects"][friction] = test_json(*measure.effects[f]);
+            one["effects"][friction]["left_out"] = without_both(part, measure, f);
         }
     }
     return one;
@@ -138,7 +139,7 @@ Json part_json(const StatsReport& report, const StatsPart& part) {
         told["log_rt_since_break"] = finite(person.log_rt.since_break);
     }
     for (const Measure& measure : part.measures) {
-        one["measures"][measure.key] = measure_json(report, measure);
+        one["measures"][measure.key] = measure_json(report, part, measure);
     }
     for (const MixedStats& mixed : part.mixed) {
         one["mixed_model"][report.table.frictions[mixed.friction]] = mixed_json(mixed);

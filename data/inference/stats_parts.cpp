@@ -32,24 +32,26 @@ bool is_signal(const StatsReport& report, const Trial& trial) {
            report.options.signals.end();
 }
 
+/// Of yes/no with signals, where what is right is yes for these and no for all others.
+std::int64_t false_alarms(const PersonCell& cell) {
+    return cell.n - cell.signals - (cell.k - cell.hits);
+}
+
 void add_sensitivity(const StatsReport& report, const Taken& trials, PersonCell& cell) {
     if (!report.yes_no) {
         cell.d_prime =
             d_prime(cell.k, cell.n, static_cast<std::int64_t>(report.table.alternatives));
         return;
     }
-    std::int64_t signals = 0;
-    std::int64_t hits = 0;
-    std::int64_t alarms = 0;
     for (const Trial* one : trials) {
         const bool yes = report.table.responses[one->response] == "yes";
         const bool signal = is_signal(report, *one);
-        signals += signal ? 1 : 0;
-        hits += signal && yes ? 1 : 0;
-        alarms += !signal && yes ? 1 : 0;
+        cell.signals += signal ? 1 : 0;
+        cell.hits += signal && yes ? 1 : 0;
     }
-    if (report.right_known && signals > 0 && signals < cell.n) {
-        const YesNo both = yes_no(hits, signals, alarms, cell.n - signals);
+    if (report.right_known && cell.signals > 0 && cell.signals < cell.n) {
+        const YesNo both =
+            yes_no(cell.hits, cell.signals, false_alarms(cell), cell.n - cell.signals);
         cell.d_prime = both.d_prime;
         cell.criterion = both.criterion;
     }
@@ -76,6 +78,37 @@ PersonCell cell_of(const StatsReport& report, const Taken& trials, std::uint64_t
     cell.log_explore = mean_of_trials(trials, &Trial::explore_s, true);
     cell.confidence = mean_of_trials(trials, &Trial::confidence, false);
     return cell;
+}
+
+/// d' and criterion of all frictions, corrected alike.
+void add_alike(const StatsReport& report, PersonStats& person) {
+    std::int64_t n = 0;
+    std::int64_t signals = 0;
+    std::int64_t noises = 0;
+    const auto least = [](std::int64_t& one, std::int64_t other) {
+        one = one == 0 ? other : std::min(one, other);
+    };
+    for (const PersonCell& cell : person.cells) {
+        if (cell.d_prime) {
+            least(n, cell.n);
+            least(signals, cell.signals);
+            least(noises, cell.n - cell.signals);
+        }
+    }
+    for (PersonCell& cell : person.cells) {
+        if (!cell.d_prime) {
+            continue;
+        }
+        if (report.yes_no) {
+            const YesNo both = yes_no(cell.hits, cell.signals, false_alarms(cell),
+                                      cell.n - cell.signals, signals, noises);
+            cell.alike_d_prime = both.d_prime;
+            cell.alike_criterion = both.criterion;
+        } else {
+            cell.alike_d_prime =
+                d_prime(cell.k, cell.n, static_cast<std::int64_t>(report.table.alternatives), n);
+        }
+    }
 }
 
 /// Of all frictions together: what they do is balanced over the trials.
@@ -199,6 +232,7 @@ StatsPart part_of(const StatsReport& report, const std::function<bool(const Tria
             person.cells.push_back(cell_of(
                 report, some, kPermutationStreams + subject * table.frictions.size() + friction));
         }
+        add_alike(report, person);
         add_trends(report, trials, person);
         if (report.right_known) {
             add_confidence(report, trials, person);

@@ -24,6 +24,11 @@ void add_tests(const StatsReport& report, StatsPart& part);
 /// A text over the tables, for all outputs: "share correct", "share of yes".
 [[nodiscard]] std::string share_title(const StatsReport& report);
 
+/// Who has no number of a measure under a friction, or under the first.
+[[nodiscard]] std::vector<std::string> without_both(const StatsPart& part,
+                                                    const Measure& measure,
+                                                    std::size_t friction);
+
 /// What a reader should know before a mixed model's numbers are believed.
 [[nodiscard]] std::vector<std::string> warnings_of(const MixedStats& mixed);
 

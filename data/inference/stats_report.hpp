@@ -34,6 +34,11 @@ struct PersonCell {
     Interval clopper_pearson{};
     std::optional<double> d_prime{};
     std::optional<double> criterion{};  ///< of yes/no
+    std::int64_t signals = 0;           ///< of yes/no: answers to these
+    std::int64_t hits = 0;
+    /// d' and criterion with the correction of the least answers that the person gave under a friction: what is compared.
+    std::optional<double> alike_d_prime{};
+    std::optional<double> alike_criterion{};
     std::optional<Transmitted> bits{};
     std::optional<double> log_rt{};  ///< mean of ln(s)
     std::optional<double> log_explore{};

@@ -16,8 +16,12 @@ std::string number_or_dash(const std::optional<double>& value, int digits = 3) {
                  : std::string("-");
 }
 
+std::string three(double value) {
+    return number_or_dash(value, 3);
+}
+
 std::string ends_text(const std::optional<Interval>& interval) {
-    return interval ? fmt::format("{:.3f} to {:.3f}", interval->low, interval->high)
+    return interval ? three(interval->low) + " to " + three(interval->high)
                     : std::string("no interval");
 }
 
@@ -33,7 +37,8 @@ std::string title_text(const StatsReport& report) {
     const TrialTable& table = report.table;
     std::string text = table.source;
     if (!table.study.empty()) {
-        text += fmt::format(": study {}, {} data", table.study, table.kind);
+        text += text == "study " + table.study ? "" : ": study " + table.study;
+        text += fmt::format(", {} data", table.kind);
         text += table.kind == "simulated" ? ": participant and device are SIMULATED"
               : table.kind == "pilot"     ? ": PILOT, not for analysis"
                                           : "";
@@ -136,6 +141,27 @@ std::string tests_text(const PeopleTest& test) {
     return test.bayes ? text + fmt::format("; BF10 = {:.3g}", *test.bayes) : text;
 }
 
+/// In how many people two frictions have different numbers of answers.
+std::string uneven_text(const StatsPart& part) {
+    std::size_t uneven = 0;
+    for (const PersonStats& person : part.people) {
+        std::int64_t first = 0;
+        bool differs = false;
+        for (const PersonCell& cell : person.cells) {
+            first = first == 0 ? cell.n : first;
+            differs = differs || (cell.n > 0 && cell.n != first);
+        }
+        uneven += differs ? 1U : 0U;
+    }
+    return uneven == 0
+             ? std::string()
+             : fmt::format(
+                   "  Of {} the frictions have different numbers of answers: d' is compared with "
+                   "the\n  correction of the least of them, which the table above has not; bits of "
+                   "fewer answers are\n  higher by chance alone.\n",
+                   counted(uneven, "person", "people"));
+}
+
 std::string measures_text(const StatsReport& report, const StatsPart& part) {
     const auto& frictions = report.table.frictions;
     std::string text = "\n  Over people: means (Student's interval; of shares on the logit)";
@@ -148,21 +174,27 @@ std::string measures_text(const StatsReport& report, const StatsPart& part) {
             frictions[0], report.options.prior_scale);
     }
     text += '\n';
+    text += frictions.size() > 1 ? uneven_text(part) : std::string();
     for (const Measure& one : part.measures) {
         text += fmt::format("  {}\n", one.title);
         for (std::size_t f = 0; f < frictions.size(); ++f) {
             if (one.means[f]) {
-                text += fmt::format("    {:<20} {:>8.3f}   {:<20}  {} people\n", frictions[f],
-                                    one.means[f]->mean, ends_text(one.means[f]->interval),
-                                    one.means[f]->people);
+                text += fmt::format("    {:<20} {:>8}   {:<20}  {}\n", frictions[f],
+                                    three(one.means[f]->mean), ends_text(one.means[f]->interval),
+                                    counted(one.means[f]->people, "person", "people"));
             }
         }
         for (std::size_t f = 1; f < frictions.size(); ++f) {
             if (one.effects[f]) {
-                text += fmt::format(
-                    "    {:<20} {:>8.3f}   {:<20}  {}\n",
-                    fmt::format("{} - {}", frictions[f], frictions[0]), one.effects[f]->mean.mean,
-                    ends_text(one.effects[f]->mean.interval), tests_text(*one.effects[f]));
+                text += fmt::format("    {:<20} {:>8}   {:<20}  {}\n",
+                                    fmt::format("{} - {}", frictions[f], frictions[0]),
+                                    three(one.effects[f]->mean.mean),
+                                    ends_text(one.effects[f]->mean.interval),
+                                    tests_text(*one.effects[f]));
+                if (const auto gone = without_both(part, one, f); !gone.empty()) {
+                    text += fmt::format("    {:<20} without a number under both, left out: {}\n",
+                                        "", fmt::join(gone, ", "));
+                }
             }
         }
     }
@@ -179,7 +211,7 @@ std::string primary_result(const StatsReport& report, const StatsPart& part, std
             return "nothing can be said";
         }
         const double ratio = likelihood_ratio(mixed->laplace, mixed->laplace_null);
-        return fmt::format("{:.3f} logit, ratio {:.3f}, {}", mixed->laplace.effect, ratio,
+        return fmt::format("{} logit, ratio {:.3f}, {}", three(mixed->laplace.effect), ratio,
                            small_p(chi_square_p(ratio, 1)));
     }
     if (share == part.measures.end() || !share->effects[f] ||
@@ -191,7 +223,8 @@ std::string primary_result(const StatsReport& report, const StatsPart& part, std
                    : report.table.primary == PrimaryTest::signed_rank ? test.rank.p
                    : test.t                                           ? test.t->p
                                                                       : 1.0;
-    return fmt::format("{:.3f}, {}, {}", test.mean.mean, ends_text(test.mean.interval), small_p(p));
+    return fmt::format("{}, {}, {}", three(test.mean.mean), ends_text(test.mean.interval),
+                       small_p(p));
 }
 
 std::string primary_text(const StatsReport& report, const StatsPart& part) {
@@ -199,8 +232,9 @@ std::string primary_text(const StatsReport& report, const StatsPart& part) {
     if (!report.table.primary || frictions.size() < 2) {
         return {};
     }
-    std::string text = fmt::format("\n  Primary test, as the protocol says: {}\n",
-                                   title_of(*report.table.primary));
+    std::string text = fmt::format(
+        "\n  Primary test, as the protocol says: {}{}\n", title_of(*report.table.primary),
+        report.right_known ? "" : " (here of yes: nothing is right or wrong)");
     for (std::size_t f = 1; f < frictions.size(); ++f) {
         text += fmt::format("    {} - {}: {}\n", frictions[f], frictions[0],
                             primary_result(report, part, f));
@@ -209,7 +243,7 @@ std::string primary_text(const StatsReport& report, const StatsPart& part) {
 }
 
 std::string estimate_text(double value, const std::optional<double>& se) {
-    return se ? fmt::format("{:.4f} (se {:.4f})", value, *se) : fmt::format("{:.4f}", value);
+    return number_or_dash(value, 4) + (se ? fmt::format(" (se {:.4f})", *se) : std::string());
 }
 
 std::string mixed_text(const StatsReport& report, const MixedStats& mixed) {
@@ -234,8 +268,8 @@ std::string mixed_text(const StatsReport& report, const MixedStats& mixed) {
     row("sd of friction", fmt::format("{:.4f}", one.sd_slope), fmt::format("{:.4f}", two.sd_slope));
     row("their correlation", number_or_dash(one.correlation, 4),
         number_or_dash(two.correlation, 4));
-    row("log-likelihood", fmt::format("{:.4f}", one.log_likelihood),
-        fmt::format("{:.4f}", two.log_likelihood));
+    row("log-likelihood", number_or_dash(one.log_likelihood, 4),
+        number_or_dash(two.log_likelihood, 4));
     const auto ratio_text = [](const MixedFit& full, const MixedFit& less) {
         const double ratio = likelihood_ratio(full, less);
         return fmt::format("{:.4f}, {}", ratio, small_p(chi_square_p(ratio, 1)));
@@ -271,10 +305,31 @@ std::string confidence_text(const StatsPart& part) {
         "\n  Confidence: share correct at each level, mean over the people who used it\n";
     for (const ConfidenceLevel& one : part.levels) {
         text +=
-            fmt::format("    {:<8g} {:>8.3f}   {:<20}  {} people, {}\n", one.level, one.share.mean,
-                        ends_text(one.share.interval), one.share.people, counted(one.n, "answer"));
+            fmt::format("    {:<8g} {:>8}   {:<20}  {}, {}\n", one.level, three(one.share.mean),
+                        ends_text(one.share.interval),
+                        counted(one.share.people, "person", "people"), counted(one.n, "answer"));
     }
     return text;
+}
+
+/// Where confidence is a probability.
+std::string brier_text(const StatsPart& part) {
+    std::string text;
+    double sum = 0.0;
+    double people = 0.0;
+    for (const PersonStats& person : part.people) {
+        if (person.brier) {
+            text +=
+                fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", person.subject, *person.brier);
+            sum += *person.brier;
+            people += 1.0;
+        }
+    }
+    return text.empty() ? text
+                        : fmt::format(
+                              "    Brier's score (0: sure and right; 0.25: always .5): {}; "
+                              "mean {:.3f}\n",
+                              text, sum / people);
 }
 
 std::string trends_text(const StatsReport& report, const StatsPart& part) {
@@ -297,7 +352,7 @@ std::string trends_text(const StatsReport& report, const StatsPart& part) {
         if (interval) {
             interval = Interval{scale * interval->low, scale * interval->high};
         }
-        text += fmt::format("    {:<32} {:>8.3f}   {:<20}  {}\n", name, scale * test.mean.mean,
+        text += fmt::format("    {:<32} {:>8}   {:<20}  {}\n", name, three(scale * test.mean.mean),
                             ends_text(interval), tests_text(test));
     }
     return part.tests.empty() ? std::string() : text;
@@ -311,10 +366,23 @@ std::string part_text(const StatsReport& report, const StatsPart& part, const st
     for (const MixedStats& mixed : part.mixed) {
         text += mixed_text(report, mixed);
     }
-    return text + confidence_text(part) + trends_text(report, part);
+    return text + confidence_text(part) + brier_text(part) + trends_text(report, part);
 }
 
 }  // namespace
+
+std::vector<std::string> without_both(const StatsPart& part,
+                                      const Measure& measure,
+                                      std::size_t friction) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < part.people.size(); ++i) {
+        const auto& row = measure.values[i];
+        if (!row[0] || !row[friction]) {
+            names.push_back(part.people[i].subject);
+        }
+    }
+    return names;
+}
 
 std::vector<std::string> warnings_of(const MixedStats& mixed) {
     std::vector<std::string> all;
@@ -341,8 +409,8 @@ std::vector<std::string> warnings_of(const MixedStats& mixed) {
     add("Laplace", mixed.laplace);
     add("Gauss-Hermite", mixed.quadrature);
     if (mixed.people < 6) {
-        all.push_back(fmt::format(
-            "{} people: a spread over people is hardly known from fewer than 6", mixed.people));
+        all.push_back(fmt::format("{}: a spread over people is hardly known from fewer than 6",
+                                  counted(mixed.people, "person", "people")));
     }
     return all;
 }

@@ -122,7 +122,7 @@ TrialTable stored_trials(Database& database, const TrialChoice& asked) {
         }
     }
     TrialTable table = table_of_names(std::move(all));
-    table.source = database.file();
+    table.source = choice.codes ? database.file() : fmt::format("study {}", choice.study);
     table.study = choice.study;
     table.kind = choice.kind;
     table.primary = primary_of(database, choice);

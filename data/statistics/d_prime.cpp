@@ -24,9 +24,10 @@ double share_correct(double d, std::int64_t m) {
     return sum * kStep * kInverseSqrtTwoPi;
 }
 
-double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m) {
+double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m, std::int64_t least) {
     const auto count = static_cast<double>(n);
-    const double share = std::clamp(static_cast<double>(hits), 0.5, count - 0.5) / count;
+    const double end = 0.5 / static_cast<double>(least > 0 ? least : n);
+    const double share = std::clamp(static_cast<double>(hits) / count, end, 1.0 - end);
     if (m == 2) {
         return std::sqrt(2.0) * protocols::normal_quantile(share);
     }
@@ -49,13 +50,16 @@ double d_prime(std::int64_t hits, std::int64_t n, std::int64_t m) {
 YesNo yes_no(std::int64_t hits,
              std::int64_t signals,
              std::int64_t false_alarms,
-             std::int64_t noises) {
-    const auto z = [](std::int64_t yes, std::int64_t n) {
-        return protocols::normal_quantile((static_cast<double>(yes) + 0.5) /
-                                          (static_cast<double>(n) + 1.0));
+             std::int64_t noises,
+             std::int64_t least_signals,
+             std::int64_t least_noises) {
+    const auto z = [](std::int64_t yes, std::int64_t n, std::int64_t least) {
+        const auto of = static_cast<double>(least > 0 ? least : n);
+        const double like = static_cast<double>(yes) * (of / static_cast<double>(n));
+        return protocols::normal_quantile((like + 0.5) / (of + 1.0));
     };
-    const double hit = z(hits, signals);
-    const double alarm = z(false_alarms, noises);
+    const double hit = z(hits, signals, least_signals);
+    const double alarm = z(false_alarms, noises, least_noises);
     return {.d_prime = hit - alarm, .criterion = -0.5 * (hit + alarm)};
 }
 

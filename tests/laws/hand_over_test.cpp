@@ -155,6 +155,7 @@ TEST_CASE("scripts to begin with keep studies apart, and say where nothing is ri
         CHECK_THAT(ran.out,
                    ContainsSubstring("fourtrials, simulated:\n") &&
                        ContainsSubstring("asked, simulated: no answer is right or wrong") &&
+                       ContainsSubstring("mean answer_code") && ContainsSubstring("concave") &&
                        !ContainsSubstring("NA") && !ContainsSubstring("NaN"));
         const std::string first = ran.out.substr(ran.out.find("fourtrials"));
         CHECK(lines_of_text(first.substr(0, first.find("asked"))).size() == (r ? 4 : 5));
