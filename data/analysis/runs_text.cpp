@@ -272,6 +272,14 @@ std::string runs_text(Database& database,
     if (runs.empty()) {
         return {};
     }
+    for (PeopleTable& table : means) {  // whoever came first: the first run is what others are less
+        std::ranges::stable_sort(table.conditions, {}, [&](const std::string& name) {
+            return std::ranges::min(
+                       runs, {},
+                       [&](const Run& run) { return std::pair(run.name != name, run.run); })
+                .run;
+        });
+    }
     if (protocol && protocol->procedure) {
         text = legend(*protocol) + text;
     }

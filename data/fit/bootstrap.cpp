@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "engine/base/pcg32.hpp"
@@ -97,6 +98,88 @@ bool by_logarithm(const CurveSpec& spec, Quantity quantity) {
     return false;
 }
 
+/// No slope is too steep: the steepest curve is as good, at its place or with one level on its rise.
+bool is_steep(const CurveModel& model, const CurvePoint& at) {
+    constexpr double kNearlyAStep = 2.70805020110221;  // ln 15: four times the reciprocal gap
+    constexpr double kAsGood = 1e-6;
+    const CurvePoint& high = model.high();
+    if (at[1] <= high[1] - kNearlyAStep) {
+        return false;
+    }
+    CurvePoint step = at;
+    step[1] = high[1];
+    const double value = model.value(at) - kAsGood;
+    if (at[1] >= high[1] - protocols::kLn2 || model.value(step) > value) {
+        return true;
+    }
+    const protocols::Family family = model.spec().family;
+    const double half = core_quantile(family, 0.5);
+    const double rise = std::max(1.0 - at[2] - at[3], 0.01);
+    for (std::size_t i = 0; i < model.levels(); ++i) {
+        const double share = (model.hits()[i] / model.counts()[i] - at[2]) / rise;
+        if (share > 0.0 && share < 1.0) {
+            const double u = core_quantile(family, share) - half;
+            step[0] = model.places()[i] - u * protocols::exponential(-high[1]);
+            if (std::isfinite(step[0]) && model.value(step) > value) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+End end_of(const CurveModel& model, const CurvePoint& at) {
+    const bool flat = at[1] <= model.low()[1];
+    return at[0] >= model.high()[0] || (flat && at[0] > model.last()) ? End::far_up
+         : at[0] <= model.low()[0] || (flat && at[0] < model.first()) ? End::far_down
+         : is_steep(model, at)                                        ? End::steep
+                                                                      : End::both;
+}
+
+/// A quantity where the curve has no end.
+double endless(
+    const CurveSpec& spec, const CurvePoint& point, End end, Quantity quantity, double share) {
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const bool weibull = spec.family == protocols::Family::weibull;
+    switch (quantity) {
+        case Quantity::threshold:
+            if (end == End::far_up || end == End::far_down) {
+                return end == End::far_up ? kInfinity : weibull ? 0.0 : -kInfinity;
+            }
+            break;
+        case Quantity::jnd:
+            if (end != End::both) {
+                return end == End::steep ? 0.0 : kInfinity;
+            }
+            break;
+        case Quantity::weber:
+            if (end == End::steep && (weibull || point[0] > 0.0)) {
+                return 0.0;
+            }
+            break;
+        case Quantity::slope:
+            if (end == End::steep) {
+                return kInfinity;
+            }
+            break;
+        case Quantity::guess:
+        case Quantity::lapse:
+        case Quantity::at_share:
+            break;
+    }
+    const double value = quantity_of(spec, point, quantity, share);
+    if (!std::isnan(value)) {
+        return value;
+    }
+    const bool logarithmic = spec.family == protocols::Family::weibull_log10 ||
+                             spec.family == protocols::Family::weibull_db;
+    if (quantity == Quantity::at_share) {
+        const bool below = share <= quantity_of(spec, point, Quantity::guess);
+        return !below ? kInfinity : weibull ? 0.0 : -kInfinity;
+    }
+    return quantity == Quantity::weber && !logarithmic ? kInfinity : value;
+}
+
 }  // namespace
 
 Bootstrap bootstrap(const CurveModel& model,
@@ -130,7 +213,10 @@ Bootstrap bootstrap(const CurveModel& model,
             }
             found = known->second;
         }
-        all.steep += found.at[1] >= model.high()[1] - protocols::kLn2 ? std::size_t{1} : 0;
+        const End end = end_of(drawn, found.at);
+        all.ends.push_back(end);
+        all.steep += end == End::steep ? std::size_t{1} : 0;
+        all.far += end == End::far_up || end == End::far_down ? std::size_t{1} : 0;
         all.at.push_back(drawn.whole(found.at));
         // Equal counts in another order of sums differ in their last bits.
         worse += drawn.deviance(all.at.back()) >= fit.deviance * (1.0 - 1e-9) ? std::size_t{1} : 0;
@@ -145,8 +231,8 @@ std::vector<double> of_all(const CurveSpec& spec,
                            double share) {
     std::vector<double> values;
     values.reserve(samples.at.size());
-    for (const CurvePoint& point : samples.at) {
-        values.push_back(quantity_of(spec, point, quantity, share));
+    for (std::size_t i = 0; i < samples.at.size(); ++i) {
+        values.push_back(endless(spec, samples.at[i], samples.ends[i], quantity, share));
     }
     return values;
 }
@@ -181,9 +267,9 @@ std::optional<double> corrected(const CurveSpec& spec,
 }
 
 std::optional<Interval> bootstrap_interval(std::vector<double> values, double from) {
-    std::erase_if(values, [](double value) { return std::isnan(value); });
+    const auto none = std::erase_if(values, [](double value) { return std::isnan(value); });
     constexpr std::size_t kFewest = 40;
-    if (values.size() < kFewest || !std::isfinite(from)) {
+    if (values.size() < kFewest || 100 * none > values.size() || !std::isfinite(from)) {
         return std::nullopt;
     }
     std::ranges::sort(values);
@@ -201,7 +287,9 @@ std::optional<Interval> bootstrap_interval(std::vector<double> values, double fr
         const auto left = static_cast<std::size_t>(clamped);
         const std::size_t right = std::min(left + 1, values.size() - 1);
         const double t = clamped - static_cast<double>(left);
-        return (1.0 - t) * values[left] + t * values[right];
+        return t == 0.0 || values[left] == values[right]
+                 ? values[left]
+                 : (1.0 - t) * values[left] + t * values[right];
     };
     return Interval{at(-kNormal95), at(kNormal95)};
 }

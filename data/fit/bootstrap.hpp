@@ -10,6 +10,14 @@
 /// What a fit would have been of other answers drawn from the fitted curve (parametric bootstrap).
 namespace palpate::data {
 
+/// Whether a curve of a bootstrap has an end.
+enum class End : std::uint8_t {
+    both,
+    steep,  ///< no level lies on the rise: its slope is infinite, its JND 0
+    far_up,  ///< its threshold is beyond all levels by 20 times their range: infinite, and so is its JND
+    far_down,  ///< the same below them
+};
+
 /// Fits of answers drawn anew, n at each level as in the data, k binomial with the fitted chance. The levels of an
 /// adaptive run are kept as they were, though other answers would have led to others.
 struct Bootstrap {
@@ -17,7 +25,9 @@ struct Bootstrap {
     /// beta(2, 20) of these. Drawn from a rate of 0 nothing would vary that the rate can hide.
     CurvePoint from{};
     std::vector<CurvePoint> at{};
-    std::size_t steep = 0;  ///< of these, whose slope has no end
+    std::vector<End> ends{};  ///< of each of these
+    std::size_t steep = 0;    ///< of these
+    std::size_t far = 0;      ///< up or down
     /// Share of fits, the data's own counted as one, with a deviance at least as high as the data's: goodness of fit by
     /// simulation (F. A. Wichmann, N. J. Hill, Percept. Psychophys. 63:1293, 2001).
     double deviance_p = 1.0;
@@ -30,7 +40,9 @@ struct Bootstrap {
                                   std::uint64_t seed,
                                   std::uint64_t stream);
 
-/// A quantity of all fits; NaN where one has none.
+/// A quantity of all fits, infinite where it has no end: so that percentiles know on which side it lies. A share that is
+/// never reached lies beyond all stimuli, a Weber fraction of a threshold that is not above 0 too. NaN where there is
+/// none.
 [[nodiscard]] std::vector<double> of_all(const CurveSpec& spec,
                                          const Bootstrap& samples,
                                          Quantity quantity,
@@ -47,7 +59,8 @@ struct Bootstrap {
 
 /// 95 % bias-corrected percentiles (B. Efron, J. Am. Stat. Assoc. 82:171, 1987, without acceleration): with
 /// z0 = probit(share of values below that of the curve they were drawn from, half of equal ones), the values at
-/// Phi(2 z0 -+ 1.96). Values that are NaN are left out; nothing for fewer than 40 others, or where z0 is not finite.
+/// Phi(2 z0 -+ 1.96). Values may be infinite, and so may ends. Values that are NaN are left out; nothing
+/// where they are more than 1 %, for fewer than 40 others, or where z0 is not finite.
 [[nodiscard]] std::optional<Interval> bootstrap_interval(std::vector<double> values, double from);
 
 }  // namespace palpate::data

@@ -16,6 +16,13 @@ Json interval_json(const std::optional<Interval>& interval) {
     return interval ? Json::array({number(interval->low), number(interval->high)}) : Json(nullptr);
 }
 
+/// Which ends are null because the answers do not bound them.
+Json open_json(const std::optional<Interval>& interval) {
+    const bool low = interval && std::isinf(interval->low);
+    const bool high = interval && std::isinf(interval->high);
+    return low && high ? Json("both") : low ? Json("low") : high ? Json("high") : Json(nullptr);
+}
+
 std::string key_of(Quantity quantity) {
     switch (quantity) {
         case Quantity::threshold:
@@ -44,10 +51,13 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
     for (const Told& told : curve.told) {
         one[key_of(told.quantity)] = {
             {"estimate", number(told.value)},
+            {"why", told.why.empty() ? Json(nullptr) : Json(told.why)},
             {"given", told.fixed},
             {"se", told.se ? number(*told.se) : Json(nullptr)},
             {"profile_95", interval_json(told.profile)},
+            {"profile_open", open_json(told.profile)},
             {"bootstrap_95", interval_json(told.bootstrap)},
+            {"bootstrap_open", open_json(told.bootstrap)},
             {"corrected", told.corrected ? number(*told.corrected) : Json(nullptr)}};
     }
     one["deviance"] = curve.fit.deviance;
@@ -70,30 +80,46 @@ Json curve_json(const FitReport& report, const FittedCurve& curve) {
 
 std::string fit_json(const FitReport& report) {
     const CurveSpec& spec = report.options.spec;
-    Json all = {{"source", report.source},       {"function", word_of(spec.family)},
-                {"guess", guess_text(spec)},     {"lapse", rate_text(spec.lapse_free, spec.lapse)},
-                {"priors", priors_text(spec)},   {"bootstrap", report.options.bootstrap},
-                {"seed", report.options.seed},   {"curves", Json::array()},
-                {"not_fitted", report.left_out}, {"differences", Json::array()},
-                {"people", Json::array()}};
+    Json all = {
+        {"source", report.source},         {"function", word_of(spec.family)},
+        {"guess", guess_text(spec)},       {"lapse", rate_text(spec.lapse_free, spec.lapse)},
+        {"priors", priors_text(spec)},     {"bootstrap", report.options.bootstrap},
+        {"seed", report.options.seed},     {"curves", Json::array()},
+        {"conditions", report.conditions}, {"not_fitted", Json::array()},
+        {"differences", Json::array()},    {"people", Json::array()}};
+    for (const NotFitted& one : report.left_out) {
+        all["not_fitted"].push_back(text_of(one));
+    }
     for (const FittedCurve& curve : report.curves) {
         all["curves"].push_back(curve_json(report, curve));
     }
     for (const Difference& one : report.differences) {
         all["differences"].push_back(
             {{"participant", one.participant},
-             {"of", report.conditions.back()},
+             {"of", one.condition},
              {"less", report.conditions.front()},
              {"threshold", number(one.threshold)},
+             {"threshold_why", std::isnan(one.threshold) ? Json("unbounded: that of a condition is")
+                                                         : Json(nullptr)},
              {"threshold_bootstrap_95", interval_json(one.threshold_interval)},
+             {"threshold_bootstrap_open", open_json(one.threshold_interval)},
              {"threshold_p", number(one.threshold_p)},
              {"jnd", number(one.jnd)},
+             {"jnd_why",
+              std::isnan(one.jnd) ? Json("unbounded: that of a condition is") : Json(nullptr)},
              {"jnd_bootstrap_95", interval_json(one.jnd_interval)},
+             {"jnd_bootstrap_open", open_json(one.jnd_interval)},
              {"slope_p", number(one.slope_p)}});
     }
     for (const OverPeople& one : report.people) {
+        Json left_out = Json::array();
+        for (const Without& person : one.left_out) {
+            left_out.push_back({{"participant", person.name}, {"why", person.why}});
+        }
         all["people"].push_back({{"what", one.what},
                                  {"people", one.mean.people},
+                                 {"left_out", left_out},
+                                 {"median", one.median ? number(*one.median) : Json(nullptr)},
                                  {"mean", number(one.mean.mean)},
                                  {"interval_95", interval_json(one.mean.interval)},
                                  {"sign_flip_p", one.test ? number(one.test->p) : Json(nullptr)}});

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <stdexcept>
 
@@ -10,33 +11,77 @@
 namespace palpate::data {
 namespace {
 
-constexpr double kUnbounded = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoValue = std::numeric_limits<double>::quiet_NaN();
+constexpr double kEndless = std::numeric_limits<double>::infinity();
+
+bool of_steepness(Quantity quantity) {
+    return quantity == Quantity::jnd || quantity == Quantity::weber || quantity == Quantity::slope;
+}
+
+/// Why a quantity of a curve has no end; empty where it has one.
+std::string unbounded_why(const CurveFit& fit, Quantity quantity) {
+    if (quantity == Quantity::guess || quantity == Quantity::lapse) {
+        return {};
+    }
+    return fit.shallow                               ? "unbounded: the share does not grow"
+         : fit.far && quantity != Quantity::at_share ? "unbounded: the share hardly changes"
+         : fit.steep && of_steepness(quantity)       ? "unbounded: no level lies on the rise"
+                                                     : "";
+}
+
+/// Why the formula of a quantity gives no number.
+std::string undefined_why(const FittedCurve& curve, Quantity quantity) {
+    const CurveSpec& spec = curve.model.spec();
+    if (quantity == Quantity::at_share) {
+        const double guess = quantity_of(spec, curve.fit.at, Quantity::guess);
+        return fmt::format("never reached: P goes from {:.4g} to {:.4g}", guess,
+                           1.0 - curve.fit.at[3]);
+    }
+    if (spec.family == protocols::Family::weibull_log10 ||
+        spec.family == protocols::Family::weibull_db) {
+        return "none of a logarithmic stimulus";
+    }
+    return "none: the threshold is not above 0";
+}
+
+/// A ratio of stimuli that may be below 0 says nothing.
+bool ratios(const Answers& answers) {
+    return std::ranges::all_of(answers.levels,
+                               [](const Level& level) { return level.stimulus >= 0.0; });
+}
 
 Told told_of(const FittedCurve& curve, const FitOptions& options, Quantity quantity) {
     const CurveSpec& spec = options.spec;
     const double share = options.at.value_or(0.5);
-    const double value = quantity_of(spec, curve.fit.at, quantity, share);
+    Told told{.quantity = quantity, .value = kNoValue};
+    if (quantity == Quantity::weber && !ratios(curve.answers)) {
+        told.why = "none: a stimulus is below 0";
+        return told;
+    }
+    told.value = quantity_of(spec, curve.fit.at, quantity, share);
     const bool rate = quantity == Quantity::guess || quantity == Quantity::lapse;
     const CurveMask free = curve.model.free();
-    Told told{.quantity = quantity, .value = value};
     told.fixed = rate && !(quantity == Quantity::lapse || spec.two_sided ? free[3] : free[2]);
     if (told.fixed) {
         return told;
     }
-    told.se = standard_error(spec, curve.fit, quantity, share);
+    if (std::isnan(told.value)) {
+        told.why = undefined_why(curve, quantity);
+        return told;
+    }
     if (!curve.fit.shallow) {
         told.profile = profile_interval(curve.model, curve.fit, quantity, share);
-        if (!curve.samples.at.empty() && !curve.fit.steep) {
-            told.bootstrap =
-                bootstrap_interval(of_all(spec, curve.samples, quantity, share),
-                                   quantity_of(spec, curve.samples.from, quantity, share));
-            told.corrected = corrected(spec, curve.fit, curve.samples, quantity, share);
-        }
     }
-    const bool of_steepness =
-        quantity == Quantity::jnd || quantity == Quantity::weber || quantity == Quantity::slope;
-    if (curve.fit.shallow || (curve.fit.steep && of_steepness)) {
-        told.value = kUnbounded;
+    told.why = unbounded_why(curve.fit, quantity);
+    if (!told.why.empty()) {
+        told.value = kNoValue;
+        return told;
+    }
+    told.se = standard_error(spec, curve.fit, quantity, share);
+    if (!curve.samples.at.empty() && !curve.fit.steep) {
+        told.bootstrap = bootstrap_interval(of_all(spec, curve.samples, quantity, share),
+                                            quantity_of(spec, curve.samples.from, quantity, share));
+        told.corrected = corrected(spec, curve.fit, curve.samples, quantity, share);
     }
     return told;
 }
@@ -52,14 +97,7 @@ FittedCurve fitted(const Answers& answers, const FitOptions& options, std::uint6
     if (options.at) {
         asked.insert(asked.begin() + 1, Quantity::at_share);
     }
-    // A ratio of stimuli that may be below 0 says nothing.
-    const bool ratios = std::ranges::all_of(
-        answers.levels, [](const Level& level) { return level.stimulus >= 0.0; });
     for (const Quantity quantity : asked) {
-        const bool weber = quantity == Quantity::weber;
-        if (weber && (!ratios || std::isnan(quantity_of(options.spec, curve.fit.at, quantity)))) {
-            continue;
-        }
         curve.told.push_back(told_of(curve, options, quantity));
     }
     return curve;
@@ -97,16 +135,16 @@ const FittedCurve* find_curve(const FitReport& report,
     return found == report.curves.end() ? nullptr : &*found;
 }
 
-void compare(FitReport& report) {
+void compare(FitReport& report, const std::string& condition) {
     const CurveSpec& spec = report.options.spec;
     for (const FittedCurve& two : report.curves) {
         const FittedCurve* one =
             find_curve(report, two.answers.participant, report.conditions.front());
-        if (one == nullptr || two.answers.condition != report.conditions.back() ||
-            one->fit.shallow || two.fit.shallow) {
+        if (one == nullptr || two.answers.condition != condition || one->fit.shallow ||
+            two.fit.shallow) {
             continue;
         }
-        Difference made{.participant = two.answers.participant};
+        Difference made{.participant = two.answers.participant, .condition = condition};
         made.threshold =
             told_in(two, Quantity::threshold).value - told_in(*one, Quantity::threshold).value;
         made.jnd = told_in(two, Quantity::jnd).value - told_in(*one, Quantity::jnd).value;
@@ -119,71 +157,160 @@ void compare(FitReport& report) {
     }
 }
 
-void add_people(FitReport& report, std::string what, const std::vector<double>& values, bool test) {
-    std::vector<double> known = values;
-    std::erase_if(known, [](double value) { return !std::isfinite(value); });
-    if (known.size() < 2) {
-        return;
+/// What is known of one person for an average: a number, or its rank alone (infinite), or neither (NaN).
+struct Known {
+    std::string name{};
+    double value = 0.0;
+    double rank = 0.0;
+    std::string why{};
+};
+
+/// Of the curve of a condition; without a name where the person gave no answers in it.
+Known known_of(const FitReport& report,
+               const std::string& person,
+               const std::string& condition,
+               Quantity quantity) {
+    const auto missing = std::ranges::find_if(report.left_out, [&](const NotFitted& one) {
+        return one.participant == person && one.condition == condition;
+    });
+    if (missing != report.left_out.end()) {
+        return {person, kNoValue, kNoValue, "cannot be fitted"};
     }
-    report.people.push_back({.what = std::move(what),
-                             .mean = mean_over_people(known),
-                             .test = test ? std::optional(sign_flip(known)) : std::nullopt});
+    const FittedCurve* curve = find_curve(report, person, condition);
+    if (curve == nullptr) {
+        return {"", kNoValue, kNoValue, "no answers"};
+    }
+    const Told& told = told_in(*curve, quantity);
+    Known known{person, told.value, told.value, told.why};
+    if (std::isnan(told.value)) {
+        const bool jnd = quantity == Quantity::jnd;
+        known.rank = curve->fit.shallow ? (jnd ? kEndless : kNoValue)
+                   : !jnd ? (curve->fit.at[0] > curve->model.last() ? kEndless : -kEndless)
+                   : curve->fit.far ? kEndless
+                                    : -kEndless;
+    }
+    return known;
 }
 
-void over_people(FitReport& report) {
-    for (const Quantity quantity : {Quantity::threshold, Quantity::jnd}) {
-        const std::string name = quantity == Quantity::threshold ? "threshold" : "JND";
-        for (const std::string& condition : report.conditions) {
-            std::vector<double> values;
-            for (const FittedCurve& curve : report.curves) {
-                if (curve.answers.condition == condition && !curve.answers.participant.empty()) {
-                    values.push_back(told_in(curve, quantity).value);
-                }
-            }
-            add_people(report, condition.empty() ? name : name + ", " + condition, values, false);
+/// The second less the first; without a name where the person has neither.
+Known difference_of(const Known& first, const Known& second) {
+    Known made{first.name.empty() ? second.name : first.name, second.value - first.value, kNoValue,
+               first.why.empty() || first.why == second.why ? second.why : first.why};
+    if (first.name.empty() != second.name.empty()) {
+        made.why = "one condition alone";
+    }
+    return made;
+}
+
+void add_people(FitReport& report, std::string what, const std::vector<Known>& all, bool test) {
+    std::vector<double> known;
+    std::vector<double> ranks;
+    OverPeople made{.what = std::move(what)};
+    for (const Known& one : all) {
+        if (std::isfinite(one.value)) {
+            known.push_back(one.value);
+        } else {
+            made.left_out.push_back({one.name, one.why});
         }
-        std::vector<double> differences;
-        for (const Difference& one : report.differences) {
-            differences.push_back(quantity == Quantity::threshold ? one.threshold : one.jnd);
-        }
-        if (!differences.empty()) {
-            add_people(report,
-                       fmt::format("{}, {} - {}", name, report.conditions.back(),
-                                   report.conditions.front()),
-                       differences, true);
+        if (!std::isnan(one.rank)) {
+            ranks.push_back(one.rank);
         }
     }
+    if (all.size() < 2) {
+        return;
+    }
+    made.mean = known.empty() ? PeopleMean{.mean = kNoValue} : mean_over_people(known);
+    if (!test && ranks.size() == all.size()) {
+        made.median = median_of(ranks);
+    }
+    if (test && known.size() > 1) {
+        made.test = sign_flip(known);
+    }
+    report.people.push_back(std::move(made));
+}
+
+void over_people(FitReport& report, const std::vector<std::string>& people) {
+    for (const Quantity quantity : {Quantity::threshold, Quantity::jnd}) {
+        const std::string name = quantity == Quantity::threshold ? "threshold" : "JND";
+        std::vector<std::vector<Known>> known;
+        for (const std::string& condition : report.conditions) {
+            std::vector<Known>& all = known.emplace_back();
+            for (const std::string& person : people) {
+                all.push_back(known_of(report, person, condition, quantity));
+            }
+            std::vector<Known> some = all;
+            std::erase_if(some, [](const Known& one) { return one.name.empty(); });
+            add_people(report, condition.empty() ? name : name + ", " + condition, some, false);
+        }
+        for (std::size_t c = 1; c < report.conditions.size(); ++c) {
+            std::vector<Known> differences;
+            for (std::size_t i = 0; i < people.size(); ++i) {
+                differences.push_back(difference_of(known[0][i], known[c][i]));
+            }
+            std::erase_if(differences, [](const Known& one) { return one.name.empty(); });
+            add_people(
+                report,
+                fmt::format("{}, {} - {}", name, report.conditions[c], report.conditions.front()),
+                differences, true);
+        }
+    }
+}
+
+/// Those that are named, then the others by name.
+std::vector<std::string> in_order(const std::vector<Answers>& all,
+                                  const std::vector<std::string>& first) {
+    const auto has = [&](const std::string& condition) {
+        return std::ranges::find(all, condition, &Answers::condition) != all.end();
+    };
+    std::vector<std::string> conditions;
+    std::ranges::copy_if(first, std::back_inserter(conditions), has);
+    const auto named = static_cast<std::ptrdiff_t>(conditions.size());
+    for (const Answers& one : all) {
+        if (std::ranges::find(conditions, one.condition) == conditions.end()) {
+            conditions.push_back(one.condition);
+        }
+    }
+    std::sort(conditions.begin() + named, conditions.end());
+    return conditions;
 }
 
 }  // namespace
 
-std::string name_of(const Answers& answers) {
-    const bool both = !answers.participant.empty() && !answers.condition.empty();
-    return answers.participant + (both ? ", " : "") + answers.condition;
+std::string name_of(const std::string& participant, const std::string& condition) {
+    const bool both = !participant.empty() && !condition.empty();
+    return participant + (both ? ", " : "") + condition;
+}
+
+std::string text_of(const NotFitted& one) {
+    const std::string who = name_of(one.participant, one.condition);
+    return who.empty() ? one.why : who + ": " + one.why;
 }
 
 FitReport fit_all(std::string source, const std::vector<Answers>& all, const FitOptions& options) {
-    FitReport report{.source = std::move(source), .options = options};
+    FitReport report{.source = std::move(source),
+                     .options = options,
+                     .conditions = in_order(all, options.conditions)};
+    std::vector<std::string> people;
     for (const Answers& answers : all) {
-        if (std::ranges::find(report.conditions, answers.condition) == report.conditions.end()) {
-            report.conditions.push_back(answers.condition);
+        const std::string& person = answers.participant;
+        if (!person.empty() && std::ranges::find(people, person) == people.end()) {
+            people.push_back(person);
         }
         try {
             report.curves.push_back(fitted(answers, options, report.curves.size()));
         } catch (const std::invalid_argument& e) {
-            const std::string who = name_of(answers);
-            report.left_out.push_back(who.empty() ? e.what() : who + ": " + e.what());
+            report.left_out.push_back({answers.participant, answers.condition, e.what()});
         }
     }
     if (report.curves.empty()) {
         throw std::invalid_argument(fmt::format(
             "{}: {}", report.source,
-            report.left_out.empty() ? "there are no answers" : report.left_out.front()));
+            report.left_out.empty() ? "there are no answers" : text_of(report.left_out.front())));
     }
-    if (report.conditions.size() == 2) {
-        compare(report);
+    for (std::size_t c = 1; c < report.conditions.size(); ++c) {
+        compare(report, report.conditions[c]);
     }
-    over_people(report);
+    over_people(report, people);
     return report;
 }
 

@@ -34,12 +34,15 @@ struct FitOptions {
     std::optional<double> at{};    ///< a share whose stimulus is asked for
     std::size_t bootstrap = 2000;  ///< samples; 0: none
     std::uint64_t seed = 1;
+    /// In their order, the first what others are compared with; those that are not named follow by name.
+    std::vector<std::string> conditions{};
 };
 
 /// One quantity of a curve.
 struct Told {
     Quantity quantity = Quantity::threshold;
-    double value = 0.0;  ///< NaN: unbounded, the data do not say
+    double value = 0.0;  ///< NaN: there is none
+    std::string why{};   ///< why there is none: "unbounded: ..."
     bool fixed = false;  ///< given, not fitted
     std::optional<double> se{};
     std::optional<Interval> profile{};
@@ -55,11 +58,12 @@ struct FittedCurve {
     std::vector<Told> told{};
 };
 
-/// Of one participant, the second condition less the first.
+/// Of one participant, a condition less the first.
 struct Difference {
     std::string participant{};
+    std::string condition{};
     double threshold = 0.0;
-    double jnd = 0.0;
+    double jnd = 0.0;  ///< NaN: one of the two is unbounded
     std::optional<Interval>
         threshold_interval{};  ///< bootstrap, both drawn apart; none where a curve has none
     std::optional<Interval> jnd_interval{};
@@ -67,11 +71,22 @@ struct Difference {
     double slope_p = 1.0;
 };
 
-/// A quantity over people.
+/// A quantity over people: of those in whom it has an end.
 struct OverPeople {
     std::string what{};
-    PeopleMean mean{};
+    PeopleMean mean{};  ///< of nobody: NaN
+    /// Of everybody, where an unbounded JND is below all others (no level on the rise) or above them (hardly a rise).
+    /// Nothing for differences, or where somebody has no rank.
+    std::optional<double> median{};
     std::optional<SignFlip> test{};  ///< of a difference
+    std::vector<Without> left_out{};
+};
+
+/// Answers that cannot be fitted.
+struct NotFitted {
+    std::string participant{};
+    std::string condition{};
+    std::string why{};
 };
 
 struct FitReport {
@@ -79,13 +94,15 @@ struct FitReport {
     FitOptions options{};
     std::vector<FittedCurve> curves{};
     std::vector<std::string> conditions{};
-    std::vector<std::string> left_out{};    ///< whose answers cannot be fitted, and why
-    std::vector<Difference> differences{};  ///< where there are two conditions
+    std::vector<NotFitted> left_out{};
+    std::vector<Difference> differences{};  ///< where there are two conditions or more
     std::vector<OverPeople> people{};       ///< where there are two people or more
 };
 
 /// "P01, friction on"; empty for answers of nobody in no condition.
-[[nodiscard]] std::string name_of(const Answers& answers);
+[[nodiscard]] std::string name_of(const std::string& participant, const std::string& condition);
+/// The name, and why.
+[[nodiscard]] std::string text_of(const NotFitted& one);
 
 /// @throws std::invalid_argument with value and remedy if none of the answers can be fitted
 [[nodiscard]] FitReport fit_all(std::string source,
@@ -94,7 +111,7 @@ struct FitReport {
 
 /// Tables for people.
 [[nodiscard]] std::string fit_text(const FitReport& report);
-/// The same for programs; what is unbounded or not known is null.
+/// The same for programs; what is not known is null, and why stands beside it.
 [[nodiscard]] std::string fit_json(const FitReport& report);
 /// A panel a participant: curves, shares, and the thresholds' profile intervals.
 [[nodiscard]] Figure fit_figure(const FitReport& report);

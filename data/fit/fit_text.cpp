@@ -38,7 +38,7 @@ std::string head_text(const FitReport& report) {
         "  threshold: x of F = 1/2 (of a comparison: the point of equality, PSE); JND: half the "
         "distance from F = "
         "1/4 to\n  F = 3/4; Weber fraction: JND / threshold.\n"
-        "  95 % intervals: profile likelihood",
+        "  95 % intervals (inf: no end that the answers bound): profile likelihood",
         report.source, counted(report.curves.size(), "curve"), word_of(spec.family),
         core_of(spec.family), guess_text(spec), rate_text(spec.lapse_free, spec.lapse),
         spec.map() ? "MAP with priors " + priors_text(spec) : "maximum likelihood, no priors");
@@ -56,8 +56,13 @@ std::string quantity_text(const FitOptions& options, Quantity quantity) {
                                           : std::string(word_of(quantity));
 }
 
+/// Four digits, and no -0.
+std::string number_text_of(double value) {
+    return fmt::format("{:.4g}", value == 0.0 ? 0.0 : value);
+}
+
 std::string interval_text(const std::optional<Interval>& interval) {
-    return interval ? fmt::format("{:.4g} to {:.4g}", interval->low, interval->high) : "-";
+    return interval ? number_text_of(interval->low) + " to " + number_text_of(interval->high) : "-";
 }
 
 std::string told_text(const FitOptions& options, const Told& told) {
@@ -67,8 +72,11 @@ std::string told_text(const FitOptions& options, const Told& told) {
             "  {:<15} {:<10.4g} {}\n", name, told.value,
             options.spec.two_sided && told.quantity == Quantity::guess ? "as lapse" : "given");
     }
-    const std::string value =
-        std::isnan(told.value) ? "unbounded" : fmt::format("{:.4g}", told.value);
+    const bool unbounded = told.why.starts_with("unbounded");
+    if (!told.why.empty() && !unbounded) {
+        return fmt::format("  {:<15} {}\n", name, told.why);
+    }
+    const std::string value = unbounded ? "unbounded" : number_text_of(told.value);
     const std::string se = told.se ? fmt::format("{:.3g}", *told.se) : "-";
     std::string line =
         fmt::format("  {:<15} {:<10} {:<10} {:<22}", name, value, se, interval_text(told.profile));
@@ -81,7 +89,7 @@ std::string told_text(const FitOptions& options, const Told& told) {
 
 std::string curve_text(const FitReport& report, const FittedCurve& curve) {
     const FitOptions& options = report.options;
-    const std::string name = name_of(curve.answers);
+    const std::string name = name_of(curve.answers.participant, curve.answers.condition);
     const auto degrees = static_cast<std::int64_t>(curve.model.levels()) - curve.fit.parameters;
     std::string text =
         fmt::format("\n{}{}, {}; deviance {:.4g} on {} df", name.empty() ? "" : name + ": ",
@@ -112,20 +120,24 @@ std::string p_text(double p) {
     return p < 0.001 ? "p < 0.001" : fmt::format("p = {:.3f}", p);
 }
 
-std::string differences_text(const FitReport& report) {
-    if (report.differences.empty()) {
+std::string differences_text(const FitReport& report, const std::string& condition) {
+    if (std::ranges::find(report.differences, condition, &Difference::condition) ==
+        report.differences.end()) {
         return {};
     }
     std::string text = fmt::format(
         "\n{} - {}, within person (interval: bootstrap; p: likelihood ratio, chi-square of 1 df)\n",
-        report.conditions.back(), report.conditions.front());
+        condition, report.conditions.front());
     const auto line = [](const std::string& what, double value,
                          const std::optional<Interval>& interval, double p, const char* of) {
         return fmt::format("  {:<25} {:<10} {:<22} {}{}\n", what,
-                           std::isnan(value) ? "unbounded" : fmt::format("{:.4g}", value),
+                           std::isnan(value) ? "unbounded" : number_text_of(value),
                            interval_text(interval), p_text(p), of);
     };
     for (const Difference& one : report.differences) {
+        if (one.condition != condition) {
+            continue;
+        }
         const std::string who = one.participant.empty() ? "" : one.participant + ", ";
         text += line(who + "threshold", one.threshold, one.threshold_interval, one.threshold_p, "");
         text += line(who + "JND", one.jnd, one.jnd_interval, one.slope_p, " (of equal slopes b)");
@@ -139,9 +151,18 @@ std::string people_text(const FitReport& report) {
     }
     std::string text = "\nOver people (mean, Student's interval of 95 %)\n";
     for (const OverPeople& one : report.people) {
-        text += fmt::format("  {:<25} {:<10.4g} {:<22} {} people", one.what, one.mean.mean,
-                            interval_text(one.mean.interval), one.mean.people);
+        text += fmt::format("  {:<25} {:<10} {:<22} {}", one.what,
+                            one.mean.people > 0 ? number_text_of(one.mean.mean) : "-",
+                            interval_text(one.mean.interval),
+                            counted(one.mean.people, "person", "people"));
         text += one.test ? fmt::format("; sign-flip p = {:.3g}\n", one.test->p) : "\n";
+        if (!one.left_out.empty()) {
+            text += fmt::format("  {:<25} {}\n", "", without_text(one.left_out));
+            text += one.median
+                      ? fmt::format("  {:<25} {:<10} median of all, what is unbounded by rank\n",
+                                    "", number_text_of(*one.median))
+                      : "";
+        }
     }
     return text;
 }
@@ -221,8 +242,15 @@ std::vector<std::string> warnings_of(const FitReport& report, const FittedCurve&
                         fit.second >= fit.value ? "higher than Fisher scoring" : "lower"));
     }
     if (curve.samples.steep > 0 && !fit.steep) {
-        all.push_back(fmt::format("{} of {} bootstrap samples have no end of the slope",
-                                  curve.samples.steep, report.options.bootstrap));
+        all.push_back(fmt::format(
+            "{} of {} bootstrap samples are steps: their JND counts as 0, their slope as infinite",
+            curve.samples.steep, report.options.bootstrap));
+    }
+    if (curve.samples.far > 0 && !fit.far) {
+        all.push_back(
+            fmt::format("{} of {} bootstrap samples hardly rise: their threshold and JND "
+                        "count as infinite",
+                        curve.samples.far, report.options.bootstrap));
     }
     const double degrees =
         static_cast<double>(curve.model.levels()) - static_cast<double>(fit.parameters);
@@ -251,10 +279,13 @@ std::string fit_text(const FitReport& report) {
     for (const FittedCurve& curve : report.curves) {
         text += curve_text(report, curve);
     }
-    for (const std::string& one : report.left_out) {
-        text += "\nNot fitted: " + one + ".\n";
+    for (const NotFitted& one : report.left_out) {
+        text += "\nNot fitted: " + text_of(one) + ".\n";
     }
-    text += differences_text(report) + people_text(report);
+    for (const std::string& condition : report.conditions) {
+        text += differences_text(report, condition);
+    }
+    text += people_text(report);
     const auto agreed =
         std::ranges::count_if(report.curves, [](const FittedCurve& one) { return one.fit.agree; });
     return text +

@@ -58,6 +58,21 @@ void number_people(Database& database, std::vector<Answers>& all) {
     }
 }
 
+std::vector<std::string> conditions_of(Database& database, const StoredChoice& choice) {
+    Statement row = database.prepare(
+        "SELECT name FROM (SELECT run_name AS name, run_number AS place FROM analysis_trial WHERE "
+        "study_name = ?1 AND session_kind = ?2 AND run_name IS NOT NULL UNION ALL SELECT friction, "
+        "mu_s FROM plan JOIN session USING (session_id) JOIN study USING (study_id) WHERE "
+        "study_name = ?1 AND session_kind = ?2 AND phase = 'main') GROUP BY name ORDER BY "
+        "min(place), name");
+    row.bind(1, choice.study).bind(2, choice.kind);
+    std::vector<std::string> names;
+    while (row.step()) {
+        names.push_back(row.text(0));
+    }
+    return names;
+}
+
 }  // namespace
 
 bool answers_are_names(Database& database, const StoredChoice& choice) {
@@ -70,7 +85,7 @@ bool answers_are_names(Database& database, const StoredChoice& choice) {
     return row.integer(0) != 0;
 }
 
-std::vector<Answers> stored_answers(Database& database, const StoredChoice& asked) {
+StoredAnswers stored_answers(Database& database, const StoredChoice& asked) {
     const Snapshot now(database);
     StoredChoice choice = asked;
     std::set<std::string> studies;
@@ -108,15 +123,15 @@ std::vector<Answers> stored_answers(Database& database, const StoredChoice& aske
                         fmt::join(studies, ", ")));
     }
     choice.study = *studies.begin();
-    std::vector<Answers> all;
+    StoredAnswers stored{.study = choice.study, .conditions = conditions_of(database, choice)};
     for (auto& [study, answers] : found) {
-        all.push_back(std::move(answers));
+        stored.all.push_back(std::move(answers));
     }
-    add_beliefs(database, choice, all);
+    add_beliefs(database, choice, stored.all);
     if (!choice.codes) {
-        number_people(database, all);
+        number_people(database, stored.all);
     }
-    return all;
+    return stored;
 }
 
 }  // namespace palpate::data

@@ -18,11 +18,18 @@ struct StoredChoice {
 /// There is no graded stimulus to fit, but there are answers by a picture's name.
 [[nodiscard]] bool answers_are_names(Database& database, const StoredChoice& choice);
 
+struct StoredAnswers {
+    std::string study{};
+    std::vector<Answers> all{};
+    /// Runs in the order of the protocol, frictions from the least: as in all tables.
+    std::vector<std::string> conditions{};
+};
+
 /// Of every participant and condition of a study the answers that count, main trials alone. Where a rule chose the
 /// levels: the runs, by name, its stimulus, and how often the answer was 1 (two intervals: the comparison); with
 /// yes-no on planned objects: their curvature in 1/m, by friction, and how often yes. Sessions of a participant add
 /// up; what the rules believe stands beside them, session by session.
 /// @throws std::invalid_argument if there are none, or of several studies: which there are
-[[nodiscard]] std::vector<Answers> stored_answers(Database& database, const StoredChoice& choice);
+[[nodiscard]] StoredAnswers stored_answers(Database& database, const StoredChoice& choice);
 
 }  // namespace palpate::data

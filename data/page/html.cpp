@@ -298,7 +298,9 @@ std::string PageWriter::page() const {
         "<footer><p>Made by palpate {} from {}. No day, no name{} is on this page.</p></footer>\n"
         "</body>\n</html>\n",
         contents_, numbered(body_), open_ ? "</section>\n" : "", html_text(options.version),
-        html_text(study_->file()), options.codes ? "" : " and no code of a participant");
+        options.codes ? html_text(study_->file())
+                      : "the study's database, called FILE here, whose newest seals stand above",
+        options.codes ? "" : ", no code of a participant and no name of a file");
     return out;
 }
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/base/text.hpp"
 #include "data/fit/fit_words.hpp"
 #include "data/page/sections.hpp"
 #include "data/store/graded_answers.hpp"
@@ -62,12 +63,23 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
         rate_text(fit.options.spec.lapse_free, fit.options.spec.lapse), fit.options.bootstrap);
     figure.results.push_back(fit_results(numbers));
     page.figure(figure);
-    for (const std::string& one : fit.left_out) {
-        page.paragraph("Not fitted: " + one);
+    for (const NotFitted& one : fit.left_out) {
+        page.paragraph("Not fitted: " + text_of(one));
+    }
+    for (const OverPeople& one : fit.people) {
+        if (!one.left_out.empty()) {
+            page.paragraph(fmt::format(
+                "Mean {} over {}; {}.{}", one.what, counted(one.mean.people, "person", "people"),
+                without_text(one.left_out),
+                one.median ? fmt::format(" Median of all, what is unbounded by its rank: {:.4g}.",
+                                         *one.median)
+                           : std::string()));
+        }
     }
     for (const FittedCurve& curve : fit.curves) {
         for (const std::string& one : warnings_of(fit, curve)) {
-            page.paragraph(fmt::format("Person {}: {}", name_of(curve.answers), one));
+            page.paragraph(fmt::format(
+                "Person {}: {}", name_of(curve.answers.participant, curve.answers.condition), one));
         }
     }
 }

@@ -173,8 +173,14 @@ void add_facts(PageWriter& page, const Study& study, const PageNumbers& numbers)
     }
     if (numbers.fit) {
         for (const OverPeople& one : numbers.fit->people) {
-            out += fact(one.what, fmt::format("{:.4g}", one.mean.mean),
-                        one.mean.interval ? "95 % " + interval_text(*one.mean.interval) : "");
+            out +=
+                fact(one.what, one.mean.people > 0 ? fmt::format("{:.4g}", one.mean.mean) : "none",
+                     fmt::format("mean of {}{}{}", counted(one.mean.people, "person", "people"),
+                                 one.mean.interval ? "; 95 % " + interval_text(*one.mean.interval)
+                                                   : std::string(),
+                                 one.left_out.empty()
+                                     ? std::string()
+                                     : fmt::format("; {} left out", one.left_out.size())));
         }
     }
     page.html(out + "</dl>\n");

@@ -114,7 +114,7 @@ std::vector<std::string> Rows::levels(std::string_view name) const {
 
 Study::Study(Database& database, const PageOptions& options)
     : database_(&database), options_(options) {
-    file_ = std::filesystem::path(database.file()).filename().string();
+    file_ = options.codes ? std::filesystem::path(database.file()).filename().string() : "FILE";
     choose();
     number_people();
 }

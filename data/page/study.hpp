@@ -73,7 +73,7 @@ public:
     [[nodiscard]] const std::vector<LeftOut>& left_out() const { return left_out_; }
     /// " --kind simulated --study x": what other commands need to speak of the same.
     [[nodiscard]] const std::string& words() const { return words_; }
-    /// The file's name without its folder.
+    /// FILE, since a name may hold a code; where codes are asked for, the file's without its folder.
     [[nodiscard]] const std::string& file() const { return file_; }
 
 private:

@@ -37,25 +37,25 @@ std::optional<TrialTable> stats_trials(Database& database, const Study& study) {
 }
 
 /// The answers that palpate fit takes without other words; people as on the page.
-std::vector<Answers> fit_answers(Database& database, const Study& study) {
+StoredAnswers fit_answers(Database& database, const Study& study) {
     if (!any(database, study,
              fmt::format("({}) WHERE study_name = ?1 AND session_kind = ?2", kGradedAnswers))) {
         return {};
     }
-    std::vector<Answers> answers =
+    StoredAnswers answers =
         stored_answers(database, {.kind = study.options().kind, .study = study.name()});
-    for (Answers& one : answers) {
+    for (Answers& one : answers.all) {
         one.participant = study.person(one.participant);
     }
     return answers;
 }
 
 /// As palpate fit does without other words, then in the page's order of people.
-FitReport fit_numbers(const Study& study, const std::vector<Answers>& answers) {
+FitReport fit_numbers(const Study& study, const StoredAnswers& answers) {
     constexpr double kLapse = 0.02;
-    FitOptions options{.bootstrap = study.options().bootstrap};
+    FitOptions options{.bootstrap = study.options().bootstrap, .conditions = answers.conditions};
     options.spec = {.guess = kLapse, .lapse = kLapse, .two_sided = true};
-    FitReport fit = fit_all(study.file(), answers, options);
+    FitReport fit = fit_all(study.name(), answers.all, options);
     if (!study.options().codes) {
         std::ranges::stable_sort(fit.curves, {}, [](const FittedCurve& curve) {
             return std::stoul(curve.answers.participant);
@@ -91,12 +91,12 @@ std::string study_page(Database& database, const PageOptions& options) {
 
     // Statistics need no database any more: they are computed while the rest is asked for.
     std::optional<TrialTable> trials = stats_trials(database, study);
-    const std::vector<Answers> answers = fit_answers(database, study);
+    const StoredAnswers answers = fit_answers(database, study);
     auto computed = std::async(std::launch::async, [&] {
         if (trials) {
             numbers.stats = stats_of(*std::move(trials), {.simulations = options.simulations});
         }
-        if (!answers.empty()) {
+        if (!answers.all.empty()) {
             numbers.fit = fit_numbers(study, answers);
         }
     });

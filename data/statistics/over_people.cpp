@@ -5,8 +5,10 @@
 #include <vector>
 
 #include <boost/math/distributions/students_t.hpp>
+#include <fmt/format.h>
 
 #include "engine/base/pcg32.hpp"
+#include "engine/base/text.hpp"
 
 namespace palpate::data {
 namespace {
@@ -115,6 +117,27 @@ SignFlip sign_flip(std::span<const double> differences) {
     const bool exact = differences.size() <= kMostExact;
     return {.p = exact ? exact_share(differences, far) : drawn_share(differences, far),
             .exact = exact};
+}
+
+std::string without_text(std::span<const Without> people) {
+    std::string text;
+    for (const Without& one : people) {
+        text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", one.name, one.why);
+    }
+    return people.empty()
+             ? text
+             : fmt::format("{} left out: {}", counted(people.size(), "person", "people"), text);
+}
+
+std::optional<double> median_of(std::vector<double> values) {
+    if (values.empty()) {
+        return std::nullopt;
+    }
+    std::ranges::sort(values);
+    const double low = values[(values.size() - 1) / 2];
+    const double high = values[values.size() / 2];
+    const bool known = std::isfinite(low) && std::isfinite(high);
+    return known ? std::optional(0.5 * (low + high)) : std::nullopt;
 }
 
 Interval newcombe(std::int64_t k1, std::int64_t n1, std::int64_t k2, std::int64_t n2) {

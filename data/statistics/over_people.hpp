@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "data/statistics/wilson.hpp"
 
@@ -34,6 +36,19 @@ struct PeopleMean {
 /// each person's logit in .881 to .955 (its centre is another quantity), on the arcsine in .914 to .953.
 /// Within .5 .. .73 it is between .949 and .956 (tests). Nothing where the mean is 0 or 1.
 [[nodiscard]] PeopleMean mean_share_over_people(std::span<const double> shares);
+
+/// Who has no such number, and why: an average over people names them, or it would be of others than it seems.
+struct Without {
+    std::string name{};
+    std::string why{};
+};
+
+/// "2 people left out: P03 (no curve), P05 (unbounded)"; empty for nobody.
+[[nodiscard]] std::string without_text(std::span<const Without> people);
+
+/// The middle value, of two the mean of both. Values may be infinite, where only their rank is known. Nothing for no
+/// value, or where the middle is not finite. @pre none is NaN
+[[nodiscard]] std::optional<double> median_of(std::vector<double> values);
 
 struct SignFlip {
     double p = 1.0;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <fstream>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -34,6 +35,7 @@ struct FitWords {
     std::string study;
     std::vector<std::string> items;
     bool keep_codes = false;
+    std::string baseline;
 };
 
 /// A number, or one over another: "1/3". @throws std::invalid_argument that names the option
@@ -134,6 +136,9 @@ void declare(CommandWords& words, FitWords& options) {
     words.add("--seed", options.seed, "Of the bootstrap; 1 without it");
     words.add("--json", options.json, "For programs, to standard output");
     words.add("--svg", options.svg, "Also a drawing of the curves, into this file");
+    words.add("--baseline", options.baseline,
+              "The condition that others are compared with; without it the first by name, of a "
+              "database the first run or the least friction");
     words.add("--kind", options.kind, "Of a database, which sessions: real, pilot or simulated")
         .among({"real", "pilot", "simulated"})
         .with_default();
@@ -166,6 +171,9 @@ int fit_identifications(const FitWords& words, bool database) {
     } else {
         table = data::read_trials(words.file);
     }
+    if (!words.baseline.empty()) {
+        data::compare_with(table, words.baseline);
+    }
     for (const std::string& item : words.items) {
         const std::size_t equals = item.rfind('=');
         if (equals == std::string::npos || equals == 0) {
@@ -197,6 +205,25 @@ void refuse_words_of_curves(const FitWords& words) {
     }
 }
 
+/// The order of the conditions, with what they are compared with first.
+std::vector<std::string> order_of(const data::StoredAnswers& answers, const std::string& baseline) {
+    std::vector<std::string> order = answers.conditions;
+    if (baseline.empty()) {
+        return order;
+    }
+    std::set<std::string> known;
+    for (const data::Answers& one : answers.all) {
+        known.insert(one.condition);
+    }
+    if (!known.contains(baseline)) {
+        throw std::invalid_argument(
+            fmt::format("--baseline is {}: give one of {}", baseline, fmt::join(known, ", ")));
+    }
+    std::erase(order, baseline);
+    order.insert(order.begin(), baseline);
+    return order;
+}
+
 int run(const FitWords& words) {
     const bool database = data::is_database(words.file);
     bool identifications = !database && is_trial_csv(words.file);
@@ -224,16 +251,19 @@ int run(const FitWords& words) {
                 fmt::format("--at is {}: give a share between 0 and 1", *words.at));
         }
     }
-    std::vector<data::Answers> answers;
+    data::StoredAnswers answers;
     if (database) {
         data::Database file(words.file, data::Access::read);
         answers = data::stored_answers(
             file, {.kind = words.kind, .study = words.study, .codes = words.keep_codes});
     } else {
-        answers = data::read_answers(words.file);
+        answers.all = data::read_answers(words.file);
     }
+    options.conditions = order_of(answers, words.baseline);
     require_writable(words.svg, "<svg");
-    const data::FitReport report = data::fit_all(words.file, answers, options);
+    const data::FitReport report =
+        data::fit_all(database && !words.keep_codes ? "study " + answers.study : words.file,
+                      answers.all, options);
     if (!words.svg.empty()) {
         data::write_svg(words.svg, data::fit_figure(report));
     }

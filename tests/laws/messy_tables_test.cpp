@@ -1,0 +1,274 @@
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/slurp.hpp"
+
+// What an analyst's tables are like, seen from outside: the shipped program, files, what it prints.
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+Finished run(std::vector<std::string> words) {
+    const Finished done = palpate_command(words);
+    CAPTURE(words, done.error);
+    REQUIRE(done.code == 0);
+    return done;
+}
+
+Json json_of(std::vector<std::string> words) {
+    words.emplace_back("--json");
+    return Json::parse(run(std::move(words)).out);
+}
+
+void refused(const std::vector<std::string>& words, const std::string& why) {
+    const Finished done = palpate_command(words);
+    CAPTURE(words);
+    CHECK(done.code == 2);
+    CHECK(done.out.empty());
+    CHECK_THAT(done.error, ContainsSubstring(why));
+}
+
+}  // namespace
+
+TEST_CASE(
+    "tables with a column twice, another encoding or other separators are refused at their place",
+    "[fit][stats]") {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("d.csv");
+    const auto of = [&](const char* command, const std::string& text, const std::string& why) {
+        write(csv, text);
+        refused({command, csv}, why);
+    };
+    of("fit", "stimulus,n,k,n\n1,10,2,9\n",
+       "d.csv:1:14: the head names the column n twice, first as its column 2");
+    of("stats", "subject,trial,shape,friction,response,shape\nA,1,a,on,a,b\n",
+       "d.csv:1:39: the head names the column shape twice, first as its column 3");
+    of("fit", "stimulus,n,k,participant\n1,10,2,P1\n2,10,8,M\xFCller\n",
+       "d.csv:3:8: participant is not UTF-8");
+    of("stats", "subject,trial,shape,friction,response\nA,1,a,glatt,a\nA,2,a,r\xE4u,a\n",
+       "d.csv:3:7: friction is not UTF-8");
+    of("fit", std::string("\xFF\xFEs\0t\0i\0", 8), "d.csv:1: the head is not UTF-8");
+    of("fit", "stimulus;n;k\n0,5;10;2\n", "d.csv:1: the fields are parted by semicolons");
+    of("stats", "subject\ttrial\tshape\nA\t1\ta\n", "d.csv:1: the fields are parted by tabs");
+    // A column that nobody reads may be there twice, and in any bytes.
+    write(csv, "\xEF\xBB\xBFstimulus,n,k,note,note\r\n1,20,2,x,\xFC\r\n2,20,9,,\r\n3,20,18,,\r\n");
+    CHECK(json_of({"fit", csv})["curves"][0]["answers"] == 60);
+}
+
+TEST_CASE(
+    "names that a spreadsheet takes for formulas, quotes and backslashes go through R and back",
+    "[stats][law]") {
+    const TemporaryFolder folder;
+    const std::vector<std::string> people{"=2+5",
+                                          "+on",
+                                          "-off",
+                                          "@x",
+                                          "he \"\"said\"\"",
+                                          "b\\n\\\"\"",
+                                          "M\xC3\xBCller \xF0\x9F\x98\x80"};
+    std::string text = "subject,trial,shape,friction,response,excluded\n";
+    for (std::size_t i = 0; i < people.size(); ++i) {
+        for (std::size_t t = 0; t < 12; ++t) {
+            text += fmt::format("\"{}\",{},a,{},{},{}\n", people[i], t,
+                                t % 2 == 0 ? "\"=off\"" : "\"-o\\\"\"n\"",
+                                (t * (i + 2)) % 5 < 3 ? "a" : "b", t == 0 ? "=late" : "");
+        }
+    }
+    write(folder.file("d.csv"), text);
+    const std::vector<std::string> how{"--simulations", "0", "--permutations", "0"};
+    std::vector<std::string> words{"stats", folder.file("d.csv"), "--emit-r", folder.file("r.R")};
+    words.insert(words.end(), how.begin(), how.end());
+    const Json ours = json_of(words);
+    CHECK(ours["frictions"] == Json({"-o\\\"n", "=off"}));
+    const std::string beside = tests::slurp(folder.file("r.csv"));
+    CHECK_THAT(beside, ContainsSubstring("'=2+5,") && ContainsSubstring("'=late") &&
+                           !ContainsSubstring("\n=") && !ContainsSubstring(",="));
+    // palpate reads its own table back to the same names and numbers.
+    Json again =
+        json_of({"stats", folder.file("r.csv"), "--simulations", "0", "--permutations", "0"});
+    again["source"] = ours["source"];
+    CHECK(again == ours);
+    if (Process({"Rscript", "-e", "1"}).wait().code != 0) {
+        WARN("R is not installed: not checked");
+        return;
+    }
+    // A slice of the script, without the mixed model: it must parse, read its table and find the people.
+    const Finished r =
+        Process(
+            {"Rscript", "-e",
+             fmt::format(
+                 "s <- readLines('{}'); invisible(parse(text = s)); cut <- "
+                 "grep('^part\\\\(|^if \\\\(any', s)[1]; setwd('{}'); invisible(eval(parse(text = "
+                 "s[seq_len(cut - 1)]))); mixed <- function(...) NULL; part(all[all$excluded == "
+                 "'', ], '/applied')",
+                 folder.file("r.R"), folder.path().string())},
+            {"LC_ALL=C"})
+            .wait();
+    CAPTURE(r.error);
+    REQUIRE(r.code == 0);
+    std::istringstream lines(r.out);
+    std::size_t compared = 0;
+    for (std::string line; std::getline(lines, line);) {
+        const std::size_t tab = line.find('\t');
+        REQUIRE(tab != std::string::npos);
+        std::string place = line.substr(0, tab);
+        // In the C locale R spells what is not ASCII.
+        for (const auto& [spelled, utf8] :
+             {std::pair{"<U+00FC>", "\xC3\xBC"}, {"<U+0001F600>", "\xF0\x9F\x98\x80"}}) {
+            if (const std::size_t at = place.find(spelled); at != std::string::npos) {
+                place.replace(at, std::string(spelled).size(), utf8);
+            }
+        }
+        CAPTURE(line);
+        REQUIRE(ours.contains(Json::json_pointer(place)));
+        CHECK(ours.at(Json::json_pointer(place)).get<double>() ==
+              Approx(std::stod(line.substr(tab + 1))).epsilon(2e-8).margin(1e-9));
+        ++compared;
+    }
+    CHECK(compared > 150);
+}
+
+TEST_CASE("people whose JND has no end are counted and named, and the median keeps them",
+          "[fit][law]") {
+    const TemporaryFolder folder;
+    std::string text = "stimulus,n,k,participant,condition\n";
+    const auto add = [&](const char* who, const char* where, const std::vector<int>& hits) {
+        for (std::size_t i = 0; i < hits.size(); ++i) {
+            text += fmt::format("{},20,{},{},{}\n", i + 1, hits[i], who, where);
+        }
+    };
+    for (const char* who : {"A", "B", "C"}) {
+        add(who, "on", {1, 4, 10, 15, 19});
+        add(who, "off", {0, 2, 9, 17, 20});
+    }
+    add("D", "on", {2, 5, 9, 14, 18});
+    add("D", "off", {0, 0, 0, 20, 20});  // a step
+    add("E", "on", {12, 10, 9, 8, 10});  // no rise
+    add("E", "off", {1, 3, 11, 16, 19});
+    add("F", "off", {1, 2, 12, 18, 20});  // one condition alone
+    write(folder.file("d.csv"), text);
+    const Json all = json_of({"fit", folder.file("d.csv"), "--bootstrap", "60"});
+    CHECK(all["conditions"] == Json({"off", "on"}));
+    const auto of = [&](const std::string& what) {
+        for (const Json& one : all["people"]) {
+            if (one["what"] == what) {
+                return one;
+            }
+        }
+        FAIL("no " << what);
+        return Json();
+    };
+    const Json off = of("JND, off");
+    CHECK(off["people"] == 5);
+    REQUIRE(off["left_out"].size() == 1);
+    CHECK(off["left_out"][0]["participant"] == "D");
+    CHECK_THAT(off["left_out"][0]["why"].get<std::string>(), ContainsSubstring("on the rise"));
+    CHECK(off["median"].is_number());
+    const Json difference = of("JND, on - off");
+    CHECK(difference["people"] == 3);
+    REQUIRE(difference["left_out"].size() == 3);
+    CHECK(difference["left_out"][2] ==
+          Json({{"participant", "F"}, {"why", "one condition alone"}}));
+    CHECK(of("threshold, on - off")["people"] == 4);
+    for (const Json& curve : all["curves"]) {
+        if (curve["participant"] == "D" && curve["condition"] == "off") {
+            CHECK(curve["jnd"]["estimate"].is_null());
+            CHECK_THAT(curve["jnd"]["why"].get<std::string>(), ContainsSubstring("unbounded"));
+            CHECK(curve["slope"]["profile_95"][1].is_null());
+            CHECK(curve["slope"]["profile_open"] == "high");
+        }
+        if (curve["participant"] == "A") {
+            CHECK(curve["jnd"]["why"].is_null());
+            CHECK(curve["jnd"]["profile_open"].is_null());
+        }
+    }
+    const std::string told = run({"fit", folder.file("d.csv"), "--bootstrap", "60"}).out;
+    CHECK_THAT(told, ContainsSubstring("1 person left out: D (unbounded: no level on the rise)") ||
+                         ContainsSubstring("1 person left out: D (unbounded: no level lies"));
+    CHECK_THAT(told, ContainsSubstring("F (one condition alone)") &&
+                         ContainsSubstring("what is unbounded by rank") &&
+                         ContainsSubstring("on - off, within person") &&
+                         !ContainsSubstring("1 people"));
+    const Json turned =
+        json_of({"fit", folder.file("d.csv"), "--bootstrap", "0", "--baseline", "on"});
+    CHECK(turned["people"].back()["what"] == "JND, off - on");
+    CHECK(turned["people"].back()["mean"].get<double>() ==
+          Approx(-difference["mean"].get<double>()));
+    refused({"fit", folder.file("d.csv"), "--baseline", "wet"},
+            "--baseline is wet: give one of off, on");
+}
+
+TEST_CASE("palpate fit says why there is no Weber fraction and no stimulus at a share", "[fit]") {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("d.csv");
+    write(csv, "stimulus,n,k\n-2,20,1\n-1,20,4\n0,20,9\n1,20,16\n2,20,19\n");
+    const std::vector<std::string> words{"fit", csv, "--bootstrap", "0", "--at", "0.99"};
+    CHECK_THAT(run(words).out,
+               ContainsSubstring("Weber fraction  none: a stimulus is below 0") &&
+                   ContainsSubstring("x of P = 0.99   never reached: P goes from 0 to 0.98") &&
+                   !ContainsSubstring("unbounded"));
+    const Json curve = json_of(words)["curves"][0];
+    CHECK(curve["weber_fraction"]["why"] == "none: a stimulus is below 0");
+    CHECK(curve["stimulus_at"]["estimate"].is_null());
+    write(csv, "stimulus,n,k\n0,20,12\n1,20,16\n2,20,19\n");
+    CHECK_THAT(run(words).out,
+               ContainsSubstring("Weber fraction  none: the threshold is not above 0"));
+}
+
+TEST_CASE(
+    "who is perfect in both conditions has no difference of d', however many answers they have",
+    "[stats][law]") {
+    const TemporaryFolder folder;
+    std::string text = "subject,trial,shape,friction,response\n";
+    std::string asked = text;
+    for (int person = 0; person < 8; ++person) {
+        for (int t = 0; t < 60; ++t) {
+            const char* shape = t % 2 == 0 ? "a" : "b";
+            const char* friction = t < 40 ? "off" : "on";
+            text += fmt::format("P{},{},{},{},{}\n", person, t, shape, friction, shape);
+            asked += fmt::format("P{},{},{},{},{}\n", person, t, shape, friction,
+                                 t % 2 == 0 ? "yes" : "no");
+        }
+    }
+    write(folder.file("d.csv"), text);
+    write(folder.file("y.csv"), asked);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"stats", folder.file("d.csv")},
+          std::vector<std::string>{"stats", folder.file("y.csv"), "--signal", "a"}}) {
+        std::vector<std::string> all = words;
+        all.insert(all.end(), {"--simulations", "0", "--permutations", "0"});
+        const Json part = json_of(all)["applied"];
+        CHECK(part["measures"]["d_prime"]["effects"]["on"]["mean"] == 0.0);
+        CHECK(part["measures"]["d_prime"]["effects"]["on"]["sign_flip_p"] == 1.0);
+        // A person's own d' keeps the correction of its own answers.
+        const Json& cells = part["people"]["P0"]["friction"];
+        CHECK(cells["off"]["d_prime"].get<double>() > cells["on"]["d_prime"].get<double>());
+        const std::string told = run(all).out;
+        CHECK_THAT(told, ContainsSubstring("Of 8 people the frictions have different numbers") &&
+                             !ContainsSubstring("-0.00"));
+    }
+}
+
+TEST_CASE("palpate stats shows Brier's score in its table", "[stats]") {
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"),
+          "subject,trial,shape,friction,response,confidence\nA,1,a,off,a,0.8\nA,2,b,off,a,0.6\n"
+          "A,3,a,off,a,1\nB,1,a,off,a,0.5\nB,2,b,off,b,0.5\n");
+    // A: (0.2^2 + 0.6^2 + 0) / 3; B: 0.25.
+    CHECK_THAT(
+        run({"stats", folder.file("d.csv"), "--simulations", "0"}).out,
+        ContainsSubstring("Brier's score") && ContainsSubstring("A 0.133, B 0.250; mean 0.192"));
+}
