@@ -130,7 +130,8 @@ IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject)
     for (const CallCounts& one : person.counts) {
         const std::string unnamed = never_named(report, one);
         person.no_similarity.push_back(
-            unnamed.empty() ? "" : unnamed + " was never called by its name: unbounded");
+            unnamed.empty() ? ""
+                            : fmt::format("{} was never called by its name: unbounded", unnamed));
         person.similarity.emplace_back();
         if (unnamed.empty()) {
             person.similarity.back() = fit_similarity(one);

@@ -2,26 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 #include <stdexcept>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include "data/choice/thurstone_model.hpp"
 #include "data/statistics/simplex.hpp"
 
 namespace palpate::data {
 namespace {
 
-constexpr double kLowest = -std::numeric_limits<double>::infinity();
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+using namespace thurstone;
 
-/// Below this share of the least distance of two items nothing but lapses is left: sigma is unbounded.
-constexpr double kSharp = 0.1;
-
-/// Beyond this many times the items' range an answer tells nothing of the item.
-constexpr double kBlunt = 1000.0;
 /// A shift beyond this many times the items' range is without end.
 constexpr double kFarShift = 20.0;
 /// Half the 95 % point of chi-square of 1 df; and what is no loss.
@@ -30,281 +22,6 @@ constexpr double kNoLoss = 1e-3;
 
 /// Two maxima closer than this are one.
 constexpr double kSame = 1e-6;
-
-double above(double z) {
-    return 0.5 * std::erfc(z * std::numbers::sqrt2 / 2.0);
-}
-
-double density(double z) {
-    return std::isinf(z) ? 0.0 : std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
-}
-
-/// Phi(high) - Phi(low) without loss in either tail.
-double between(double low, double high) {
-    return low > 0.0 ? above(low) - above(high) : above(-high) - above(-low);
-}
-
-double least_distance(const std::vector<double>& items) {
-    double least = kInfinite;
-    for (std::size_t i = 0; i + 1 < items.size(); ++i) {
-        least = std::min(least, items[i + 1] - items[i]);
-    }
-    return least;
-}
-
-/// Ends of ln sigma, or of ln of a ratio of two.
-Interval sigma_limits(const ThurstoneSpec& spec, bool ratio) {
-    const double range = spec.items.back() - spec.items.front();
-    const double sharp = std::log(kSharp * least_distance(spec.items));
-    const double blunt = std::log(kBlunt * range);
-    return ratio ? Interval{sharp - blunt, blunt - sharp} : Interval{sharp, blunt};
-}
-
-/// Which parameters there are: criteria between responses that were given, ln sigma, shifts.
-struct Layout {
-    std::vector<std::size_t> used{};  ///< responses
-    std::size_t conditions = 1;
-    bool one_sigma = false;
-    bool no_shift = false;
-
-    [[nodiscard]] std::size_t criteria() const { return used.size() - 1; }
-    [[nodiscard]] std::size_t sigma(std::size_t condition) const {
-        return criteria() + (one_sigma ? 0 : condition);
-    }
-    [[nodiscard]] std::size_t first_shift() const {
-        return criteria() + (one_sigma ? 1 : conditions);
-    }
-    [[nodiscard]] std::size_t size() const {
-        return first_shift() + (no_shift ? 0 : conditions - 1);
-    }
-};
-
-class Model {
-public:
-    Model(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec)
-        : counts_(counts), spec_(spec) {
-        const std::size_t responses = counts.front().front().size();
-        for (std::size_t j = 0; j < responses; ++j) {
-            const bool given = std::ranges::any_of(counts, [j](const CallCounts& one) {
-                return std::ranges::any_of(one, [j](const auto& row) { return row[j] > 0; });
-            });
-            if (given) {
-                layout_.used.push_back(j);
-            }
-        }
-        layout_.conditions = counts.size();
-        layout_.one_sigma = spec.one_sigma;
-        layout_.no_shift = spec.no_shift;
-        for (const CallCounts& one : counts) {
-            double& answers = answers_.emplace_back(0.0);
-            for (const auto& row : one) {
-                for (const std::int64_t n : row) {
-                    answers += static_cast<double>(n);
-                }
-            }
-        }
-    }
-
-    /// Sigmas stay within a factor of 10,000 of what is as good as 0 and as infinite, but for one that is
-    /// held.
-    void keep_within(Eigen::VectorXd& at, Eigen::Index held = -1) const {
-        const Interval limits = sigma_limits(spec_, false);
-        const double wide = std::log(1e4);
-        for (std::size_t f = 0; f < (layout_.one_sigma ? 1 : layout_.conditions); ++f) {
-            if (index(layout_.sigma(f)) == held) {
-                continue;
-            }
-            double& one = at[index(layout_.sigma(f))];
-            const double first = spec_.relative && f > 0 ? at[index(layout_.sigma(0))] : 0.0;
-            one = std::clamp(one, limits.low - wide - first, limits.high + wide - first);
-        }
-    }
-
-    /// Of a condition.
-    [[nodiscard]] double answers(std::size_t f) const { return answers_[f]; }
-
-    [[nodiscard]] const Layout& layout() const { return layout_; }
-
-    /// Log-likelihood, and if asked for its gradient and the expected information.
-    double value(const Eigen::VectorXd& at,
-                 Eigen::VectorXd* gradient = nullptr,
-                 Eigen::MatrixXd* information = nullptr) const {
-        const auto n = static_cast<Eigen::Index>(layout_.size());
-        if (gradient != nullptr) {
-            gradient->setZero(n);
-            information->setZero(n, n);
-        }
-        for (std::size_t j = 0; j + 1 < layout_.criteria(); ++j) {
-            if (!(at[index(j)] < at[index(j + 1)])) {
-                return kLowest;
-            }
-        }
-        double sum = 0.0;
-        for (std::size_t f = 0; f < counts_.size(); ++f) {
-            for (std::size_t i = 0; i < spec_.items.size(); ++i) {
-                sum += row_value(at, f, i, gradient, information);
-            }
-        }
-        return std::isfinite(sum) ? sum : kLowest;
-    }
-
-    /// P(response of place j) of an item.
-    [[nodiscard]] double share(const Eigen::VectorXd& at,
-                               std::size_t f,
-                               std::size_t i,
-                               std::size_t j) const {
-        const auto m = static_cast<double>(counts_.front().front().size());
-        return (1.0 - spec_.lapse) * between(edge(at, f, i, j), edge(at, f, i, j + 1)) +
-               spec_.lapse / m;
-    }
-
-    [[nodiscard]] double sigma(const Eigen::VectorXd& at, std::size_t f) const {
-        const bool ratio = spec_.relative && f > 0;
-        return std::exp(at[index(layout_.sigma(f))] + (ratio ? at[index(layout_.sigma(0))] : 0.0));
-    }
-
-private:
-    static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
-
-    [[nodiscard]] double shift(const Eigen::VectorXd& at, std::size_t f) const {
-        return f == 0 || layout_.no_shift ? 0.0 : at[index(layout_.first_shift() + f - 1)];
-    }
-    /// z of the lower end of place j; j = responses in use: of the last one's upper end.
-    [[nodiscard]] double edge(const Eigen::VectorXd& at,
-                              std::size_t f,
-                              std::size_t i,
-                              std::size_t j) const {
-        return j == 0 ? -kInfinite
-             : j > layout_.criteria()
-                 ? kInfinite
-                 : (at[index(j - 1)] - spec_.items[i] - shift(at, f)) / sigma(at, f);
-    }
-
-    double row_value(const Eigen::VectorXd& at,
-                     std::size_t f,
-                     std::size_t i,
-                     Eigen::VectorXd* gradient,
-                     Eigen::MatrixXd* information) const {
-        const std::vector<std::int64_t>& row = counts_[f][i];
-        double total = 0.0;
-        for (const std::int64_t one : row) {
-            total += static_cast<double>(one);
-        }
-        const double scale = (1.0 - spec_.lapse) / sigma(at, f);
-        double sum = 0.0;
-        for (std::size_t j = 0; j < layout_.used.size() && total > 0.0; ++j) {
-            const auto given = static_cast<double>(row[layout_.used[j]]);
-            const double p = share(at, f, i, j);
-            sum += given > 0.0 ? given * std::log(p) : 0.0;
-            if (gradient == nullptr || !(p > 0.0)) {
-                continue;
-            }
-            const double low = edge(at, f, i, j);
-            const double high = edge(at, f, i, j + 1);
-            Eigen::VectorXd slope = Eigen::VectorXd::Zero(index(layout_.size()));
-            if (j < layout_.criteria()) {
-                slope[index(j)] += scale * density(high);
-            }
-            if (j > 0) {
-                slope[index(j - 1)] -= scale * density(low);
-            }
-            const auto pull = [](double z) {
-                return std::isinf(z) ? 0.0 : z * density(z);
-            };
-            const double pulled = (1.0 - spec_.lapse) * (pull(high) - pull(low));
-            slope[index(layout_.sigma(f))] -= pulled;
-            if (spec_.relative && f > 0) {
-                slope[index(layout_.sigma(0))] -= pulled;
-            }
-            if (f > 0 && !layout_.no_shift) {
-                slope[index(layout_.first_shift() + f - 1)] -=
-                    scale * (density(high) - density(low));
-            }
-            *gradient += (given / p) * slope;
-            *information += (total / p) * slope * slope.transpose();
-        }
-        return sum;
-    }
-
-    const std::vector<CallCounts>& counts_;
-    const ThurstoneSpec& spec_;
-    Layout layout_{};
-    std::vector<double> answers_{};
-};
-
-struct Maximum {
-    Eigen::VectorXd at;
-    double value = kLowest;
-};
-
-/// @param held  a parameter that stays; -1: none
-Maximum climb(const Model& model, Eigen::VectorXd start, Eigen::Index held = -1) {
-    Eigen::VectorXd gradient;
-    Eigen::MatrixXd information;
-    const auto derivatives = [&](const Eigen::VectorXd& at) {
-        const double value = model.value(at, &gradient, &information);
-        if (held >= 0) {
-            gradient[held] = 0.0;
-            information.row(held).setZero();
-            information.col(held).setZero();
-            information(held, held) = 1.0;
-        }
-        return value;
-    };
-    Maximum best{std::move(start), kLowest};
-    best.value = derivatives(best.at);
-    double damping = 0.0;
-    for (int step = 0; step < 300 && std::isfinite(best.value); ++step) {
-        Eigen::MatrixXd damped = information;
-        damped.diagonal() += damping * information.diagonal();
-        damped.diagonal().array() += 1e-12 * (1.0 + information.trace());
-        const Eigen::VectorXd move = damped.ldlt().solve(gradient);
-        const double promised = move.dot(gradient);
-        Maximum next{best.at + move, kLowest};
-        if (move.allFinite()) {
-            model.keep_within(next.at, held);
-            next.value = model.value(next.at);
-        }
-        if (next.value >= best.value) {
-            const bool settled = promised < 1e-13 || next.value - best.value < 1e-13;
-            best = std::move(next);
-            static_cast<void>(derivatives(best.at));
-            damping = damping < 1e-3 ? 0.0 : 0.1 * damping;
-            if (settled) {
-                break;
-            }
-        } else if (promised < 1e-13 || damping > 1e10) {
-            break;
-        } else {
-            damping = damping == 0.0 ? 1e-3 : 10.0 * damping;
-        }
-    }
-    return best;
-}
-
-/// Criteria spread evenly over the items, and this sigma.
-Eigen::VectorXd start_at(const Layout& layout, const ThurstoneSpec& spec, double sigma) {
-    Eigen::VectorXd at = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(layout.size()));
-    const double range = spec.items.back() - spec.items.front();
-    for (std::size_t j = 0; j < layout.criteria(); ++j) {
-        at[static_cast<Eigen::Index>(j)] =
-            spec.items.front() +
-            range * (static_cast<double>(j) + 0.5) / static_cast<double>(layout.criteria());
-    }
-    for (std::size_t f = 0; f < layout.conditions; ++f) {
-        at[static_cast<Eigen::Index>(layout.sigma(f))] =
-            spec.relative && f > 0 ? 0.0 : std::log(sigma);
-    }
-    return at;
-}
-
-std::vector<Eigen::VectorXd> starts_of(const Layout& layout, const ThurstoneSpec& spec) {
-    std::vector<Eigen::VectorXd> all;
-    for (const double sigma : {0.4, 1.0, 3.0}) {
-        all.push_back(start_at(layout, spec, sigma * least_distance(spec.items)));
-    }
-    return all;
-}
 
 void check(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec) {
     if (!(spec.lapse >= 0.0 && spec.lapse <= 0.25)) {
@@ -328,12 +45,9 @@ class Profile {
 public:
     Profile(const Model& model,
             const Maximum& top,
-            const std::vector<Eigen::VectorXd>& starts,
+            const std::vector<Parameters>& starts,
             std::size_t parameter)
-        : model_(model),
-          top_(top),
-          starts_(starts),
-          parameter_(static_cast<Eigen::Index>(parameter)) {}
+        : model_(model), top_(top), starts_(starts), parameter_(parameter) {}
 
     struct Edge {
         std::optional<double> at{};  ///< where the loss is that of 95 %; nothing: it never is
@@ -369,7 +83,7 @@ private:
         near_[parameter_] = place;
         Maximum found = climb(model_, near_, parameter_);
         if (top_.value - found.value >= kLoss95) {  // a walk may end on a lower hill
-            for (Eigen::VectorXd start : starts_) {
+            for (Parameters start : starts_) {
                 start[parameter_] = place;
                 Maximum other = climb(model_, std::move(start), parameter_);
                 if (other.value > found.value) {
@@ -402,9 +116,9 @@ private:
 
     const Model& model_;
     const Maximum& top_;
-    const std::vector<Eigen::VectorXd>& starts_;
-    Eigen::Index parameter_;
-    Eigen::VectorXd near_{};
+    const std::vector<Parameters>& starts_;
+    std::size_t parameter_;
+    Parameters near_{};
 };
 
 void add_intervals(ThurstoneFit& fit,
@@ -413,7 +127,7 @@ void add_intervals(ThurstoneFit& fit,
                    const ThurstoneSpec& spec) {
     const Layout& layout = model.layout();
     const double range = spec.items.back() - spec.items.front();
-    std::vector<Eigen::VectorXd> starts = starts_of(layout, spec);
+    std::vector<Parameters> starts = starts_of(layout, spec);
     starts.push_back(top.at);
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart& part = fit.parts[f];
@@ -421,7 +135,7 @@ void add_intervals(ThurstoneFit& fit,
         Profile sigma(model, top, starts, layout.sigma(f));
         const Profile::Edge low = sigma.edge(-0.4, limits.low);
         const Profile::Edge high = sigma.edge(0.4, limits.high);
-        const double at = top.at[static_cast<Eigen::Index>(layout.sigma(f))];
+        const double at = top.at[layout.sigma(f)];
         const bool sharp = !low.at && (low.loss < kNoLoss || at < limits.low);
         const bool blunt = !high.at && (high.loss < kNoLoss || at > limits.high);
         part.end = model.answers(f) == 0.0 || (sharp && blunt) ? SigmaEnd::untold
@@ -471,7 +185,7 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     }
     const double spacing = least_distance(spec.items);
     Maximum top;
-    for (const Eigen::VectorXd& start : starts_of(layout, spec)) {
+    for (const Parameters& start : starts_of(layout, spec)) {
         Maximum found = climb(model, start);
         if (found.value > top.value) {
             top = std::move(found);
@@ -479,16 +193,13 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
     }
     ThurstoneFit fit{.log_likelihood = top.value, .second = std::nan("")};
     if (spec.checked) {
-        std::vector<double> start(top.at.data(), top.at.data() + top.at.size());
-        const Eigen::VectorXd rough = start_at(layout, spec, spacing);
-        std::copy(rough.data(), rough.data() + rough.size(), start.begin());
+        const Parameters start = start_at(layout, spec, spacing);
         std::vector<double> edge(start.size(), 0.3 * spacing);
         for (std::size_t f = 0; f < layout.conditions; ++f) {
             edge[layout.sigma(f)] = 0.3;
         }
         const auto place_of = [&](std::span<const double> at) {
-            Eigen::VectorXd place =
-                Eigen::Map<const Eigen::VectorXd>(at.data(), static_cast<Eigen::Index>(at.size()));
+            Parameters place(at.begin(), at.end());
             model.keep_within(place);
             return place;
         };
@@ -508,17 +219,14 @@ ThurstoneFit fit_thurstone(const std::vector<CallCounts>& counts, const Thurston
         if (given < layout.used.size() && layout.used[given] == j) {
             ++given;
         }
-        fit.criteria.push_back(given == 0 ? -kInfinite
-                               : given == layout.used.size()
-                                   ? kInfinite
-                                   : top.at[static_cast<Eigen::Index>(given - 1)]);
+        fit.criteria.push_back(given == 0                    ? -kInfinite
+                               : given == layout.used.size() ? kInfinite
+                                                             : top.at[given - 1]);
     }
     for (std::size_t f = 0; f < layout.conditions; ++f) {
         ThurstonePart part;
         part.sigma = model.sigma(top.at, f);
-        part.shift = f == 0 || layout.no_shift
-                       ? 0.0
-                       : top.at[static_cast<Eigen::Index>(layout.first_shift() + f - 1)];
+        part.shift = f == 0 || layout.no_shift ? 0.0 : top.at[layout.first_shift() + f - 1];
         fit.parts.push_back(part);
     }
     if (spec.intervals) {

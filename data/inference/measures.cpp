@@ -120,4 +120,17 @@ void add_tests(const StatsReport& report, StatsPart& part) {
     add("log_rt_since_break", 0.0, [](const PersonStats& one) { return one.log_rt.since_break; });
 }
 
+std::vector<std::string> without_both(const StatsPart& part,
+                                      const Measure& measure,
+                                      std::size_t friction) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < part.people.size(); ++i) {
+        const auto& row = measure.values[i];
+        if (!row[0] || !row[friction]) {
+            names.push_back(part.people[i].subject);
+        }
+    }
+    return names;
+}
+
 }  // namespace palpate::data

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <map>
 
+#include <fmt/format.h>
+
+#include "engine/base/text.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -277,6 +281,37 @@ void add_mixed(const StatsReport& report, StatsPart& part) {
         }
         part.mixed.push_back(made);
     }
+}
+
+std::vector<std::string> warnings_of(const MixedStats& mixed) {
+    std::vector<std::string> all;
+    const auto add = [&](const char* method, const MixedFit& fit) {
+        if (fit.unbounded) {
+            all.push_back(fmt::format(
+                "{}: an effect has no end (a condition has answers of one kind alone): its "
+                "estimate, se and ratio say nothing",
+                method));
+        }
+        if (fit.singular) {
+            all.push_back(fmt::format(
+                "{}: the fit is singular: the spread of intercepts and effects over people has "
+                "lost "
+                "a dimension (a variance of 0, or a correlation of -1 or 1); too few people or "
+                "trials for this model, and its standard errors are too small",
+                method));
+        }
+        if (!fit.converged) {
+            all.push_back(
+                fmt::format("{}: no maximum was found: do not use these numbers", method));
+        }
+    };
+    add("Laplace", mixed.laplace);
+    add("Gauss-Hermite", mixed.quadrature);
+    if (mixed.people < 6) {
+        all.push_back(fmt::format("{}: a spread over people is hardly known from fewer than 6",
+                                  counted(mixed.people, "person", "people")));
+    }
+    return all;
 }
 
 }  // namespace palpate::data

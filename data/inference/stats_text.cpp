@@ -371,50 +371,6 @@ std::string part_text(const StatsReport& report, const StatsPart& part, const st
 
 }  // namespace
 
-std::vector<std::string> without_both(const StatsPart& part,
-                                      const Measure& measure,
-                                      std::size_t friction) {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < part.people.size(); ++i) {
-        const auto& row = measure.values[i];
-        if (!row[0] || !row[friction]) {
-            names.push_back(part.people[i].subject);
-        }
-    }
-    return names;
-}
-
-std::vector<std::string> warnings_of(const MixedStats& mixed) {
-    std::vector<std::string> all;
-    const auto add = [&](const char* method, const MixedFit& fit) {
-        if (fit.unbounded) {
-            all.push_back(fmt::format(
-                "{}: an effect has no end (a condition has answers of one kind alone): its "
-                "estimate, se and ratio say nothing",
-                method));
-        }
-        if (fit.singular) {
-            all.push_back(fmt::format(
-                "{}: the fit is singular: the spread of intercepts and effects over people has "
-                "lost "
-                "a dimension (a variance of 0, or a correlation of -1 or 1); too few people or "
-                "trials for this model, and its standard errors are too small",
-                method));
-        }
-        if (!fit.converged) {
-            all.push_back(
-                fmt::format("{}: no maximum was found: do not use these numbers", method));
-        }
-    };
-    add("Laplace", mixed.laplace);
-    add("Gauss-Hermite", mixed.quadrature);
-    if (mixed.people < 6) {
-        all.push_back(fmt::format("{}: a spread over people is hardly known from fewer than 6",
-                                  counted(mixed.people, "person", "people")));
-    }
-    return all;
-}
-
 std::string stats_text(const StatsReport& report) {
     std::string text = title_text(report) + excluded_text(report);
     text += part_text(report, report.applied,

@@ -1,0 +1,190 @@
+#include "data/choice/thurstone_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+namespace palpate::data::thurstone {
+namespace {
+
+/// Below this share of the least distance of two items nothing but lapses is left: sigma is unbounded.
+constexpr double kSharp = 0.1;
+
+/// Beyond this many times the items' range an answer tells nothing of the item.
+constexpr double kBlunt = 1000.0;
+double above(double z) {
+    return 0.5 * std::erfc(z * std::numbers::sqrt2 / 2.0);
+}
+
+}  // namespace
+
+double density(double z) {
+    return std::isinf(z) ? 0.0 : std::exp(-0.5 * z * z) / std::sqrt(2.0 * std::numbers::pi);
+}
+
+double between(double low, double high) {
+    return low > 0.0 ? above(low) - above(high) : above(-high) - above(-low);
+}
+
+double least_distance(const std::vector<double>& items) {
+    double least = kInfinite;
+    for (std::size_t i = 0; i + 1 < items.size(); ++i) {
+        least = std::min(least, items[i + 1] - items[i]);
+    }
+    return least;
+}
+
+Interval sigma_limits(const ThurstoneSpec& spec, bool ratio) {
+    const double range = spec.items.back() - spec.items.front();
+    const double sharp = std::log(kSharp * least_distance(spec.items));
+    const double blunt = std::log(kBlunt * range);
+    return ratio ? Interval{sharp - blunt, blunt - sharp} : Interval{sharp, blunt};
+}
+
+double Model::value(const Parameters& at, Parameters* gradient, Parameters* information) const {
+    if (gradient != nullptr) {
+        gradient->assign(layout_.size(), 0.0);
+        information->assign(layout_.size() * layout_.size(), 0.0);
+    }
+    for (std::size_t j = 0; j + 1 < layout_.criteria(); ++j) {
+        if (!(at[j] < at[j + 1])) {
+            return kLowest;
+        }
+    }
+    double sum = 0.0;
+    for (std::size_t f = 0; f < counts_.size(); ++f) {
+        for (std::size_t i = 0; i < spec_.items.size(); ++i) {
+            sum += row_value(at, f, i, gradient, information);
+        }
+    }
+    return std::isfinite(sum) ? sum : kLowest;
+}
+
+double Model::row_value(const Parameters& at,
+                        std::size_t f,
+                        std::size_t i,
+                        Parameters* gradient,
+                        Parameters* information) const {
+    const std::vector<std::int64_t>& row = counts_[f][i];
+    double total = 0.0;
+    for (const std::int64_t one : row) {
+        total += static_cast<double>(one);
+    }
+    const double scale = (1.0 - spec_.lapse) / sigma(at, f);
+    double sum = 0.0;
+    const std::size_t n = layout_.size();
+    Parameters slope(gradient == nullptr ? 0 : n);
+    for (std::size_t j = 0; j < layout_.used.size() && total > 0.0; ++j) {
+        const auto given = static_cast<double>(row[layout_.used[j]]);
+        const double p = share(at, f, i, j);
+        sum += given > 0.0 ? given * std::log(p) : 0.0;
+        if (gradient == nullptr || !(p > 0.0)) {
+            continue;
+        }
+        const double low = edge(at, f, i, j);
+        const double high = edge(at, f, i, j + 1);
+        std::ranges::fill(slope, 0.0);
+        if (j < layout_.criteria()) {
+            slope[j] += scale * density(high);
+        }
+        if (j > 0) {
+            slope[j - 1] -= scale * density(low);
+        }
+        const auto pull = [](double z) {
+            return std::isinf(z) ? 0.0 : z * density(z);
+        };
+        const double pulled = (1.0 - spec_.lapse) * (pull(high) - pull(low));
+        slope[layout_.sigma(f)] -= pulled;
+        if (spec_.relative && f > 0) {
+            slope[layout_.sigma(0)] -= pulled;
+        }
+        if (f > 0 && !layout_.no_shift) {
+            slope[layout_.first_shift() + f - 1] -= scale * (density(high) - density(low));
+        }
+        for (std::size_t a = 0; a < n; ++a) {
+            (*gradient)[a] += given / p * slope[a];
+            for (std::size_t b = 0; b < n && slope[a] != 0.0; ++b) {
+                (*information)[a * n + b] += total / p * slope[a] * slope[b];
+            }
+        }
+    }
+    return sum;
+}
+
+Maximum climb(const Model& model, Parameters start, std::size_t held) {
+    const auto n = static_cast<Eigen::Index>(start.size());
+    const auto kept = static_cast<Eigen::Index>(held);
+    Parameters slopes;
+    Parameters squares;
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd information;
+    const auto derivatives = [&](const Parameters& at) {
+        const double value = model.value(at, &slopes, &squares);
+        gradient = Eigen::Map<const Eigen::VectorXd>(slopes.data(), n);
+        information = Eigen::Map<const Eigen::MatrixXd>(squares.data(), n, n);
+        if (held != kNone) {
+            gradient[kept] = 0.0;
+            information.row(kept).setZero();
+            information.col(kept).setZero();
+            information(kept, kept) = 1.0;
+        }
+        return value;
+    };
+    Maximum best{std::move(start), kLowest};
+    best.value = derivatives(best.at);
+    double damping = 0.0;
+    for (int step = 0; step < 300 && std::isfinite(best.value); ++step) {
+        Eigen::MatrixXd damped = information;
+        damped.diagonal() += damping * information.diagonal();
+        damped.diagonal().array() += 1e-12 * (1.0 + information.trace());
+        const Eigen::VectorXd move = damped.ldlt().solve(gradient);
+        const double promised = move.dot(gradient);
+        Maximum next{best.at, kLowest};
+        for (std::size_t i = 0; i < next.at.size(); ++i) {
+            next.at[i] += move[static_cast<Eigen::Index>(i)];
+        }
+        if (move.allFinite()) {
+            model.keep_within(next.at, held);
+            next.value = model.value(next.at);
+        }
+        if (next.value >= best.value) {
+            const bool settled = promised < 1e-13 || next.value - best.value < 1e-13;
+            best = std::move(next);
+            static_cast<void>(derivatives(best.at));
+            damping = damping < 1e-3 ? 0.0 : 0.1 * damping;
+            if (settled) {
+                break;
+            }
+        } else if (promised < 1e-13 || damping > 1e10) {
+            break;
+        } else {
+            damping = damping == 0.0 ? 1e-3 : 10.0 * damping;
+        }
+    }
+    return best;
+}
+
+Parameters start_at(const Layout& layout, const ThurstoneSpec& spec, double sigma) {
+    Parameters at(layout.size(), 0.0);
+    const double range = spec.items.back() - spec.items.front();
+    for (std::size_t j = 0; j < layout.criteria(); ++j) {
+        at[j] = spec.items.front() +
+                range * (static_cast<double>(j) + 0.5) / static_cast<double>(layout.criteria());
+    }
+    for (std::size_t f = 0; f < layout.conditions; ++f) {
+        at[layout.sigma(f)] = spec.relative && f > 0 ? 0.0 : std::log(sigma);
+    }
+    return at;
+}
+
+std::vector<Parameters> starts_of(const Layout& layout, const ThurstoneSpec& spec) {
+    std::vector<Parameters> all;
+    for (const double sigma : {0.4, 1.0, 3.0}) {
+        all.push_back(start_at(layout, spec, sigma * least_distance(spec.items)));
+    }
+    return all;
+}
+
+}  // namespace palpate::data::thurstone

@@ -1,0 +1,153 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "data/choice/thurstone.hpp"
+
+/// The likelihood of the ordinal model of thurstone.hpp, and how it is climbed.
+namespace palpate::data::thurstone {
+
+inline constexpr double kLowest = -std::numeric_limits<double>::infinity();
+/// ln sigmas, criteria and shifts, as Layout has them; also a gradient, and row by row a matrix.
+using Parameters = std::vector<double>;
+inline constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+inline constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+[[nodiscard]] double density(double z);
+/// Phi(high) - Phi(low) without loss in either tail.
+[[nodiscard]] double between(double low, double high);
+[[nodiscard]] double least_distance(const std::vector<double>& items);
+/// Ends of ln sigma, or of ln of a ratio of two: below 0.1 of the least distance of two items nothing but lapses is left,
+/// beyond 1,000 times the range of all an answer tells nothing of the item.
+[[nodiscard]] Interval sigma_limits(const ThurstoneSpec& spec, bool ratio);
+
+/// Which parameters there are: criteria between responses that were given, ln sigma, shifts.
+struct Layout {
+    std::vector<std::size_t> used{};  ///< responses
+    std::size_t conditions = 1;
+    bool one_sigma = false;
+    bool no_shift = false;
+
+    [[nodiscard]] std::size_t criteria() const { return used.size() - 1; }
+    [[nodiscard]] std::size_t sigma(std::size_t condition) const {
+        return criteria() + (one_sigma ? 0 : condition);
+    }
+    [[nodiscard]] std::size_t first_shift() const {
+        return criteria() + (one_sigma ? 1 : conditions);
+    }
+    [[nodiscard]] std::size_t size() const {
+        return first_shift() + (no_shift ? 0 : conditions - 1);
+    }
+};
+
+class Model {
+public:
+    Model(const std::vector<CallCounts>& counts, const ThurstoneSpec& spec)
+        : counts_(counts), spec_(spec) {
+        const std::size_t responses = counts.front().front().size();
+        for (std::size_t j = 0; j < responses; ++j) {
+            const bool given = std::ranges::any_of(counts, [j](const CallCounts& one) {
+                return std::ranges::any_of(one, [j](const auto& row) { return row[j] > 0; });
+            });
+            if (given) {
+                layout_.used.push_back(j);
+            }
+        }
+        layout_.conditions = counts.size();
+        layout_.one_sigma = spec.one_sigma;
+        layout_.no_shift = spec.no_shift;
+        for (const CallCounts& one : counts) {
+            double& answers = answers_.emplace_back(0.0);
+            for (const auto& row : one) {
+                for (const std::int64_t n : row) {
+                    answers += static_cast<double>(n);
+                }
+            }
+        }
+    }
+
+    /// Sigmas stay within a factor of 10,000 of what is as good as 0 and as infinite, but for one that is
+    /// held.
+    void keep_within(Parameters& at, std::size_t held = kNone) const {
+        const Interval limits = sigma_limits(spec_, false);
+        const double wide = std::log(1e4);
+        for (std::size_t f = 0; f < (layout_.one_sigma ? 1 : layout_.conditions); ++f) {
+            if (layout_.sigma(f) == held) {
+                continue;
+            }
+            double& one = at[layout_.sigma(f)];
+            const double first = spec_.relative && f > 0 ? at[layout_.sigma(0)] : 0.0;
+            one = std::clamp(one, limits.low - wide - first, limits.high + wide - first);
+        }
+    }
+
+    /// Of a condition.
+    [[nodiscard]] double answers(std::size_t f) const { return answers_[f]; }
+
+    [[nodiscard]] const Layout& layout() const { return layout_; }
+
+    /// Log-likelihood, and if asked for its gradient and the expected information.
+    double value(const Parameters& at,
+                 Parameters* gradient = nullptr,
+                 Parameters* information = nullptr) const;
+
+    /// P(response of place j) of an item.
+    [[nodiscard]] double share(const Parameters& at,
+                               std::size_t f,
+                               std::size_t i,
+                               std::size_t j) const {
+        const auto m = static_cast<double>(counts_.front().front().size());
+        return (1.0 - spec_.lapse) * between(edge(at, f, i, j), edge(at, f, i, j + 1)) +
+               spec_.lapse / m;
+    }
+
+    [[nodiscard]] double sigma(const Parameters& at, std::size_t f) const {
+        const bool ratio = spec_.relative && f > 0;
+        return std::exp(at[layout_.sigma(f)] + (ratio ? at[layout_.sigma(0)] : 0.0));
+    }
+
+private:
+    [[nodiscard]] double shift(const Parameters& at, std::size_t f) const {
+        return f == 0 || layout_.no_shift ? 0.0 : at[layout_.first_shift() + f - 1];
+    }
+    /// z of the lower end of place j; j = responses in use: of the last one's upper end.
+    [[nodiscard]] double edge(const Parameters& at,
+                              std::size_t f,
+                              std::size_t i,
+                              std::size_t j) const {
+        return j == 0                 ? -kInfinite
+             : j > layout_.criteria() ? kInfinite
+                                      : (at[j - 1] - spec_.items[i] - shift(at, f)) / sigma(at, f);
+    }
+
+    double row_value(const Parameters& at,
+                     std::size_t f,
+                     std::size_t i,
+                     Parameters* gradient,
+                     Parameters* information) const;
+
+    const std::vector<CallCounts>& counts_;
+    const ThurstoneSpec& spec_;
+    Layout layout_{};
+    std::vector<double> answers_{};
+};
+
+struct Maximum {
+    Parameters at;
+    double value = kLowest;
+};
+
+/// The maximum near a start, by Fisher scoring with Levenberg's damping.
+/// @param held  a parameter that stays
+[[nodiscard]] Maximum climb(const Model& model, Parameters start, std::size_t held = kNone);
+/// Criteria spread evenly over the items, and this sigma.
+[[nodiscard]] Parameters start_at(const Layout& layout, const ThurstoneSpec& spec, double sigma);
+/// From sigmas of 0.4, 1 and 3 of the least distance of two items.
+[[nodiscard]] std::vector<Parameters> starts_of(const Layout& layout, const ThurstoneSpec& spec);
+
+}  // namespace palpate::data::thurstone

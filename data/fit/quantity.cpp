@@ -1,0 +1,94 @@
+#include <cmath>
+#include <limits>
+
+#include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/curve_fit.hpp"
+
+namespace palpate::data {
+namespace {
+
+using protocols::exponential;
+using protocols::Family;
+
+bool logarithmic(Family family) {
+    return family == Family::weibull_log10 || family == Family::weibull_db;
+}
+
+double jnd_in_slopes(Family family) {
+    return 0.5 * (core_quantile(family, 0.75) - core_quantile(family, 0.25));
+}
+
+}  // namespace
+
+double quantity_of(const CurveSpec& spec,
+                   const CurvePoint& point,
+                   Quantity quantity,
+                   double share) {
+    const Family family = spec.family;
+    const double b = exponential(point[1]);
+    const double half = core_quantile(family, 0.5);
+    const auto place = [&](double core_share) {
+        return off_axis(family, point[0] + (core_quantile(family, core_share) - half) / b);
+    };
+    switch (quantity) {
+        case Quantity::threshold:
+            return off_axis(family, point[0]);
+        case Quantity::jnd:
+            return family == Family::weibull ? 0.5 * (place(0.75) - place(0.25))
+                                             : jnd_in_slopes(family) / b;
+        case Quantity::weber: {
+            if (logarithmic(family) || (family != Family::weibull && !(point[0] > 0.0))) {
+                return std::numeric_limits<double>::quiet_NaN();
+            }
+            const double up = (core_quantile(family, 0.75) - half) / b;
+            const double down = (core_quantile(family, 0.25) - half) / b;
+            return family == Family::weibull ? 0.5 * (exponential(up) - exponential(down))
+                                             : jnd_in_slopes(family) / b / point[0];
+        }
+        case Quantity::slope:
+            return b / slope_factor(family);
+        case Quantity::guess:
+            return spec.two_sided ? point[3] : point[2];
+        case Quantity::lapse:
+            return point[3];
+        case Quantity::at_share: {
+            const double bottom = spec.two_sided ? point[3] : point[2];
+            const double core = (share - bottom) / (1.0 - bottom - point[3]);
+            return core > 0.0 && core < 1.0 ? place(core)
+                                            : std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+    return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::optional<double> standard_error(const CurveSpec& spec,
+                                     const CurveFit& fit,
+                                     Quantity quantity,
+                                     double share) {
+    CurvePoint slope{};
+    for (std::size_t i = 0; i < kCurveParameters; ++i) {
+        const double se = std::sqrt(fit.covariance[i][i]);
+        if (!(se > 0.0) || !std::isfinite(se)) {
+            continue;
+        }
+        const double step = 1e-4 * se;
+        CurvePoint up = fit.at;
+        CurvePoint down = fit.at;
+        up[i] += step;
+        down[i] -= step;
+        slope[i] =
+            (quantity_of(spec, up, quantity, share) - quantity_of(spec, down, quantity, share)) /
+            (2.0 * step);
+    }
+    double variance = 0.0;
+    for (std::size_t r = 0; r < kCurveParameters; ++r) {
+        for (std::size_t c = 0; c < kCurveParameters; ++c) {
+            variance += slope[r] * slope[c] * fit.covariance[r][c];
+        }
+    }
+    return variance > 0.0 && std::isfinite(variance) && !fit.steep && !fit.shallow
+             ? std::optional(std::sqrt(variance))
+             : std::nullopt;
+}
+
+}  // namespace palpate::data
