@@ -74,7 +74,7 @@ void platform_forget(struct board *board, bool to_zero)
 }
 int main(int argc, char **argv)
 {
-    static const struct board_facts facts = {1, {COUNTS, COUNTS}, {FULL_UN_M, FULL_UN_M}, 1, 1};
+    static const struct board_facts facts = {1, {COUNTS, COUNTS}, {FULL_UN_M, FULL_UN_M}, 2, 1, 1};
     struct sockaddr_in host = {0}, from, here = {.sin_family = AF_INET, .sin_addr.s_addr = htonl(INADDR_LOOPBACK),
                                                  .sin_port = htons((uint16_t)(argc == 2 ? atoi(argv[1]) : 0))};
     struct pollfd in[2] = {{socket(AF_INET, SOCK_DGRAM, 0), POLLIN, 0}, {STDIN_FILENO, POLLIN, 0}};

@@ -82,7 +82,9 @@ std::optional<engine::PantographSpec> machine_of(std::string_view calibration) {
     }
     try {
         const auto machines = protocols::parse_calibrations(calibration, "calibration");
-        return machines.size() == 1 ? std::optional(machines.front().pantograph) : std::nullopt;
+        return machines.size() == 1 && !machines.front().gantry
+                 ? std::optional(machines.front().pantograph)
+                 : std::nullopt;
     } catch (const protocols::ProtocolError&) {
         return std::nullopt;
     }

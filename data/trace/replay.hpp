@@ -91,7 +91,8 @@ private:
     std::map<Felt, std::shared_ptr<const engine::FeltScene>> scenes_;
 };
 
-/// The machine of a canonical calibration text, if it is one.
+/// The pantograph of a canonical calibration text, if it is one; of three straight axes HIP follows from its own
+/// columns.
 [[nodiscard]] std::optional<engine::PantographSpec> machine_of(std::string_view calibration);
 
 /// Replay of one interval with a scene that is there already; no scene: only what is stored. The closest

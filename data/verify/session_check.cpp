@@ -91,9 +91,9 @@ void check_calibration(const Provenance& provenance, Findings& findings) {
         const auto machines = protocols::parse_calibrations(text->second, "calibration");
         const auto name = provenance.find("calibration name");
         if (name != provenance.end() && machines.size() == 1 &&
-            name->second != machines.front().pantograph.name) {
+            name->second != machines.front().name()) {
             findings.differs("session_provenance: calibration name", name->second,
-                             machines.front().pantograph.name);
+                             machines.front().name());
         }
     } catch (const protocols::ProtocolError& e) {
         findings.differs("session_provenance: calibration", e.what(), "a calibration");

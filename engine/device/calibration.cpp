@@ -1,5 +1,6 @@
 #include "engine/device/calibration.hpp"
 
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -10,6 +11,7 @@ namespace palpate::engine {
 namespace {
 
 constexpr double kLongest = 2.0;       ///< m, of a link: beyond it the unit is wrong
+constexpr double kWidestDrum = 0.2;    ///< m: a belt's wheel has 10 mm
 constexpr double kMaxCounts = 1e9;     ///< a turn: a position stays within 32 bits
 constexpr double kMaxTorque = 2.0;     ///< N m at a joint: 28 N at the end of a link of 70 mm
 constexpr double kMaxVolts = 1000.0;   ///< V/(N m): 10 V are 10 mN m
@@ -43,7 +45,7 @@ void check_axis(const Axis& axis, const std::string& which) {
 void differ(std::uint32_t one, std::uint32_t two, const std::string& what) {
     if (one == two) {
         throw std::invalid_argument(what + " is " + std::to_string(one) +
-                                    " for both axes: give two different ones");
+                                    " for two axes: give each its own");
     }
 }
 
@@ -74,13 +76,16 @@ void check_haply(const HaplyWiring& wiring, const PantographSpec& pantograph) {
     }
 }
 
-void check_board(const OpenWiring& wiring, const PantographSpec& pantograph) {
-    for (std::size_t i = 0; i < 2; ++i) {
-        in_range(wiring.channel[i], 1.0, 2.0, "channel of the open board");
-        in_range(pantograph.axes[i].counts_per_turn, 4.0, kMaxCode,
+void check_board(const OpenWiring& wiring, const Calibration& machine) {
+    const std::size_t axes = machine.axes();
+    for (std::size_t i = 0; i < axes; ++i) {
+        in_range(wiring.channel[i], 1.0, static_cast<double>(axes), "channel of the open board");
+        in_range(machine.axis(i).counts_per_turn, 4.0, kMaxCode,
                  "counts per turn on an open board");
+        for (std::size_t j = 0; j < i; ++j) {
+            differ(wiring.channel[j], wiring.channel[i], "channel of the open board");
+        }
     }
-    differ(wiring.channel[0], wiring.channel[1], "channel of the open board");
     in_range(1e3 * wiring.watchdog, 5.0, 50.0, "watchdog of the open board (ms)");
 }
 
@@ -113,13 +118,40 @@ void check(const PantographSpec& spec) {
     above_zero(spec.clearance, 0.05, "clearance from singular poses (m)");
 }
 
+void check(const GantrySpec& spec) {
+    constexpr std::array<const char*, 3> kNames{"axis x", "axis y", "axis z"};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const StraightAxis& axis = spec.axes[i];
+        const std::string which = kNames[i];
+        check_axis(axis.motor, which);
+        above_zero(axis.radius, kWidestDrum, "radius (m) of the drum of " + which);
+        in_range(axis.low, -kLongest, kLongest, "low end (m) of " + which);
+        above_zero(axis.high - axis.low, kLongest,
+                   "way (m) from the low to the high end of " + which);
+        in_range(axis.home, axis.low, axis.high, "home (m) of " + which);
+    }
+    if (spec.damping) {
+        in_range(*spec.damping, 0.0, kMaxDamping, "damping at the handle (N s/m)");
+    }
+    in_range(spec.motor_time, 0.0, 1e5, "thermal time constant of the motors (s)");
+}
+
 void check(const Calibration& calibration) {
-    check(calibration.pantograph);
+    if (calibration.gantry) {
+        check(*calibration.gantry);
+        if (calibration.haply || calibration.comedi) {
+            throw std::invalid_argument("machine " + calibration.name() +
+                                        " has three axes, and only an open board drives so many: "
+                                        "leave its table board alone");
+        }
+    } else {
+        check(calibration.pantograph);
+    }
     if (calibration.haply) {
         check_haply(*calibration.haply, calibration.pantograph);
     }
     if (calibration.board) {
-        check_board(*calibration.board, calibration.pantograph);
+        check_board(*calibration.board, calibration);
     }
     if (calibration.comedi) {
         check_comedi(*calibration.comedi);

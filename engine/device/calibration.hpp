@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -8,6 +9,9 @@
 #include "engine/device/five_bar.hpp"
 
 namespace palpate::engine {
+
+/// Motors of a machine: two in the plane, three in space.
+inline constexpr std::size_t kMostAxes = 3;
 
 /// One driven joint: its encoder and its motor. Angles anticlockwise from the linkage's +x.
 struct Axis {
@@ -33,6 +37,26 @@ struct PantographSpec {
     double clearance = 0.001;  ///< m; poses closer to a singular one are refused (Clearance::min)
 };
 
+/// One straight axis: a motor with an encoder that moves the handle by a drum or a pinion.
+struct StraightAxis {
+    Axis motor{.torque_limit = 0.12, .torque_forever = 0.06};  ///< its zero is not used
+    double radius = 0.010;  ///< m of way by rad of the motor, > 0
+    double home = 0.0;      ///< m, where the handle rests when the device is switched on
+    double low = -0.060;    ///< m, the ends of the workspace
+    double high = 0.060;
+};
+
+/// A machine of three straight axes, a gantry: x to the right, y away, z up, as the object frame has them.
+struct GantrySpec {
+    std::string name = "gantry";
+    std::array<StraightAxis, 3> axes{};  ///< x, y, z
+    std::optional<double> damping;       ///< b at the handle, N s/m, of the weakest damped axis
+    double motor_time = 0.0;             ///< s, thermal time constant of the motors; 0: not known
+
+    /// Where the handle rests when the device is switched on, m.
+    [[nodiscard]] Vec3 home() const noexcept { return {axes[0].home, axes[1].home, axes[2].home}; }
+};
+
 /// The most that a Haply board gives to a motor, N m; it clamps each torque for itself.
 inline constexpr double kHaplyTorque = 0.123;
 
@@ -46,13 +70,15 @@ struct HaplyWiring {
     double grip_threshold = 512.0;         ///< held from this ADC value up
 };
 
-/// How an open board is wired to pivot 1 and pivot 2.
+/// How an open board is wired to pivot 1 and pivot 2, or to the axes x, y and z. Of a straight axis
+/// clockwise means backward.
 struct OpenWiring {
-    std::optional<std::uint32_t> id;            ///< the board's own; none: any board
-    double watchdog = 0.020;                    ///< s without a torque until it stops, 5 to 50 ms
-    std::array<std::uint8_t, 2> channel{1, 2};  ///< 1 and 2 in either order
-    std::array<bool, 2> motor_clockwise{};      ///< the motor turns clockwise for a positive torque
-    std::array<bool, 2> encoder_clockwise{};
+    std::optional<std::uint32_t> id;  ///< the board's own; none: any board
+    double watchdog = 0.020;          ///< s without a torque until it stops, 5 to 50 ms
+    std::array<std::uint8_t, kMostAxes> channel{1, 2, 3};  ///< each once, in any order
+    /// The motor turns clockwise for a positive torque.
+    std::array<bool, kMostAxes> motor_clockwise{};
+    std::array<bool, kMostAxes> encoder_clockwise{};
 };
 
 /// How a DAQ card is wired to pivot 1 and pivot 2.
@@ -69,7 +95,8 @@ struct ComediWiring {
 
 /// Everything a device has to know of itself; the calibration file as a value.
 struct Calibration {
-    PantographSpec pantograph{};
+    PantographSpec pantograph{};         ///< nothing where there is a gantry
+    std::optional<GantrySpec> gantry{};  ///< on an open board alone
     std::optional<HaplyWiring> haply{};
     std::optional<OpenWiring> board{};
     std::optional<ComediWiring> comedi{};
@@ -77,10 +104,27 @@ struct Calibration {
     /// The handle's rest pose when the device is switched on, in the object frame, m; none: by
     /// hand.
     std::optional<Vec2> home{};
+
+    [[nodiscard]] const std::string& name() const noexcept {
+        return gantry ? gantry->name : pantograph.name;
+    }
+    /// How many motors it has, 2 or 3.
+    [[nodiscard]] std::size_t axes() const noexcept { return gantry ? 3 : 2; }
+    /// @param i  below axes()
+    [[nodiscard]] const Axis& axis(std::size_t i) const noexcept {
+        return gantry ? gantry->axes[i].motor : pantograph.axes[i];
+    }
+    [[nodiscard]] std::optional<double> damping() const noexcept {
+        return gantry ? gantry->damping : pantograph.damping;
+    }
+    [[nodiscard]] double motor_time() const noexcept {
+        return gantry ? gantry->motor_time : pantograph.motor_time;
+    }
 };
 
 /// @throws std::invalid_argument with a sentence: which number, its range and the remedy
 void check(const PantographSpec& spec);
+void check(const GantrySpec& spec);
 void check(const Calibration& calibration);
 
 }  // namespace palpate::engine

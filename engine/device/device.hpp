@@ -81,15 +81,15 @@ public:
 
     /// What is known of it before it is used; the same for its whole life.
     [[nodiscard]] virtual DeviceTraits traits() const noexcept { return {}; }
-    /// The force that the motors can give in every direction with the handle at `hip`, N. None:
-    /// no limit is known, or the handle cannot be there.
-    [[nodiscard]] virtual std::optional<double> weakest_force(const Vec2& hip) const noexcept {
+    /// The force that the motors can give in every direction with the handle at `hip`, m, N. None:
+    /// no limit is known, or the handle cannot be there. A machine in the plane takes no heed of z.
+    [[nodiscard]] virtual std::optional<double> weakest_force(const Vec3& hip) const noexcept {
         static_cast<void>(hip);
         return std::nullopt;
     }
     /// The most that a reading lies off the handle at `hip`, m: its steps. None: not known, or the
     /// handle cannot be there.
-    [[nodiscard]] virtual std::optional<double> reading_error(const Vec2& hip) const noexcept {
+    [[nodiscard]] virtual std::optional<double> reading_error(const Vec3& hip) const noexcept {
         static_cast<void>(hip);
         return std::nullopt;
     }

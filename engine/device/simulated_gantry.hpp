@@ -1,39 +1,14 @@
 #pragma once
 
 #include "engine/device/device.hpp"
-#include "engine/device/pantograph_plant.hpp"
-#include "engine/device/timed_way.hpp"
+#include "engine/device/gantry_plant.hpp"
 
 namespace palpate::engine {
 
-/// How a simulated hand means to explore a patch of a surface about the origin. It knows where the patch
-/// is and how large, never how it is curved.
-struct SurfaceExploration {
-    Vec3 start{0.0, 0.0, 0.030};  ///< m
-    double radius = 0.025;        ///< m, of the strokes about the middle
-    double speed = 0.08;          ///< m/s along the path
-    double press_depth = 0.008;   ///< m below the level of the middle that the hand aims for
-    int strokes = 8;              ///< across the middle, each in a direction of its own
-    double turn = 0.0;            ///< rad, of the first one
-    double tremor = 0.00005;      ///< m, amplitude of the 9 Hz tremor of a healthy hand
-    double tremor_phase = 0.0;    ///< rad
-};
-
-/// Numbers of a machine with three straight axes that move by themselves, each with a motor and an
-/// encoder, and of the hand that holds it.
-struct GantryModel {
-    double mass = 0.120;            ///< kg moved by each motor, handle included
-    double damping = 3.0;           ///< N s/m of each axis
-    double force_limit = 12.0;      ///< N of each motor
-    double current_time = 0.15e-3;  ///< s, time constant of the motors' current; 0: at once
-    HandModel hand{};
-};
-
 /// Three straight axes x, y, z and the hand that holds their handle, as one device on a virtual clock.
 ///
-/// On each axis a mass with damping, pulled by motor and hand: the kick of a step takes both dampers by
-/// the trapezoidal rule, in steps of at most 250 us; deterministic to the bit. Encoders count micrometres,
-/// motors take codes of 1 mN, and what is commanded at one tick acts from the next one on, held over it.
+/// A GantryPlant whose encoders count micrometres; motors take codes of 1 mN, and what is commanded at one
+/// tick acts from the next one on, held over it.
 class SimulatedGantry : public Device {
 public:
     /// @param period  s between ticks, > 0
@@ -43,34 +18,25 @@ public:
     /// Puts the handle at the start of a new exploration, at rest, motors off.
     void begin(const SurfaceExploration& plan);
     /// True once the hand has done all its strokes and left the object.
-    [[nodiscard]] bool hand_is_done() const noexcept { return time_ >= way_.duration(); }
+    [[nodiscard]] bool hand_is_done() const noexcept { return plant_.hand_is_done(); }
     /// Seconds that the exploration takes.
-    [[nodiscard]] double duration() const noexcept { return way_.duration(); }
+    [[nodiscard]] double duration() const noexcept { return plant_.duration(); }
 
     [[nodiscard]] Reading read() noexcept override;
     Applied write(const Vec2& force) noexcept override { return press(Vec3(force, 0.0)); }
     Applied press(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override { return "simulated gantry"; }
     [[nodiscard]] DeviceTraits traits() const noexcept override { return traits_; }
-    [[nodiscard]] std::optional<double> weakest_force(const Vec2& /*hip*/) const noexcept override {
-        return model_.force_limit;
+    [[nodiscard]] std::optional<double> weakest_force(const Vec3& /*hip*/) const noexcept override {
+        return plant_.model().force_limit;
     }
-    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept override;
+    [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override;
 
 private:
-    void advance() noexcept;
-
-    GantryModel model_;
+    GantryPlant plant_;
     double period_;
     DeviceTraits traits_{};
-    SurfaceExploration plan_{};
-    TimedWay<3> way_;
-    Vec3 position_{};  ///< m
-    Vec3 velocity_{};  ///< m/s
-    Vec3 command_{};   ///< N, acts now
-    Vec3 current_{};   ///< N that the motors give
-    Vec3 waiting_{};   ///< N, acts from the next write on
-    double time_ = 0.0;
+    Vec3 waiting_{};  ///< N, acts from the next write on
     bool first_ = true;
 };
 

@@ -39,11 +39,11 @@ public:
     [[nodiscard]] std::string name() const override { return "simulated pantograph"; }
     /// The damping is of the joints alone: dry friction and hand come on top.
     [[nodiscard]] DeviceTraits traits() const noexcept override { return traits_; }
-    [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override {
-        return machine_.weakest_force(hip);
+    [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {
+        return machine_.weakest_force(Vec2(hip));
     }
-    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept override {
-        return machine_.reading_error(hip);
+    [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override {
+        return machine_.reading_error(Vec2(hip));
     }
 
 private:

@@ -13,6 +13,7 @@
 namespace palpate::protocols {
 namespace {
 
+constexpr int kStrips = 8;            ///< of a patch along each of its sides
 constexpr int kPieces = 64;           ///< of each side of an outline: 0.9 mm of the default one
 constexpr double kHighestRate = 1e4;  ///< Hz, of a servo
 constexpr double kRounding = 1e-9;    ///< share by which a bound may be missed
@@ -25,8 +26,10 @@ std::string delay_text(double ticks) {
                         : fmt::format("with {:.3g} ticks of delay", ticks);
 }
 
-std::string point_text(const engine::Vec2& point) {
-    return fmt::format("({:.1f}, {:.1f}) mm", 1e3 * point.x, 1e3 * point.y);
+/// @param space  z is said as well
+std::string point_text(const engine::Vec3& point, bool space) {
+    return fmt::format("({:.1f}, {:.1f}{}) mm", 1e3 * point.x, 1e3 * point.y,
+                       space ? fmt::format(", {:.1f}", 1e3 * point.z) : std::string());
 }
 
 std::string damper_text(double damping) {
@@ -86,28 +89,41 @@ void check_passivity(const ApparatusSpec& apparatus,
                                       passivity_remedy(apparatus, traits, damping))});
 }
 
+/// Where the hand begins.
+engine::Vec3 start_of(const Protocol& protocol) {
+    return {protocol.apparatus.start, protocol.surface ? protocol.surface->start_height : 0.0};
+}
+
 /// A point of an object, and what the device can do there.
 struct Spot {
     const ObjectSpec* object = nullptr;
-    engine::Vec2 point{};
+    engine::Vec3 point{};
     std::optional<double> force;  ///< N, in its weakest direction
     std::optional<double> error;  ///< m, of a reading
 };
 
 std::vector<Spot> spots(const Protocol& protocol, const engine::Device& device) {
     std::vector<Spot> found;
-    if (protocol.surface) {  // what a machine of three axes gives is the same all over
-        const engine::Vec2 start = protocol.apparatus.start;
-        return {{&protocol.objects.front(), start, device.weakest_force(start),
-                 device.reading_error(start)}};
+    const auto add = [&](const ObjectSpec& object, const engine::Vec3& point) {
+        found.push_back({&object, point, device.weakest_force(point), device.reading_error(point)});
+    };
+    if (protocol.surface) {
+        for (const ObjectSpec& object : protocol.objects) {
+            const auto patch = surface_of(protocol, object);
+            for (int i = 0; i <= kStrips * kStrips + 2 * kStrips; ++i) {
+                const double u = 1.0 + static_cast<double>(i % (kStrips + 1)) / kStrips;
+                const double v = 1.0 + static_cast<double>(i / (kStrips + 1)) / kStrips;
+                add(object, patch->at(u, v).point);
+            }
+        }
+        return found;
     }
     for (std::size_t i = 0; i < protocol.objects.size(); ++i) {
         const auto outline = outline_of(protocol, i);
         for (const auto& side : outline->spans()) {
             for (int k = 0; k < kPieces; ++k) {
                 const engine::Vec2 point = side.at(static_cast<double>(k) / kPieces).point;
-                found.push_back({&protocol.objects[i], point, device.weakest_force(point),
-                                 device.reading_error(point)});
+                add(protocol.objects[i], engine::Vec3(point, 0.0));
             }
         }
     }
@@ -118,28 +134,36 @@ void check_workspace(const Protocol& protocol,
                      const std::vector<Spot>& spots,
                      bool start_in_reach,
                      std::vector<Finding>& findings) {
+    const bool space = protocol.surface.has_value();
     const auto outside =
         std::find_if(spots.begin(), spots.end(), [](const Spot& spot) { return !spot.force; });
     if (outside != spots.end()) {
         findings.push_back(
             {Verdict::refuse,
              fmt::format("the handle cannot reach {} of object \"{}\": move or shrink the object "
-                         "(outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm), or "
-                         "the origin in the calibration",
-                         point_text(outside->point), outside->object->name)});
+                         "({}), or {}",
+                         point_text(outside->point, space), outside->object->name,
+                         space
+                             ? "surface.size_mm, curvature_per_m"
+                             : "outline.a_mm, vertex_mm, b_mm, or the object's size and offset_mm",
+                         space ? "widen low_mm and high_mm of the axes in the calibration if the "
+                                 "machine has the way"
+                               : "the origin in the calibration")});
     }
     if (!start_in_reach) {
         findings.push_back(
             {Verdict::refuse,
-             fmt::format("the handle cannot reach the start pose {}: move apparatus.start_mm "
+             fmt::format("the handle cannot reach the start pose {}: move apparatus.start_mm{} "
                          "closer to the object",
-                         point_text(protocol.apparatus.start))});
+                         point_text(start_of(protocol), space),
+                         space ? " or surface.start_height_mm" : "")});
     }
 }
 
-void check_force(const ApparatusSpec& apparatus,
+void check_force(const Protocol& protocol,
                  const std::vector<Spot>& spots,
                  std::vector<Finding>& findings) {
+    const ApparatusSpec& apparatus = protocol.apparatus;
     const Spot* weakest = nullptr;
     for (const Spot& spot : spots) {
         if (spot.force && (weakest == nullptr || *spot.force < *weakest->force)) {
@@ -155,8 +179,8 @@ void check_force(const ApparatusSpec& apparatus,
                      "{:.6g}: with {:.6g} N/m the force clips there from a depth of {:.3g} mm on; "
                      "such ticks are flagged as saturated, and force_limit_n = {:.3g} would make "
                      "the limit the same everywhere",
-                     *weakest->force, point_text(weakest->point), weakest->object->name,
-                     apparatus.force_limit, apparatus.stiffness,
+                     *weakest->force, point_text(weakest->point, protocol.surface.has_value()),
+                     weakest->object->name, apparatus.force_limit, apparatus.stiffness,
                      1e3 * *weakest->force / apparatus.stiffness,
                      std::floor(100.0 * *weakest->force) / 100.0)});
 }
@@ -209,13 +233,13 @@ std::vector<Finding> check_feasibility(const Protocol& protocol, const engine::D
     }
     check_passivity(with_all_dampers(protocol), traits, findings);
     const std::vector<Spot> known = spots(protocol, device);
-    const bool start = device.weakest_force(protocol.apparatus.start).has_value();
+    const bool start = device.weakest_force(start_of(protocol)).has_value();
     const bool knows = start || std::any_of(known.begin(), known.end(), [](const Spot& spot) {
                            return spot.force.has_value();
                        });
     if (knows) {
         check_workspace(protocol, known, start, findings);
-        check_force(protocol.apparatus, known, findings);
+        check_force(protocol, known, findings);
     }
     return findings;
 }

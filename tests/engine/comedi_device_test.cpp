@@ -127,7 +127,8 @@ TEST_CASE("outputs give the torques of the pantograph's arithmetic, within half 
         CHECK(applied.load == drive.load);
         CHECK(applied.codes[0] == static_cast<std::int32_t>(bench.code[0]));
         CHECK(applied.codes[1] == static_cast<std::int32_t>(bench.code[1]));
-        CHECK(device->weakest_force(reading.hip) == pantograph.weakest_force(reading.hip));
+        CHECK(device->weakest_force(Vec3(reading.hip, 0.0)) ==
+              pantograph.weakest_force(reading.hip));
     }
     for (const std::uint32_t range : bench.range_used) {
         REQUIRE(range == 3);

@@ -183,7 +183,7 @@ TEST_CASE("a machine that cannot be is refused with number and remedy", "[device
     calibration.haply.emplace().id = 0;
     CHECK_THROWS_WITH(check(calibration), ContainsSubstring("every unused slot"));
     calibration.haply.emplace().port = {1, 1};
-    CHECK_THROWS_WITH(check(calibration), ContainsSubstring("for both axes"));
+    CHECK_THROWS_WITH(check(calibration), ContainsSubstring("for two axes"));
 }
 
 TEST_CASE("many readings at once give each the bits that it has alone", "[device][law]") {

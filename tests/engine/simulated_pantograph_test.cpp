@@ -121,8 +121,8 @@ TEST_CASE("the standard machine is passive at the study's stiffness, and says wh
         CHECK(plant.damping.x / (2.0 * j.row_y.y * j.row_y.y) >= *traits.damping * (1.0 - 1e-12));
         CHECK(plant.damping.x / (2.0 * j.row_x.x * j.row_x.x) >= *traits.damping * (1.0 - 1e-12));
     }
-    CHECK(device.weakest_force({0.0, 0.03}).value() > 8.0);
-    CHECK_FALSE(device.weakest_force({0.0, 0.3}));
+    CHECK(device.weakest_force({0.0, 0.03, 0.0}).value() > 8.0);
+    CHECK_FALSE(device.weakest_force({0.0, 0.3, 0.0}));
 }
 
 TEST_CASE("the same forces make the same path, to the last bit", "[device][law]") {

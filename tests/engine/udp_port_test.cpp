@@ -65,7 +65,7 @@ TEST_CASE("nobody at a UDP port is said with what to do, and so is a machine tha
           "[open]") {
     const Calibration machine = open_machine();
     GuidedHand plant(machine);
-    OpenBoard board(plant, machine.pantograph, *machine.board);
+    OpenBoard board(plant, machine, *machine.board);
     const std::string path = UdpBoard(board, 0).path();  // and it is gone
     CHECK_THROWS_WITH(open_board(path, machine),
                       ContainsSubstring("does the device's program run there"));
@@ -80,7 +80,7 @@ TEST_CASE(
     CAPTURE(guarded);
     const Calibration machine = open_machine();
     GuidedHand plant(machine);
-    OpenBoard board(plant, machine.pantograph, *machine.board);
+    OpenBoard board(plant, machine, *machine.board);
     UdpBoard port(board, 0);
     const auto lives_until = [&](const auto& done) {
         const std::int64_t end = palpate::monotonic_ns() + 20'000'000'000;

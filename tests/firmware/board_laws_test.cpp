@@ -40,8 +40,8 @@ TEMPLATE_TEST_CASE("a board says what it is, and repeats its limits to the byte"
     REQUIRE(ident->type == OpenType::ident);
     CHECK(ident->seq == talk.seq);
     CHECK(ident->ident.major == 1);
-    CHECK(ident->ident.counts_per_turn == std::array<std::int32_t, 2>{4880, 4880});
-    CHECK(ident->ident.torque_full == std::array<std::int32_t, 2>{123000, 123000});
+    CHECK(ident->ident.counts_per_turn == OpenAxes{4880, 4880});
+    CHECK(ident->ident.torque_full == OpenAxes{123000, 123000});
     CHECK(ident->ident.watchdog_min == 5);
     CHECK(ident->ident.watchdog_max == 50);
     CHECK(ident->ident.state == OpenState::identified);
@@ -352,7 +352,7 @@ TEMPLATE_TEST_CASE("counts follow the joints both ways, and begin where they are
     OpenConfig zero = kConfig;
     zero.zero_counts = true;
     talk.config(zero);
-    CHECK(talk.peek().counts == std::array<std::int32_t, 2>{});
+    CHECK(talk.peek().counts == OpenAxes{});
 }
 
 TEMPLATE_TEST_CASE("the board's clock runs as time does", "[firmware][law]", BOARDS) {

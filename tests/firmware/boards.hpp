@@ -18,7 +18,7 @@ namespace palpate::tests {
 struct OnHost {
     using Board = engine::OpenBoard;
     static Board make(engine::BoardPlant& plant, const engine::Calibration& machine) {
-        return Board(plant, machine.pantograph, *machine.board);
+        return Board(plant, machine, *machine.board);
     }
 };
 
@@ -33,7 +33,7 @@ inline std::string firmware_or(const char* elf) {
 struct On328p {
     using Board = SimBoard;
     static Board make(engine::BoardPlant& plant, const engine::Calibration& machine) {
-        return Board(plant, machine.pantograph, *machine.board, kAtmega328p,
+        return Board(plant, machine, *machine.board, kAtmega328p,
                      firmware_or(PALPATE_FIRMWARE_328P));
     }
 };
@@ -42,7 +42,7 @@ struct On328p {
 struct On2560 {
     using Board = SimBoard;
     static Board make(engine::BoardPlant& plant, const engine::Calibration& machine) {
-        return Board(plant, machine.pantograph, *machine.board, kAtmega2560, PALPATE_FIRMWARE_2560);
+        return Board(plant, machine, *machine.board, kAtmega2560, PALPATE_FIRMWARE_2560);
     }
 };
 #endif

@@ -16,7 +16,7 @@ using Catch::Matchers::ContainsSubstring;
 namespace {
 
 std::unique_ptr<PortBoard> simulated_chip(BoardPlant& plant, const Calibration& machine) {
-    return std::make_unique<SimBoard>(plant, machine.pantograph, *machine.board, kAtmega328p,
+    return std::make_unique<SimBoard>(plant, machine, *machine.board, kAtmega328p,
                                       PALPATE_FIRMWARE_328P);
 }
 

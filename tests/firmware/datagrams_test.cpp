@@ -238,6 +238,7 @@ TEST_CASE("a datagram is answered by the firmware as the same body in a frame is
     const auto facts = [] {
         board_facts known{};
         known.torque_full[0] = known.torque_full[1] = 123'000;
+        known.axes = 2;
         return known;
     }();
     OpenBoard by_frame = OnHost::make(plant, machine);

@@ -300,7 +300,7 @@ TEST_CASE("a handle that moves while the board is opened is refused", "[open][la
     };
     const Calibration machine = open_machine();
     Moving plant(machine);
-    OpenBoard board(plant, machine.pantograph, *machine.board);
+    OpenBoard board(plant, machine, *machine.board);
     BoardCable cable(board);
     ScriptedGuard::Script guard;
     CHECK_THROWS_WITH(BoardDevice(machine, std::make_unique<BoardLink>(cable), open_line,

@@ -69,7 +69,7 @@ avr_uart_t* uart_of(avr_t* avr) {
 }  // namespace
 
 SimBoard::SimBoard(engine::BoardPlant& plant,
-                   const engine::PantographSpec& machine,
+                   const engine::Calibration& machine,
                    const engine::OpenWiring& wired,
                    const Chip& chip,
                    const std::string& elf)
@@ -104,7 +104,7 @@ void SimBoard::attach() {
     for (int i = 0; i < 8; ++i) {
         avr_extint_set_strict_lvl_trig(avr_, static_cast<std::uint8_t>(i), 0);
     }
-    for (std::size_t channel = 0; channel < 2; ++channel) {
+    for (std::size_t channel = 0; channel < machine_.axes(); ++channel) {
         const std::uint8_t lines = lines_at(at_[channel]);
         for (int line = 0; line < 2; ++line) {
             set_pin(chip_.encoder_port, chip_.encoder_pin + 2 * static_cast<int>(channel) + line,
@@ -131,14 +131,15 @@ void SimBoard::set_pin(char port, int pin, bool high) {
     avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ(port), pin), high ? 1 : 0);
 }
 
-std::array<std::int64_t, 2> SimBoard::wanted() const {
-    std::array<std::int64_t, 2> counts{};
-    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
-        const std::size_t channel = wired_.channel[pivot] - 1U;
-        const double turns = plant_->angles()[pivot] / (2.0 * engine::kPi);
-        const auto count = static_cast<std::int64_t>(
-            std::floor(turns * machine_.axes[pivot].counts_per_turn + 0.5));
-        counts[channel] = (wired_.encoder_clockwise[pivot] ? -count : count) - zero_[channel];
+std::array<std::int64_t, 3> SimBoard::wanted() const {
+    std::array<std::int64_t, 3> counts{};
+    for (std::size_t i = 0; i < machine_.axes(); ++i) {
+        const std::size_t channel = wired_.channel[i] - 1U;
+        const double turns =
+            (i < 2 ? plant_->angles()[i] : plant_->angle_3()) / (2.0 * engine::kPi);
+        const auto count =
+            static_cast<std::int64_t>(std::floor(turns * machine_.axis(i).counts_per_turn + 0.5));
+        counts[channel] = (wired_.encoder_clockwise[i] ? -count : count) - zero_[channel];
     }
     return counts;
 }
@@ -147,7 +148,7 @@ std::array<std::int64_t, 2> SimBoard::wanted() const {
 void SimBoard::turn_encoders() {
     const bool follows = ++chunks_ % 4 == 0;
     auto goal = follows ? wanted() : at_;
-    for (std::size_t channel = 0; channel < 2; ++channel) {
+    for (std::size_t channel = 0; channel < machine_.axes(); ++channel) {
         if (spin_[channel] != 0.0) {
             spun_[channel] +=
                 spin_[channel] * static_cast<double>(kByte) / static_cast<double>(kHz);
@@ -197,6 +198,7 @@ void SimBoard::pass() {
         }
     }
     plant_->set_torque(torque());
+    plant_->set_torque_3(torque_3());
     plant_->advance(kPollPeriod);
 }
 
@@ -242,25 +244,20 @@ bool SimBoard::enabled() const noexcept {
 }
 
 bool SimBoard::driven(std::size_t channel) const noexcept {
-    return (avr_->data[chip_.connect] & (channel == 0 ? 0x80 : 0x20)) != 0;
+    return (avr_->data[chip_.connect] & (0x80 >> 2 * channel)) != 0;
 }
 
-engine::Vec2 SimBoard::torque() const noexcept {
+double SimBoard::torque_of(std::size_t axis) const noexcept {
     constexpr double kSteps = 800.0;
-    engine::Vec2 torque{};
-    for (std::size_t pivot = 0; pivot < 2 && enabled(); ++pivot) {
-        const std::size_t channel = wired_.channel[pivot] - 1U;
-        if (!driven(channel)) {
-            continue;
-        }
-        const std::uint16_t at = chip_.duty[channel];
-        const int duty = avr_->data[at] + 256 * avr_->data[at + 1] + 1;
-        const bool negative = (avr_->data[chip_.sign_port] & chip_.sign[channel]) != 0;
-        const double size = machine_.axes[pivot].torque_limit * duty / kSteps;
-        (pivot == 0 ? torque.x : torque.y) =
-            negative != wired_.motor_clockwise[pivot] ? -size : size;
+    if (axis >= machine_.axes() || !enabled() || !driven(wired_.channel[axis] - 1U)) {
+        return 0.0;
     }
-    return torque;
+    const std::size_t channel = wired_.channel[axis] - 1U;
+    const std::uint16_t at = chip_.duty[channel];
+    const int duty = avr_->data[at] + 256 * avr_->data[at + 1] + 1;
+    const bool negative = (avr_->data[chip_.sign_port] & chip_.sign[channel]) != 0;
+    const double size = machine_.axis(axis).torque_limit * duty / kSteps;
+    return negative != wired_.motor_clockwise[axis] ? -size : size;
 }
 
 }  // namespace palpate::tests

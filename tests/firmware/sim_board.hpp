@@ -15,16 +15,17 @@ namespace palpate::tests {
 struct Chip {
     const char* name;  ///< "atmega328p"
     char encoder_port;
-    int encoder_pin;  ///< of A1; B1, A2 and B2 follow
+    int encoder_pin;  ///< of A1; B1, A2, B2 and so on follow
     char stop_port;
     int stop_pin;
     /// Addresses of registers in data memory, and bits in them.
     std::uint16_t enable_port, enable_direction;
     std::uint8_t enable;
     std::uint16_t sign_port;
-    std::array<std::uint8_t, 2> sign;
-    std::uint16_t connect;  ///< TCCRnA: bit 7 connects motor 1's pin, bit 5 motor 2's
-    std::array<std::uint16_t, 2> duty;
+    std::array<std::uint8_t, 3> sign;
+    std::uint16_t
+        connect;  ///< TCCRnA: bit 7 connects motor 1's pin, bit 5 motor 2's, bit 3 motor 3's
+    std::array<std::uint16_t, 3> duty;
 };
 
 inline constexpr Chip kAtmega328p{.name = "atmega328p",
@@ -48,9 +49,9 @@ inline constexpr Chip kAtmega2560{.name = "atmega2560",
                                   .enable_direction = 0x21,
                                   .enable = 4,
                                   .sign_port = 0x22,
-                                  .sign = {1, 2},
+                                  .sign = {1, 2, 16},
                                   .connect = 0xA0,
-                                  .duty = {0xA8, 0xAA}};
+                                  .duty = {0xA8, 0xAA, 0xAC}};
 
 /// The very binary of the firmware in simavr, with a plant on its pins: bytes come and go at 1,000,000 baud,
 /// encoders turn an edge at a time. Its time is that of its cycles.
@@ -60,7 +61,7 @@ public:
     /// @param elf    the firmware
     /// @throws std::runtime_error if it cannot be loaded
     SimBoard(engine::BoardPlant& plant,
-             const engine::PantographSpec& machine,
+             const engine::Calibration& machine,
              const engine::OpenWiring& wired,
              const Chip& chip,
              const std::string& elf);
@@ -77,7 +78,10 @@ public:
     void hush(bool /*silent*/) override {}
     void press_stop(bool pressed) noexcept override { stop_pressed_ = pressed; }
     [[nodiscard]] bool enabled() const noexcept;
-    [[nodiscard]] engine::Vec2 torque() const noexcept override;
+    [[nodiscard]] engine::Vec2 torque() const noexcept override {
+        return {torque_of(0), torque_of(1)};
+    }
+    [[nodiscard]] double torque_3() const noexcept override { return torque_of(2); }
     /// The motor's PWM pin is connected, or held high.
     [[nodiscard]] bool driven(std::size_t channel) const noexcept;
     /// How often the chip began anew.
@@ -104,10 +108,11 @@ private:
     void attach();
     void set_pin(char port, int pin, bool high);
     void turn_encoders();
-    [[nodiscard]] std::array<std::int64_t, 2> wanted() const;
+    [[nodiscard]] std::array<std::int64_t, 3> wanted() const;
+    [[nodiscard]] double torque_of(std::size_t axis) const noexcept;
 
     engine::BoardPlant* plant_;
-    engine::PantographSpec machine_;
+    engine::Calibration machine_;
     engine::OpenWiring wired_;
     Chip chip_;
     avr_t* avr_ = nullptr;
@@ -117,11 +122,11 @@ private:
         std::uint8_t byte = 0;
     };
     std::deque<Due> out_{};
-    std::array<std::int64_t, 2> zero_{};                  ///< the plant's counts at the beginning
-    std::array<std::int64_t, 2> at_{};                    ///< where the pins are
+    std::array<std::int64_t, 3> zero_{};                  ///< the plant's counts at the beginning
+    std::array<std::int64_t, 3> at_{};                    ///< where the pins are
     std::map<char, std::array<std::uint8_t, 2>> held_{};  ///< by port: which pins, and how
-    std::array<double, 2> spin_{};                        ///< counts/s
-    std::array<double, 2> spun_{};
+    std::array<double, 3> spin_{};                        ///< counts/s
+    std::array<double, 3> spun_{};
     std::uint64_t target_ = 0;
     std::uint64_t next_chunk_ = 0;
     std::uint64_t slept_ = 0;

@@ -111,7 +111,7 @@ public:
         }
         plant_ = std::make_unique<GuidedHand>(machine_);
         if (open) {
-            board_ = std::make_unique<OpenBoard>(*plant_, machine_.pantograph, *machine_.board);
+            board_ = std::make_unique<OpenBoard>(*plant_, machine_, *machine_.board);
         } else {
             board_ = std::make_unique<HaplyBoard>(*plant_, machine_.pantograph, *machine_.haply);
         }

@@ -207,7 +207,7 @@ TEST_CASE("what is wrong with a calibration is said at its place, with the remed
     CHECK_THAT(calibration_refusal(changed("id = 5", "id = 5.5")),
                ContainsSubstring("give an integer (1 to 255)"));
     CHECK_THAT(calibration_refusal(changed("port_2 = 1", "port_2 = 2")),
-               ContainsSubstring("give two different ones"));
+               ContainsSubstring("give each its own"));
     CHECK_THAT(calibration_refusal(changed("\"anticlockwise\"", "\"clokwise\"")),
                ContainsSubstring("did you mean clockwise?"));
     for (const auto& [key, sound, most] :

@@ -13,6 +13,7 @@ using namespace palpate;
 using namespace palpate::protocols;
 using Catch::Matchers::ContainsSubstring;
 using engine::Vec2;
+using engine::Vec3;
 
 namespace {
 
@@ -29,13 +30,13 @@ public:
     engine::Applied write(const Vec2& /*force*/) noexcept override { return {}; }
     [[nodiscard]] std::string name() const override { return "fake"; }
     [[nodiscard]] engine::DeviceTraits traits() const noexcept override { return what; }
-    [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override {
+    [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {
         if (pantograph != nullptr) {
-            return pantograph->weakest_force(hip);
+            return pantograph->weakest_force(Vec2(hip));
         }
         return glm::length(hip) < reach ? std::optional<double>(force) : std::nullopt;
     }
-    [[nodiscard]] std::optional<double> reading_error(const Vec2& /*hip*/) const noexcept override {
+    [[nodiscard]] std::optional<double> reading_error(const Vec3& /*hip*/) const noexcept override {
         return error;
     }
 };

@@ -12,6 +12,9 @@ void die_with(pid_t parent);
 /// Runs `work` in a child process, which ends after it. @return its id, to be killed and reaped
 [[nodiscard]] pid_t in_a_child(const std::function<void()>& work);
 
+/// The guard that `palpate` has started; -1: there is none.
+[[nodiscard]] pid_t guard_of(pid_t palpate);
+
 /// 1 ms.
 void wait_a_little();
 

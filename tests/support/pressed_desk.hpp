@@ -1,10 +1,7 @@
 #pragma once
 
-#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -114,22 +111,7 @@ struct PressedDesk {
         return true;
     }
     /// The guard is the one that the program has started.
-    [[nodiscard]] pid_t guard() const {
-        for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-            std::ifstream stat(entry.path() / "stat");
-            std::string line;
-            std::getline(stat, line);
-            std::istringstream rest(line.substr(line.rfind(')') + 1));
-            char state = ' ';
-            pid_t parent = 0;
-            rest >> state >> parent;
-            if (parent == session->program().id() && state != 'Z' &&
-                line.find("(palpate-guard)") != std::string::npos) {
-                return static_cast<pid_t>(std::stol(entry.path().filename().string()));
-            }
-        }
-        return -1;
-    }
+    [[nodiscard]] pid_t guard() const { return guard_of(session->program().id()); }
     [[nodiscard]] std::string faults(const std::string& cause) const {
         return session->ask("SELECT count(*) > 0 FROM trial WHERE fault_cause = '" + cause + "'");
     }

@@ -25,7 +25,7 @@ public:
     }
     std::string name() const override { return "failing"; }
     std::string trouble() const override { return "no answer: plug it in again"; }
-    std::optional<double> weakest_force(const engine::Vec2& /*hip*/) const noexcept override {
+    std::optional<double> weakest_force(const engine::Vec3& /*hip*/) const noexcept override {
         return 2.5;
     }
 

@@ -129,6 +129,12 @@ void declare(CommandWords& words, CalibrateOptions& options) {
 
 int run(const CalibrateOptions& options) {
     engine::Calibration calibration = protocols::load_calibration(options.preset);
+    if (calibration.gantry) {
+        throw std::invalid_argument(fmt::format(
+            "--preset {}: straight axes have no zeros to be found: write home_mm of each axis into "
+            "the file by a rule, then palpate commission proves it",
+            options.preset));
+    }
     const std::vector<Vec2> marks = marks_of(options, calibration);
     require_writable(options.output,
                      protocols::to_toml(calibration));  // before anybody brings a handle

@@ -48,7 +48,10 @@ Asked plan_of(const DoctorOptions& options) {
     plan.calibration = calibration_of(plan.device, options.calibration);
     if (!options.protocol.empty()) {
         plan.protocol = load_study(options.protocol).protocol;
-        plan.demand.start = plan.protocol->apparatus.start;  // its force is check_feasible's
+        require_fit(*plan.protocol, plan.device, plan.calibration.axes());
+        plan.demand.start = engine::Vec3(  // its force is check_feasible's
+            plan.protocol->apparatus.start,
+            plan.protocol->surface ? plan.protocol->surface->start_height : 0.0);
         plan.rate_hz = plan.protocol->apparatus.rate_hz;
     }
     return plan;
@@ -87,12 +90,16 @@ std::shared_ptr<engine::Device> open_device(const Asked& plan) {
     return ui::open_device(plan.device, plan.calibration, period);
 }
 
-/// Of the machine in use, and of every one that ships.
-std::vector<Linkage> linkages(const engine::PantographSpec& used) {
-    std::vector<Linkage> all{{.name = used.name, .bars = used.linkage, .centre = used.origin}};
+/// Of the machine in use, unless its axes are straight, and of every one that ships.
+std::vector<Linkage> linkages(const engine::Calibration& machine) {
+    const engine::PantographSpec& used = machine.pantograph;
+    std::vector<Linkage> all;
+    if (!machine.gantry) {
+        all.push_back({.name = used.name, .bars = used.linkage, .centre = used.origin});
+    }
     for (const engine::Calibration& one :
          protocols::parse_calibrations(protocols::shipped_pantographs(), "pantographs.toml")) {
-        if (one.pantograph.name == used.name) {
+        if (one.name() == machine.name()) {
             continue;
         }
         all.push_back({.name = one.pantograph.name,
@@ -179,8 +186,7 @@ int run(const DoctorOptions& options) {
     Report report(!options.json);
     const auto before = processor_time();
     look_at_device(report, options.device, plan);
-    report.look("kinematics",
-                [&] { return check_kinematics(linkages(plan.calibration.pantograph)); });
+    report.look("kinematics", [&] { return check_kinematics(linkages(plan.calibration)); });
     report.look("clock", check_clock);
     report.look("kernel", check_kernel);
     look_at_timing(report, plan.rate_hz, options.seconds);

@@ -14,6 +14,7 @@
 #include "engine/device/emulator/desk_hand.hpp"
 #include "engine/device/emulator/emulated_board.hpp"
 #include "engine/device/emulator/free_handle.hpp"
+#include "engine/device/emulator/gantry_hand.hpp"
 #include "engine/device/emulator/haply_board.hpp"
 #include "engine/device/emulator/open_board.hpp"
 #include "engine/device/emulator/pty_board.hpp"
@@ -43,7 +44,9 @@ constexpr int kDelayStepUs = 50;  ///< a delayed answer goes out at the end of a
 void declare(CommandWords& words, EmulatorOptions& options) {
     words.add("--link", options.link,
               "A symbolic link to its terminal, for --device haply:LINK or board:LINK");
-    words.add("--preset", options.preset, "2diy_gen3, 2diy_gen2, haplet, or a calibration file")
+    words
+        .add("--preset", options.preset,
+             "2diy_gen3, 2diy_gen2, haplet, or a calibration file, with --open also of three axes")
         .with_default();
     words
         .add("--delay-ms", options.delay_ms,
@@ -53,7 +56,9 @@ void declare(CommandWords& words, EmulatorOptions& options) {
         .within(0.0, 1000.0)
         .with_default();
     words.add("--open", options.open,
-              "An open board's firmware instead of a Haply board, for --device board:LINK");
+              "An open board's firmware instead of a Haply board, for --device board:LINK. A line "
+              "motors on standard input prints what the motors give, unplug N pulls the cable of "
+              "encoder N, plug N puts it in again");
     words
         .add("--udp", options.udp,
              "The open board behind this UDP port of this machine, 0 for any that is free; what "
@@ -64,9 +69,11 @@ void declare(CommandWords& words, EmulatorOptions& options) {
     words.add(
         "--free", options.free,
         "Nobody holds the handle, and motors move it; a line X_MM,Y_MM on standard input brings "
-        "it there, and gain G lets motors give G times what they are told to");
+        "it there (X_MM,Y_MM,Z_MM on a machine of three axes), and gain G lets motors give G times "
+        "what they are told to");
     words
-        .add("--at", options.at, "Where a free handle rests at first, X_MM,Y_MM; left out: at home")
+        .add("--at", options.at,
+             "Where a free handle rests at first, X_MM,Y_MM or X_MM,Y_MM,Z_MM; left out: at home")
         .needs("--free");
 }
 
@@ -145,6 +152,25 @@ void serve(Port& port, const SetDelay& set_delay, const HeedHandle& heed, double
     }
 }
 
+/// Lines about motors and encoders. @return false: it is another line
+bool heed_cables(engine::OpenBoard& board, const std::string& line, std::size_t axes) {
+    const auto most = static_cast<double>(axes);
+    if (line == "motors") {
+        const engine::Vec2 torque = board.torque();
+        say("The motors give {:g}, {:g}{} mN m\n", 1e3 * torque.x, 1e3 * torque.y,
+            axes > 2 ? fmt::format(", {:g}", 1e3 * board.torque_3()) : std::string());
+        return true;
+    }
+    const auto out = number_after(line, "unplug ", 1.0, most);
+    const auto in = number_after(line, "plug ", 1.0, most);
+    if (out || in) {
+        const auto axis = static_cast<std::size_t>(out.value_or(in.value_or(1.0)));
+        board.unplug_encoder(axis - 1, out.has_value());
+        say("Encoder {} is {}\n", axis, out ? "unplugged" : "plugged in");
+    }
+    return out || in;
+}
+
 /// The board with whatever hangs on it.
 void live(const EmulatorOptions& options,
           const engine::Calibration& machine,
@@ -158,17 +184,41 @@ void live(const EmulatorOptions& options,
         return serve(
             terminal, [&](double s) { board.set_faults({.delay = s}); }, heed, delay);
     }
-    engine::OpenBoard board(plant, machine.pantograph, *machine.board);
+    engine::OpenBoard board(plant, machine, *machine.board);
     board.delay_answers(delay);
     const auto set_delay = [&](double s) {
         board.delay_answers(s);
     };
+    const HeedHandle heed_board = [&](const std::string& line) {
+        return heed_cables(board, line, machine.axes()) || heed(line);
+    };
     if (options.udp) {
         engine::UdpBoard port(board, static_cast<std::uint16_t>(*options.udp));
-        return serve(port, set_delay, heed, delay);
+        return serve(port, set_delay, heed_board, delay);
     }
     engine::PtyBoard terminal(board, options.link);
-    serve(terminal, set_delay, heed, delay);
+    serve(terminal, set_delay, heed_board, delay);
+}
+
+/// A machine of three straight axes, held or free.
+void live_in_space(const EmulatorOptions& options, const engine::Calibration& machine) {
+    engine::GantryHand hand(machine, !options.free);
+    if (!options.at.empty()) {
+        hand.bring(parse_place_3(options.at, "--at"));
+    }
+    live(options, machine, hand, [&](const std::string& line) {
+        if (!options.free) {
+            return false;
+        }
+        if (const auto gain = number_after(line, "gain ", -100.0, 100.0)) {
+            hand.strengthen(*gain);
+            say("The motors give {:g} times what they are asked for\n", *gain);
+        } else {
+            hand.bring(parse_place_3(line, "brought to"));
+            say("The handle is at {} mm\n", line);
+        }
+        return true;
+    });
 }
 
 void live_free(const EmulatorOptions& options, const engine::Calibration& machine) {
@@ -202,7 +252,9 @@ int run(const EmulatorOptions& options) {
             "haplet",
             options.preset));
     }
-    if (options.free) {
+    if (machine.gantry) {
+        live_in_space(options, machine);
+    } else if (options.free) {
         live_free(options, machine);
     } else {
         engine::DeskHand hand(machine);

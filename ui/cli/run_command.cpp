@@ -246,10 +246,9 @@ int run(const RunOptions& options) {
     RigSpec spec;
     spec.study = load_study(options.protocol);
     spec.device = parse_device(options.device);
-    require_space(spec.study.protocol, spec.device);
     spec.calibration = options.calibration;
-    static_cast<void>(
-        calibration_of(spec.device, spec.calibration));  // refused before a file is made
+    require_fit(spec.study.protocol, spec.device,  // refused before a file is made
+                calibration_of(spec.device, spec.calibration).axes());
     spec.screen = options.screen;
     const auto resume =
         std::find(data::kResumeWords.begin(), data::kResumeWords.end(), options.resume);

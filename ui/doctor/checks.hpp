@@ -24,7 +24,7 @@ namespace palpate::ui {
 /// What a protocol will ask of the device.
 struct DeviceDemand {
     double force_n = 0.0;  ///< the protocol's force limit; 0: not known
-    engine::Vec2 start{};  ///< where the handle starts, object frame, m
+    engine::Vec3 start{};  ///< where the handle starts, object frame, m
 };
 
 using LookAgain = std::function<void(const engine::Device&)>;

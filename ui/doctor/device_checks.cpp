@@ -142,15 +142,19 @@ Check check_device(const std::string& word,
     device->write(Vec2{});
     check.detail = fmt::format(
         "{} ({}): {} of {} readings good, slowest {:.0f} us, handle at "
-        "({:.1f}, {:.1f}) mm",
+        "({:.1f}, {:.1f}{}) mm",
         word, device->name(), readings.good, kReadings, readings.slowest_us,
-        1e3 * readings.last.hip.x, 1e3 * readings.last.hip.y);
+        1e3 * readings.last.hip.x, 1e3 * readings.last.hip.y,
+        traits.axes > 2 ? fmt::format(", {:.1f}", 1e3 * readings.last.hip_z) : std::string());
     check.numbers = {{"readings", kReadings},
                      {"good", readings.good},
                      {"fresh", readings.fresh},
                      {"slowest_us", readings.slowest_us},
                      {"x_mm", 1e3 * readings.last.hip.x},
                      {"y_mm", 1e3 * readings.last.hip.y}};
+    if (traits.axes > 2) {
+        check.numbers.emplace_back("z_mm", 1e3 * readings.last.hip_z);
+    }
     if (!traits.gives_force) {
         check.detail += "; it gives no force";
     }

@@ -16,6 +16,30 @@ namespace {
 constexpr std::array<double, 2> kHidden{0.2345, -0.1234};
 constexpr double kPeriod = 1e-3;
 
+/// @return m, z = 0 of two numbers
+template <int kNumbers>
+engine::Vec3 place_of(const std::string& text, const std::string& word, const char* example) {
+    constexpr double kFar = 1000.0;
+    engine::Vec3 mm{};
+    const char* const end = text.data() + text.size();
+    const char* at = text.data();
+    bool good = true;
+    for (int i = 0; i < kNumbers && good; ++i) {
+        const auto number = std::from_chars(at, end, mm[i]);
+        at = number.ptr;
+        good = number.ec == std::errc{};
+        if (good && i + 1 < kNumbers) {
+            good = at != end && *at++ == ',';
+        }
+    }
+    if (!good || at != end || !(glm::length(mm) <= kFar)) {
+        throw std::invalid_argument(
+            fmt::format("{0} {1}: give its place in the object's frame in mm, as in {0} {2}", word,
+                        text, example));
+    }
+    return mm / 1000.0;
+}
+
 }  // namespace
 
 std::unique_ptr<engine::Device> open_for_calibration(const std::string& device,
@@ -49,17 +73,11 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place) {
 }
 
 engine::Vec2 parse_place(const std::string& text, const std::string& word) {
-    engine::Vec2 mm{};
-    const char* const end = text.data() + text.size();
-    const auto x = std::from_chars(text.data(), end, mm.x);
-    const bool comma = x.ec == std::errc{} && x.ptr != end && *x.ptr == ',';
-    const auto y = comma ? std::from_chars(x.ptr + 1, end, mm.y) : x;
-    constexpr double kFar = 1000.0;
-    if (!comma || y.ec != std::errc{} || y.ptr != end || !(glm::length(mm) <= kFar)) {
-        throw std::invalid_argument(fmt::format(
-            "{0} {1}: give its place in the object's frame in mm, as in {0} 0,40", word, text));
-    }
-    return mm / 1000.0;
+    return engine::Vec2(place_of<2>(text, word, "0,40"));
+}
+
+engine::Vec3 parse_place_3(const std::string& text, const std::string& word) {
+    return place_of<3>(text, word, "0,40,20");
 }
 
 bool starts_at_home(const engine::Calibration& calibration) {

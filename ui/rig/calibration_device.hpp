@@ -25,6 +25,9 @@ bool bring_handle(engine::Device& device, const engine::Vec2& place);
 /// @return m   @throws std::invalid_argument with both
 [[nodiscard]] engine::Vec2 parse_place(const std::string& text, const std::string& word);
 
+/// X_MM,Y_MM,Z_MM, of a machine of three axes. As above.
+[[nodiscard]] engine::Vec3 parse_place_3(const std::string& text, const std::string& word);
+
 /// As many digits of a calibration's id tell it from others, for people.
 inline constexpr std::size_t kShownId = 12;
 

@@ -89,13 +89,23 @@ bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept {
     return false;
 }
 
-void require_space(const protocols::Protocol& protocol, const DeviceChoice& device) {
-    if (protocol.surface && device.kind != Kind::simulated && device.kind != Kind::replay) {
-        throw std::invalid_argument(fmt::format(
-            "the objects of {} are surfaces in space, and the device that was named moves in a "
-            "plane: give --device sim, or replay:FILE of a session with surfaces",
-            protocol.id));
+void require_fit(const protocols::Protocol& protocol,
+                 const DeviceChoice& device,
+                 std::size_t axes) {
+    const bool either = device.kind == Kind::simulated || device.kind == Kind::replay;
+    if (either || protocol.surface.has_value() == (axes > 2)) {
+        return;
     }
+    throw std::invalid_argument(
+        protocol.surface
+            ? fmt::format("the objects of {} are surfaces in space, and the device that was named "
+                          "moves in a plane: give --device sim, board:PORT with the --calibration "
+                          "of a machine of three axes, or replay:FILE of a session with surfaces",
+                          protocol.id)
+            : fmt::format("the objects of {} are curves in a plane, and the machine of that "
+                          "calibration has three axes: give the calibration of a pantograph, or a "
+                          "protocol with [surface]",
+                          protocol.id));
 }
 
 bool gives_force(Kind kind) noexcept {

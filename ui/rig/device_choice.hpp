@@ -40,9 +40,10 @@ struct DeviceChoice {
 /// A real session of a study that asks for this class may be run on it.
 [[nodiscard]] bool fits(protocols::DeviceClass asked, DeviceChoice::Kind kind) noexcept;
 
-/// Surfaces are felt on machines that move in space.
-/// @throws std::invalid_argument for surfaces on one that moves in a plane: what to give
-void require_space(const protocols::Protocol& protocol, const DeviceChoice& device);
+/// Surfaces are felt on machines that move in space, all else on those that move in a plane.
+/// @param axes  of the machine, where one is named
+/// @throws std::invalid_argument otherwise: what to give
+void require_fit(const protocols::Protocol& protocol, const DeviceChoice& device, std::size_t axes);
 
 /// For --help and for errors.
 inline constexpr std::string_view kDeviceWords =

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "engine/device/drivers/comedi_card.hpp"
 #include "engine/device/emulator/emulated_haply.hpp"
 #include "engine/device/pointer_device.hpp"
@@ -13,7 +15,14 @@ using Kind = DeviceChoice::Kind;
 
 engine::Calibration calibration_of(const DeviceChoice& choice, const std::string& name_or_file) {
     if (!name_or_file.empty()) {
-        return protocols::load_calibration(name_or_file);
+        engine::Calibration calibration = protocols::load_calibration(name_or_file);
+        if (calibration.gantry && choice.kind != Kind::board && choice.kind != Kind::replay) {
+            throw std::invalid_argument(fmt::format(
+                "--calibration {}: {} has three axes, which an open board alone drives: give "
+                "--device board:PORT, or the calibration of a pantograph",
+                name_or_file, calibration.name()));
+        }
+        return calibration;
     }
     const bool small = choice.kind == Kind::haply || choice.kind == Kind::haply_emulator ||
                        choice.kind == Kind::board;

@@ -27,7 +27,7 @@ std::unique_ptr<protocols::ServoApparatus> make_apparatus(const RigSpec& spec,
                                                           const engine::Calibration& calibration,
                                                           std::vector<OpeningFact>& opening) {
     const protocols::Protocol& protocol = spec.study.protocol;
-    require_space(protocol, spec.device);
+    require_fit(protocol, spec.device, calibration.axes());
     const auto hand = [&] {
         return protocols::DrawnHand(protocol, spec.study.hash, spec.key, spec.seed, spec.hand);
     };
@@ -110,8 +110,8 @@ OpenedApparatus open_apparatus(const RigSpec& spec) {
                 "reply delay",
                 fmt::format("{:g} of the period", apparatus->device().traits().delay_ticks));
         }
-        if (!spec.study.protocol.surface) {
-            opened.provenance.emplace_back("calibration name", calibration.pantograph.name);
+        if (!spec.study.protocol.surface || calibration.gantry) {
+            opened.provenance.emplace_back("calibration name", calibration.name());
             opened.provenance.emplace_back("calibration sha256",
                                            protocols::calibration_id(calibration));
             opened.provenance.emplace_back("calibration", protocols::to_toml(calibration));

@@ -22,21 +22,6 @@ std::int64_t nanoseconds(double seconds) noexcept {
     return static_cast<std::int64_t>(std::floor(seconds * 1e9 + 0.5));
 }
 
-Pantograph::Counts home_counts(const Calibration& calibration) {
-    if (!calibration.home) {
-        return {};
-    }
-    const Pantograph pantograph(calibration.pantograph);
-    const auto angles = pantograph.reach(*calibration.home);
-    if (!angles || !pantograph.locate(*angles)) {
-        throw std::invalid_argument(
-            "the linkage of " + calibration.pantograph.name + " does not reach its home pose (" +
-            number_text(1e3 * calibration.home->x) + ", " + number_text(1e3 * calibration.home->y) +
-            ") mm: correct home, the link lengths or the origin");
-    }
-    return pantograph.counts(*angles);
-}
-
 }  // namespace
 
 BoardDevice::BoardDevice(const Calibration& calibration,
@@ -44,9 +29,7 @@ BoardDevice::BoardDevice(const Calibration& calibration,
                          MakeLine make_line,
                          std::unique_ptr<MotorGuard> guard,
                          const BoardTiming& timing)
-    : calibration_(calibration),
-      pantograph_(calibration.pantograph),
-      home_(home_counts(calibration)),
+    : machine_(calibration),
       timing_(timing),
       link_(std::move(link)),
       guard_(std::move(guard)),
@@ -54,7 +37,7 @@ BoardDevice::BoardDevice(const Calibration& calibration,
     if (!open_board()) {
         throw std::runtime_error(trouble_);
     }
-    bias_ = home_;
+    bias_ = machine_.home();
 }
 
 BoardDevice::~BoardDevice() {
@@ -66,16 +49,17 @@ BoardDevice::~BoardDevice() {
 }
 
 std::string BoardDevice::name() const {
-    return line_->kind() + " " + calibration_.pantograph.name + " at " + link_->name();
+    return line_->kind() + " " + machine_.calibration().name() + " at " + link_->name();
 }
 
 DeviceTraits BoardDevice::traits() const noexcept {
     return {.gives_force = true,
-            .damping = calibration_.pantograph.damping,
+            .damping = machine_.calibration().damping(),
             .delay_ticks = static_cast<double>(depth_),
-            .motor_time = calibration_.pantograph.motor_time,
+            .motor_time = machine_.calibration().motor_time(),
             .holds_force = line_->holds_force(),
-            .round_trip = round_trip_};
+            .round_trip = round_trip_,
+            .axes = static_cast<int>(machine_.axes())};
 }
 
 /// Port, guard and set-up; the position is lost.
@@ -129,12 +113,18 @@ bool BoardDevice::measure_answers() {
 }
 
 Reading BoardDevice::take(const BoardReply& reply) noexcept {
+    Machine::Counts counts{};
+    for (std::size_t i = 0; i < machine_.axes(); ++i) {
+        counts[i] = reply.counts[i] + bias_[i];
+    }
     Reading reading;
-    reading.counts = {reply.counts[0] + bias_[0], reply.counts[1] + bias_[1]};
+    reading.counts = {counts[0], counts[1]};
+    reading.count_3 = counts[2];
     reading.grip = reply.grip;
-    fix_ = pantograph_.locate(pantograph_.angles(reading.counts));
-    if (fix_) {
-        reading.hip = fix_->hip;
+    place_ = machine_.locate(counts);
+    if (place_) {
+        reading.hip = Vec2(place_->hip);
+        reading.hip_z = place_->hip.z;
     } else {
         reading.fault = DeviceFault::unreachable;
     }
@@ -214,8 +204,8 @@ Reading BoardDevice::read() noexcept {
     return stale;
 }
 
-bool BoardDevice::ask(const std::array<double, 2>& torque) noexcept {
-    const bool sent = line_->ask(torque);
+bool BoardDevice::ask(const Vec3& torque) noexcept {
+    const bool sent = line_->ask({torque.x, torque.y, torque.z});
     if (sent) {
         asked_at_[asked_++ % asked_at_.size()] = tick_;
     }
@@ -224,7 +214,7 @@ bool BoardDevice::ask(const std::array<double, 2>& torque) noexcept {
 
 bool BoardDevice::send_zero() noexcept {
     applied_ = {};
-    const bool sent = ask({0.0, 0.0});
+    const bool sent = ask({});
     if (sent) {  // otherwise the guard stays on its toes
         guard_->force_off();
     }
@@ -241,25 +231,26 @@ void BoardDevice::fail(DeviceFault fault) noexcept {
 }
 
 /// A fault is latched: nothing but zero torque, until so many went out whole. Half of one might be any torque.
-Applied BoardDevice::hold_off(const Vec2& force) noexcept {
+Applied BoardDevice::hold_off(const Vec3& force) noexcept {
     if (zeros_left_ > 0 && send_zero()) {
         --zeros_left_;
     }
-    return {.saturated = force != Vec2{}};
+    return {.saturated = force != Vec3{}};
 }
 
-Applied BoardDevice::write(const Vec2& force) noexcept {
+Applied BoardDevice::press(const Vec3& force) noexcept {
     if (fault_ != DeviceFault::none) {
         return hold_off(force);
     }
-    const Pantograph::Drive drive =
-        fix_ && last_.ok() ? pantograph_.drive(*fix_, force) : Pantograph::Drive{};
-    const bool finite = std::isfinite(drive.torque.x) && std::isfinite(drive.torque.y);
-    if (!finite || drive.torque == Vec2{}) {
+    const Machine::Drive drive =
+        place_ && last_.ok() ? machine_.drive(*place_, force) : Machine::Drive{};
+    const bool finite = std::isfinite(drive.torque.x) && std::isfinite(drive.torque.y) &&
+                        std::isfinite(drive.torque.z);
+    if (!finite || drive.torque == Vec3{}) {
         if (!send_zero()) {
             fail(DeviceFault::lost);
         }
-        return {.saturated = force != Vec2{}};
+        return {.saturated = force != Vec3{}};
     }
     guard_->force_on();
     if (line_->full(depth_)) {  // no more questions than answers take periods: the torques stay
@@ -269,18 +260,20 @@ Applied BoardDevice::write(const Vec2& force) noexcept {
         fail(guard_->tripped() ? DeviceFault::silent : DeviceFault::unguarded);
         return {.saturated = true};
     }
-    if (!ask({drive.torque.x, drive.torque.y})) {
+    if (!ask(drive.torque)) {
         fail(DeviceFault::lost);
         return {.saturated = true};
     }
-    const auto code = [&](std::size_t pivot, double torque) {
-        const Axis& axis = pantograph_.spec().axes[pivot];
+    const auto code = [&](std::size_t i, double torque) {
+        const Axis& axis = machine_.axis(i);
         return static_cast<std::int32_t>(
             std::floor(torque / axis.torque_limit * axis.codes_full_scale + 0.5));
     };
     applied_ = {.codes = {code(0, drive.torque.x), code(1, drive.torque.y)},
                 .saturated = drive.saturated,
-                .load = drive.load};
+                .load = Vec2(drive.load),
+                .code_3 = machine_.axes() > 2 ? code(2, drive.torque.z) : 0,
+                .load_3 = drive.load.z};
     return applied_;
 }
 
@@ -295,8 +288,8 @@ bool BoardDevice::answers_in_time() {
 }
 
 bool BoardDevice::rests() {
-    Pantograph::Counts smallest{};
-    Pantograph::Counts largest{};
+    Machine::Counts smallest{};
+    Machine::Counts largest{};
     bool first = true;
     const std::int64_t end = link_->now_ns() + nanoseconds(timing_.still);
     while (link_->now_ns() < end) {
@@ -304,14 +297,14 @@ bool BoardDevice::rests() {
             homeless_ = false;  // and back to the port
             return false;
         }
-        const Pantograph::Counts raw = line_->reply().counts;
-        for (std::size_t i = 0; i < 2; ++i) {
+        const Machine::Counts raw = line_->reply().counts;
+        for (std::size_t i = 0; i < machine_.axes(); ++i) {
             smallest[i] = first ? raw[i] : std::min(smallest[i], raw[i]);
             largest[i] = first ? raw[i] : std::max(largest[i], raw[i]);
             if (largest[i] - smallest[i] > kStillCounts) {
                 return false;
             }
-            bias_[i] = home_[i] - raw[i];
+            bias_[i] = machine_.home()[i] - raw[i];
         }
         first = false;
         link_->pause(10 * kMillisecond);
@@ -375,9 +368,14 @@ std::string BoardDevice::explained(DeviceFault fault) const {
             break;
     }
     std::string pose = "its home pose";
-    if (calibration_.home) {
-        pose += " (" + number_text(1e3 * calibration_.home->x) + ", " +
-                number_text(1e3 * calibration_.home->y) + ") mm";
+    const Calibration& machine = machine_.calibration();
+    if (machine.gantry) {
+        const Vec3 home = 1e3 * machine.gantry->home();
+        pose += " (" + number_text(home.x) + ", " + number_text(home.y) + ", " +
+                number_text(home.z) + ") mm";
+    } else if (machine.home) {
+        pose += " (" + number_text(1e3 * machine.home->x) + ", " +
+                number_text(1e3 * machine.home->y) + ") mm";
     }
     return board + " is back, but where the handle was is lost: put the handle at " + pose +
            " and let it rest there for " + number_text(timing_.still) + " s";

@@ -7,7 +7,7 @@
 #include "engine/device/device.hpp"
 #include "engine/device/drivers/board_line.hpp"
 #include "engine/device/drivers/motor_guard.hpp"
-#include "engine/device/pantograph.hpp"
+#include "engine/device/machine.hpp"
 
 namespace palpate::engine {
 
@@ -19,7 +19,7 @@ struct BoardTiming {
     double still = 1.0;      ///< the handle rests for this long before its pose is taken for home
 };
 
-/// A pantograph on a board that is asked once a tick, in whatever language.
+/// A machine on a board, a pantograph or three straight axes, that is asked once a tick, in whatever language.
 ///
 /// write() sends the torques, and a later read() collects the counts that the board measured when it
 /// took them. How long answers take is measured when the board is opened (traits().round_trip): d
@@ -47,14 +47,15 @@ public:
     ~BoardDevice() override;
 
     [[nodiscard]] Reading read() noexcept override;
-    Applied write(const Vec2& force) noexcept override;
+    Applied write(const Vec2& force) noexcept override { return press(Vec3(force, 0.0)); }
+    Applied press(const Vec3& force) noexcept override;
     [[nodiscard]] std::string name() const override;
     [[nodiscard]] DeviceTraits traits() const noexcept override;
-    [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override {
-        return pantograph_.weakest_force(hip);
+    [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override {
+        return machine_.weakest_force(hip);
     }
-    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept override {
-        return pantograph_.reading_error(hip);
+    [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override {
+        return machine_.reading_error(hip);
     }
 
     /// Motors off first. If the board acknowledges it, its counts are still good and that is all.
@@ -77,17 +78,15 @@ private:
     [[nodiscard]] BoardLine::Answer prime() noexcept;
     [[nodiscard]] Reading take(const BoardReply& reply) noexcept;
     void fail(DeviceFault fault) noexcept;
-    [[nodiscard]] bool ask(const std::array<double, 2>& torque) noexcept;
+    [[nodiscard]] bool ask(const Vec3& torque) noexcept;
     void note_age(bool primed) noexcept;
     [[nodiscard]] double behind() const noexcept;
     [[nodiscard]] bool send_zero() noexcept;
-    Applied hold_off(const Vec2& force) noexcept;
+    Applied hold_off(const Vec3& force) noexcept;
     [[nodiscard]] std::string explained(DeviceFault fault) const;
 
-    Calibration calibration_;
-    Pantograph pantograph_;
-    Pantograph::Counts home_{};  ///< counts with the handle at home
-    Pantograph::Counts bias_{};  ///< counts minus those of the board
+    Machine machine_;
+    Machine::Counts bias_{};  ///< counts minus those of the board
     BoardTiming timing_;
     std::unique_ptr<ByteLink> link_;
     std::unique_ptr<MotorGuard> guard_;
@@ -106,7 +105,7 @@ private:
     std::uint64_t measured_ = 0;                ///< tick of the question whose answer is last_
     bool was_late_ = false;  ///< a reading was older than promised since the last reconnect()
     Reading last_{};
-    std::optional<Pantograph::Fix> fix_;
+    std::optional<Machine::Place> place_;
     Applied applied_{};
 };
 

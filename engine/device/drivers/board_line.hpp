@@ -18,7 +18,8 @@ namespace palpate::engine {
 
 /// What a board measured.
 struct BoardReply {
-    std::array<std::int32_t, 2> counts{};  ///< of pivot 1 and 2, anticlockwise, since its set-up
+    /// Of pivot 1 and 2, anticlockwise, or of x, y and z, since its set-up.
+    std::array<std::int32_t, kMostAxes> counts{};
     Grip grip = Grip::unknown;
 };
 
@@ -62,9 +63,9 @@ public:
     /// switched its motors off meanwhile is made ready again. Takes little more than `wait_ns`.
     /// @return complete: reply() is new
     [[nodiscard]] virtual Answer wake(std::int64_t wait_ns) noexcept = 0;
-    /// Sends torques of pivot 1 and 2, N m, anticlockwise. @return false if they were not sent whole,
+    /// Sends torques of all motors, N m, anticlockwise or forward. @return false if they were not sent whole,
     /// before a set-up, or if they are not finite
-    [[nodiscard]] virtual bool ask(const std::array<double, 2>& torque) noexcept = 0;
+    [[nodiscard]] virtual bool ask(const std::array<double, kMostAxes>& torque) noexcept = 0;
     /// With `depth` questions on their way another one would make answers older.
     [[nodiscard]] virtual bool full(std::size_t depth) const noexcept { return owed_ >= depth; }
     /// Collects all that has come, and waits at most `wait_ns` for more while more than `leave`

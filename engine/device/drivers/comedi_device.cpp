@@ -272,12 +272,12 @@ DeviceTraits ComediDevice::traits() const noexcept {
             .holds_force = std::numeric_limits<double>::infinity()};
 }
 
-std::optional<double> ComediDevice::weakest_force(const Vec2& hip) const noexcept {
-    return pantograph_.weakest_force(hip);
+std::optional<double> ComediDevice::weakest_force(const Vec3& hip) const noexcept {
+    return pantograph_.weakest_force(Vec2(hip));
 }
 
-std::optional<double> ComediDevice::reading_error(const Vec2& hip) const noexcept {
-    return pantograph_.reading_error(hip);
+std::optional<double> ComediDevice::reading_error(const Vec3& hip) const noexcept {
+    return pantograph_.reading_error(Vec2(hip));
 }
 
 bool ComediDevice::reconnect() {

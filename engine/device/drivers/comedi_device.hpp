@@ -42,8 +42,8 @@ public:
     Applied write(const Vec2& force) noexcept override;
     [[nodiscard]] std::string name() const override;
     [[nodiscard]] DeviceTraits traits() const noexcept override;
-    [[nodiscard]] std::optional<double> weakest_force(const Vec2& hip) const noexcept override;
-    [[nodiscard]] std::optional<double> reading_error(const Vec2& hip) const noexcept override;
+    [[nodiscard]] std::optional<double> weakest_force(const Vec3& hip) const noexcept override;
+    [[nodiscard]] std::optional<double> reading_error(const Vec3& hip) const noexcept override;
     [[nodiscard]] bool reconnect() override;
     [[nodiscard]] std::string trouble() const override;
 

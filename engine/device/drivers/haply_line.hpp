@@ -25,7 +25,7 @@ public:
     /// A board that does not answer zero torque is set up anew, and gets it again.
     void part() noexcept override;
     [[nodiscard]] Answer wake(std::int64_t wait_ns) noexcept override;
-    [[nodiscard]] bool ask(const std::array<double, 2>& torque) noexcept override;
+    [[nodiscard]] bool ask(const std::array<double, kMostAxes>& torque) noexcept override;
     [[nodiscard]] Answer hear(std::int64_t wait_ns, std::size_t leave) noexcept override;
     [[nodiscard]] Answer probe(std::int64_t wait_ns) noexcept override;
     void start_over() noexcept override;

@@ -145,7 +145,7 @@ std::unique_ptr<PortBoard> make_open_board(BoardPlant& plant, const Calibration&
     if (!machine.board) {
         throw std::invalid_argument("the emulated machine has no open board");
     }
-    return std::make_unique<OpenBoard>(plant, machine.pantograph, *machine.board);
+    return std::make_unique<OpenBoard>(plant, machine, *machine.board);
 }
 
 EmulatedBoard::EmulatedBoard(const Calibration& machine,

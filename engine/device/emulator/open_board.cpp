@@ -28,7 +28,7 @@ struct Platform {
         const OpenBoard& emulated = of(which);
         const auto counts = emulated.true_counts();
         sense.time_us = static_cast<std::uint32_t>(emulated.polls_ * 50);
-        for (std::size_t i = 0; i < 2; ++i) {
+        for (std::size_t i = 0; i < emulated.machine_.axes(); ++i) {
             sense.count[i] = counts[i] - emulated.zero_[i];
         }
         sense.skipped_edge = emulated.skipped_;
@@ -44,13 +44,14 @@ struct Platform {
     }
 };
 
-OpenBoard::OpenBoard(BoardPlant& plant, const PantographSpec& machine, const OpenWiring& wired)
+OpenBoard::OpenBoard(BoardPlant& plant, const Calibration& machine, const OpenWiring& wired)
     : plant_(&plant), machine_(machine), wired_(wired) {
     facts_.id = wired.id.value_or(0);
     facts_.time_step = 50;
-    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
-        const Axis& axis = machine.axes[pivot];
-        const std::size_t channel = wired.channel[pivot] - 1U;
+    facts_.axes = static_cast<std::uint8_t>(machine.axes());
+    for (std::size_t i = 0; i < machine.axes(); ++i) {
+        const Axis& axis = machine.axis(i);
+        const std::size_t channel = wired.channel[i] - 1U;
         facts_.counts_per_turn[channel] =
             static_cast<std::int32_t>(std::floor(axis.counts_per_turn + 0.5));
         facts_.torque_full[channel] =
@@ -68,31 +69,39 @@ void OpenBoard::power_cycle() {
     zero_ = true_counts();
 }
 
-std::array<std::int32_t, 2> OpenBoard::true_counts() const noexcept {
-    std::array<std::int32_t, 2> counts{};
-    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
-        const std::size_t channel = wired_.channel[pivot] - 1U;
-        const double turns = plant_->angles()[pivot] / (2.0 * kPi);
-        const auto count = static_cast<std::int32_t>(
-            std::floor(turns * machine_.axes[pivot].counts_per_turn + 0.5));
-        counts[channel] = wired_.encoder_clockwise[pivot] ? -count : count;
+double OpenBoard::angle_of(std::size_t axis) const noexcept {
+    return axis < 2 ? plant_->angles()[axis] : plant_->angle_3();
+}
+
+void OpenBoard::unplug_encoder(std::size_t axis, bool out) noexcept {
+    stuck_[axis] = out ? std::optional(angle_of(axis)) : std::nullopt;
+}
+
+std::array<std::int32_t, kMostAxes> OpenBoard::true_counts() const noexcept {
+    std::array<std::int32_t, kMostAxes> counts{};
+    for (std::size_t i = 0; i < machine_.axes(); ++i) {
+        const std::size_t channel = wired_.channel[i] - 1U;
+        const double turns = stuck_[i].value_or(angle_of(i)) / (2.0 * kPi);
+        const auto count =
+            static_cast<std::int32_t>(std::floor(turns * machine_.axis(i).counts_per_turn + 0.5));
+        counts[channel] = wired_.encoder_clockwise[i] ? -count : count;
     }
     return counts;
 }
 
-Vec2 OpenBoard::torque() const noexcept {
+double OpenBoard::torque_of(std::size_t axis) const noexcept {
     constexpr auto kDuty = static_cast<double>(static_cast<int>(BOARD_DUTY));
-    Vec2 torque{};
-    for (std::size_t pivot = 0; enabled_ && pivot < 2; ++pivot) {
-        const std::size_t channel = wired_.channel[pivot] - 1U;
-        const double given = 1e-6 * facts_.torque_full[channel] * duty_[channel] / kDuty;
-        (pivot == 0 ? torque.x : torque.y) = wired_.motor_clockwise[pivot] ? -given : given;
+    if (!enabled_ || axis >= machine_.axes()) {
+        return 0.0;
     }
-    return torque;
+    const std::size_t channel = wired_.channel[axis] - 1U;
+    const double given = 1e-6 * facts_.torque_full[channel] * duty_[channel] / kDuty;
+    return wired_.motor_clockwise[axis] ? -given : given;
 }
 
 void OpenBoard::drive() noexcept {
     plant_->set_torque(torque());
+    plant_->set_torque_3(torque_3());
 }
 
 void OpenBoard::receive(std::span<const std::uint8_t> bytes) {

@@ -16,7 +16,7 @@ public:
     /// @param plant  outlives the board
     /// @param machine  counts a turn and torque limits are those that the firmware was built for
     /// @param wired    how motors and encoders are wired in truth
-    OpenBoard(BoardPlant& plant, const PantographSpec& machine, const OpenWiring& wired);
+    OpenBoard(BoardPlant& plant, const Calibration& machine, const OpenWiring& wired);
 
     void receive(std::span<const std::uint8_t> bytes) override;
     void poll() override;
@@ -37,17 +37,22 @@ public:
 
     /// The drivers' enable line is high.
     [[nodiscard]] bool enabled() const noexcept { return enabled_; }
-    [[nodiscard]] Vec2 torque() const noexcept override;
+    [[nodiscard]] Vec2 torque() const noexcept override { return {torque_of(0), torque_of(1)}; }
+    [[nodiscard]] double torque_3() const noexcept override { return torque_of(2); }
+    /// From now on the encoder of this axis, from 0, says what it says now: its cable is out; or no more.
+    void unplug_encoder(std::size_t axis, bool out) noexcept;
     [[nodiscard]] int state() const noexcept { return board_.state; }
 
 private:
     friend struct Platform;
 
-    [[nodiscard]] std::array<std::int32_t, 2> true_counts() const noexcept;
+    [[nodiscard]] std::array<std::int32_t, kMostAxes> true_counts() const noexcept;
+    [[nodiscard]] double angle_of(std::size_t axis) const noexcept;
+    [[nodiscard]] double torque_of(std::size_t axis) const noexcept;
     void drive() noexcept;
 
     BoardPlant* plant_;
-    PantographSpec machine_;
+    Calibration machine_;
     OpenWiring wired_;
     board_facts facts_{};
     board board_{};
@@ -56,8 +61,9 @@ private:
     bool skipped_ = false;
     bool enabled_ = false;
     double delay_ = 0.0;
-    std::array<std::int16_t, 2> duty_{};  ///< by channel
-    std::array<std::int32_t, 2> zero_{};  ///< true counts at the last set-up, by channel
+    std::array<std::int16_t, kMostAxes> duty_{};  ///< by channel
+    std::array<std::int32_t, kMostAxes> zero_{};  ///< true counts at the last set-up, by channel
+    std::array<std::optional<double>, kMostAxes> stuck_{};  ///< rad that unplugged encoders say
     std::deque<std::uint8_t> in_{};
     struct Due {
         std::int64_t poll = 0;

@@ -8,7 +8,7 @@
 
 namespace palpate::engine {
 
-/// What hangs on a board: motors and encoders of pivot 1 and pivot 2.
+/// What hangs on a board: motors and encoders of pivot 1 and pivot 2, or of three straight axes.
 class BoardPlant {
 public:
     BoardPlant() = default;
@@ -20,6 +20,9 @@ public:
     virtual void set_torque(const Vec2& newton_metres) noexcept = 0;
     virtual void advance(double seconds) noexcept = 0;
     [[nodiscard]] virtual JointAngles angles() const noexcept = 0;
+    /// The same of a third axis, if there is one.
+    virtual void set_torque_3(double /*newton_metres*/) noexcept {}
+    [[nodiscard]] virtual double angle_3() const noexcept { return 0.0; }
     /// A set-up is about to take the present pose for its offset.
     virtual void before_set_up() noexcept {}
 };
@@ -48,6 +51,8 @@ public:
     [[nodiscard]] virtual bool has_input() const noexcept = 0;
     /// What the motors get, pivot 1 and 2, N m, anticlockwise.
     [[nodiscard]] virtual Vec2 torque() const noexcept = 0;
+    /// The same of a third motor, if there is one.
+    [[nodiscard]] virtual double torque_3() const noexcept { return 0.0; }
     /// From now on no command is answered, or each is again.
     virtual void hush(bool silent) = 0;
     /// Somebody presses the emergency stop, if there is one, or releases it.

@@ -16,7 +16,14 @@ enum {
 
 enum { WHY_VERSION = 1, WHY_STATE, WHY_VALUE, WHY_STOP_PRESSED, WHY_TOKEN, WHY_TYPE };
 
-enum { HEAD = 3, CRC = 2, CONFIG_SIZE = 12, MAX_STEP = 255, MAX_AHEAD = 32767 };
+enum { HEAD = 3, CRC = 2, MAX_STEP = 255, MAX_AHEAD = 32767 };
+
+/* A chip has what it was built for. */
+#ifdef __AVR__
+#define AXES_OF(board) ((void)(board), (uint8_t)AXES)
+#else
+#define AXES_OF(board) ((board)->facts->axes)
+#endif
 
 static const uint16_t kGood = 0xF0B8; /* of a body with its own CRC */
 
@@ -83,6 +90,14 @@ static void put32(struct writer *out, uint32_t value)
     put16(out, (uint16_t)(value >> 16));
 }
 
+/* A number for each axis. */
+static void put_axes(struct writer *out, const struct board *board, const int32_t *numbers)
+{
+    for (uint8_t i = 0; i < AXES_OF(board); ++i) {
+        put32(out, (uint32_t)numbers[i]);
+    }
+}
+
 /* A body begins with the type of the answer and the number of its question. */
 static void begin(struct writer *out, uint8_t type, const struct board *board)
 {
@@ -134,8 +149,7 @@ static uint8_t tell_state(struct board *board, const struct board_sense *sense, 
     put8(&out, state);
     put16(&out, flags);
     put32(&out, sense->time_us);
-    put32(&out, (uint32_t)sense->count[0]);
-    put32(&out, (uint32_t)sense->count[1]);
+    put_axes(&out, board, sense->count);
     put8(&out, board->bad_frames);
     board->once = 0;
     return framed(&out, answer);
@@ -157,7 +171,7 @@ void board_begin(struct board *board, const struct board_facts *facts, void *own
     *board = kFresh;
     board->facts = facts;
     board->owner = owner;
-    for (uint8_t i = 0; i < 2; ++i) {
+    for (uint8_t i = 0; i < AXES_OF(board); ++i) {
         board->scale[i] = ((uint32_t)BOARD_DUTY << 20) / (uint32_t)facts->torque_full[i];
     }
 }
@@ -189,10 +203,8 @@ static uint8_t hello(struct board *board, uint8_t *answer)
     put8(&out, BOARD_MINOR);
     put16(&out, BOARD_FIRMWARE);
     put32(&out, facts->id);
-    put32(&out, (uint32_t)facts->counts_per_turn[0]);
-    put32(&out, (uint32_t)facts->counts_per_turn[1]);
-    put32(&out, (uint32_t)facts->torque_full[0]);
-    put32(&out, (uint32_t)facts->torque_full[1]);
+    put_axes(&out, board, facts->counts_per_turn);
+    put_axes(&out, board, facts->torque_full);
     put8(&out, BOARD_WATCHDOG_MIN);
     put8(&out, BOARD_WATCHDOG_MAX);
     put8(&out, facts->reset_cause);
@@ -224,7 +236,7 @@ static uint8_t config(struct board *board, uint8_t *answer)
         (options & ~1) != 0) {
         return refused(board, WHY_VALUE, answer);
     }
-    for (uint8_t i = 0; i < 2; ++i) {
+    for (uint8_t i = 0; i < AXES_OF(board); ++i) {
         const int32_t limit = get32(payload + 4 + 4 * i);
         if (limit < 0 || limit > board->facts->torque_full[i]) {
             return refused(board, WHY_VALUE, answer);
@@ -232,8 +244,9 @@ static uint8_t config(struct board *board, uint8_t *answer)
     }
     board->token = get16(payload);
     board->watchdog_ms = watchdog;
-    board->limit[0] = get32(payload + 4);
-    board->limit[1] = get32(payload + 8);
+    for (uint8_t i = 0; i < AXES_OF(board); ++i) {
+        board->limit[i] = get32(payload + 4 + 4 * i);
+    }
     const uint8_t lock = platform_lock();
     platform_forget(board, (options & 1) != 0);
     platform_unlock(lock);
@@ -245,8 +258,7 @@ static uint8_t config(struct board *board, uint8_t *answer)
     put16(&out, board->token);
     put8(&out, board->watchdog_ms);
     put8(&out, options);
-    put32(&out, (uint32_t)board->limit[0]);
-    put32(&out, (uint32_t)board->limit[1]);
+    put_axes(&out, board, board->limit);
     return framed(&out, answer);
 }
 
@@ -295,7 +307,7 @@ static int16_t duty_of(struct board *board, uint8_t motor, int32_t torque)
 {
     const int32_t limit = board->limit[motor];
     if (torque > limit || torque < -limit) {
-        board->once |= (uint16_t)(BOARD_CLAMPED_1 << motor);
+        board->once |= (uint16_t)(motor == 2 ? BOARD_CLAMPED_3 : BOARD_CLAMPED_1 << motor);
         torque = torque > 0 ? limit : -limit;
     }
     const uint32_t size = (uint32_t)(torque < 0 ? -torque : torque);
@@ -313,30 +325,34 @@ static void torque(struct board *board)
         board->once |= BOARD_STALE;
         return;
     }
-    const int16_t duty[2] = {duty_of(board, 0, get32(board->body + HEAD)),
-                             duty_of(board, 1, get32(board->body + HEAD + 4))};
+    int16_t duty[AXES];
+    for (uint8_t i = 0; i < AXES_OF(board); ++i) {
+        duty[i] = duty_of(board, i, get32(board->body + HEAD + 4 * i));
+    }
     const uint8_t lock = platform_lock();
     if (board->state == BOARD_ARMED) { /* the tick may have stopped the motors meanwhile */
         board->last_seq = get16(board->body + 1);
         board->age = 0;
-        platform_duty(board, 0, duty[0]);
-        platform_duty(board, 1, duty[1]);
+        for (uint8_t i = 0; i < AXES_OF(board); ++i) {
+            platform_duty(board, i, duty[i]);
+        }
     }
     platform_unlock(lock);
 }
 
 /* Length of the payload of a type, or -1. */
-static int8_t payload_of(uint8_t type)
+static int8_t payload_of(const struct board *board, uint8_t type)
 {
+    const int8_t numbers = (int8_t)(4 * AXES_OF(board));
     switch (type) {
         case HELLO:
         case ARM:
         case CLEAR:
             return 2;
         case CONFIG:
-            return CONFIG_SIZE;
+            return (int8_t)(4 + numbers);
         case TORQUE:
-            return 8;
+            return numbers;
         case DISARM:
         case PEEK:
             return 0;
@@ -352,7 +368,7 @@ static uint8_t obey(struct board *board, uint8_t *answer)
     uint8_t lock = platform_lock();
     platform_sense(board, &sense);
     platform_unlock(lock);
-    if (payload_of(board->body[0]) != (int8_t)(board->size - HEAD - CRC)) {
+    if (payload_of(board, board->body[0]) != (int8_t)(board->size - HEAD - CRC)) {
         return refused(board, WHY_TYPE, answer);
     }
     if ((board->body[0] == PEEK || board->body[0] == CLEAR) && newer(board, MAX_AHEAD)) {

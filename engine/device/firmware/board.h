@@ -15,6 +15,15 @@ extern "C" {
  * the emergency stop, both in board_tick(); the chip's own watchdog; any reset.
  */
 
+/* Motors that this build can have; how many there are is in board_facts. A chip is built for what hangs on it. */
+#ifndef AXES
+#ifdef __AVR__
+#define AXES 2
+#else
+#define AXES 3
+#endif
+#endif
+
 enum {
     BOARD_MAJOR = 1,
     BOARD_MINOR = 0,
@@ -45,22 +54,24 @@ enum {
     BOARD_LOST_BYTES = 1 << 6,
     BOARD_WAS_HUNG = 1 << 7,
     BOARD_ENABLED = 1 << 8,
-    BOARD_REFUSED = 1 << 9
+    BOARD_REFUSED = 1 << 9,
+    BOARD_CLAMPED_3 = 1 << 10
 };
 
 /* What does not change while it runs. */
 struct board_facts {
     uint32_t id;
-    int32_t counts_per_turn[2];
-    int32_t torque_full[2]; /* uN m at full duty, > 0 */
-    uint8_t time_step;      /* us */
-    uint8_t reset_cause;    /* bit 0 power, 1 external, 2 brown-out, 3 the chip's watchdog */
+    int32_t counts_per_turn[AXES];
+    int32_t torque_full[AXES]; /* uN m at full duty, > 0 */
+    uint8_t axes;              /* 2 or 3, at most AXES */
+    uint8_t time_step;         /* us */
+    uint8_t reset_cause;       /* bit 0 power, 1 external, 2 brown-out, 3 the chip's watchdog */
 };
 
 /* What the platform measures, all at one moment. */
 struct board_sense {
     uint32_t time_us;
-    int32_t count[2];
+    int32_t count[AXES];
     bool skipped_edge; /* an encoder went two steps at once since board_facts or the last CONFIG */
     bool lost_bytes;
 };
@@ -76,9 +87,9 @@ struct board {
     uint16_t once; /* flags that the next STATE reports and clears */
     uint16_t token;
     uint16_t last_seq; /* newest number of a question, and of an ARM or a torque that was obeyed */
-    bool asked;        /* a question came since the last DISARM: the host is there */
-    int32_t limit[2];  /* uN m */
-    uint32_t scale[2]; /* duty * 2^20 of one uN m */
+    bool asked;           /* a question came since the last DISARM: the host is there */
+    int32_t limit[AXES];  /* uN m */
+    uint32_t scale[AXES]; /* duty * 2^20 of one uN m */
     uint8_t bad_frames;
 
     uint8_t body[BOARD_BODY]; /* of the frame that is being read */
@@ -104,7 +115,7 @@ void board_tick(struct board *board);
 /* What a chip does. All are called with interrupts off, but for platform_lock() itself. */
 uint8_t platform_lock(void);
 void platform_unlock(uint8_t was);
-/* Enable low, then both PWM outputs disconnected and low. */
+/* Enable low, then all PWM outputs disconnected and low. */
 void platform_motors_off(struct board *board);
 /* Enable high; duty is 0. */
 void platform_motors_on(struct board *board);

@@ -1,11 +1,14 @@
-/* The open board on an ATmega328P (Uno, Nano) or ATmega2560 (Mega) at 16 MHz. build.sh makes it.
+/* The open board on an ATmega328P (Uno, Nano) or ATmega2560 (Mega) at 16 MHz. build.sh makes it; with -DAXES=3 the
+ * 2560 drives a third axis.
  *
  *                          ATmega328P      ATmega2560
  *   encoder 1, A and B     PD2 PD3 (D2 D3)  PB0 PB1 (D53 D52)    5 V, quadrature
  *   encoder 2, A and B     PD4 PD5 (D4 D5)  PB2 PB3 (D51 D50)
+ *   encoder 3, A and B                     PB4 PB5 (D10 D11)
  *   motor 1 PWM, sign      PB1 PD6 (D9 D6)  PH3 PA0 (D6 D22)     20 kHz; sign high: negative
  *   motor 2 PWM, sign      PB2 PD7 (D10 D7) PH4 PA1 (D7 D23)
- *   enable of both drivers PB0 (D8)         PA2 (D24)            high: on; WITH A PULL-DOWN of 10 kOhm
+ *   motor 3 PWM, sign                      PH5 PA4 (D8 D26)
+ *   enable of all drivers  PB0 (D8)         PA2 (D24)            high: on; WITH A PULL-DOWN of 10 kOhm
  *   emergency stop         PC0 (A0)         PA3 (D25)            normally closed to ground
  *   serial port            PD0 PD1          PE0 PE1              1,000,000 baud, 8N1
  *
@@ -32,42 +35,47 @@
 #ifndef COUNTS_2
 #define COUNTS_2 COUNTS_1
 #endif
+#ifndef COUNTS_3
+#define COUNTS_3 COUNTS_1
+#endif
 #ifndef TORQUE_1_UN_M
 #define TORQUE_1_UN_M 123000
 #endif
 #ifndef TORQUE_2_UN_M
 #define TORQUE_2_UN_M TORQUE_1_UN_M
 #endif
+#ifndef TORQUE_3_UN_M
+#define TORQUE_3_UN_M TORQUE_1_UN_M
+#endif
+#if AXES != 2 && AXES != 3
+#error "AXES is 2 or 3"
+#endif
 
 #if defined(__AVR_ATmega328P__)
+#if AXES > 2
+#error "an ATmega328P has no pins for a third axis: take an ATmega2560"
+#endif
 #define ENCODERS ((uint8_t)(PIND >> 2) & 15)
 #define ENCODER_VECT PCINT2_vect
 #define PWM_TOP ICR1
-#define PWM_1 OCR1A
-#define PWM_2 OCR1B
 #define PWM_CONNECT TCCR1A
-#define PWM_CONNECT_1 (1 << COM1A1)
-#define PWM_CONNECT_2 (1 << COM1B1)
+#define PWM_CONNECTS (1 << COM1A1 | 1 << COM1B1)
 #define SIGNS PORTD
-#define SIGN_1 (1 << 6)
-#define SIGN_2 (1 << 7)
+#define SIGN_PINS (1 << 6 | 1 << 7)
 #define ENABLE_PORT PORTB
 #define ENABLE (1 << 0)
 #define STOP_OPEN (PINC & 1)
 #define RX_VECT USART_RX_vect
 #define UDRE_VECT USART_UDRE_vect
 #elif defined(__AVR_ATmega2560__)
-#define ENCODERS (PINB & 15)
+#define ENCODER_PINS (AXES > 2 ? 63 : 15)
+#define ENCODERS (PINB & ENCODER_PINS)
 #define ENCODER_VECT PCINT0_vect
 #define PWM_TOP ICR4
-#define PWM_1 OCR4A
-#define PWM_2 OCR4B
 #define PWM_CONNECT TCCR4A
-#define PWM_CONNECT_1 (1 << COM4A1)
-#define PWM_CONNECT_2 (1 << COM4B1)
+#define PWM_CONNECTS (1 << COM4A1 | 1 << COM4B1 | (AXES > 2 ? 1 << COM4C1 : 0))
 #define SIGNS PORTA
-#define SIGN_1 (1 << 0)
-#define SIGN_2 (1 << 1)
+#define SIGN_PINS (1 << 0 | 1 << 1 | (AXES > 2 ? 1 << 4 : 0))
 #define ENABLE_PORT PORTA
 #define ENABLE (1 << 2)
 #define STOP_OPEN (PINA & 8)
@@ -81,12 +89,41 @@ enum { RX_SIZE = 64, TX_SIZE = 128, TICK_STEPS = 250, STEP_US = 4 };
 
 static struct board board;
 static struct board_facts facts = {
-    BOARD_ID, {COUNTS_1, COUNTS_2}, {TORQUE_1_UN_M, TORQUE_2_UN_M}, STEP_US, 0};
+    .id = BOARD_ID,
+#if AXES > 2
+    .counts_per_turn = {COUNTS_1, COUNTS_2, COUNTS_3},
+    .torque_full = {TORQUE_1_UN_M, TORQUE_2_UN_M, TORQUE_3_UN_M},
+#else
+    .counts_per_turn = {COUNTS_1, COUNTS_2},
+    .torque_full = {TORQUE_1_UN_M, TORQUE_2_UN_M},
+#endif
+    .axes = AXES,
+    .time_step = STEP_US,
+};
+
+/* What drives a motor. */
+struct output {
+    volatile uint16_t *duty;
+    uint8_t connect; /* in PWM_CONNECT */
+    uint8_t sign;    /* in SIGNS */
+};
+static const struct output kOutputs[AXES] = {
+#if defined(__AVR_ATmega328P__)
+    {&OCR1A, 1 << COM1A1, 1 << 6},
+    {&OCR1B, 1 << COM1B1, 1 << 7},
+#else
+    {&OCR4A, 1 << COM4A1, 1 << 0},
+    {&OCR4B, 1 << COM4B1, 1 << 1},
+#if AXES > 2
+    {&OCR4C, 1 << COM4C1, 1 << 4},
+#endif
+#endif
+};
 
 /* Interrupts count in 8 bits, and the tick folds what they counted. */
-static volatile uint8_t counted[2];
-static uint8_t folded[2];
-static int32_t counts[2];
+static volatile uint8_t counted[AXES];
+static uint8_t folded[AXES];
+static int32_t counts[AXES];
 static uint32_t time_us; /* at the last tick */
 static volatile uint8_t skipped;
 static volatile uint8_t lost;
@@ -126,7 +163,7 @@ void platform_motors_off(struct board *of)
 {
     (void)of;
     ENABLE_PORT &= (uint8_t)~ENABLE;
-    PWM_CONNECT &= (uint8_t)~(PWM_CONNECT_1 | PWM_CONNECT_2);
+    PWM_CONNECT &= (uint8_t)~PWM_CONNECTS;
 }
 
 void platform_motors_on(struct board *of)
@@ -138,25 +175,20 @@ void platform_motors_on(struct board *of)
 /* Fast PWM of 0 would still give a pulse of a cycle: then the pin is disconnected, and low. */
 void platform_duty(struct board *of, uint8_t motor, int16_t duty)
 {
-    const uint8_t sign = motor == 0 ? SIGN_1 : SIGN_2;
-    const uint8_t connect = motor == 0 ? PWM_CONNECT_1 : PWM_CONNECT_2;
+    const struct output *out = &kOutputs[motor];
     (void)of;
     if (duty == 0) {
-        PWM_CONNECT &= (uint8_t)~connect;
+        PWM_CONNECT &= (uint8_t)~out->connect;
         return;
     }
     if (duty < 0) {
-        SIGNS |= sign;
+        SIGNS |= out->sign;
         duty = (int16_t)-duty;
     } else {
-        SIGNS &= (uint8_t)~sign;
+        SIGNS &= (uint8_t)~out->sign;
     }
-    if (motor == 0) {
-        PWM_1 = (uint16_t)(duty - 1);
-    } else {
-        PWM_2 = (uint16_t)(duty - 1);
-    }
-    PWM_CONNECT |= connect;
+    *out->duty = (uint16_t)(duty - 1);
+    PWM_CONNECT |= out->connect;
 }
 
 bool platform_stop_pressed(struct board *of)
@@ -167,7 +199,7 @@ bool platform_stop_pressed(struct board *of)
 
 static inline void fold(void)
 {
-    for (uint8_t i = 0; i < 2; ++i) {
+    for (uint8_t i = 0; i < AXES; ++i) {
         const uint8_t now = counted[i];
         counts[i] += (int8_t)(now - folded[i]);
         folded[i] = now;
@@ -183,8 +215,9 @@ void platform_sense(struct board *of, struct board_sense *sense)
     if ((TIFR2 & (1 << OCF2A)) != 0 && steps < TICK_STEPS / 2) {
         sense->time_us += 1000; /* the tick is due */
     }
-    sense->count[0] = counts[0];
-    sense->count[1] = counts[1];
+    for (uint8_t i = 0; i < AXES; ++i) {
+        sense->count[i] = counts[i];
+    }
     sense->skipped_edge = skipped != 0;
     sense->lost_bytes = lost != 0;
 }
@@ -195,8 +228,8 @@ void platform_forget(struct board *of, bool zero)
     skipped = 0;
     lost = 0;
     fold();
-    if (zero) {
-        counts[0] = counts[1] = 0;
+    for (uint8_t i = 0; zero && i < AXES; ++i) {
+        counts[i] = 0;
     }
 }
 
@@ -217,7 +250,14 @@ ISR(ENCODER_VECT)
 {
     const uint8_t now = ENCODERS;
     const int8_t first = kStep[(uint8_t)((lines & 3) << 2 | (now & 3))];
-    const int8_t second = kStep[(uint8_t)((lines & 12) | now >> 2)];
+    const int8_t second = kStep[(uint8_t)((lines & 12) | (now >> 2 & 3))];
+#if AXES > 2
+    const int8_t third = kStep[(uint8_t)((lines >> 2 & 12) | now >> 4)];
+    counted[2] = (uint8_t)(counted[2] + third);
+    if (third == 2) {
+        skipped = 1;
+    }
+#endif
     lines = now;
     counted[0] = (uint8_t)(counted[0] + first);
     counted[1] = (uint8_t)(counted[1] + second);
@@ -269,17 +309,17 @@ static void begin_pins(void)
 {
 #if defined(__AVR_ATmega328P__)
     PORTD |= 0x3C; /* pull-ups of the encoders, 50 kOhm: enough for open collectors on short wires */
-    DDRD |= SIGN_1 | SIGN_2;
+    DDRD |= SIGN_PINS;
     DDRB |= ENABLE | 1 << 1 | 1 << 2;
     PORTC |= 1;
     PCMSK2 = 0x3C;
     PCICR = 1 << PCIE2;
 #else
-    PORTB |= 0x0F;
-    DDRH |= 1 << 3 | 1 << 4;
+    PORTB |= ENCODER_PINS;
+    DDRH |= 1 << 3 | 1 << 4 | (AXES > 2 ? 1 << 5 : 0);
     PORTA |= 8;
-    DDRA |= SIGN_1 | SIGN_2 | ENABLE;
-    PCMSK0 = 0x0F;
+    DDRA |= SIGN_PINS | ENABLE;
+    PCMSK0 = ENCODER_PINS;
     PCICR = 1 << PCIE0;
 #endif
     lines = ENCODERS;

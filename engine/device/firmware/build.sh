@@ -5,7 +5,8 @@
 #
 # COUNTS_1 and COUNTS_2 are counts a turn of each joint (four for each line of an encoder, times its gear),
 # TORQUE_1_UN_M and TORQUE_2_UN_M the joints' torque at full duty in millionths of a newton metre, BOARD_ID
-# any number of your own. OUTPUT.hex lies beside OUTPUT.elf. Needs gcc-avr, binutils-avr and avr-libc.
+# any number of your own. AXES=3 builds for a third axis on an atmega2560, with COUNTS_3 and TORQUE_3_UN_M; those
+# that are left out are those of axis 1. OUTPUT.hex lies beside OUTPUT.elf. Needs gcc-avr, binutils-avr and avr-libc.
 set -eu
 chip=$1
 output=$2

@@ -1,6 +1,7 @@
 #include "engine/device/open/open_line.hpp"
 
 #include <cmath>
+#include <cstdlib>
 #include <stdexcept>
 
 namespace palpate::engine {
@@ -17,12 +18,12 @@ constexpr std::int64_t kLookEvery = 10 * kMillisecond;
 constexpr double kClock = 0.01;  ///< that the clocks may differ by
 constexpr int kStillCounts = 1;  ///< an encoder at rest may flicker by one
 constexpr double kMicro = 1e6;
-constexpr double kJump = 0.3;  ///< rad: no joint turns so far between two answers
+constexpr double kJump = 0.3;   ///< rad: no joint turns so far between two answers
+constexpr double kLeap = 3e-3;  ///< m: nor moves a straight axis
 constexpr int kDisarms = 3;
 constexpr std::array<std::uint8_t, 3> kDisarmed{0x02, 0x90, 0x01};  // STATE with the guard's number
-constexpr std::size_t kStateFrame = 22;  ///< bytes of its frame at least, without zeros
+constexpr std::size_t kStateBody = 13;  ///< bytes of a STATE's body, and 4 for each axis
 constexpr std::array<std::uint8_t, 3> kDisarmedBody{0x90, 0x00, 0x00};
-constexpr std::size_t kStateBody = 21;
 
 /// Any number that the board had from nobody else.
 std::uint16_t new_token(std::int64_t now_ns) noexcept {
@@ -34,31 +35,30 @@ std::uint16_t new_token(std::int64_t now_ns) noexcept {
 
 }  // namespace
 
-OpenLine::OpenLine(ByteLink& link, const OpenWiring& wiring, const PantographSpec& pantograph)
+OpenLine::OpenLine(ByteLink& link, const OpenWiring& wiring, const Calibration& machine)
     : BoardLine(link),
       wiring_(wiring),
+      axes_(machine.axes()),
       bare_(link.keeps_packets()),
       disarm_(packed(open_bare(Type::disarm, kGuardSeq))) {
-    const auto [one, other] = wiring.channel;
-    if (!((one == 1 && other == 2) || (one == 2 && other == 1))) {
-        throw std::invalid_argument("the open board's channels of pivots 1 and 2 are " +
-                                    std::to_string(one) + " and " + std::to_string(other) +
-                                    ": use 1 and 2 in either order");
-    }
-    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
-        const Axis& axis = pantograph.axes[pivot];
-        const std::size_t channel = wiring.channel[pivot] - 1U;
-        counts_per_turn_[channel] = axis.counts_per_turn;
+    check(machine);
+    for (std::size_t i = 0; i < axes_; ++i) {
+        const Axis& axis = machine.axis(i);
+        const std::size_t channel = wiring.channel[i] - 1U;
+        counts_per_turn_[channel] =
+            static_cast<std::int32_t>(std::floor(axis.counts_per_turn + 0.5));
+        jump_[i] =
+            (machine.gantry ? kLeap / machine.gantry->axes[i].radius : kJump) / axis.count_angle();
         limit_[channel] = static_cast<std::int32_t>(std::floor(kMicro * axis.torque_limit + 0.5));
     }
 }
 
 std::unique_ptr<BoardLine> open_line(ByteLink& link, const Calibration& calibration) {
     if (!calibration.board) {
-        throw std::invalid_argument("the calibration of " + calibration.pantograph.name +
+        throw std::invalid_argument("the calibration of " + calibration.name() +
                                     " does not say how an open board is wired: add [board]");
     }
-    return std::make_unique<OpenLine>(link, *calibration.board, calibration.pantograph);
+    return std::make_unique<OpenLine>(link, *calibration.board, calibration);
 }
 
 std::uint16_t OpenLine::next_seq() noexcept {
@@ -155,7 +155,10 @@ OpenLine::Answer OpenLine::take(const OpenReport& report) noexcept {
     if ((report.flags & kOpenSkippedEdge) != 0) {
         return fail(Problem::skipped_edge, Answer::lost);
     }
-    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+    if (report.axes != axes_) {
+        return fail(Problem::axes, Answer::garbage);
+    }
+    for (std::size_t pivot = 0; pivot < axes_; ++pivot) {
         const std::size_t channel = wiring_.channel[pivot] - 1U;
         const std::int32_t count = report.counts[channel];
         reply_.counts[pivot] = wiring_.encoder_clockwise[pivot] ? -count : count;
@@ -177,7 +180,7 @@ bool OpenLine::silence() noexcept {
     if (!set_up_) {
         return false;
     }
-    static_cast<void>(send(open_torque(next_seq(), {})));
+    static_cast<void>(send(open_torque(next_seq(), {}, axes_)));
     forget();
     for (int i = 0; i < kDisarms; ++i) {
         static_cast<void>(link_->send(disarm_.view()));
@@ -226,9 +229,9 @@ OpenLine::Answer OpenLine::wake(std::int64_t wait_ns) noexcept {
     return lost_ ? Answer::lost : answer;
 }
 
-bool OpenLine::ask(const std::array<double, 2>& torque) noexcept {
-    std::array<std::int32_t, 2> wanted{};
-    for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+bool OpenLine::ask(const std::array<double, kMostAxes>& torque) noexcept {
+    OpenAxes wanted{};
+    for (std::size_t pivot = 0; pivot < axes_; ++pivot) {
         const std::size_t channel = wiring_.channel[pivot] - 1U;
         const double micro =
             kMicro * (wiring_.motor_clockwise[pivot] ? -torque[pivot] : torque[pivot]);
@@ -239,7 +242,7 @@ bool OpenLine::ask(const std::array<double, 2>& torque) noexcept {
         wanted[channel] =
             static_cast<std::int32_t>(std::floor(std::fmin(std::fmax(micro, -most), most) + 0.5));
     }
-    if (!set_up_ || !send(open_torque(next_seq(), wanted))) {
+    if (!set_up_ || !send(open_torque(next_seq(), wanted, axes_))) {
         return false;
     }
     if (owed_ == 0) {
@@ -269,11 +272,10 @@ OpenLine::Answer OpenLine::hear(std::int64_t wait_ns, std::size_t leave) noexcep
         if (report_.state != OpenState::armed) {
             return fail(Problem::watchdog_fired, Answer::stopped);
         }
-        for (std::size_t pivot = 0; pivot < 2; ++pivot) {
+        for (std::size_t pivot = 0; pivot < axes_; ++pivot) {
             const double turned = std::fabs(static_cast<double>(reply_.counts[pivot]) -
                                             static_cast<double>(before.counts[pivot]));
-            const double per_turn = counts_per_turn_[wiring_.channel[pivot] - 1U];
-            if (2.0 * kPi * turned > kJump * per_turn || passed == 0) {
+            if (turned > jump_[pivot] || passed == 0) {
                 return fail(Problem::jump, Answer::garbage);
             }
         }
@@ -290,7 +292,7 @@ GuardPackets OpenLine::guard_packets() const noexcept {
     return {.zero = disarm_.view(),
             .setup = {},
             .answer = bare_ ? kDisarmedBody : kDisarmed,
-            .answer_size = bare_ ? kStateBody : kStateFrame};
+            .answer_size = kStateBody + 4 * axes_ + (bare_ ? 0 : 1)};  // its frame without zeros
 }
 
 bool OpenLine::greet() noexcept {
@@ -317,8 +319,11 @@ OpenLine::Problem OpenLine::wrong_board() const noexcept {
     if (wiring_.id && *wiring_.id != ident_.id) {
         return Problem::id;
     }
-    for (std::size_t i = 0; i < 2; ++i) {
-        if (std::floor(counts_per_turn_[i] + 0.5) != ident_.counts_per_turn[i]) {
+    if (ident_.axes != axes_) {
+        return Problem::axes;
+    }
+    for (std::size_t i = 0; i < axes_; ++i) {
+        if (counts_per_turn_[i] != ident_.counts_per_turn[i]) {
             return Problem::counts;
         }
         if (ident_.torque_full[i] < limit_[i]) {
@@ -337,7 +342,8 @@ OpenLine::Problem OpenLine::agree() noexcept {
     config_ = {.token = new_token(link_->now_ns()),
                .watchdog_ms = static_cast<std::uint8_t>(std::floor(1e3 * wiring_.watchdog + 0.5)),
                .zero_counts = true,
-               .limit = limit_};
+               .limit = limit_,
+               .axes = axes_};
     const auto answer = call(open_config(next_seq(), config_), kPatience);
     const bool same = answer && answer->type == Type::configured && answer->config == config_;
     return same ? Problem::none : Problem::config;
@@ -356,7 +362,7 @@ OpenLine::Problem OpenLine::look_once() noexcept {
         if (probe(kPatience) != Answer::complete) {
             return problem_ == Problem::none ? Problem::silent : problem_;
         }
-        for (std::size_t i = 0; i < 2; ++i) {
+        for (std::size_t i = 0; i < axes_; ++i) {
             if (std::abs(report_.counts[i] - first.counts[i]) > kStillCounts) {
                 return Problem::moves;
             }
@@ -379,18 +385,9 @@ OpenLine::Problem OpenLine::look() noexcept {
 
 OpenLine::Answer OpenLine::set_up() noexcept {
     problem_ = Problem::none;
-    Problem found = Problem::silent;
-    if (greet()) {
-        found = wrong_board();
-        if (found == Problem::none) {
-            found = agree();
-        }
-        if (found == Problem::none) {
-            found = look();
-        }
-    } else if (noise_) {
-        found = Problem::other_device;
-    }
+    Problem found = greet() ? wrong_board() : noise_ ? Problem::other_device : Problem::silent;
+    found = found == Problem::none ? agree() : found;
+    found = found == Problem::none ? look() : found;
     set_up_ = found == Problem::none;
     waking_ = false;
     return fail(found, set_up_ ? Answer::complete : lost_ ? Answer::lost : Answer::garbage);

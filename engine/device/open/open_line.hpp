@@ -14,7 +14,7 @@ class OpenLine : public BoardLine {
 public:
     /// @param link  outlives the line
     /// @throws std::invalid_argument for a wiring that cannot be
-    OpenLine(ByteLink& link, const OpenWiring& wiring, const PantographSpec& pantograph);
+    OpenLine(ByteLink& link, const OpenWiring& wiring, const Calibration& machine);
 
     /// Hello for up to three seconds, since opening a port resets many boards; is it the board of the
     /// calibration; limits and watchdog, which it must repeat to the byte; then for 0.2 s: does its
@@ -26,7 +26,7 @@ public:
     [[nodiscard]] bool silence() noexcept override;
     [[nodiscard]] bool forgive() noexcept override;
     [[nodiscard]] Answer wake(std::int64_t wait_ns) noexcept override;
-    [[nodiscard]] bool ask(const std::array<double, 2>& torque) noexcept override;
+    [[nodiscard]] bool ask(const std::array<double, kMostAxes>& torque) noexcept override;
     /// Never: its answers are told apart, and one that was lost must not end the talk.
     [[nodiscard]] bool full(std::size_t /*depth*/) const noexcept override { return false; }
     [[nodiscard]] Answer hear(std::int64_t wait_ns, std::size_t leave) noexcept override;
@@ -48,6 +48,7 @@ private:
         other_device,
         version,
         id,
+        axes,
         counts,
         torque,
         watchdog,
@@ -77,9 +78,11 @@ private:
     [[nodiscard]] Answer fail(Problem problem, Answer answer) noexcept;
 
     OpenWiring wiring_;
-    bool bare_;                                ///< a body a datagram, without a frame
-    std::array<double, 2> counts_per_turn_{};  ///< by channel
-    std::array<std::int32_t, 2> limit_{};      ///< uN m, by channel
+    std::size_t axes_;                      ///< of the machine
+    bool bare_;                             ///< a body a datagram, without a frame
+    OpenAxes counts_per_turn_{};            ///< by channel
+    OpenAxes limit_{};                      ///< uN m, by channel
+    std::array<double, kMostAxes> jump_{};  ///< counts between two answers that cannot be, by axis
     OpenBytes disarm_;
     OpenReader reader_;
     std::array<std::uint8_t, 256> came_{};

@@ -6,10 +6,26 @@ namespace {
 constexpr std::uint16_t kPolynomial = 0x8408;  // 0x1021, reflected
 constexpr std::size_t kHead = 3;
 constexpr std::size_t kCrc = 2;
-constexpr std::size_t kIdentSize = 29;
-constexpr std::size_t kConfigSize = 12;
-constexpr std::size_t kReportSize = 16;
 constexpr std::size_t kNakSize = 2;
+
+/// Bytes of a payload without its numbers by axis, and how many of these each axis has.
+struct Shape {
+    std::size_t bytes = 0;
+    std::size_t numbers = 1;
+};
+constexpr Shape kIdent{.bytes = 13, .numbers = 2};
+constexpr Shape kConfig{.bytes = 4};
+constexpr Shape kReport{.bytes = 8};
+
+/// How many axes a payload of this length speaks of; 0: it has another shape.
+constexpr std::size_t axes_of(const Shape& shape, std::size_t payload) noexcept {
+    for (std::size_t axes = 2; axes <= kMostAxes; ++axes) {
+        if (payload == shape.bytes + 4 * shape.numbers * axes) {
+            return axes;
+        }
+    }
+    return 0;
+}
 
 class Writer {
 public:
@@ -21,6 +37,11 @@ public:
     void u16(std::uint16_t value) noexcept {
         u8(static_cast<std::uint8_t>(value));
         u8(static_cast<std::uint8_t>(value >> 8U));
+    }
+    void i32(const OpenAxes& values, std::size_t axes) noexcept {
+        for (std::size_t i = 0; i < axes; ++i) {
+            i32(values[i]);
+        }
     }
     void i32(std::int32_t value) noexcept {
         const auto bits = static_cast<std::uint32_t>(value);
@@ -48,9 +69,12 @@ public:
         const std::uint32_t low = u16();
         return low | std::uint32_t{u16()} << 16U;
     }
-    [[nodiscard]] std::array<std::int32_t, 2> two() noexcept {
-        const auto first = static_cast<std::int32_t>(u32());
-        return {first, static_cast<std::int32_t>(u32())};
+    [[nodiscard]] OpenAxes i32(std::size_t axes) noexcept {
+        OpenAxes values{};
+        for (std::size_t i = 0; i < axes; ++i) {
+            values[i] = static_cast<std::int32_t>(u32());
+        }
+        return values;
     }
 
 private:
@@ -58,14 +82,15 @@ private:
     std::size_t at_ = 0;
 };
 
-OpenIdent read_ident(Cursor& in) noexcept {
+OpenIdent read_ident(Cursor& in, std::size_t axes) noexcept {
     OpenIdent ident;
+    ident.axes = axes;
     ident.major = in.u8();
     ident.minor = in.u8();
     ident.firmware = in.u16();
     ident.id = in.u32();
-    ident.counts_per_turn = in.two();
-    ident.torque_full = in.two();
+    ident.counts_per_turn = in.i32(axes);
+    ident.torque_full = in.i32(axes);
     ident.watchdog_min = in.u8();
     ident.watchdog_max = in.u8();
     ident.reset_cause = in.u8();
@@ -74,21 +99,23 @@ OpenIdent read_ident(Cursor& in) noexcept {
     return ident;
 }
 
-OpenConfig read_config(Cursor& in) noexcept {
+OpenConfig read_config(Cursor& in, std::size_t axes) noexcept {
     OpenConfig config;
+    config.axes = axes;
     config.token = in.u16();
     config.watchdog_ms = in.u8();
     config.zero_counts = in.u8() == 1;
-    config.limit = in.two();
+    config.limit = in.i32(axes);
     return config;
 }
 
-OpenReport read_report(Cursor& in) noexcept {
+OpenReport read_report(Cursor& in, std::size_t axes) noexcept {
     OpenReport report;
+    report.axes = axes;
     report.state = static_cast<OpenState>(in.u8());
     report.flags = in.u16();
     report.time_us = in.u32();
-    report.counts = in.two();
+    report.counts = in.i32(axes);
     report.bad_frames = in.u8();
     return report;
 }
@@ -118,8 +145,7 @@ OpenBytes open_config(std::uint16_t seq, const OpenConfig& config) noexcept {
     out.u16(config.token);
     out.u8(config.watchdog_ms);
     out.u8(static_cast<std::uint8_t>(config.zero_counts ? 1 : 0));
-    out.i32(config.limit[0]);
-    out.i32(config.limit[1]);
+    out.i32(config.limit, config.axes);
     return out.done();
 }
 
@@ -133,10 +159,9 @@ OpenBytes open_bare(OpenType type, std::uint16_t seq) noexcept {
     return Writer(type, seq).done();
 }
 
-OpenBytes open_torque(std::uint16_t seq, const std::array<std::int32_t, 2>& torque) noexcept {
+OpenBytes open_torque(std::uint16_t seq, const OpenAxes& torque, std::size_t axes) noexcept {
     Writer out(OpenType::torque, seq);
-    out.i32(torque[0]);
-    out.i32(torque[1]);
+    out.i32(torque, axes);
     return out.done();
 }
 
@@ -171,12 +196,16 @@ std::optional<OpenAnswer> read_open(std::span<const std::uint8_t> body) noexcept
     OpenAnswer answer;
     answer.type = static_cast<OpenType>(in.u8());
     answer.seq = in.u16();
-    if (answer.type == OpenType::ident && payload == kIdentSize) {
-        answer.ident = read_ident(in);
-    } else if (answer.type == OpenType::configured && payload == kConfigSize) {
-        answer.config = read_config(in);
-    } else if (answer.type == OpenType::state && payload == kReportSize) {
-        answer.report = read_report(in);
+    const std::size_t axes = axes_of(answer.type == OpenType::ident        ? kIdent
+                                     : answer.type == OpenType::configured ? kConfig
+                                                                           : kReport,
+                                     payload);
+    if (answer.type == OpenType::ident && axes > 0) {
+        answer.ident = read_ident(in, axes);
+    } else if (answer.type == OpenType::configured && axes > 0) {
+        answer.config = read_config(in, axes);
+    } else if (answer.type == OpenType::state && axes > 0) {
+        answer.report = read_report(in, axes);
     } else if (answer.type == OpenType::nak && payload == kNakSize) {
         static_cast<void>(in.u8());
         answer.why = in.u8();

@@ -6,8 +6,11 @@
 #include <optional>
 #include <span>
 
+#include "engine/device/calibration.hpp"
+
 /// The wire of the open board, host's side. Little-endian; a body is type u8, seq u16, payload, crc u16;
-/// on a serial line a frame is 00, COBS(body), 00. The board's own side is engine/device/firmware.
+/// on a serial line a frame is 00, COBS(body), 00. A board has two or three axes, which the length of its
+/// IDENT tells, and of all that has a number for each. The board's own side is engine/device/firmware.
 namespace palpate::engine {
 
 inline constexpr std::uint8_t kOpenMajor = 1;
@@ -38,6 +41,7 @@ enum OpenFlag : std::uint16_t {
     kOpenSkippedEdge = 1U << 5U,
     kOpenLostBytes = 1U << 6U,
     kOpenWasHung = 1U << 7U,
+    kOpenClamped3 = 1U << 10U,
 };
 
 /// Bytes of a packet.
@@ -50,19 +54,23 @@ struct OpenBytes {
     }
 };
 
+/// A number for each axis: of two the third is 0.
+using OpenAxes = std::array<std::int32_t, kMostAxes>;
+
 /// What a board says it is.
 struct OpenIdent {
     std::uint8_t major = 0;
     std::uint8_t minor = 0;
     std::uint16_t firmware = 0;
     std::uint32_t id = 0;
-    std::array<std::int32_t, 2> counts_per_turn{};
-    std::array<std::int32_t, 2> torque_full{};  ///< uN m at full duty
-    std::uint8_t watchdog_min = 0;              ///< ms
+    OpenAxes counts_per_turn{};
+    OpenAxes torque_full{};         ///< uN m at full duty
+    std::uint8_t watchdog_min = 0;  ///< ms
     std::uint8_t watchdog_max = 0;
     std::uint8_t reset_cause = 0;
     std::uint8_t time_step = 0;  ///< us
     OpenState state = OpenState::boot;
+    std::size_t axes = 2;
 };
 
 /// What a host asks for at the opening; the board answers with the same bytes.
@@ -70,7 +78,8 @@ struct OpenConfig {
     std::uint16_t token = 0;        ///< not 0
     std::uint8_t watchdog_ms = 20;  ///< without a torque the motors go off after so long
     bool zero_counts = false;
-    std::array<std::int32_t, 2> limit{};  ///< uN m
+    OpenAxes limit{};  ///< uN m
+    std::size_t axes = 2;
 
     friend bool operator==(const OpenConfig&, const OpenConfig&) = default;
 };
@@ -80,8 +89,9 @@ struct OpenReport {
     OpenState state = OpenState::boot;
     std::uint16_t flags = 0;
     std::uint32_t time_us = 0;  ///< wraps after 71.6 minutes
-    std::array<std::int32_t, 2> counts{};
+    OpenAxes counts{};
     std::uint8_t bad_frames = 0;
+    std::size_t axes = 2;
 };
 
 /// An answer, whatever it is.
@@ -105,9 +115,10 @@ struct OpenAnswer {
 [[nodiscard]] OpenBytes open_token(OpenType type, std::uint16_t seq, std::uint16_t token) noexcept;
 /// @param type  disarm or peek
 [[nodiscard]] OpenBytes open_bare(OpenType type, std::uint16_t seq) noexcept;
-/// @param torque  uN m
+/// @param torque  uN m   @param axes  2 or 3, of the board
 [[nodiscard]] OpenBytes open_torque(std::uint16_t seq,
-                                    const std::array<std::int32_t, 2>& torque) noexcept;
+                                    const OpenAxes& torque,
+                                    std::size_t axes = 2) noexcept;
 
 /// A body as it goes over a serial line.
 [[nodiscard]] OpenBytes open_frame(const OpenBytes& body) noexcept;

@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "engine/base/text.hpp"
 #include "engine/device/open/open_line.hpp"
 
@@ -7,18 +5,19 @@
 namespace palpate::engine {
 namespace {
 
-std::string two(const std::array<std::int32_t, 2>& numbers) {
-    return std::to_string(numbers[0]) + " and " + std::to_string(numbers[1]);
+/// "1 and 2", "1, 2 and 3"
+std::string listed(const OpenAxes& numbers, std::size_t axes) {
+    std::string text = std::to_string(numbers[0]);
+    for (std::size_t i = 1; i < axes; ++i) {
+        text += (i + 1 == axes ? " and " : ", ") + std::to_string(numbers[i]);
+    }
+    return text;
 }
 
 }  // namespace
 
 std::string OpenLine::refusal() const {
     const std::string board = "the board at " + link_->name();
-    const auto counts = [&](std::size_t channel) {
-        return static_cast<std::int32_t>(std::floor(counts_per_turn_[channel] + 0.5));
-    };
-    const std::array<std::int32_t, 2> asked{counts(0), counts(1)};
     switch (problem_) {
         case Problem::version:
             return board + " speaks version " + std::to_string(ident_.major) +
@@ -28,12 +27,18 @@ std::string OpenLine::refusal() const {
             return board + " has the id " + std::to_string(ident_.id) +
                    ", and the calibration is of the board " + std::to_string(*wiring_.id) +
                    ": plug that one in, or calibrate this one";
+        case Problem::axes:
+            return board + " has " + std::to_string(ident_.axes) +
+                   " axes, and the calibration is of a machine with " + std::to_string(axes_) +
+                   ": give the other machine's calibration, or flash the board with AXES=" +
+                   std::to_string(axes_);
         case Problem::counts:
-            return board + " was flashed for " + two(ident_.counts_per_turn) +
-                   " counts a turn, and the calibration says " + two(asked) +
-                   ": correct counts_per_turn, or flash it with COUNTS_1 and COUNTS_2 of these";
+            return board + " was flashed for " + listed(ident_.counts_per_turn, axes_) +
+                   " counts a turn, and the calibration says " + listed(counts_per_turn_, axes_) +
+                   ": correct counts_per_turn, or flash it with COUNTS_1" +
+                   (axes_ > 2 ? ", COUNTS_2 and COUNTS_3" : " and COUNTS_2") + " of these";
         case Problem::torque:
-            return board + " gives " + two(ident_.torque_full) +
+            return board + " gives " + listed(ident_.torque_full, axes_) +
                    " uN m at most, less than the calibration's torque_limit_mn_m: lower that";
         case Problem::watchdog:
             return board + " has a watchdog of " + std::to_string(ident_.watchdog_min) + " to " +

@@ -1,0 +1,213 @@
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+
+#include "protocols/library/shipped.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/child.hpp"
+#include "tests/support/process.hpp"
+#include "tests/support/rig_file.hpp"
+#include "tests/support/slurp.hpp"
+#include "tests/support/window_session.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using tests::eventually;
+using tests::palpate_command;
+using tests::TemporaryFolder;
+using tests::TypedTo;
+using tests::WindowSession;
+
+// The shipped program on a board of three axes, its firmware behind a pseudo-terminal, from outside.
+
+namespace {
+
+constexpr const char* kGantry = PALPATE_SOURCE_DIR "/examples/gantry.toml";
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+    const std::size_t at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+/// Two patches of the shipped study, a trial each.
+std::string two_patches() {
+    std::string text;
+    for (const auto& shipped : protocols::shipped_protocols()) {
+        text = shipped.name == "patch_friction" ? std::string(shipped.text) : text;
+    }
+    const std::size_t flat = text.find("[[object]]\nname = \"flat\"");
+    text.erase(flat, text.find("[[object]]\nname = \"saddle\"") - flat);
+    const std::size_t on = text.find("[[friction]]\nname = \"off\"");
+    text.erase(on, text.find("[[friction]]\nname = \"on\"") - on);
+    text = changed(text, "repetitions = 5", "repetitions = 1");
+    text = changed(text, "practice_repetitions = 1", "practice_repetitions = 0");
+    text = changed(text, "explore_min_s = 2", "explore_min_s = 0.5");
+    text = changed(text, "gap_s = 1.5", "gap_s = 0");
+    return changed(text, "[safety]\n", "[safety]\nlate_in_a_row = 0\nlate_of_100 = 0\n");
+}
+
+/// The emulated board, typed to, and a session in a window on it.
+struct Desk {
+    /// @param wired  how the machine is in truth, a calibration
+    explicit Desk(const std::string& wired = kGantry) : emulator(folder, "keys", emulated(wired)) {
+        emulator.type("motors");
+        REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
+        tests::write(folder.file("p.toml"), two_patches());
+        session = std::make_unique<WindowSession>(
+            std::vector<std::string>{"run", folder.file("p.toml"), "--participant", "P1", "--db",
+                                     file, "--device", "board:" + folder.file("board"),
+                                     "--calibration", kGantry, "--kind", "pilot", "--windowed"},
+            file);
+        session->press_at("welcome", "space");
+    }
+    [[nodiscard]] std::string emulated(const std::string& wired) const {
+        return "haply-emulator --open --preset '" + wired + "' --link '" + folder.file("board") +
+               "'";
+    }
+    /// What the motors give now, as the board says, N at the handle.
+    [[nodiscard]] engine::Vec3 motors() {
+        const std::size_t before = emulator.program().out().size();
+        emulator.type("motors");
+        std::string said;
+        REQUIRE(eventually([&] {
+            said = emulator.program().out().substr(before);
+            return said.find("motors") != std::string::npos && said.back() == '\n';
+        }));
+        engine::Vec3 mn_m{};
+        const char* at = said.c_str() + said.find("give ") + 5;
+        for (int i = 0; i < 3; ++i) {
+            char* end = nullptr;
+            mn_m[i] = std::strtod(at, &end);
+            at = end + 1;
+        }
+        return mn_m / 10.0;  // a drum of 10 mm
+    }
+    /// Explores until the hand presses.
+    [[nodiscard]] bool feel() {
+        for (int tries = 0; tries < 400; ++tries) {
+            const std::string screen = session->screen_name();
+            if (screen == "explore") {
+                if (glm::length(motors()) > 0.3) {
+                    return true;
+                }
+            } else {
+                session->hand().key(screen == "question" ? "1" : "space");
+            }
+            tests::pause(0.05);
+        }
+        return false;
+    }
+    /// Explores each trial for some seconds and answers. A busy machine may fault a trial: it is run again.
+    [[nodiscard]] bool finishes() {
+        int felt = 0;
+        for (int i = 0; i < 2400 && session->ask("SELECT finished FROM session") != "1"; ++i) {
+            const std::string screen = session->screen_name();
+            felt = screen != "explore" ? 0 : felt > 0 || glm::length(motors()) > 0.3 ? felt + 1 : 0;
+            if (screen != "explore" || felt > 70) {
+                session->hand().key(screen == "question" ? "1" : "space");
+            }
+            tests::pause(0.05);
+        }
+        return session->ask("SELECT finished FROM session") == "1";
+    }
+    /// Explores until a trial has ended by a fault that is no busy machine's.
+    [[nodiscard]] bool faults() {
+        for (int tries = 0; tries < 1500; ++tries) {
+            if (session->ask("SELECT count(*) > 0 FROM trial WHERE fault_cause IS NOT NULL AND "
+                             "fault_cause NOT IN ('device_silent', 'delayed', 'late')") == "1") {
+                return true;
+            }
+            const std::string screen = session->screen_name();
+            if (screen != "explore") {
+                session->hand().key(screen == "question" ? "1" : "space");
+            }
+            tests::pause(0.05);
+        }
+        return false;
+    }
+    [[nodiscard]] bool force_ends() {
+        return eventually([&] { return motors() == engine::Vec3{}; });
+    }
+
+    TemporaryFolder folder;
+    std::string file = folder.file("d.sqlite");
+    TypedTo emulator;
+    std::unique_ptr<WindowSession> session;
+};
+
+}  // namespace
+
+TEST_CASE("patches are felt through a board of three axes, from its pins to the database and back",
+          "[window][open][gantry][law]") {
+    Desk desk;
+    REQUIRE(desk.finishes());
+    const std::string& file = desk.file;
+    const auto row = [&](const std::string& sql) {
+        const tests::Finished asked = palpate_command({"sql", file, "--csv", "-c", sql});
+        CAPTURE(sql, asked.error);
+        REQUIRE(asked.code == 0);
+        const std::size_t head = asked.out.find('\n') + 1;
+        return asked.out.substr(head, asked.out.find_first_of("\r\n", head) - head);
+    };
+    const tests::Finished verify = palpate_command({"verify", file});
+    CHECK(verify.code == 0);
+    CHECK_THAT(verify.out, ContainsSubstring("Nothing differs"));
+    CHECK(row("SELECT device LIKE 'open board gantry at %' FROM session") == "1");
+    CHECK(row("SELECT count(*) FROM session_provenance WHERE key = 'calibration' AND value LIKE "
+              "'%[gantry.axis_z]%'") == "1");
+    const std::string whole = " FROM sample JOIN trial USING (trial_id) WHERE fault_cause IS NULL";
+    // HIP follows from counts: 10 mm of drum, 2400 a turn, home 40 mm up, in whole steps of 100 nm.
+    CHECK(
+        row("SELECT max(abs(hip_z_m - (0.040 + 0.010 * 6.283185307179586 / 2400 * count_3))) < "
+            "0.51e-7 AND max(abs(hip_x_m - 0.010 * 6.283185307179586 / 2400 * count_1)) < 0.51e-7 "
+            "AND min(count_3) < -1500 AND max(count_1) - min(count_1) > 500 AND max(count_2) - "
+            "min(count_2) > 500" +
+            whole) == "1");
+    CHECK(row("SELECT count(*) FROM trace_chunk WHERE holds LIKE '%hip%'") == "0");
+    // F = K (GO - HIP) upwards, and the third motor was told to: 0.8 codes a mN m of a drum of 10 mm, a tick later.
+    CHECK(row("SELECT max(abs(rendered_z_n - 800 * (go_z_m - hip_z_m))) < 1e-9 AND "
+              "max(rendered_z_n) > 1 AND min(hip_z_m) < -0.002 FROM sample WHERE mode <> "
+              "'free'") == "1");
+    CHECK(row("SELECT max(code_3) > 60 AND max(abs(code_3 - commanded_z_n * 10 / 120 * 800)) <= "
+              "0.51" +
+              whole) == "1");
+    // The recorded hands are felt again, tick by tick the same.
+    const std::string again = desk.folder.file("again.sqlite");
+    const tests::Finished replay =
+        palpate_command({"run", desk.folder.file("p.toml"), "--participant", "P1", "--db", again,
+                         "--headless", "--device", "replay:" + file});
+    CAPTURE(replay.error);
+    CHECK(replay.code == 0);
+    CHECK(palpate_command({"verify", again}).code == 0);
+}
+
+TEST_CASE("a host that is killed with its guard leaves no force on any of three motors",
+          "[window][open][gantry][safety][law]") {
+    Desk desk;
+    REQUIRE(desk.feel());
+    CHECK(desk.motors().z > 0.1);
+    const pid_t guard = tests::guard_of(desk.session->program().id());
+    REQUIRE(guard > 0);
+    kill(guard, SIGSTOP);
+    kill(desk.session->program().id(), SIGKILL);
+    kill(guard, SIGKILL);
+    CHECK(desk.force_ends());
+    for (int i = 0; i < 20; ++i) {
+        CHECK(desk.motors() == engine::Vec3{});
+        tests::pause(0.01);
+    }
+}
+
+TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and leaves no force",
+          "[window][open][gantry][safety][law]") {
+    const TemporaryFolder folder;
+    tests::write(folder.file("wired.toml"),
+                 changed(tests::slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
+    Desk desk(folder.file("wired.toml"));
+    CHECK(desk.faults());
+    CHECK(desk.session->ask(
+              "SELECT min(fault_cause IN ('runaway', 'energy', 'over_speed')) FROM trial "
+              "WHERE fault_cause NOT IN ('device_silent', 'delayed', 'late')") == "1");
+    CHECK(desk.force_ends());
+}
