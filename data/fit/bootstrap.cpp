@@ -5,63 +5,13 @@
 #include <limits>
 #include <map>
 
-#include "engine/base/pcg32.hpp"
 #include "engine/math/elementary.hpp"
 #include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/binomial.hpp"
 #include "data/fit/optimum.hpp"
 
 namespace palpate::data {
 namespace {
-
-/// Draws a binomial number by the inverse of its distribution: one uniform number, log2(n) comparisons.
-class Binomial {
-public:
-    Binomial(double n, double p) {
-        const auto count = static_cast<std::size_t>(n);
-        const double mean = n * p;
-        const double reach = 12.0 * std::sqrt(mean * (1.0 - p)) + 40.0;  // beyond: below 1e-30
-        first_ = static_cast<std::size_t>(std::max(0.0, std::floor(mean - reach)));
-        const std::size_t last = std::min(count, static_cast<std::size_t>(mean + reach) + 1);
-        if (p <= 0.0 || p >= 1.0) {
-            first_ = p <= 0.0 ? 0 : count;
-            return;
-        }
-        // Terms over that of the mode, outward, so that none overflows.
-        const auto mode = std::clamp(static_cast<std::size_t>(mean), first_, last);
-        std::vector<double> terms(last - first_ + 1, 1.0);
-        const double odds = p / (1.0 - p);
-        for (std::size_t k = mode; k < last; ++k) {
-            terms[k + 1 - first_] = terms[k - first_] * odds * static_cast<double>(count - k) /
-                                    static_cast<double>(k + 1);
-        }
-        for (std::size_t k = mode; k > first_; --k) {
-            terms[k - 1 - first_] = terms[k - first_] / odds * static_cast<double>(k) /
-                                    static_cast<double>(count - k + 1);
-        }
-        double sum = 0.0;
-        for (double& term : terms) {
-            sum += term;
-            term = sum;
-        }
-        for (double& term : terms) {
-            term /= sum;
-        }
-        terms.back() = 1.0;
-        cumulative_ = std::move(terms);
-    }
-
-    [[nodiscard]] double draw(Pcg32& random) const {
-        const double uniform = (static_cast<double>(random.next()) +
-                                (static_cast<double>(random.next()) + 0.5) * 0x1p-32) *
-                               0x1p-32;
-        const auto at = std::ranges::lower_bound(cumulative_, uniform);
-        return static_cast<double>(first_) + static_cast<double>(at - cumulative_.begin());
-    }
-
-private:
-    std::size_t first_ = 0;
-    std::vector<double> cumulative_{};  ///< none: it is always first_
-};
 
 /// Where the samples are drawn from.
 CurvePoint source(const CurveModel& model, const CurveFit& fit) {
@@ -96,44 +46,6 @@ bool by_logarithm(const CurveSpec& spec, Quantity quantity) {
             return false;
     }
     return false;
-}
-
-/// No slope is too steep: the steepest curve is as good, at its place or with one level on its rise.
-bool is_steep(const CurveModel& model, const CurvePoint& at) {
-    constexpr double kNearlyAStep = 2.70805020110221;  // ln 15: four times the reciprocal gap
-    constexpr double kAsGood = 1e-6;
-    const CurvePoint& high = model.high();
-    if (at[1] <= high[1] - kNearlyAStep) {
-        return false;
-    }
-    CurvePoint step = at;
-    step[1] = high[1];
-    const double value = model.value(at) - kAsGood;
-    if (at[1] >= high[1] - protocols::kLn2 || model.value(step) > value) {
-        return true;
-    }
-    const protocols::Family family = model.spec().family;
-    const double half = core_quantile(family, 0.5);
-    const double rise = std::max(1.0 - at[2] - at[3], 0.01);
-    for (std::size_t i = 0; i < model.levels(); ++i) {
-        const double share = (model.hits()[i] / model.counts()[i] - at[2]) / rise;
-        if (share > 0.0 && share < 1.0) {
-            const double u = core_quantile(family, share) - half;
-            step[0] = model.places()[i] - u * protocols::exponential(-high[1]);
-            if (std::isfinite(step[0]) && model.value(step) > value) {
-                return true;
-            }
-        }
-    }
-    return false;
-}
-
-End end_of(const CurveModel& model, const CurvePoint& at) {
-    const bool flat = at[1] <= model.low()[1];
-    return at[0] >= model.high()[0] || (flat && at[0] > model.last()) ? End::far_up
-         : at[0] <= model.low()[0] || (flat && at[0] < model.first()) ? End::far_down
-         : is_steep(model, at)                                        ? End::steep
-                                                                      : End::both;
 }
 
 /// A quantity where the curve has no end.
@@ -181,6 +93,48 @@ double endless(
 }
 
 }  // namespace
+
+namespace {
+
+/// No slope is too steep: the steepest curve is as good, at its place or with one level on its rise.
+bool is_steep(const CurveModel& model, const CurvePoint& at) {
+    constexpr double kNearlyAStep = 2.70805020110221;  // ln 15: four times the reciprocal gap
+    constexpr double kAsGood = 1e-6;
+    const CurvePoint& high = model.high();
+    if (at[1] <= high[1] - kNearlyAStep) {
+        return false;
+    }
+    CurvePoint step = at;
+    step[1] = high[1];
+    const double value = model.value(at) - kAsGood;
+    if (at[1] >= high[1] - protocols::kLn2 || model.value(step) > value) {
+        return true;
+    }
+    const protocols::Family family = model.spec().family;
+    const double half = core_quantile(family, 0.5);
+    const double rise = std::max(1.0 - at[2] - at[3], 0.01);
+    for (std::size_t i = 0; i < model.levels(); ++i) {
+        const double share = (model.hits()[i] / model.counts()[i] - at[2]) / rise;
+        if (share > 0.0 && share < 1.0) {
+            const double u = core_quantile(family, share) - half;
+            step[0] = model.places()[i] - u * protocols::exponential(-high[1]);
+            if (std::isfinite(step[0]) && model.value(step) > value) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+}  // namespace
+
+End end_of(const CurveModel& model, const CurvePoint& at) {
+    const bool flat = at[1] <= model.low()[1];
+    return at[0] >= model.high()[0] || (flat && at[0] > model.last()) ? End::far_up
+         : at[0] <= model.low()[0] || (flat && at[0] < model.first()) ? End::far_down
+         : is_steep(model, at)                                        ? End::steep
+                                                                      : End::both;
+}
 
 Bootstrap bootstrap(const CurveModel& model,
                     const CurveFit& fit,

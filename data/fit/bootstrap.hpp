@@ -40,6 +40,9 @@ struct Bootstrap {
                                   std::uint64_t seed,
                                   std::uint64_t stream);
 
+/// Whether a fitted curve has an end.
+[[nodiscard]] End end_of(const CurveModel& model, const CurvePoint& at);
+
 /// A quantity of all fits, infinite where it has no end: so that percentiles know on which side it lies. A share that is
 /// never reached lies beyond all stimuli, a Weber fraction of a threshold that is not above 0 too. NaN where there is
 /// none.

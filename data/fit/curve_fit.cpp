@@ -1,7 +1,6 @@
 #include "data/fit/curve_fit.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -267,36 +266,6 @@ std::optional<Interval> profile_interval(const CurveModel& model,
     return Interval{std::min(at_down, at_up), std::max(at_down, at_up)};
 }
 
-namespace {
-
-/// The least value between two places, by golden section.
-double bottom(const std::function<double(double)>& value, double low, double high) {
-    constexpr double kGolden = 0.6180339887498949;
-    const double end = 1e-5 * (high - low);
-    double a = high - kGolden * (high - low);
-    double b = low + kGolden * (high - low);
-    double at_a = value(a);
-    double at_b = value(b);
-    while (high - low > end) {
-        if (at_a < at_b) {
-            high = b;
-            b = a;
-            at_b = at_a;
-            a = high - kGolden * (high - low);
-            at_a = value(a);
-        } else {
-            low = a;
-            a = b;
-            at_a = at_b;
-            b = low + kGolden * (high - low);
-            at_b = value(b);
-        }
-    }
-    return std::min(at_a, at_b);
-}
-
-}  // namespace
-
 double equality_p(const CurveModel& one,
                   const CurveFit& fit_one,
                   const CurveModel& two,
@@ -312,28 +281,7 @@ double equality_p(const CurveModel& one,
     const auto loss = [&](double place) {
         return fit_one.value - left.value(place) + fit_two.value - right.value(place);
     };
-    // The common value lies between the two. Either profile may have several dips: a grid finds the deepest, and golden
-    // section its bottom, to where what is left of the loss is 1e-10 of it.
-    constexpr int kSteps = 16;
-    const double low = std::min(first->at, second->at);
-    const double step = (std::max(first->at, second->at) - low) / kSteps;
-    std::array<double, kSteps + 1> grid{};
-    for (int i = 0; i <= kSteps; ++i) {
-        grid.at(static_cast<std::size_t>(i)) = loss(low + step * i);
-    }
-    double least = *std::ranges::min_element(grid);
-    for (int i = 0; i <= kSteps; ++i) {
-        const auto value = [&](int at) {
-            return grid.at(static_cast<std::size_t>(std::clamp(at, 0, kSteps)));
-        };
-        constexpr double kNotDeeper = 0.5;  // of log-likelihood, than the deepest
-        const bool dip = value(i) <= value(i - 1) && value(i) <= value(i + 1);
-        if (dip && step > 0.0 && value(i) < least + kNotDeeper) {
-            least = std::min(least, bottom(loss, low + step * std::max(i - 1, 0),
-                                           low + step * std::min(i + 1, kSteps)));
-        }
-    }
-    const double chi_square = 2.0 * std::max(0.0, least);
+    const double chi_square = 2.0 * std::max(0.0, least_between(loss, first->at, second->at));
     return 2.0 * protocols::normal_cdf(-std::sqrt(chi_square));
 }
 

@@ -278,6 +278,14 @@ double CurveModel::prior(const CurvePoint& point,
     if (spec_.lapse_prior && spec_.lapse_free) {
         beta(3, *spec_.lapse_prior);
     }
+    if (others_) {
+        const SharedLapse::At others = others_->at(point[3]);
+        sum += others.value;
+        if (gradient != nullptr) {
+            (*gradient)[3] += others.slope;
+            (*information)[3][3] += std::max(-others.curvature, 0.0);
+        }
+    }
     return sum;
 }
 

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "protocols/psychometric/psychometric_function.hpp"
@@ -33,11 +35,12 @@ struct Prior {
 /// and F of protocols::Family: a Weibull is 1 - exp(-(x / t)^b).
 struct CurveSpec {
     protocols::Family family = protocols::Family::normal;
-    double guess = 0.0;       ///< where it is fixed, 0 .. 0.7
-    double lapse = 0.0;       ///< where it is fixed, 0 .. 0.25
-    bool guess_free = false;  ///< between 0 and 0.7
-    bool lapse_free = false;  ///< between 0 and 0.25
-    bool two_sided = false;   ///< the guess rate is the lapse rate: LapseForm::two_sided
+    double guess = 0.0;         ///< where it is fixed, 0 .. 0.7
+    double lapse = 0.0;         ///< where it is fixed, 0 .. 0.25
+    bool guess_free = false;    ///< between 0 and 0.7
+    bool lapse_free = false;    ///< between 0 and 0.25
+    bool lapse_shared = false;  ///< free, one for all conditions of a person
+    bool two_sided = false;     ///< the guess rate is the lapse rate: LapseForm::two_sided
     std::optional<Prior>
         threshold_prior{};  ///< normal, of the threshold at F = 1/2; lognormal for a weibull
     std::optional<Prior> slope_prior{};  ///< lognormal, of b
@@ -92,6 +95,19 @@ struct Tie {
     double share = 0.5;  ///< of F, for Kind::share
 };
 
+/// The log-likelihood of other answers for each lapse rate that is one with theirs.
+class SharedLapse {
+public:
+    virtual ~SharedLapse() = default;
+    struct At {
+        double value = 0.0;
+        double slope = 0.0;
+        double curvature = 0.0;
+    };
+    /// @param lapse  0 .. 0.25
+    [[nodiscard]] virtual At at(double lapse) const = 0;
+};
+
 /// The answers as numbers, and what they say of a point.
 class CurveModel {
 public:
@@ -107,6 +123,8 @@ public:
     [[nodiscard]] std::span<const double> counts() const { return n_; }
     [[nodiscard]] std::span<const double> hits() const { return k_; }
     void set_hits(std::span<const double> hits) { k_.assign(hits.begin(), hits.end()); }
+    /// The lapse rate is one with that of others; nothing: it is not.
+    void share(std::shared_ptr<const SharedLapse> others) { others_ = std::move(others); }
     void tie(const Tie& tie);
     [[nodiscard]] Tie::Kind tied_by() const { return tie_.kind; }
     /// The ln b at which a JND or Weber fraction that is held has the location there, to 1e-6 between the ends.
@@ -150,6 +168,7 @@ private:
                                CurveMatrix* information) const;
 
     CurveSpec spec_;
+    std::shared_ptr<const SharedLapse> others_{};
     std::vector<double> z_;
     std::vector<double> n_;
     std::vector<double> k_;

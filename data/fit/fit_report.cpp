@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "data/fit/shared_lapse.hpp"
+
 namespace palpate::data {
 namespace {
 
@@ -86,12 +88,8 @@ Told told_of(const FittedCurve& curve, const FitOptions& options, Quantity quant
     return told;
 }
 
-FittedCurve fitted(const Answers& answers, const FitOptions& options, std::uint64_t stream) {
-    FittedCurve curve{.answers = answers, .model = CurveModel(answers.levels, options.spec)};
-    curve.fit = fit_curve(curve.model);
-    if (options.bootstrap > 0 && !curve.fit.shallow) {
-        curve.samples = bootstrap(curve.model, curve.fit, options.bootstrap, options.seed, stream);
-    }
+/// All that is told of a curve that is fitted.
+void tell(FittedCurve& curve, const FitOptions& options) {
     std::vector<Quantity> asked{Quantity::threshold, Quantity::jnd,   Quantity::weber,
                                 Quantity::slope,     Quantity::guess, Quantity::lapse};
     if (options.at) {
@@ -100,7 +98,85 @@ FittedCurve fitted(const Answers& answers, const FitOptions& options, std::uint6
     for (const Quantity quantity : asked) {
         curve.told.push_back(told_of(curve, options, quantity));
     }
+}
+
+FittedCurve fitted(const Answers& answers, const FitOptions& options, std::uint64_t stream) {
+    FittedCurve curve{.answers = answers, .model = CurveModel(answers.levels, options.spec)};
+    curve.fit = fit_curve(curve.model);
+    if (options.bootstrap > 0 && !curve.fit.shallow) {
+        curve.samples = bootstrap(curve.model, curve.fit, options.bootstrap, options.seed, stream);
+    }
+    tell(curve, options);
     return curve;
+}
+
+/// The curves of one person, whose lapse rate is one.
+std::vector<CurveModel> models_of(const FitReport& report, const std::string& participant) {
+    std::vector<CurveModel> models;
+    for (const FittedCurve& curve : report.curves) {
+        if (curve.answers.participant == participant) {
+            models.push_back(curve.model);
+        }
+    }
+    return models;
+}
+
+/// Fits of all curves, with one lapse rate for the conditions of each person.
+void fit_shared(FitReport& report) {
+    const FitOptions& options = report.options;
+    for (std::size_t first = 0; first < report.curves.size(); ++first) {
+        const std::string& person = report.curves[first].answers.participant;
+        std::vector<std::size_t> mine;
+        for (std::size_t i = 0; i < report.curves.size(); ++i) {
+            if (report.curves[i].answers.participant == person) {
+                mine.push_back(i);
+            }
+        }
+        if (mine.front() != first) {
+            continue;
+        }
+        std::vector<CurveModel> models = models_of(report, person);
+        share_lapse(models);
+        std::vector<CurveFit> fits;
+        for (const CurveModel& one : models) {
+            fits.push_back(fit_curve(one));
+        }
+        std::vector<Bootstrap> samples(models.size());
+        if (options.bootstrap > 0) {
+            samples = shared_bootstrap(models, fits, options.bootstrap, options.seed, first);
+        }
+        for (std::size_t i = 0; i < mine.size(); ++i) {
+            FittedCurve& curve = report.curves[mine[i]];
+            curve.model = models[i];
+            curve.fit = fits[i];
+            if (!curve.fit.shallow) {
+                curve.samples = std::move(samples[i]);
+            }
+            tell(curve, options);
+        }
+    }
+}
+
+/// equality_p(), with one lapse rate where that is shared.
+double p_of_equal(const FitReport& report,
+                  const FittedCurve& one,
+                  const FittedCurve& two,
+                  Quantity quantity) {
+    if (!report.options.spec.lapse_shared) {
+        return equality_p(one.model, one.fit, two.model, two.fit, quantity);
+    }
+    std::size_t place_one = 0;
+    std::size_t place_two = 0;
+    std::size_t place = 0;
+    for (const FittedCurve& curve : report.curves) {
+        if (curve.answers.participant == one.answers.participant) {
+            place_one = &curve == &one ? place : place_one;
+            place_two = &curve == &two ? place : place_two;
+            ++place;
+        }
+    }
+    return shared_equality_p(models_of(report, one.answers.participant), place_one, one.fit,
+                             place_two, two.fit, quantity);
 }
 
 const Told& told_in(const FittedCurve& curve, Quantity quantity) {
@@ -150,9 +226,8 @@ void compare(FitReport& report, const std::string& condition) {
         made.jnd = told_in(two, Quantity::jnd).value - told_in(*one, Quantity::jnd).value;
         made.threshold_interval = interval_of_difference(spec, *one, two, Quantity::threshold);
         made.jnd_interval = interval_of_difference(spec, *one, two, Quantity::jnd);
-        made.threshold_p =
-            equality_p(one->model, one->fit, two.model, two.fit, Quantity::threshold);
-        made.slope_p = equality_p(one->model, one->fit, two.model, two.fit, Quantity::slope);
+        made.threshold_p = p_of_equal(report, *one, two, Quantity::threshold);
+        made.slope_p = p_of_equal(report, *one, two, Quantity::slope);
         report.differences.push_back(made);
     }
 }
@@ -297,7 +372,12 @@ FitReport fit_all(std::string source, const std::vector<Answers>& all, const Fit
             people.push_back(person);
         }
         try {
-            report.curves.push_back(fitted(answers, options, report.curves.size()));
+            if (options.spec.lapse_shared) {
+                report.curves.push_back(
+                    {.answers = answers, .model = CurveModel(answers.levels, options.spec)});
+            } else {
+                report.curves.push_back(fitted(answers, options, report.curves.size()));
+            }
         } catch (const std::invalid_argument& e) {
             report.left_out.push_back({answers.participant, answers.condition, e.what()});
         }
@@ -306,6 +386,9 @@ FitReport fit_all(std::string source, const std::vector<Answers>& all, const Fit
         throw std::invalid_argument(fmt::format(
             "{}: {}", report.source,
             report.left_out.empty() ? "there are no answers" : text_of(report.left_out.front())));
+    }
+    if (options.spec.lapse_shared) {
+        fit_shared(report);
     }
     for (std::size_t c = 1; c < report.conditions.size(); ++c) {
         compare(report, report.conditions[c]);

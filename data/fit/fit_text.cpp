@@ -40,7 +40,7 @@ std::string head_text(const FitReport& report) {
         "1/4 to\n  F = 3/4; Weber fraction: JND / threshold.\n"
         "  95 % intervals (inf: no end that the answers bound): profile likelihood",
         report.source, counted(report.curves.size(), "curve"), word_of(spec.family),
-        core_of(spec.family), guess_text(spec), rate_text(spec.lapse_free, spec.lapse),
+        core_of(spec.family), guess_text(spec), lapse_text(spec),
         spec.map() ? "MAP with priors " + priors_text(spec) : "maximum likelihood, no priors");
     if (report.options.bootstrap > 0) {
         text += fmt::format(
@@ -195,6 +195,11 @@ std::string rate_text(bool free, double value) {
 
 std::string guess_text(const CurveSpec& spec) {
     return spec.two_sided ? "as the lapse rate" : rate_text(spec.guess_free, spec.guess);
+}
+
+std::string lapse_text(const CurveSpec& spec) {
+    return spec.lapse_shared ? "free, one for all conditions of a person"
+                             : rate_text(spec.lapse_free, spec.lapse);
 }
 
 std::string priors_text(const CurveSpec& spec) {

@@ -1,6 +1,7 @@
 #include "data/fit/optimum.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -317,6 +318,60 @@ Optimum nelder_mead(const CurveModel& model, const CurvePoint& start, const Curv
     const Summit top = simplex_maximum(
         [&](std::span<const double> moving) { return model.value(point_of(moving)); }, from, edge);
     return {point_of(top.at), top.value, top.settled};
+}
+
+namespace {
+
+/// The least value between two places, by golden section.
+double bottom(const std::function<double(double)>& value, double low, double high) {
+    constexpr double kGolden = 0.6180339887498949;
+    const double end = 1e-5 * (high - low);
+    double a = high - kGolden * (high - low);
+    double b = low + kGolden * (high - low);
+    double at_a = value(a);
+    double at_b = value(b);
+    while (high - low > end) {
+        if (at_a < at_b) {
+            high = b;
+            b = a;
+            at_b = at_a;
+            a = high - kGolden * (high - low);
+            at_a = value(a);
+        } else {
+            low = a;
+            a = b;
+            at_a = at_b;
+            b = low + kGolden * (high - low);
+            at_b = value(b);
+        }
+    }
+    return std::min(at_a, at_b);
+}
+
+}  // namespace
+
+double least_between(const std::function<double(double)>& loss, double one, double other) {
+    constexpr int kSteps = 16;
+    const double low = std::min(one, other);
+    const double step = (std::max(one, other) - low) / kSteps;
+    std::array<double, kSteps + 1> grid{};
+    for (int i = 0; i <= kSteps; ++i) {
+        grid.at(static_cast<std::size_t>(i)) = loss(low + step * i);
+    }
+    const double deepest = *std::ranges::min_element(grid);
+    double least = deepest;
+    const auto value = [&](int at) {
+        return grid.at(static_cast<std::size_t>(std::clamp(at, 0, kSteps)));
+    };
+    for (int i = 0; i <= kSteps && step > 0.0; ++i) {
+        constexpr double kNotDeeper = 0.5;  // of log-likelihood, than the deepest
+        const bool dip = value(i) <= value(i - 1) && value(i) <= value(i + 1);
+        if (dip && value(i) < deepest + kNotDeeper) {
+            least = std::min(least, bottom(loss, low + step * std::max(i - 1, 0),
+                                           low + step * std::min(i + 1, kSteps)));
+        }
+    }
+    return least;
 }
 
 }  // namespace palpate::data

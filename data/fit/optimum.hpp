@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 
 #include "data/fit/curve_model.hpp"
 
@@ -47,6 +48,12 @@ struct Highest {
 [[nodiscard]] Optimum nelder_mead(const CurveModel& model,
                                   const CurvePoint& start,
                                   const CurveMask& free);
+
+/// The least of a loss between two places (both among them), which may have several dips: a grid finds the deepest, and
+/// golden section its bottom, to 1e-10 of it.
+[[nodiscard]] double least_between(const std::function<double(double)>& loss,
+                                   double one,
+                                   double other);
 
 /// The inverse of the rows and columns of `used`; 0 elsewhere. All 0 if it is not positive definite.
 [[nodiscard]] CurveMatrix inverse(const CurveMatrix& matrix, const CurveMask& used);

@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -14,8 +15,23 @@ bool logarithmic(Family family) {
     return family == Family::weibull_log10 || family == Family::weibull_db;
 }
 
+/// The u of F = 1/4, 1/2 and 3/4, asked for with every sample.
+const std::array<double, 3>& quartiles(Family family) {
+    static const auto kAll = [] {
+        std::array<std::array<double, 3>, protocols::kFamilyWords.size()> all{};
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            for (std::size_t q = 0; q < 3; ++q) {
+                all.at(i).at(q) =
+                    core_quantile(static_cast<Family>(i), 0.25 * static_cast<double>(q + 1));
+            }
+        }
+        return all;
+    }();
+    return kAll.at(static_cast<std::size_t>(family));
+}
+
 double jnd_in_slopes(Family family) {
-    return 0.5 * (core_quantile(family, 0.75) - core_quantile(family, 0.25));
+    return 0.5 * (quartiles(family)[2] - quartiles(family)[0]);
 }
 
 }  // namespace
@@ -26,22 +42,22 @@ double quantity_of(const CurveSpec& spec,
                    double share) {
     const Family family = spec.family;
     const double b = exponential(point[1]);
-    const double half = core_quantile(family, 0.5);
-    const auto place = [&](double core_share) {
-        return off_axis(family, point[0] + (core_quantile(family, core_share) - half) / b);
+    const auto& [lower, half, upper] = quartiles(family);
+    const auto place = [&, half = half](double u) {
+        return off_axis(family, point[0] + (u - half) / b);
     };
     switch (quantity) {
         case Quantity::threshold:
             return off_axis(family, point[0]);
         case Quantity::jnd:
-            return family == Family::weibull ? 0.5 * (place(0.75) - place(0.25))
+            return family == Family::weibull ? 0.5 * (place(upper) - place(lower))
                                              : jnd_in_slopes(family) / b;
         case Quantity::weber: {
             if (logarithmic(family) || (family != Family::weibull && !(point[0] > 0.0))) {
                 return std::numeric_limits<double>::quiet_NaN();
             }
-            const double up = (core_quantile(family, 0.75) - half) / b;
-            const double down = (core_quantile(family, 0.25) - half) / b;
+            const double up = (upper - half) / b;
+            const double down = (lower - half) / b;
             return family == Family::weibull ? 0.5 * (exponential(up) - exponential(down))
                                              : jnd_in_slopes(family) / b / point[0];
         }
@@ -54,7 +70,7 @@ double quantity_of(const CurveSpec& spec,
         case Quantity::at_share: {
             const double bottom = spec.two_sided ? point[3] : point[2];
             const double core = (share - bottom) / (1.0 - bottom - point[3]);
-            return core > 0.0 && core < 1.0 ? place(core)
+            return core > 0.0 && core < 1.0 ? place(core_quantile(family, core))
                                             : std::numeric_limits<double>::quiet_NaN();
         }
     }

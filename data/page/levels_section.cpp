@@ -60,7 +60,7 @@ void add_curves(PageWriter& page, const Study& study, const PageNumbers& numbers
         "guess {}, lapse {}. Bands: "
         "95 % of {} bootstrap samples at each level. Bars: profile intervals of the thresholds.",
         word_of(fit.options.spec.family), guess_text(fit.options.spec),
-        rate_text(fit.options.spec.lapse_free, fit.options.spec.lapse), fit.options.bootstrap);
+        lapse_text(fit.options.spec), fit.options.bootstrap);
     figure.results.push_back(fit_results(numbers));
     page.figure(figure);
     for (const NotFitted& one : fit.left_out) {

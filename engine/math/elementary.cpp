@@ -1,8 +1,10 @@
 #include "engine/math/elementary.hpp"
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 namespace palpate::engine {
@@ -11,6 +13,11 @@ namespace {
 // ln 2 in two parts: exponent * part 1 is exact.
 constexpr double kLn2Hi = 0x1.62e42fee00000p-1;
 constexpr double kLn2Lo = 0x1.a39ef35793c76p-33;
+
+/// 1/19 to 1/3.
+constexpr std::array<double, 9> kInverseOdds{1.0 / 19.0, 1.0 / 17.0, 1.0 / 15.0,
+                                             1.0 / 13.0, 1.0 / 11.0, 1.0 / 9.0,
+                                             1.0 / 7.0,  1.0 / 5.0,  1.0 / 3.0};
 
 /// Beyond kMaxQuarters: the remainder is exact, 2 pi is not.
 SinCos far_sin_cos(double x) noexcept {
@@ -75,8 +82,20 @@ double arc_cos(double c) noexcept {
 }
 
 double natural_log(double x) noexcept {
+    constexpr double kNormal = std::numeric_limits<double>::min();
     int exponent = 0;
-    double m = std::frexp(x, &exponent);
+    double m = 0.0;
+    if (x >= kNormal && x <= std::numeric_limits<double>::max()) {  // what frexp does, in line
+        constexpr int kMantissaBits = 52;
+        constexpr int kBias = 1022;
+        constexpr std::uint64_t kMantissa = (std::uint64_t{1} << kMantissaBits) - 1;
+        constexpr std::uint64_t kHalf = std::uint64_t{kBias} << kMantissaBits;
+        const auto bits = std::bit_cast<std::uint64_t>(x);
+        exponent = static_cast<int>(bits >> kMantissaBits) - kBias;
+        m = std::bit_cast<double>((bits & kMantissa) | kHalf);
+    } else {
+        m = std::frexp(x, &exponent);
+    }
     constexpr double kSqrtHalf = 0.70710678118654752440;
     if (m < kSqrtHalf) {
         m *= 2.0;
@@ -85,8 +104,8 @@ double natural_log(double x) noexcept {
     const double s = (m - 1.0) / (m + 1.0);
     const double z = s * s;
     double p = 1.0 / 21.0;
-    for (int k = 19; k >= 3; k -= 2) {
-        p = p * z + 1.0 / static_cast<double>(k);
+    for (const double term : kInverseOdds) {
+        p = p * z + term;
     }
     const double e = static_cast<double>(exponent);
     return e * kLn2Hi + (2.0 * s + (2.0 * s * z * p + e * kLn2Lo));

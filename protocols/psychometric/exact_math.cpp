@@ -1,12 +1,21 @@
 #include "protocols/psychometric/exact_math.hpp"
 
+#include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "engine/math/elementary.hpp"
 
 namespace palpate::protocols {
 namespace {
+
+/// 1/12! to 1/2!.
+constexpr std::array<double, 11> kInverseFactorials{
+    1.0 / 479001600.0, 1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0,
+    1.0 / 40320.0,     1.0 / 5040.0,     1.0 / 720.0,     1.0 / 120.0,
+    1.0 / 24.0,        1.0 / 6.0,        1.0 / 2.0};
 
 // ln 2 in two parts: n * part 1 is exact for every n that can occur.
 constexpr double kLn2Hi = 0x1.62e42fee00000p-1;
@@ -80,12 +89,17 @@ double exponential(double x) noexcept {
     const double n = std::floor(x / kLn2 + 0.5);
     const double r = (x - n * kLn2Hi) - n * kLn2Lo;
     double p = 1.0 / 6227020800.0;  // 1/13!
-    double factorial = 479001600.0;
-    for (int k = 12; k >= 2; --k) {
-        p = p * r + 1.0 / factorial;
-        factorial /= static_cast<double>(k);
+    for (const double term : kInverseFactorials) {
+        p = p * r + term;
     }
-    return std::ldexp(1.0 + (r + r * r * p), static_cast<int>(n));
+    const double mantissa = 1.0 + (r + r * r * p);
+    if (n < -1021.0 || n > 1023.0) {
+        return std::ldexp(mantissa, static_cast<int>(n));
+    }
+    constexpr int kBias = 1023;
+    constexpr int kMantissaBits = 52;
+    const auto exponent = static_cast<std::uint64_t>(static_cast<int>(n) + kBias);
+    return mantissa * std::bit_cast<double>(exponent << kMantissaBits);  // exact, as ldexp is
 }
 
 double power_of_ten(double x) noexcept {

@@ -86,7 +86,8 @@ data::CurveSpec spec_of(const FitWords& words, bool database) {
     const std::string guess = words.guess.value_or(database ? "lapse" : "0");
     spec.two_sided = guess == "lapse";
     spec.guess_free = guess == "free";
-    spec.lapse_free = words.lapse == "free";
+    spec.lapse_shared = words.lapse == "shared";
+    spec.lapse_free = spec.lapse_shared || words.lapse == "free";
     spec.lapse = spec.lapse_free ? 0.0 : number_of("--lapse", words.lapse);
     spec.guess = spec.two_sided ? spec.lapse : spec.guess_free ? 0.0 : number_of("--guess", guess);
     for (const std::string& prior : words.priors) {
@@ -122,7 +123,11 @@ void declare(CommandWords& words, FitWords& options) {
               "Chance of a 1 without any stimulus: a number (of 3 alternatives 1/3), free, or "
               "lapse: as the "
               "lapse rate. Without it 0; for a database lapse");
-    words.add("--lapse", options.lapse, "Share of answers that are lapses: a number, or free")
+    words
+        .add("--lapse", options.lapse,
+             "Share of answers that are lapses: a number, free, or shared: free, one for all "
+             "conditions "
+             "of a person")
         .with_default();
     words
         .add("--prior", options.priors,
@@ -195,7 +200,8 @@ int fit_identifications(const FitWords& words, bool database) {
 /// Options that a fit of identifications does not read.
 void refuse_words_of_curves(const FitWords& words) {
     const bool curves = words.guess || words.at || !words.priors.empty() || !words.svg.empty() ||
-                        words.lapse == "free" || words.function != "normal" || words.seed ||
+                        words.lapse == "free" || words.lapse == "shared" ||
+                        words.function != "normal" || words.seed ||
                         words.bootstrap != FitWords{}.bootstrap;
     if (curves) {
         throw std::invalid_argument(fmt::format(

@@ -1,0 +1,343 @@
+#include "data/fit/shared_lapse.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/base/pcg32.hpp"
+#include "engine/math/elementary.hpp"
+#include "protocols/psychometric/exact_math.hpp"
+#include "data/fit/binomial.hpp"
+#include "data/fit/optimum.hpp"
+
+namespace palpate::data {
+namespace {
+
+/// Rates at which likelihoods are kept: 0.25 apart in the logarithm up to 0.001, where they are nearly straight lines, and
+/// 0.05 apart beyond: cubics in between are off by less than 1e-6.
+std::vector<double> log_rates() {
+    constexpr double kLeast = -16.0;  // 1e-7
+    constexpr double kFine = -7.0;
+    const double most = engine::natural_log(kMostLapse);
+    std::vector<double> all;
+    for (double at = kLeast; at < kFine; at += 0.25) {
+        all.push_back(at);
+    }
+    constexpr int kFineSteps = 112;
+    for (int i = 0; i <= kFineSteps; ++i) {
+        all.push_back(kFine + (most - kFine) * i / kFineSteps);
+    }
+    return all;
+}
+
+/// Cubics through values and slopes, over the logarithm of the rate.
+class Table final : public SharedLapse {
+public:
+    explicit Table(const std::vector<double>& places)
+        : places_(places), values_(places.size(), 0.0), slopes_(places.size(), 0.0) {}
+
+    void add(std::size_t i, double value, double slope) {
+        values_[i] += value;
+        slopes_[i] += slope;
+    }
+
+    [[nodiscard]] At at(double lapse) const override {
+        const double least = protocols::exponential(places_.front());
+        if (lapse <= least) {  // a straight line of the rate itself
+            const double slope = slopes_.front() / least;
+            return {values_.front() + slope * (lapse - least), slope, 0.0};
+        }
+        const double u = engine::natural_log(lapse);
+        const auto above = std::ranges::upper_bound(places_, u);
+        const auto i = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+            above - places_.begin(), 1, static_cast<std::ptrdiff_t>(places_.size()) - 1));
+        const double h = places_[i] - places_[i - 1];
+        const double t = (u - places_[i - 1]) / h;
+        const double rise = values_[i] - values_[i - 1];
+        const double a = h * slopes_[i - 1] - rise;
+        const double b = rise - h * slopes_[i];
+        const double value = values_[i - 1] + t * (rise + (1.0 - t) * ((1.0 - t) * a + t * b));
+        const double by_t =
+            rise + (1.0 - 2.0 * t) * ((1.0 - t) * a + t * b) + t * (1.0 - t) * (b - a);
+        const double by_tt = -2.0 * ((1.0 - t) * a + t * b) + 2.0 * (1.0 - 2.0 * t) * (b - a);
+        const double slope = by_t / h;
+        return {value, slope / lapse, (by_tt / (h * h) - slope) / (lapse * lapse)};
+    }
+
+private:
+    std::vector<double> places_;
+    std::vector<double> values_;
+    std::vector<double> slopes_;
+};
+
+/// The model alone, without a belief of the rate that all share.
+CurveModel alone(const CurveModel& model, bool keeps_prior) {
+    CurveModel one = model;
+    one.share(nullptr);
+    if (!keeps_prior) {
+        one.set_rate_priors(model.spec().guess_prior, std::nullopt);
+    }
+    return one;
+}
+
+struct Kept {
+    double value = 0.0;
+    double slope = 0.0;  ///< by the logarithm of the rate
+};
+
+/// The highest log-likelihood at each rate.
+std::vector<Kept> highest_by_rate(const CurveModel& model, const std::vector<double>& places) {
+    std::vector<Kept> kept(places.size());
+    CurveMask free = model.free();
+    free[3] = false;
+    const double range = model.last() - model.first();
+    CurvePoint near{0.5 * (model.first() + model.last()), engine::natural_log(2.0 / range),
+                    model.spec().guess, 0.0};
+    constexpr std::size_t kSearched = 12;  // the rates between follow their neighbours
+    for (std::size_t back = places.size(); back > 0; --back) {
+        const std::size_t i = back - 1;
+        near[3] = protocols::exponential(places[i]);
+        Optimum best = climb(model, near, free);
+        if (i % kSearched == 0 || back == places.size()) {
+            const Optimum other = highest(model, near, free, Search::quick).best;
+            best = other.value > best.value ? other : best;
+        }
+        near = best.at;
+        CurvePoint gradient;
+        CurveMatrix information;
+        kept[i].value = model.derivatives(near, gradient, information);
+        kept[i].slope = gradient[3] * near[3];
+    }
+    return kept;
+}
+
+/// All curves of a person at one lapse rate.
+struct Joint {
+    std::vector<CurvePoint> at{};
+    double value = 0.0;
+};
+
+double dot3(const CurvePoint& a, const CurvePoint& b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+CurvePoint times3(const CurveMatrix& m, const CurvePoint& v) {
+    return {dot3(m[0], v), dot3(m[1], v), dot3(m[2], v), 0.0};
+}
+
+/// climb() of all together: what is each curve's own is eliminated, which leaves one equation for the rate.
+/// @param free  of each curve, the rate not looked at
+Joint climb_together(std::span<const CurveModel> models,
+                     std::vector<CurvePoint> start,
+                     std::span<const CurveMask> free,
+                     double tolerance) {
+    const std::size_t n = models.size();
+    std::vector<CurvePoint> gradients(n);
+    std::vector<CurveMatrix> informations(n);
+    const auto derivatives = [&](const std::vector<CurvePoint>& at) {
+        double sum = 0.0;
+        for (std::size_t c = 0; c < n; ++c) {
+            sum += models[c].derivatives(at[c], gradients[c], informations[c]);
+        }
+        return sum;
+    };
+    Joint best{.at = std::move(start)};
+    best.value = derivatives(best.at);
+    double damping = 0.0;
+    for (int step = 0; step < 200; ++step) {
+        std::vector<CurvePoint> own(n);      // the curve's step where the rate stays
+        std::vector<CurvePoint> by_rate(n);  // and what a step of the rate takes off it
+        double slope = 0.0;
+        double bend = 0.0;
+        for (std::size_t c = 0; c < n; ++c) {
+            CurveMatrix& info = informations[c];
+            const CurvePoint& g = gradients[c];
+            CurveMask moving{};
+            CurvePoint pushed{};
+            for (std::size_t i = 0; i < 3; ++i) {
+                moving[i] = free[c][i] && !(best.at[c][i] <= models[c].low()[i] && g[i] <= 0.0) &&
+                            !(best.at[c][i] >= models[c].high()[i] && g[i] >= 0.0);
+                pushed[i] = moving[i] ? g[i] : 0.0;
+            }
+            CurveMatrix damped = info;
+            for (std::size_t i = 0; i < kCurveParameters; ++i) {
+                damped[i][i] += damping * info[i][i] + (damping > 0.0 ? 1e-12 : 0.0);
+            }
+            const CurveMatrix back = inverse(damped, moving);
+            own[c] = times3(back, pushed);
+            by_rate[c] = times3(back, {info[0][3], info[1][3], info[2][3], 0.0});
+            slope += g[3] - dot3({info[0][3], info[1][3], info[2][3], 0.0}, own[c]);
+            bend += damped[3][3] - dot3({info[0][3], info[1][3], info[2][3], 0.0}, by_rate[c]);
+        }
+        const double rate = best.at.front()[3];
+        const bool held = (rate <= 0.0 && slope <= 0.0) || (rate >= kMostLapse && slope >= 0.0);
+        const double move = held || !(bend > 0.0) ? 0.0 : slope / bend;
+        const double next_rate = std::clamp(rate + move, 0.0, kMostLapse);
+        double gain = move * slope;
+        Joint next{.at = best.at};
+        for (std::size_t c = 0; c < n; ++c) {
+            for (std::size_t i = 0; i < 3; ++i) {
+                const double by = own[c][i] - move * by_rate[c][i];
+                gain += own[c][i] * gradients[c][i];
+                if (free[c][i]) {
+                    next.at[c][i] =
+                        std::clamp(best.at[c][i] + by, models[c].low()[i], models[c].high()[i]);
+                }
+            }
+            next.at[c][3] = next_rate;
+        }
+        const auto kept_gradients = gradients;
+        const auto kept_informations = informations;
+        next.value = derivatives(next.at);
+        if (next.value > best.value) {
+            const double gained = next.value - best.value;
+            best = std::move(next);
+            const bool whole = damping == 0.0;
+            damping = damping < 1e-3 ? 0.0 : 0.1 * damping;
+            if (whole && gained < tolerance) {
+                break;
+            }
+        } else {
+            gradients = kept_gradients;
+            informations = kept_informations;
+            if (damping > 1e10 || !(gain > 0.0) || (damping == 0.0 && gain < tolerance)) {
+                break;
+            }
+            damping = damping == 0.0 ? 1e-3 : 10.0 * damping;
+        }
+    }
+    for (std::size_t c = 0; c < n; ++c) {
+        best.at[c] = models[c].whole(best.at[c]);
+    }
+    return best;
+}
+
+std::vector<CurveModel> all_alone(std::span<const CurveModel> models) {
+    std::vector<CurveModel> all;
+    for (const CurveModel& one : models) {
+        all.push_back(alone(one, all.empty()));
+    }
+    return all;
+}
+
+std::vector<CurveMask> masks_of(std::span<const CurveModel> models) {
+    std::vector<CurveMask> all;
+    for (const CurveModel& one : models) {
+        all.push_back(one.free());
+    }
+    return all;
+}
+
+}  // namespace
+
+void share_lapse(std::span<CurveModel> models) {
+    const std::vector<double> places = log_rates();
+    std::vector<std::vector<Kept>> kept;
+    for (const CurveModel& one : models) {
+        kept.push_back(highest_by_rate(alone(one, false), places));
+    }
+    for (std::size_t c = 0; c < models.size() && models.size() > 1; ++c) {
+        auto others = std::make_shared<Table>(places);
+        for (std::size_t o = 0; o < models.size(); ++o) {
+            for (std::size_t i = 0; o != c && i < places.size(); ++i) {
+                others->add(i, kept[o][i].value, kept[o][i].slope);
+            }
+        }
+        models[c].share(std::move(others));
+    }
+}
+
+std::vector<Bootstrap> shared_bootstrap(std::span<const CurveModel> models,
+                                        std::span<const CurveFit> fits,
+                                        std::size_t samples,
+                                        std::uint64_t seed,
+                                        std::uint64_t stream) {
+    constexpr Prior kWeak{2.0, 20.0};  // as of bootstrap()
+    constexpr double kNearItsMode = 0.05;
+    std::vector<CurveModel> drawn = all_alone(models);
+    const std::vector<CurveMask> free = masks_of(models);
+    std::vector<CurvePoint> from;
+    for (const CurveFit& one : fits) {
+        from.push_back(one.at);
+    }
+    if (!models.front().spec().lapse_prior) {
+        std::vector<CurveModel> held = drawn;
+        held.front().set_rate_priors(models.front().spec().guess_prior, kWeak);
+        for (CurvePoint& one : from) {
+            one[3] = kNearItsMode;
+        }
+        from = climb_together(held, from, free, 1e-12).at;
+    }
+    const std::size_t n = models.size();
+    std::vector<Bootstrap> all(n);
+    std::vector<std::vector<Binomial>> levels(n);
+    std::vector<Pcg32> random;
+    std::vector<std::size_t> worse(n, 1);
+    std::vector<double> values;
+    for (std::size_t c = 0; c < n; ++c) {
+        all[c].from = from[c];
+        values.resize(models[c].levels());
+        drawn[c].chances(from[c], values);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+            levels[c].emplace_back(models[c].counts()[i], values[i]);
+        }
+        random.emplace_back(seed, stream + c);
+    }
+    for (std::size_t s = 0; s < samples; ++s) {
+        for (std::size_t c = 0; c < n; ++c) {
+            values.resize(levels[c].size());
+            for (std::size_t i = 0; i < values.size(); ++i) {
+                values[i] = levels[c][i].draw(random[c]);
+            }
+            drawn[c].set_hits(values);
+        }
+        const Joint found = climb_together(drawn, from, free, 1e-7);
+        for (std::size_t c = 0; c < n; ++c) {
+            const End end = end_of(drawn[c], found.at[c]);
+            all[c].at.push_back(found.at[c]);
+            all[c].ends.push_back(end);
+            all[c].steep += end == End::steep ? std::size_t{1} : 0;
+            all[c].far += end == End::far_up || end == End::far_down ? std::size_t{1} : 0;
+            worse[c] += drawn[c].deviance(found.at[c]) >= fits[c].deviance * (1.0 - 1e-9)
+                          ? std::size_t{1}
+                          : 0;
+        }
+    }
+    for (std::size_t c = 0; c < n; ++c) {
+        all[c].deviance_p = static_cast<double>(worse[c]) / static_cast<double>(samples + 1);
+    }
+    return all;
+}
+
+double shared_equality_p(std::span<const CurveModel> models,
+                         std::size_t one,
+                         const CurveFit& fit_one,
+                         std::size_t two,
+                         const CurveFit& fit_two,
+                         Quantity quantity) {
+    const std::size_t i = quantity == Quantity::threshold ? 0 : 1;
+    const std::vector<CurveModel> plain = all_alone(models);
+    std::vector<CurveMask> free = masks_of(models);
+    std::vector<CurvePoint> near;
+    for (std::size_t c = 0; c < models.size(); ++c) {
+        CurvePoint middle{0.5 * (models[c].first() + models[c].last()),
+                          engine::natural_log(2.0 / (models[c].last() - models[c].first())),
+                          models[c].spec().guess, fit_one.at[3]};
+        near.push_back(c == one ? fit_one.at
+                       : c == two
+                           ? fit_two.at
+                           : highest(models[c], middle, models[c].free(), Search::quick).best.at);
+    }
+    const Joint best = climb_together(plain, near, free, 1e-12);
+    free[one][i] = free[two][i] = false;
+    const auto loss = [&](double place) {
+        std::vector<CurvePoint> start = best.at;
+        start[one][i] = start[two][i] = place;
+        return best.value - climb_together(plain, start, free, 1e-10).value;
+    };
+    const double chi_square =
+        2.0 * std::max(0.0, least_between(loss, best.at[one][i], best.at[two][i]));
+    return 2.0 * protocols::normal_cdf(-std::sqrt(chi_square));
+}
+
+}  // namespace palpate::data

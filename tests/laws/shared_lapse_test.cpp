@@ -1,0 +1,210 @@
+#include <array>
+#include <cmath>
+#include <random>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/catch.hpp"
+#include "tests/support/process.hpp"
+
+using namespace palpate;
+using Catch::Matchers::ContainsSubstring;
+using Json = nlohmann::json;
+using tests::Finished;
+using tests::palpate_command;
+using tests::Process;
+using tests::TemporaryFolder;
+using tests::write;
+
+namespace {
+
+struct Counted {
+    const char* person;
+    const char* condition;
+    std::array<int, 8> hits;  ///< of 40, at 1 to 8
+};
+
+/// Drawn from normal curves of thresholds 3.5, 4.2 and 3, slopes 1.2, 0.9 and 1.5, and a lapse rate of 0.05.
+constexpr std::array<Counted, 6> kPeople{{{"P0", "a", {0, 4, 12, 23, 37, 39, 34, 39}},
+                                          {"P0", "b", {0, 0, 6, 21, 31, 38, 38, 38}},
+                                          {"P0", "c", {0, 1, 18, 35, 38, 37, 36, 38}},
+                                          {"P1", "a", {0, 1, 8, 29, 36, 39, 39, 38}},
+                                          {"P1", "b", {0, 0, 6, 16, 32, 36, 40, 39}},
+                                          {"P1", "c", {0, 3, 21, 36, 39, 38, 39, 36}}}};
+
+std::string table(const auto& all) {
+    std::string text = "stimulus,n,k,participant,condition\n";
+    for (const auto& one : all) {
+        for (std::size_t i = 0; i < one.hits.size(); ++i) {
+            text +=
+                fmt::format("{},40,{},{},{}\n", i + 1, one.hits.at(i), one.person, one.condition);
+        }
+    }
+    return text;
+}
+
+/// The joint likelihood by optim: rate, thresholds, slopes; ends of the profiles of the rate and the first threshold; the
+/// likelihood ratio's p of equal thresholds and slopes of the first two.
+constexpr const char* kInR = R"R(
+d <- read.csv(commandArgs(TRUE)[1])
+for (p in d$participant[1]) {
+    e <- d[d$participant == p, ]; cs <- unique(e$condition)
+    nll <- function(q, held = plogis(q[1])) sum(sapply(seq_along(cs), function(i) {
+        u <- e[e$condition == cs[i], ]
+        -sum(dbinom(u$k, u$n, (1 - held) * pnorm(exp(q[2 * i + 1]) * (u$stimulus - q[2 * i])), log = TRUE)) }))
+    best <- function(from, f) { o <- list(par = from)
+        for (i in 1:2) o <- optim(o$par, f, method = 'BFGS', control = list(reltol = 1e-16, maxit = 1000)); o }
+    o <- best(c(-3, rep(c(3.5, 0), length(cs))), nll)
+    off <- function(f) 2 * (optim(o$par, f, method = 'BFGS', control = list(reltol = 1e-14))$value - o$value)
+    at <- function(i, x) off(function(q) { q[i] <- x; nll(q) }) - qchisq(.95, 1)
+    edge <- function(f, ends) uniroot(f, ends, tol = 1e-9)$root
+    rate <- plogis(o$par[1]); of_rate <- function(x) at(1, qlogis(x)); of_threshold <- function(x) at(2, x)
+    cat(sprintf('%.9g\n', c(rate, o$par[2 * seq_along(cs)], exp(o$par[2 * seq_along(cs) + 1]),
+        edge(of_rate, c(1e-4, rate)), edge(of_rate, c(rate, .2)),
+        edge(of_threshold, o$par[2] - c(1, 0)), edge(of_threshold, o$par[2] + c(0, 1)),
+        pchisq(off(function(q) { q[4] <- q[2]; nll(q) }), 1, lower.tail = FALSE),
+        pchisq(off(function(q) { q[5] <- q[3]; nll(q) }), 1, lower.tail = FALSE))), sep = '')
+}
+)R";
+
+Json fitted(std::vector<std::string> words) {
+    words.insert(words.begin(), "fit");
+    words.insert(words.end(), {"--json"});
+    const Finished done = palpate_command(words);
+    CAPTURE(done.error);
+    REQUIRE(done.code == 0);
+    return Json::parse(done.out);
+}
+
+}  // namespace
+
+TEST_CASE(
+    "one lapse rate of all conditions is that of R's joint likelihood, its intervals and p too",
+    "[fit][law]") {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("d.csv");
+    write(csv, table(kPeople));
+    const Json all = fitted({csv, "--lapse", "shared", "--bootstrap", "200"});
+    CHECK(all["lapse"] == "free, one for all conditions of a person");
+    const Finished text = palpate_command({"fit", csv, "--lapse", "shared", "--bootstrap", "0"});
+    CHECK_THAT(text.out, ContainsSubstring("lapse free, one for all conditions of a person") &&
+                             ContainsSubstring("agree on 6 of 6 curves"));
+    for (std::size_t person = 0; person < 2; ++person) {
+        for (std::size_t c = 0; c < 3; ++c) {  // of all conditions the same
+            const Json& curve = all["curves"][3 * person + c];
+            CHECK(
+                curve["lapse"]["estimate"].get<double>() ==
+                Approx(all["curves"][3 * person]["lapse"]["estimate"].get<double>()).epsilon(1e-4));
+            CHECK(curve["lapse"]["bootstrap_95"] ==
+                  all["curves"][3 * person]["lapse"]["bootstrap_95"]);
+        }
+    }
+    write(folder.file("joint.R"), kInR);
+    const Finished r = Process({"Rscript", folder.file("joint.R"), csv}).wait();
+    if (r.code != 0) {
+        REQUIRE(Process({"Rscript", "-e", "1"}).wait().code != 0);
+        WARN("R is not installed: not checked");
+        return;
+    }
+    std::istringstream numbers(r.out);
+    const auto next = [&] {
+        double one = 0.0;
+        REQUIRE(numbers >> one);
+        return one;
+    };
+    const Json& first = all["curves"][0];
+    CHECK(first["lapse"]["estimate"].get<double>() == Approx(next()).epsilon(2e-4));
+    for (const char* what : {"threshold", "slope"}) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            CHECK(all["curves"][c][what]["estimate"].get<double>() == Approx(next()).epsilon(2e-4));
+        }
+    }
+    for (const char* what : {"lapse", "threshold"}) {
+        for (const std::size_t end : {0U, 1U}) {
+            CHECK(first[what]["profile_95"][end].get<double>() == Approx(next()).epsilon(1e-3));
+        }
+    }
+    CHECK(all["differences"][0]["threshold_p"].get<double>() == Approx(next()).epsilon(1e-3));
+    CHECK(all["differences"][0]["slope_p"].get<double>() == Approx(next()).epsilon(1e-3));
+}
+
+TEST_CASE(
+    "intervals of a shared lapse rate hold the truth of simulated people, and it is off by nothing",
+    "[fit][law]") {
+    struct Drawn {
+        std::string person;
+        const char* condition;
+        std::array<int, 8> hits{};
+    };
+    constexpr double kLapse = 0.05;
+    constexpr int kMany = 40;
+    constexpr std::size_t kFew = 8;
+    std::mt19937_64 random(11);
+    std::vector<Drawn> all;
+    for (int person = 0; person < kMany; ++person) {
+        for (const auto& [condition, threshold] : {std::pair{"a", 3.4}, std::pair{"b", 4.1}}) {
+            Drawn one{fmt::format("P{}", person), condition};
+            for (std::size_t i = 0; i < 8; ++i) {
+                const double z = static_cast<double>(i + 1) - threshold;
+                std::binomial_distribution<int> hits(
+                    40, (1.0 - kLapse) * 0.5 * std::erfc(-z / std::sqrt(2.0)));
+                one.hits.at(i) = hits(random);
+            }
+            all.push_back(one);
+        }
+    }
+    const TemporaryFolder folder;
+    write(folder.file("d.csv"), table(all));
+    const Json told = fitted({folder.file("d.csv"), "--lapse", "shared", "--bootstrap", "0"});
+    int held = 0;
+    double sum = 0.0;
+    double squares = 0.0;
+    for (int person = 0; person < kMany; ++person) {
+        const Json& rate = told["curves"][2 * static_cast<std::size_t>(person)]["lapse"];
+        const double estimate = rate["estimate"];
+        held += rate["profile_95"][0].get<double>() <= kLapse &&
+                        kLapse <= rate["profile_95"][1].get<double>()
+                  ? 1
+                  : 0;
+        sum += estimate;
+        squares += estimate * estimate;
+    }
+    const double mean = sum / kMany;
+    const double sd = std::sqrt(squares / kMany - mean * mean);
+    CAPTURE(held, mean, sd);
+    CHECK(std::fabs(held / static_cast<double>(kMany) - 0.95) <
+          3.5 * std::sqrt(0.95 * 0.05 / kMany));
+    CHECK(std::fabs(mean - kLapse) < 0.1 * sd + 3.5 * sd / std::sqrt(kMany));
+    // With a rate of each curve's own the two conditions differ, and each is known less well.
+    write(folder.file("few.csv"), table(std::vector<Drawn>(all.begin(), all.begin() + 2 * kFew)));
+    const Json own = fitted({folder.file("few.csv"), "--lapse", "free", "--bootstrap", "0"});
+    double of_own = 0.0;
+    double of_shared = 0.0;
+    for (std::size_t i = 0; i < 2 * kFew; ++i) {
+        const auto width = [&](const Json& from) {
+            const Json& ends = from["curves"][i]["lapse"]["profile_95"];
+            return ends[1].get<double>() - ends[0].get<double>();
+        };
+        of_own += width(own);
+        of_shared += width(told);
+    }
+    CHECK(of_shared < 0.85 * of_own);
+}
+
+TEST_CASE("a rate that is shared with no other condition is free", "[fit]") {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("d.csv");
+    write(csv, table(std::array<Counted, 1>{kPeople[0]}));
+    Json shared = fitted({csv, "--lapse", "shared", "--bootstrap", "60", "--guess", "lapse"});
+    Json free = fitted({csv, "--lapse", "free", "--bootstrap", "60", "--guess", "lapse"});
+    for (const char* what : {"estimate", "profile_95"}) {
+        for (const char* quantity : {"lapse", "threshold", "jnd"}) {
+            CHECK(shared["curves"][0][quantity][what] == free["curves"][0][quantity][what]);
+        }
+    }
+    const Json& ends = free["curves"][0]["threshold"]["bootstrap_95"];
+    CHECK(shared["curves"][0]["threshold"]["bootstrap_95"][0].get<double>() ==
+          Approx(ends[0].get<double>()).epsilon(1e-4));
+}
