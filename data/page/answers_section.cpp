@@ -26,8 +26,16 @@ constexpr std::string_view kShares =
     R"(SELECT person, left_out, friction, count(*) AS n, sum(hit) AS k, avg(hit) AS share,
        wilson_low(sum(hit), count(*)) AS wilson_low, wilson_high(sum(hit), count(*)) AS wilson_high
 FROM (SELECT person, left_out, friction,
-             iif(chosen_object IS NULL, answer_code = 1, chosen_object = planned_object) AS hit
+             {hit} AS hit
       FROM main WHERE counts AND run_number IS NULL)
+GROUP BY person, friction ORDER BY person, friction)";
+
+constexpr std::string_view kSensitivity =
+    R"(SELECT person, left_out, friction, count(*) FILTER (WHERE {signal}) AS signals,
+       count(*) FILTER (WHERE {signal} AND answer_code = 1) AS hits,
+       count(*) FILTER (WHERE NOT ({signal})) AS noises,
+       count(*) FILTER (WHERE NOT ({signal}) AND answer_code = 1) AS false_alarms
+FROM main WHERE counts AND run_number IS NULL AND chosen_object IS NULL AND answer_code IS NOT NULL
 GROUP BY person, friction ORDER BY person, friction)";
 
 std::string matrix_html(const Rows& rows,
@@ -240,6 +248,42 @@ void add_effect(PageWriter& page, const Study& study, const PageNumbers& numbers
     page.figure(figure);
 }
 
+/// Of yes and no with signals.
+void add_sensitivity(PageWriter& page, const Study& study, const PageNumbers& numbers) {
+    const StatsReport& stats = *numbers.stats;
+    if (!stats.yes_no || !stats.right_known) {
+        return;
+    }
+    PageFigure figure{.id = "sensitivity",
+                      .title = "Sensitivity and criterion by friction, within person",
+                      .data = study.ask(kSensitivity)};
+    for (const char* key : {"d_prime", "criterion"}) {
+        const Measure* measure = find_measure(stats.applied, key);
+        if (measure == nullptr) {
+            return;
+        }
+        PairedPanel pairs{.title = measure->title,
+                          .label = measure->title,
+                          .frictions = stats.table.frictions,
+                          .means = measure->means};
+        for (const auto& row : measure->values) {
+            auto& values = pairs.people.emplace_back();
+            for (const auto& value : row) {
+                values.push_back(value.value_or(kNone));
+            }
+        }
+        figure.panels.push_back(paired_panel(pairs));
+    }
+    figure.caption = fmt::format(
+        "Yes is right for {}. d': how well they are told from the others; c: above 0 rather no. "
+        "Log-linear correction (Hautus 1995), of the least answers of a person under a friction. A "
+        "thin line is a person; bars: means over people with 95 % intervals. Their tests stand "
+        "with "
+        "the effect of friction above.",
+        fmt::join(stats.options.signals, ", "));
+    page.figure(figure);
+}
+
 void add_mixed_model(PageWriter& page, const PageNumbers& numbers) {
     const StatsReport& stats = *numbers.stats;
     std::vector<std::vector<std::string>> cells;
@@ -284,91 +328,6 @@ void add_mixed_model(PageWriter& page, const PageNumbers& numbers) {
 
 }  // namespace
 
-Ink ink_of(std::size_t friction) {
-    constexpr Ink kInks[] = {Ink::blue,   Ink::vermillion, Ink::green,
-                             Ink::purple, Ink::orange,     Ink::sky};
-    return kInks[friction % std::size(kInks)];
-}
-
-const Measure* find_measure(const StatsPart& part, std::string_view key) {
-    const auto found = std::ranges::find(part.measures, key, &Measure::key);
-    return found == part.measures.end() ? nullptr : &*found;
-}
-
-PeopleMean as_exp(const PeopleMean& mean) {
-    PeopleMean out = mean;
-    out.mean = std::exp(mean.mean);
-    if (out.interval) {
-        out.interval = Interval{std::exp(mean.interval->low), std::exp(mean.interval->high)};
-    }
-    return out;
-}
-
-std::vector<std::string> test_names() {
-    return {"what", "people",      "mean",       "low",        "high",           "t", "df", "t_p",
-            "dz",   "sign_flip_p", "wilcoxon_v", "wilcoxon_p", "bayes_factor_10"};
-}
-
-std::vector<std::string> test_cells(std::string what, const PeopleTest& test) {
-    const auto& ends = test.mean.interval;
-    return {std::move(what),
-            fmt::format("{}", test.values.size()),
-            all_digits(test.mean.mean),
-            ends ? all_digits(ends->low) : "",
-            ends ? all_digits(ends->high) : "",
-            test.t ? all_digits(test.t->t) : "",
-            test.t ? all_digits(test.t->df) : "",
-            test.t ? all_digits(test.t->p) : "",
-            test.t ? all_digits(test.t->dz) : "",
-            all_digits(test.flip.p),
-            all_digits(test.rank.v),
-            all_digits(test.rank.p),
-            test.bayes ? all_digits(*test.bayes) : ""};
-}
-
-Panel paired_panel(const PairedPanel& what) {
-    const double width = static_cast<double>(what.frictions.size());
-    Panel panel{.title = what.title,
-                .x = {.label = "friction", .low = -0.5, .high = width - 0.5},
-                .y = {.label = what.label, .unit = what.unit},
-                .height = what.height};
-    for (std::size_t f = 0; f < what.frictions.size(); ++f) {
-        panel.x.names.emplace_back(static_cast<double>(f), what.frictions[f]);
-    }
-    const auto lines = [&](const std::vector<std::vector<double>>& people, Stroke stroke,
-                           const char* name) {
-        for (const auto& values : people) {
-            Series one{
-                .name = name, .ink = Ink::grey, .stroke = stroke, .mark = Mark::both, .width = 1.0};
-            for (std::size_t f = 0; f < values.size(); ++f) {
-                one.x.push_back(static_cast<double>(f));
-                one.y.push_back(values[f]);
-            }
-            one.sizes.assign(values.size(), 2.5);
-            one.opacity = 0.7;
-            panel.series.push_back(std::move(one));
-        }
-    };
-    lines(what.left_out, Stroke::dashed, "");
-    lines(what.people, Stroke::solid, "");
-    for (std::size_t f = 0; f < what.means.size(); ++f) {
-        if (const auto& mean = what.means[f]) {
-            const double x =
-                static_cast<double>(f) + (2 * f + 1 > what.means.size() ? 0.16 : -0.16);
-            panel.series.push_back(
-                {.x = {x}, .y = {mean->mean}, .ink = ink_of(f), .mark = Mark::points});
-            panel.series.back().sizes = {4.5};
-            if (mean->interval) {
-                panel.series.push_back({.x = {x, x},
-                                        .y = {mean->interval->low, mean->interval->high},
-                                        .ink = ink_of(f),
-                                        .width = 3.0});
-            }
-        }
-    }
-    return panel;
-}
-
 void add_answers(PageWriter& page, const Study& study, const PageNumbers& numbers) {
     if (!numbers.stats) {
         return;
@@ -376,6 +335,7 @@ void add_answers(PageWriter& page, const Study& study, const PageNumbers& number
     page.section("answers", "Answers and the effect of friction");
     add_confusion(page, study, *numbers.stats);
     add_effect(page, study, numbers);
+    add_sensitivity(page, study, numbers);
     add_mixed_model(page, numbers);
 }
 

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "engine/base/text.hpp"
+#include "data/csv/csv_text.hpp"
 #include "data/plot/svg_figure.hpp"
 #include "data/plot/svg_text.hpp"
 
@@ -206,7 +207,7 @@ void PageWriter::add_results(const Results& results, const std::string& id) {
         std::string line;
         for (const std::string& field : row) {
             line += &field == &row.front() ? "" : ",";
-            line += field.find_first_of(",\"\n") == std::string::npos ? field : "\"" + field + "\"";
+            line += field.empty() ? field : csv_field(field);
         }
         csv += line + '\n';
     }

@@ -208,11 +208,26 @@ std::string Study::person(const std::string& known_as) const {
 
 Rows Study::ask(std::string_view sql) const {
     std::string text(sql);
+    std::string signals;
+    for (const std::string& one : options_.signals) {
+        signals += (signals.empty() ? "" : ", ") + quoted_text(one);
+    }
+    const std::string signal = fmt::format("planned_object IN ({})", signals);
+    const auto judged = [](const std::string& yes_no) {
+        return fmt::format("iif(chosen_object IS NULL, {}, chosen_object = planned_object)",
+                           yes_no);
+    };
+    const std::string said = fmt::format("(answer_code = 1) = ({})", signal);
+    const bool known = !options_.signals.empty();
     for (const auto& [word, value] :
-         {std::pair{std::string("{study}"), quoted_text(name_)},
+         {std::pair{std::string("{hit}"), judged(known ? said : "answer_code = 1")},
+          std::pair{std::string("{right}"), judged(known ? said : "NULL")},
+          std::pair{std::string("{signal}"), signal},
+          std::pair{std::string("{study}"), quoted_text(name_)},
           std::pair{std::string("{kind}"), quoted_text(options_.kind)}}) {
         for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at)) {
             text.replace(at, word.size(), value);
+            at += value.size();
         }
     }
     const bool with = text.starts_with("WITH ");

@@ -51,7 +51,9 @@ public:
     ///             consent
     ///     main    analysis_trial of their main trials, with person and left_out
     ///
-    /// @param sql  begins with SELECT or WITH; {study}, {kind} stand for their names in quotes
+    /// @param sql  begins with SELECT or WITH; {study}, {kind} stand for their names in quotes, {hit} for whether an answer
+    ///             is right (of yes/no without signals: yes), {right} for the same or NULL where nothing is, {signal} for
+    ///             whether yes is right
     /// @throws StoreError if the file says no
     [[nodiscard]] Rows ask(std::string_view sql) const;
 

@@ -85,6 +85,9 @@ std::string study_page(Database& database, const PageOptions& options) {
     numbers.stats_words =
         fmt::format("palpate stats {}{} --simulations {}{} --json", study.file(), study.words(),
                     options.simulations, options.codes ? " --keep-codes" : "");
+    for (const std::string& signal : options.signals) {
+        numbers.stats_words += " --signal " + signal;
+    }
     numbers.fit_words = fmt::format("palpate fit {}{} --bootstrap {} --json", study.file(),
                                     study.words(), options.bootstrap);
     numbers.audit_words = fmt::format("palpate audit {}{}", study.file(), study.words());
@@ -92,9 +95,14 @@ std::string study_page(Database& database, const PageOptions& options) {
     // Statistics need no database any more: they are computed while the rest is asked for.
     std::optional<TrialTable> trials = stats_trials(database, study);
     const StoredAnswers answers = fit_answers(database, study);
+    if (!trials && !options.signals.empty()) {
+        throw std::invalid_argument(
+            "--signal is for answers of yes and no: there are none without a rule here");
+    }
     auto computed = std::async(std::launch::async, [&] {
         if (trials) {
-            numbers.stats = stats_of(*std::move(trials), {.simulations = options.simulations});
+            numbers.stats = stats_of(*std::move(trials), {.signals = options.signals,
+                                                          .simulations = options.simulations});
         }
         if (!answers.all.empty()) {
             numbers.fit = fit_numbers(study, answers);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "data/store/database.hpp"
 
@@ -9,9 +10,10 @@
 namespace palpate::data {
 
 struct PageOptions {
-    std::string kind = "real";  ///< real, pilot or simulated: never two of them
-    std::string study{};        ///< needed where the file has several of that kind
-    bool codes = false;         ///< people by the lab's codes, not by numbers of this page
+    std::string kind = "real";           ///< real, pilot or simulated: never two of them
+    std::string study{};                 ///< needed where the file has several of that kind
+    bool codes = false;                  ///< people by the lab's codes, not by numbers of this page
+    std::vector<std::string> signals{};  ///< of yes/no: the shapes for which yes is right
     std::size_t simulations =
         199;  ///< of the mixed model without an effect: StatsOptions::simulations
     std::size_t bootstrap = 500;  ///< of psychometric functions: FitOptions::bootstrap

@@ -29,7 +29,7 @@ FROM own GROUP BY friction, share ORDER BY friction, share)";
 constexpr std::string_view kConfidence =
     R"(WITH own AS (
     SELECT person, confidence AS level, count(*) AS n,
-           avg(iif(chosen_object IS NULL, NULL, chosen_object = planned_object)) AS share
+           avg({right}) AS share
     FROM main WHERE counts AND NOT left_out AND run_number IS NULL AND confidence IS NOT NULL
     GROUP BY person, confidence)
 SELECT level, sum(n) AS answers, count(*) AS people, avg(share) AS share,
@@ -38,7 +38,7 @@ FROM own GROUP BY level ORDER BY level)";
 
 constexpr std::string_view kLearning =
     R"(WITH numbered AS (
-    SELECT person, reaction_s, iif(chosen_object IS NULL, answer_code = 1, chosen_object = planned_object) AS hit,
+    SELECT person, reaction_s, {hit} AS hit,
            ntile(10) OVER (PARTITION BY person ORDER BY session_number, trial_number) AS tenth
     FROM main WHERE counts AND NOT left_out AND run_number IS NULL),
 own AS (

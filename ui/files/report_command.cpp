@@ -1,4 +1,5 @@
 #include <string>
+#include <vector>
 
 #include "engine/base/files.hpp"
 #include "data/page/study_page.hpp"
@@ -15,6 +16,7 @@ struct ReportWords {
     std::string kind = "real";
     std::string study;
     bool keep_codes = false;
+    std::vector<std::string> signals;
     std::int64_t simulations = 199;
     std::int64_t bootstrap = 500;
 };
@@ -28,6 +30,11 @@ void declare(CommandWords& words, ReportWords& options) {
     words.add("--study", options.study, "Of a file with several studies, which");
     words.add("--keep-codes", options.keep_codes,
               "People by the lab's codes, not by numbers of the page");
+    words
+        .add("--signal", options.signals,
+             "Of answers yes and no: a shape for which yes is right, as of palpate stats; again "
+             "for each")
+        .again_for_each();
     words
         .add("--simulations", options.simulations,
              "Of the mixed model without an effect, for its p, as of palpate stats; 0: none")
@@ -48,6 +55,7 @@ int run(const ReportWords& words) {
         data::study_page(database, {.kind = words.kind,
                                     .study = words.study,
                                     .codes = words.keep_codes,
+                                    .signals = words.signals,
                                     .simulations = static_cast<std::size_t>(words.simulations),
                                     .bootstrap = static_cast<std::size_t>(words.bootstrap),
                                     .version = kVersion});

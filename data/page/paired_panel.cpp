@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include <fmt/format.h>
+
+#include "data/page/sections.hpp"
+
+namespace palpate::data {
+
+Ink ink_of(std::size_t friction) {
+    constexpr Ink kInks[] = {Ink::blue,   Ink::vermillion, Ink::green,
+                             Ink::purple, Ink::orange,     Ink::sky};
+    return kInks[friction % std::size(kInks)];
+}
+
+const Measure* find_measure(const StatsPart& part, std::string_view key) {
+    const auto found = std::ranges::find(part.measures, key, &Measure::key);
+    return found == part.measures.end() ? nullptr : &*found;
+}
+
+PeopleMean as_exp(const PeopleMean& mean) {
+    PeopleMean out = mean;
+    out.mean = std::exp(mean.mean);
+    if (out.interval) {
+        out.interval = Interval{std::exp(mean.interval->low), std::exp(mean.interval->high)};
+    }
+    return out;
+}
+
+std::vector<std::string> test_names() {
+    return {"what", "people",      "mean",       "low",        "high",           "t", "df", "t_p",
+            "dz",   "sign_flip_p", "wilcoxon_v", "wilcoxon_p", "bayes_factor_10"};
+}
+
+std::vector<std::string> test_cells(std::string what, const PeopleTest& test) {
+    const auto& ends = test.mean.interval;
+    return {std::move(what),
+            fmt::format("{}", test.values.size()),
+            all_digits(test.mean.mean),
+            ends ? all_digits(ends->low) : "",
+            ends ? all_digits(ends->high) : "",
+            test.t ? all_digits(test.t->t) : "",
+            test.t ? all_digits(test.t->df) : "",
+            test.t ? all_digits(test.t->p) : "",
+            test.t ? all_digits(test.t->dz) : "",
+            all_digits(test.flip.p),
+            all_digits(test.rank.v),
+            all_digits(test.rank.p),
+            test.bayes ? all_digits(*test.bayes) : ""};
+}
+
+Panel paired_panel(const PairedPanel& what) {
+    const double width = static_cast<double>(what.frictions.size());
+    Panel panel{.title = what.title,
+                .x = {.label = "friction", .low = -0.5, .high = width - 0.5},
+                .y = {.label = what.label, .unit = what.unit},
+                .height = what.height};
+    for (std::size_t f = 0; f < what.frictions.size(); ++f) {
+        panel.x.names.emplace_back(static_cast<double>(f), what.frictions[f]);
+    }
+    const auto lines = [&](const std::vector<std::vector<double>>& people, Stroke stroke,
+                           const char* name) {
+        for (const auto& values : people) {
+            Series one{
+                .name = name, .ink = Ink::grey, .stroke = stroke, .mark = Mark::both, .width = 1.0};
+            for (std::size_t f = 0; f < values.size(); ++f) {
+                one.x.push_back(static_cast<double>(f));
+                one.y.push_back(values[f]);
+            }
+            one.sizes.assign(values.size(), 2.5);
+            one.opacity = 0.7;
+            panel.series.push_back(std::move(one));
+        }
+    };
+    lines(what.left_out, Stroke::dashed, "");
+    lines(what.people, Stroke::solid, "");
+    for (std::size_t f = 0; f < what.means.size(); ++f) {
+        if (const auto& mean = what.means[f]) {
+            const double x =
+                static_cast<double>(f) + (2 * f + 1 > what.means.size() ? 0.16 : -0.16);
+            panel.series.push_back(
+                {.x = {x}, .y = {mean->mean}, .ink = ink_of(f), .mark = Mark::points});
+            panel.series.back().sizes = {4.5};
+            if (mean->interval) {
+                panel.series.push_back({.x = {x, x},
+                                        .y = {mean->interval->low, mean->interval->high},
+                                        .ink = ink_of(f),
+                                        .width = 3.0});
+            }
+        }
+    }
+    return panel;
+}
+
+}  // namespace palpate::data
