@@ -19,6 +19,11 @@ constexpr double kRivalry = 0.004;
 /// Least slack of a rival's window, m, for it to be worth following.
 constexpr double kRivalSlack = 0.0005;
 
+double distance2(const Vec2& a, const Vec2& b) noexcept {
+    const Vec2 way = a - b;
+    return glm::dot(way, way);
+}
+
 /// A lower bound of a distance, with room for rounding.
 double safe(double bound, const Vec2& h) noexcept {
     return bound * (1.0 - kMargin) - kMargin * glm::length(h);
@@ -36,27 +41,29 @@ ClosestPoint CertifiedTracker::named(const TrackWindow& window,
 }
 
 ClosestPoint CertifiedTracker::track(TrackState& s, const Vec2& h) const noexcept {
-    const Vec2 way = h - s.from;
-    const double moved2 = glm::dot(way, way);
+    const double moved2 = distance2(h, s.from);
     if (moved2 < s.slack2) {
-        // distance + |way| < bound, without the root of the second.
-        const auto nearer = [moved2](double distance, double bound) {
+        // distance + moved < bound, without the root of the second.
+        const auto nearer = [](double distance, double way2, double bound) {
             const double spare = bound - distance;
-            return spare > 0.0 && moved2 < spare * spare;
+            return spare > 0.0 && way2 < spare * spare;
         };
         Followed found = windows_.follow(s.best, h);
         double distance = std::sqrt(found.foot.distance2);
-        if (found.settled && s.has_rival && !nearer(distance, s.rival_from)) {
+        if (found.settled && s.has_rival &&
+            !nearer(distance, distance2(h, s.rival_seen), s.rival_at)) {
             const Followed other = windows_.follow(s.rival, h);
             found.settled = other.settled;
-            if (other.foot.distance2 < found.foot.distance2) {
+            double beyond = std::sqrt(other.foot.distance2);
+            if (beyond < distance) {
                 std::swap(s.best, s.rival);
-                std::swap(s.best_from, s.rival_from);
+                std::swap(distance, beyond);
                 found = other;
-                distance = std::sqrt(found.foot.distance2);
             }
+            s.rival_seen = h;
+            s.rival_at = safe(beyond, h);
         }
-        if (found.settled && nearer(distance, s.others)) {
+        if (found.settled && nearer(distance, moved2, s.others)) {
             ++s.certified;
             return named(s.best, found, h);
         }
@@ -74,7 +81,6 @@ ClosestPoint CertifiedTracker::search(TrackState& s, const Vec2& h) const noexce
     s.slack2 = slack > 0.0 ? slack * slack : 0.0;
     s.has_rival = false;
     if (slack > 0.0) {
-        s.best_from = safe(distance, h);
         s.others = safe(tree.bound_without(h, s.best.pieces), h);
         if (s.others - distance < kRivalry) {
             open_rival(s, h);
@@ -96,7 +102,8 @@ void CertifiedTracker::open_rival(TrackState& s, const Vec2& h) const noexcept {
     }
     s.has_rival = true;
     s.slack2 = std::min(s.slack2, slack * slack);
-    s.rival_from = safe(std::sqrt(foot.distance2), h);
+    s.rival_seen = h;
+    s.rival_at = safe(std::sqrt(foot.distance2), h);
     s.others = safe(tree.bound_without(h, s.best.pieces, s.rival.pieces), h);
 }
 

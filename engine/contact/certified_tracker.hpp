@@ -12,11 +12,11 @@ struct TrackState {
     double slack2 = 0.0;  ///< while |h - from|^2 is less each window holds one minimum only, m^2
     double others = 0.0;  ///< nothing outside the windows was nearer to `from` than this, m
 
-    TrackWindow best{};      ///< holds the global closest point
-    double best_from = 0.0;  ///< nothing in it was nearer to `from` than this, m
-    TrackWindow rival{};     ///< the next nearest stretch, if it is close behind
-    double rival_from = 0.0;
+    TrackWindow best{};   ///< holds the global closest point
+    TrackWindow rival{};  ///< the next nearest stretch, if it is close behind
     bool has_rival = false;
+    Vec2 rival_seen{};      ///< HIP when the rival was last followed, m
+    double rival_at = 0.0;  ///< nothing in it was nearer to that HIP than this, m
 
     std::uint64_t certified = 0;  ///< answers so far that were local, and proved global
     std::uint64_t searched = 0;   ///< answers so far by a global search
@@ -29,7 +29,8 @@ struct TrackState {
 /// comes close, as beside the medial axis, the nearest foot of that stretch gets a window too.
 /// Everything else is at least `others` away from h0, by the boxes and capsules of the pieces.
 /// For a later h the nearer of the followed feet, at distance d, is global if d + |h - h0| < others
-/// (the triangle inequality), and no search runs. Otherwise a new search does. Every answer is
+/// (the triangle inequality), and no search runs. Otherwise a new search does. By the same inequality the
+/// rival is followed only where it may have come nearer since it was followed last. Every answer is
 /// therefore the global closest point, to rounding; the error of the distance is that of one curve
 /// evaluation.
 class CertifiedTracker {

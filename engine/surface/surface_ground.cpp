@@ -17,6 +17,11 @@ bool at_end(double t) noexcept {
     return t == 0.0 || t == 1.0;
 }
 
+/// The way into the patch leads off it: what is left is along its edge, if anything.
+bool barred(const Footing& f) noexcept {
+    return f.way != Footing::Way::open && f.way != Footing::Way::rests;
+}
+
 /// A way with this part leaves the patch at once.
 bool leaves(double t, double by) noexcept {
     return (t == 0.0 && by < 0.0) || (t == 1.0 && by > 0.0);
@@ -118,9 +123,16 @@ Footing SurfaceGround::footing(const SurfaceSpot& s) noexcept {
         return best;
     }
     const SurfaceObject::Around all = surface_.around(p);
+    if (all.pole) {  // of a neighbour: from either side the same is found
+        return rests ? best : at_pole(s);
+    }
+    const bool on_one_edge = at_end(p.u) != at_end(p.v);
     for (std::size_t k = 1; k < all.count; ++k) {
         const Footing next = on_patch(look(all.places[k]));
-        best = better(next, best) ? next : best;
+        // Both barred: along their edge both are driven alike, and the one that carries more brakes.
+        const bool brakes = on_one_edge && barred(next) && barred(best);
+        const bool takes = brakes ? next.spot.load > best.spot.load : better(next, best);
+        best = takes ? next : best;
     }
     return best;
 }
@@ -187,8 +199,9 @@ Footing SurfaceGround::at_pole(const SurfaceSpot& s) noexcept {
     }
     for (std::size_t m = 0; m < all.count; ++m) {
         const SurfacePlace& p = all.places[m];
-        if (!surface_.pole_u(p) && !surface_.pole_v(p)) {
-            const Footing next = on_patch(look(p));
+        const bool on_pole = surface_.pole_u(p) || surface_.pole_v(p);
+        const Footing next = on_patch(look(p));
+        if (!on_pole || next.way == Footing::Way::held) {
             best = better(next, best) ? next : best;
         }
     }

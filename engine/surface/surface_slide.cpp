@@ -73,11 +73,23 @@ private:
         return {turn.spot, rests ? Way::rests : Way::held, turn.spot.excess};
     }
 
-    /// The next spot; `done_` when there is nothing left to gain.
+    /// The next spot; `done_` when there is nothing left to gain: where a walk that begins here would end
+    /// at once, so that a hand at rest finds nothing to do.
     SurfaceSpot advance(const Footing& at) noexcept {
+        const SurfaceSpot next = step_on(at);
+        if (!done_ || last_ == 0.0) {
+            return next;
+        }
+        last_ = last_excess_ = 0.0;
+        trust_ = 1e300;
+        done_ = foot_ = false;
+        return step_on(at);
+    }
+
+    SurfaceSpot step_on(const Footing& at) noexcept {
         const SurfaceSpot& s = at.spot;
         const SurfaceSteps steps(s, size_);
-        const double noise = 6.0 * std::sqrt(s.r2) * s.noise;
+        const double noise = 12.0 * std::sqrt(s.r2) * s.noise;  // of two evaluations
         const double whole = std::min(wanted(at, steps), slew_.budget - slew_.used);
         double length = std::min(whole, trust_);
         last_excess_ = at.excess;

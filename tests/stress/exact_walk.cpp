@@ -65,9 +65,14 @@ public:
         const Vec2 end = outline_.spans()[index].point(
             forward ? static_cast<std::size_t>(outline_.spans()[index].degree()) : 0);
         const Stretch last = stretch(place(end), tangent(index, forward), direction);
-        const bool on_edge = std::min(std::fabs(last.excess), std::fabs(last.tau)) <= band_;
+        // Where the curve stands still at its end, the control points tell its tangent.
+        const Real unsure =
+            repeats(outline_.spans()[index], forward) > 0 ? 0.0L : doubt(span, 1.0L, 0.0L, last);
+        const bool on_edge =
+            std::min(std::fabs(last.excess), std::fabs(last.tau)) <= band_ + unsure;
         if (!surely && on_edge) {
             stop(last);
+            answer_.stops.back().doubt = static_cast<double>(unsure);
         }
         if (!surely || on_edge) {
             over_end(index, forward);
