@@ -41,8 +41,8 @@ struct SurfaceSlide {
 /// @param h   HIP relative to surface.origin(), m
 /// @param mu  >= 0, not read without friction
 /// @param work  what it may cost
-/// What one slide of a tick may cost, some 0.09 ms; 2 or 3 evaluations of the surface are usual.
-inline constexpr Work kSlideWork = 150'000;
+/// What one slide of a tick may cost, some 0.06 ms; 2 or 3 evaluations of the surface are usual.
+inline constexpr Work kSlideWork = 110'000;
 
 template <bool HasFriction>
 [[nodiscard]] SurfaceSlide slide_on_surface(const SurfaceObject& surface,
