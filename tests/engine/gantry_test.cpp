@@ -63,7 +63,7 @@ TEST_CASE("three straight axes stand at home + r q, to 50 nm, within their ends 
 }
 
 TEST_CASE(
-    "torques are r F; a force that is too strong keeps its direction, and one up to the weakest is "
+    "torques are r F, a force that is too strong keeps its direction, and one up to the weakest is "
     "given",
     "[gantry][law]") {
     const auto seed = GENERATE(range(0U, 100U));
