@@ -47,13 +47,25 @@ struct On2560 {
 };
 #endif
 
+#if defined(PALPATE_FIRMWARE_328P)
+/// The firmware of three axes on an ATmega2560.
+struct On2560Of3 {
+    using Board = SimBoard;
+    static Board make(engine::BoardPlant& plant, const engine::Calibration& machine) {
+        const char* mutant = std::getenv("PALPATE_FIRMWARE_OF_3");
+        return Board(plant, machine, *machine.board, kAtmega2560,
+                     mutant == nullptr ? PALPATE_FIRMWARE_2560_OF_3 : mutant);
+    }
+};
+#endif
+
 /// A host that says what it likes to a board, and hears every answer.
-template <class On>
+template <class On, class Plant = GuidedHand>
 struct Talk {
     explicit Talk(const engine::Calibration& of = open_machine()) : machine(of) { pass_ms(20); }
 
     engine::Calibration machine;
-    GuidedHand plant{machine};
+    Plant plant{machine};
     typename On::Board board = On::make(plant, machine);
     std::uint16_t seq = 0;
     static constexpr std::uint16_t kToken = 0x1234;
@@ -94,13 +106,18 @@ struct Talk {
         return answer && answer->type == engine::OpenType::state ? answer->report
                                                                  : engine::OpenReport{};
     }
-    std::optional<engine::OpenAnswer> torque(std::int32_t one, std::int32_t two) {
-        return ask(engine::open_torque(++seq, {one, two}));
+    std::optional<engine::OpenAnswer> torque(std::int32_t one,
+                                             std::int32_t two,
+                                             std::int32_t three = 0) {
+        return ask(engine::open_torque(++seq, {one, two, three}, machine.axes()));
     }
     /// Up to the state with motors on.
     void make_ready(std::uint8_t watchdog_ms = 20, std::int32_t limit = 123000) {
         hello();
-        config({.token = kToken, .watchdog_ms = watchdog_ms, .limit = {limit, limit}});
+        config({.token = kToken,
+                .watchdog_ms = watchdog_ms,
+                .limit = {limit, limit, machine.axes() > 2 ? limit : 0},
+                .axes = machine.axes()});
         arm();
     }
     /// ms until the enable line is low, at a step of 50 us; at most `most`.

@@ -166,6 +166,30 @@ void SimBoard::turn_encoders() {
     }
 }
 
+void SimBoard::jump(std::size_t channel) {
+    at_[channel] += 2;
+    spin_[channel] = 1e-9;
+    spun_[channel] = static_cast<double>(at_[channel]) + 0.5;
+    const std::uint8_t lines = lines_at(at_[channel]);
+    const auto shift = 2 * static_cast<unsigned>(channel);
+    auto& [mask, value] = held_[chip_.encoder_port];
+    const unsigned both = 3U << (static_cast<unsigned>(chip_.encoder_pin) + shift);
+    const unsigned now =
+        (value & ~both) | static_cast<unsigned>(lines)
+                              << (static_cast<unsigned>(chip_.encoder_pin) + shift);
+    value = static_cast<std::uint8_t>(now);
+    avr_ioport_external_t external{};
+    external.name = static_cast<unsigned char>(chip_.encoder_port);
+    external.mask = mask;
+    external.value = value;
+    avr_ioctl(avr_, AVR_IOCTL_IOPORT_SET_EXTERNAL(chip_.encoder_port), &external);
+    for (int line = 0; line < 2; ++line) {
+        const int pin = chip_.encoder_pin + static_cast<int>(shift) + line;
+        avr_raise_irq(avr_io_getirq(avr_, AVR_IOCTL_IOPORT_GETIRQ(chip_.encoder_port), pin),
+                      (lines >> line & 1) != 0 ? 1 : 0);
+    }
+}
+
 void SimBoard::sent(std::uint8_t byte) {
     out_.push_back({avr_->cycle + kByte, byte});
 }

@@ -96,6 +96,8 @@ public:
         spun_[channel] = static_cast<double>(at_[channel]) + 0.5 * static_cast<double>(channel);
         spin_[channel] = counts_per_second;
     }
+    /// Both lines of an encoder change at once, as no encoder does; it stays there.
+    void jump(std::size_t channel);
     /// Counts that the pins have gone since the beginning, by channel.
     [[nodiscard]] std::int64_t edges(std::size_t channel) const noexcept { return at_[channel]; }
 

@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/device/drivers/board_device.hpp"
+#include "engine/device/open/open_line.hpp"
+#include "tests/firmware/boards.hpp"
+#include "tests/support/board_link.hpp"
+#include "tests/support/catch.hpp"
+#include "tests/support/led_gantry.hpp"
+#include "tests/support/random.hpp"
+#include "tests/support/scripted_guard.hpp"
+
+using namespace palpate::engine;
+using namespace palpate::tests;
+using Catch::Matchers::ContainsSubstring;
+
+// What the open board promises of a third axis: on this machine's processor and, where simavr is installed, on the chip.
+#if defined(PALPATE_FIRMWARE_328P)
+#define BOARDS_OF_3 OnHost, On2560Of3
+#else
+#define BOARDS_OF_3 OnHost
+#endif
+
+namespace {
+
+constexpr double kStepOf3 = 120000.0 / 800.0 + 5.0;  // uN m: the scale is rounded too
+
+template <class On>
+struct Talk3 : Talk<On, LedGantry> {
+    Talk3() : Talk<On, LedGantry>(gantry_machine()) {}
+
+    /// uN m
+    [[nodiscard]] Vec3 torques() const {
+        return 1e6 * Vec3(this->board.torque(), this->board.torque_3());
+    }
+};
+
+/// No pin of a motor is driven; of a firmware on this processor its torques are all there is.
+template <class Board>
+bool nothing_driven(const Board& board) {
+    if constexpr (requires { board.driven(0); }) {
+        return !board.driven(0) && !board.driven(1) && !board.driven(2);
+    } else {
+        return board.torque() == Vec2{} && board.torque_3() == 0.0;
+    }
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE(
+    "torques of three motors come out as asked, each within its own limit, with its own flag",
+    "[firmware][gantry][law]",
+    BOARDS_OF_3) {
+    Talk3<TestType> talk;
+    const auto ident = talk.hello();
+    REQUIRE(ident);
+    CHECK(ident->ident.axes == 3);
+    CHECK(ident->ident.counts_per_turn == OpenAxes{2400, 2400, 2400});
+    CHECK(ident->ident.torque_full == OpenAxes{120000, 120000, 120000});
+    const OpenConfig config{
+        .token = talk.kToken, .watchdog_ms = 50, .limit = {80000, 60000, 30000}, .axes = 3};
+    const auto taken = talk.config(config);
+    REQUIRE(taken);
+    CHECK(taken->config == config);
+    talk.arm();
+    constexpr std::array<std::uint16_t, 3> kClamped{1U << 2U, 1U << 3U, 1U << 10U};
+    constexpr std::array<std::int32_t, 8> kEnds{0,     -1,    30000,      -30001,
+                                                60001, 80000, 2147483647, -2147483647 - 1};
+    Random random(7);
+    for (int i = 0; i < 80; ++i) {
+        const auto pick = [&] {
+            return i < 30 ? kEnds[static_cast<std::size_t>(random.below(8))]
+                          : static_cast<std::int32_t>(random.in(-100000.0, 100000.0));
+        };
+        const OpenAxes asked{pick(), pick(), pick()};
+        CAPTURE(asked);
+        const auto answer = talk.torque(asked[0], asked[1], asked[2]);
+        REQUIRE(answer);
+        REQUIRE(answer->type == OpenType::state);
+        CHECK(answer->report.axes == 3);
+        const Vec3 given = talk.torques();
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double limit = config.limit[k];
+            const double want = std::clamp<double>(asked[k], -limit, limit);
+            const double got = given[static_cast<int>(k)];
+            CHECK(std::fabs(got - want) <= kStepOf3);
+            CHECK(got * want >= 0.0);
+            CHECK(((answer->report.flags & kClamped[k]) != 0) == (std::fabs(asked[k]) > limit));
+        }
+    }
+    // What is of two axes is none of its words.
+    const auto nak = talk.ask(open_torque(++talk.seq, {0, 0}, 2));
+    REQUIRE(nak);
+    CHECK(nak->type == OpenType::nak);
+    CHECK(nak->why == 6);
+}
+
+TEMPLATE_TEST_CASE("whatever stops a board of three axes, no motor's pin stays driven",
+                   "[firmware][gantry][safety][law]",
+                   BOARDS_OF_3) {
+    const int way = GENERATE(0, 1, 2, 3);
+    CAPTURE(way);
+    Talk3<TestType> talk;
+    talk.make_ready(20, 120000);
+    talk.torque(0, 0, 50000);  // the third alone
+    REQUIRE(talk.torques().z > 49000.0);
+    if (way == 0) {  // its watchdog
+        const double off = talk.until_off(60.0);
+        CHECK(off >= 17.9);
+        CHECK(off <= 20.1);
+    } else if (way == 1) {
+        talk.board.press_stop(true);
+        CHECK(talk.until_off(60.0) <= 1.06);
+    } else if (way == 2) {
+        talk.disarm();
+    } else {
+        talk.torque(0, 0, 0);
+    }
+    CHECK(nothing_driven(talk.board));
+    CHECK(talk.torques() == Vec3{});
+    CHECK(talk.board.enabled() == (way == 3));
+    talk.pass_ms(100);
+    CHECK_FALSE(talk.board.enabled());
+    CHECK(nothing_driven(talk.board));
+}
+
+TEMPLATE_TEST_CASE(
+    "over a board of three axes HIP follows the hand and all motors the force, however they are "
+    "wired",
+    "[open][gantry][law]",
+    BOARDS_OF_3) {
+    Calibration machine = gantry_machine();
+    machine.board->channel = {3, 1, 2};
+    machine.board->motor_clockwise = {false, true, true};
+    machine.board->encoder_clockwise = {true, false, true};
+    LedGantry plant(machine);
+    auto board = TestType::make(plant, machine);
+    BoardCable cable(board);
+    ScriptedGuard::Script guard;
+    auto device = std::make_unique<BoardDevice>(machine, std::make_unique<BoardLink>(cable),
+                                                open_line, std::make_unique<ScriptedGuard>(guard),
+                                                BoardTiming{.still = 0.05});
+    CHECK(device->traits().axes == 3);
+    CHECK(device->traits().delay_ticks == 1.0);
+    CHECK(device->traits().round_trip < 0.8e-3);
+    CHECK(device->traits().damping == 3.0);
+    Random random(23);
+    Vec3 led = machine.gantry->home();
+    std::int64_t next = cable.now_ns();
+    for (int i = 0; i < 200; ++i) {
+        const Vec3 force(random.in(-5.0, 5.0), random.in(-5.0, 5.0), random.in(-5.0, 5.0));
+        const Vec3 before = led;
+        led += Vec3(random.in(-1e-4, 1e-4), random.in(-1e-4, 1e-4), random.in(-1e-4, 1e-4));
+        plant.lead(led);
+        const Reading reading = device->read();
+        const Applied applied = device->press(force);
+        next = std::max(next + 1'000'000, cable.now_ns());
+        cable.pass(std::max<std::int64_t>(next - cable.now_ns(), 100'000));
+        REQUIRE(reading.ok());
+        if (i < 3) {
+            continue;
+        }
+        CHECK(glm::length(Vec3(reading.hip, reading.hip_z) - before) < 2e-4);
+        CHECK(glm::length(plant.torque() - 0.010 * force) < 2.0 * 160e-6);
+        CHECK(std::fabs(applied.code_3 - force.z * 0.010 / 0.12 * 800.0) <= 0.5 + 1e-9);
+        CHECK(std::fabs(applied.load_3 - std::fabs(force.z) * 0.010 / 0.06) < 1e-12);
+        CHECK_FALSE(applied.saturated);
+    }
+    device->press(Vec3(0.0, 0.0, 20.0));
+    cable.pass(900'000);
+    CHECK(std::fabs(plant.torque().z - 0.12) < 160e-6);
+    // Outside its ends nothing is pushed.
+    plant.lead(Vec3(0.0, 0.0, 0.0605));
+    Reading reading;
+    for (int i = 0; i < 60; ++i) {
+        reading = device->read();
+        device->press(Vec3(0.0, 0.0, 1.0));
+        cable.pass(1'000'000);
+    }
+    CHECK(reading.fault != DeviceFault::none);
+    CHECK(plant.torque() == Vec3{});
+    device.reset();
+    CHECK_FALSE(board.enabled());
+}
+
+TEST_CASE("a board of another number of axes is refused with the remedy", "[open][gantry]") {
+    const auto refusal = [](const Calibration& truth, BoardPlant& plant, const Calibration& told) {
+        OpenBoard board(plant, truth, *truth.board);
+        BoardCable cable(board);
+        ScriptedGuard::Script guard;
+        try {
+            BoardDevice(told, std::make_unique<BoardLink>(cable), open_line,
+                        std::make_unique<ScriptedGuard>(guard), BoardTiming{});
+        } catch (const std::runtime_error& error) {
+            return std::string(error.what());
+        }
+        return std::string("taken");
+    };
+    const Calibration two = open_machine();
+    const Calibration three = gantry_machine();
+    GuidedHand hand(two);
+    LedGantry gantry(three);
+    CHECK_THAT(refusal(two, hand, three),
+               ContainsSubstring("has 2 axes, and the calibration is of a machine with 3"));
+    CHECK_THAT(refusal(three, gantry, two),
+               ContainsSubstring("has 3 axes, and the calibration is of a machine with 2"));
+}
+
+#if defined(PALPATE_FIRMWARE_328P)
+TEMPLATE_TEST_CASE("three encoders are counted, to and fro, and one that is too fast is told",
+                   "[firmware][gantry][law]",
+                   On2560Of3) {
+    Talk3<TestType> talk;
+    talk.make_ready(50, 120000);
+    constexpr double kStill = 1e-9;
+    constexpr std::array<double, 3> kSpeeds{25000.0, -20000.0, 25000.0};
+    for (const double way : {1.0, -1.0}) {
+        const OpenReport first = talk.peek();
+        std::array<std::int64_t, 3> before{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            before[i] = talk.board.edges(i);
+            talk.board.spin(i, way * kSpeeds[i]);
+        }
+        std::size_t answers = 0;
+        double slowest = 0.0;
+        for (int ms = 0; ms < 100; ++ms) {
+            const double begin = talk.board.time();
+            answers += talk.torque(60000, -60000, 60000) ? 1U : 0U;
+            slowest = std::max(slowest, talk.board.time() - begin);
+            talk.pass_ms(std::max(0.05, 1.0 - 1e3 * (talk.board.time() - begin)));
+        }
+        for (std::size_t i = 0; i < 3; ++i) {
+            talk.board.spin(i, kStill);
+        }
+        talk.pass_ms(1);
+        const OpenReport last = talk.peek();
+        CHECK(answers == 100);
+        CHECK(slowest < 1e-3);
+        for (std::size_t i = 0; i < 3; ++i) {
+            CHECK(last.counts[i] - first.counts[i] == talk.board.edges(i) - before[i]);
+            CHECK(std::abs(talk.board.edges(i) - before[i]) > 1800);
+        }
+        CHECK((last.flags & (kOpenSkippedEdge | kOpenLostBytes)) == 0);
+    }
+    talk.disarm();
+    talk.config({.token = talk.kToken, .zero_counts = true, .limit = {1, 1, 1}, .axes = 3});
+    CHECK(talk.peek().counts == OpenAxes{});
+    talk.board.jump(2);
+    talk.pass_ms(1);
+    CHECK((talk.peek().flags & kOpenSkippedEdge) != 0);
+}
+
+// Not a law: the numbers that the manual tells. palpate_test_firmware "[numbers]"
+TEST_CASE("numbers of the chip of three axes", "[.][numbers]") {
+    for (const double speed : {0.0, 15000.0, 25000.0, 30000.0, 40000.0}) {
+        Talk3<On2560Of3> talk;
+        talk.make_ready(50, 120000);
+        for (std::size_t i = 0; i < 3; ++i) {
+            talk.board.spin(i, speed);
+        }
+        const std::uint64_t cycles = talk.board.cycles();
+        const std::uint64_t slept = talk.board.slept();
+        std::vector<double> took;
+        for (int i = 0; i < 300; ++i) {
+            const double begin = talk.board.time();
+            if (talk.torque(60000, -60000, 60000)) {
+                took.push_back(1e3 * (talk.board.time() - begin));
+            }
+            talk.pass_ms(std::max(0.05, 1.0 - 1e3 * (talk.board.time() - begin)));
+        }
+        std::sort(took.begin(), took.end());
+        const double load = 1.0 - static_cast<double>(talk.board.slept() - slept) /
+                                      static_cast<double>(talk.board.cycles() - cycles);
+        WARN(speed << " counts/s each: load " << 100.0 * load << " %, answers after "
+                   << took[took.size() / 2] << " to " << took.back() << " ms, " << took.size()
+                   << " of 300, flags " << talk.peek().flags);
+    }
+}
+#endif
