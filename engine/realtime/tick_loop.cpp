@@ -66,7 +66,8 @@ SafetyInput TickLoop::input_of(const TickOrder& order, const Reading& reading) c
             .held = order.held && reading.grip != Grip::released,
             .stop = order.stop,
             .hip_z = reading.hip_z,
-            .load_3 = applied_.load_3};
+            .load_3 = applied_.load_3,
+            .count_3 = reading.count_3};
 }
 
 /// All but the contact, after the force is written.

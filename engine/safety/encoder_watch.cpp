@@ -1,21 +1,26 @@
 #include "engine/safety/encoder_watch.hpp"
 
+#include <cmath>
+
 namespace palpate::engine {
 
 bool encoder_stuck(EncoderWatch& watch,
-                   const std::array<std::int32_t, 2>& counts,
-                   const Vec2& hip,
+                   const EncoderWatch::Counts& counts,
+                   const Vec3& hip,
+                   int axes,
+                   const Vec3& push,
                    double travel) noexcept {
     bool stuck = false;
-    for (std::size_t axis = 0; axis < 2; ++axis) {
+    for (int i = 0; i < axes; ++i) {
+        const auto axis = static_cast<std::size_t>(i);
         EncoderWatch::Still& still = watch.still[axis];
-        const std::int32_t other = counts[1 - axis];
-        if (!watch.started || counts[axis] != watch.counts[axis]) {
-            still = {.from = hip, .other = other};
+        const bool free = axes > 2 && !(std::fabs(push[i]) > kPush);
+        if (!watch.started || counts[axis] != watch.counts[axis] || free) {
+            still = {.from = hip, .counts = counts};
         }
         const double stroke = glm::length(hip - still.from);
-        if (stroke >= kStroke && other != still.other) {
-            still = {.from = hip, .other = other, .travel = still.travel + stroke};
+        if (stroke >= kStroke && counts != still.counts) {
+            still = {.from = hip, .counts = counts, .travel = still.travel + stroke};
         }
         stuck = stuck || still.travel > travel;
     }

@@ -11,20 +11,24 @@ namespace palpate::engine {
 /// and fro on a spot adds up to a stuck encoder.
 inline constexpr double kStroke = 0.010;
 
+/// A motor that pushes less says nothing of its axis, N: a straight axis may rest while others move.
+inline constexpr double kPush = 0.5;
+
 /// For each axis: what HIP did since its count last changed. A plain value.
 struct EncoderWatch {
+    using Counts = std::array<std::int32_t, 3>;
     struct Still {
-        Vec2 from{};             ///< start of the stroke, m
-        std::int32_t other = 0;  ///< count of the other axis there
-        double travel = 0.0;     ///< of whole strokes, m
+        Vec3 from{};          ///< start of the stroke, m
+        Counts counts{};      ///< there
+        double travel = 0.0;  ///< of whole strokes, m
     };
     bool started = false;
-    std::array<std::int32_t, 2> counts{};
-    std::array<Still, 2> still{};
+    Counts counts{};
+    std::array<Still, 3> still{};
 };
 
-/// True when one axis did not change by a single count while the other led HIP over more than
-/// `travel` m in strokes.
+/// True when one axis did not change by a single count while others led HIP over more than
+/// `travel` m in strokes. Two axes, of a linkage in the plane:
 ///
 /// Nothing has to be known of the encoders. With one joint at rest HIP is bound to the circle of a
 /// free link about a resting elbow; a sound encoder stands still only while the hand follows that
@@ -33,10 +37,17 @@ struct EncoderWatch {
 /// curvature and the direction of the circle at once, and the limit asks for several without a
 /// count in between: the longest that 17 hours of simulated hands made is 25 mm
 /// (tests/engine/safety_encoder_test.cpp, with 3,000 seeds).
-/// @param hip  m
+///
+/// Three straight axes are each alone, and one may well rest. It does not while its motor pushes by more than
+/// kPush: a hand that strokes to the side holds against it by its own force, which is never as steady as the
+/// 0.02 N of a count of 26 um at 800 N/m. So only such ticks count.
+/// @param counts  of `axes` encoders, 2 or 3   @param hip  m
+/// @param push    force of each motor's axis at the tick before, N; of two axes no heed is taken of it
 [[nodiscard]] bool encoder_stuck(EncoderWatch& watch,
-                                 const std::array<std::int32_t, 2>& counts,
-                                 const Vec2& hip,
+                                 const EncoderWatch::Counts& counts,
+                                 const Vec3& hip,
+                                 int axes,
+                                 const Vec3& push,
                                  double travel) noexcept;
 
 }  // namespace palpate::engine

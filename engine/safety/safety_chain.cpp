@@ -128,7 +128,8 @@ Trip cause(SafetyState& state, const SafetyLimits& limits, const SafetyInput& in
         return motion;
     }
     if (limits.watch_encoders &&
-        encoder_stuck(state.encoders, input.counts, input.hip, limits.stuck_travel)) {
+        encoder_stuck(state.encoders, {input.counts[0], input.counts[1], input.count_3},
+                      hip_of(input), limits.axes, state.command, limits.stuck_travel)) {
         return Trip::stuck_encoder;
     }
     if (late_too_often(state.late, limits, input.lateness_ns)) {

@@ -39,6 +39,7 @@ struct SafetyInput {
     double spring_z = 0.0;         ///< m
     double hip_z = 0.0;            ///< m
     double load_3 = 0.0;           ///< of the third motor
+    std::int32_t count_3 = 0;      ///< third encoder
 };
 
 /// What the safety chain remembers. A plain value; 12 kB, most of it the ways of the last 20 ms.

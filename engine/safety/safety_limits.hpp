@@ -36,6 +36,7 @@ struct SafetyLimits {
     double spare_delay = std::numeric_limits<double>::infinity();
     double heat_step = 0.0;       ///< period / thermal time constant of the motors; 0: no model
     bool watch_encoders = false;  ///< trip on an encoder that stands still
+    int axes = 2;                 ///< of the device
     double stuck_travel = 0.040;  ///< m that HIP goes meanwhile in strokes, see EncoderWatch
     bool dead_man = false;        ///< force only while someone holds the dead-man switch
 };

@@ -23,6 +23,8 @@ constexpr double kScreenSilence = 0.25;
 /// machine keeps some answers back. And where it is not known what the device damps.
 constexpr double kSpareDelay = 0.5;
 constexpr double kUnknownSpare = 1.0;
+/// m of strokes under a straight axis that stands still, see EncoderWatch.
+constexpr double kStuckInSpace = 0.080;
 /// s after explore_timeout_s: the session's own loop has ended the exploration before.
 constexpr double kTimeToSpare = 0.5;
 
@@ -59,7 +61,9 @@ engine::ServoSpec servo_spec(const Protocol& protocol,
                                                                        *traits.damping))
                            : kUnknownSpare;
         limits.heat_step = traits.motor_time > 0.0 ? period / traits.motor_time : 0.0;
-        limits.watch_encoders = traits.axes == 2;  // a straight axis may rest while others move
+        limits.watch_encoders = true;
+        limits.axes = traits.axes;
+        limits.stuck_travel = traits.axes > 2 ? kStuckInSpace : limits.stuck_travel;
         limits.watch_runaway = true;
         limits.watch_buzz = true;
         limits.screen_silence = kScreenSilence;

@@ -111,20 +111,21 @@ struct Desk {
         }
         return session->ask("SELECT finished FROM session") == "1";
     }
-    /// Explores until a trial has ended by a fault that is no busy machine's.
-    [[nodiscard]] bool faults() {
-        for (int tries = 0; tries < 1500; ++tries) {
-            if (session->ask("SELECT count(*) > 0 FROM trial WHERE fault_cause IS NOT NULL AND "
-                             "fault_cause NOT IN ('device_silent', 'delayed', 'late')") == "1") {
-                return true;
-            }
+    /// Trials that ended by one of these, as "'runaway', 'energy'".
+    [[nodiscard]] bool faulted(const std::string& causes) const {
+        return session->ask("SELECT count(*) > 0 FROM trial WHERE fault_cause IN (" + causes +
+                            ")") == "1";
+    }
+    /// Explores until a trial has ended so, for some seconds; a busy machine may end one for another reason.
+    [[nodiscard]] bool ends_by(const std::string& causes, int looks) {
+        for (int i = 0; i < looks && !faulted(causes); ++i) {
             const std::string screen = session->screen_name();
             if (screen != "explore") {
                 session->hand().key(screen == "question" ? "1" : "space");
             }
             tests::pause(0.05);
         }
-        return false;
+        return faulted(causes);
     }
     [[nodiscard]] bool force_ends() {
         return eventually([&] { return motors() == engine::Vec3{}; });
@@ -205,9 +206,65 @@ TEST_CASE("a third motor that pulls the wrong way is ended with its cause, and l
     tests::write(folder.file("wired.toml"),
                  changed(tests::slurp(kGantry), "motor_z = \"forward\"", "motor_z = \"backward\""));
     Desk desk(folder.file("wired.toml"));
-    CHECK(desk.faults());
-    CHECK(desk.session->ask(
-              "SELECT min(fault_cause IN ('runaway', 'energy', 'over_speed')) FROM trial "
-              "WHERE fault_cause NOT IN ('device_silent', 'delayed', 'late')") == "1");
+    CHECK(desk.ends_by("'runaway', 'energy', 'over_speed'", 1200));
     CHECK(desk.force_ends());
+}
+
+TEST_CASE("a third encoder whose cable comes out under a force ends it, and no force is left",
+          "[window][open][gantry][safety][law]") {
+    Desk desk;
+    bool found = false;
+    for (int tries = 0; tries < 8 && !found; ++tries) {
+        desk.emulator.type("plug 3");
+        REQUIRE(desk.feel());
+        desk.emulator.type("unplug 3");
+        found = desk.ends_by("'stuck_encoder'", 100);
+    }
+    CHECK(found);
+    CHECK(desk.force_ends());
+}
+
+TEST_CASE(
+    "what a machine of three axes cannot do is refused with a sentence, before a file is made",
+    "[open][gantry]") {
+    const TemporaryFolder folder;
+    const auto refused = [&](const std::vector<std::string>& words) {
+        const tests::Finished done = palpate_command(words);
+        CHECK(done.code == 2);
+        return done.error;
+    };
+    const std::string db = folder.file("d.sqlite");
+    const std::string out = folder.file("rig.toml");
+    CHECK_THAT(refused({"run", "shape_friction", "--participant", "P1", "--db", db, "--device",
+                        "board:/dev/null", "--calibration", kGantry}),
+               ContainsSubstring("curves in a plane, and the machine of that calibration has three "
+                                 "axes"));
+    CHECK_THAT(refused({"run", "patch_friction", "--participant", "P1", "--db", db, "--device",
+                        "board:/dev/null"}),
+               ContainsSubstring("board:PORT with the --calibration of a machine of three axes"));
+    CHECK_THAT(refused({"check", "patch_friction", "--device", "haply:/dev/null", "--calibration",
+                        kGantry}),
+               ContainsSubstring("which an open board alone drives"));
+    CHECK_THAT(refused({"calibrate", "--preset", kGantry, "-o", out}),
+               ContainsSubstring("straight axes have no zeros to be found"));
+    CHECK_THAT(refused({"haply-emulator", "--preset", kGantry}),
+               ContainsSubstring("this machine has no Haply board"));
+    CHECK(folder.names().empty());
+    // A workspace that does not hold the patch.
+    tests::write(
+        folder.file("narrow.toml"),
+        changed(tests::slurp(kGantry), "high_mm = 60\nhome_mm = 40", "high_mm = 25\nhome_mm = 20"));
+    TypedTo emulator(folder, "keys",
+                     "haply-emulator --open --preset '" + folder.file("narrow.toml") +
+                         "' --link '" + folder.file("board") + "'");
+    REQUIRE(eventually([&] { return std::filesystem::exists(folder.file("board")); }));
+    std::string said;
+    for (int i = 0; i < 10 && said.find("cannot reach") == std::string::npos; ++i) {
+        said =
+            palpate_command({"check", "patch_friction", "--device", "board:" + folder.file("board"),
+                             "--calibration", folder.file("narrow.toml")})
+                .out;  // a busy machine may leave the board without its turn
+    }
+    CHECK_THAT(said,
+               ContainsSubstring("the handle cannot reach the start pose (0.0, 0.0, 30.0) mm"));
 }

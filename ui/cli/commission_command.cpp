@@ -154,6 +154,12 @@ int run(const CommissionOptions& options) {
     if (parse_device(options.device).kind == DeviceChoice::Kind::haply_emulator) {
         machine.home = engine::Exploration{}.start;
     }
+    if (machine.gantry) {
+        throw std::invalid_argument(fmt::format(
+            "--calibration {}: pulses prove a pantograph and no machine of three axes yet: prove "
+            "its signs by hand with its motors weak, and run --kind pilot",
+            options.calibration));
+    }
     const std::vector<Vec2> places = places_of(options, machine);
     require_writable(options.output,
                      protocols::to_toml(machine));  // before anybody brings a handle

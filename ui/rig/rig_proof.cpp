@@ -124,6 +124,12 @@ std::string objection(const engine::RigRecord* record,
                       const std::string& device,
                       const std::string& calibration) {
     const std::string words = commission_words(device, calibration);
+    if (machine.gantry) {
+        return fmt::format(
+            "a machine of three axes cannot be commissioned yet, so that nobody "
+            "proved how --device {} is wired and how strong it is: run --kind pilot",
+            device);
+    }
     if (record == nullptr) {
         return fmt::format(
             "nobody proved how --device {} is wired and how strong it is: {} does, in two minutes "

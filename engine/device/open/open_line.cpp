@@ -19,7 +19,7 @@ constexpr double kClock = 0.01;  ///< that the clocks may differ by
 constexpr int kStillCounts = 1;  ///< an encoder at rest may flicker by one
 constexpr double kMicro = 1e6;
 constexpr double kJump = 0.3;   ///< rad: no joint turns so far between two answers
-constexpr double kLeap = 3e-3;  ///< m: nor moves a straight axis
+constexpr double kLeap = 0.02;  ///< m: nor moves a straight axis
 constexpr int kDisarms = 3;
 constexpr std::array<std::uint8_t, 3> kDisarmed{0x02, 0x90, 0x01};  // STATE with the guard's number
 constexpr std::size_t kStateBody = 13;  ///< bytes of a STATE's body, and 4 for each axis
