@@ -129,9 +129,13 @@ IdentifiedPerson fitted(const IdentificationReport& report, std::size_t subject)
     }
     for (const CallCounts& one : person.counts) {
         const std::string unnamed = never_named(report, one);
+        const bool answered = std::ranges::any_of(one, [](const auto& row) {
+            return std::ranges::any_of(row, [](std::int64_t n) { return n > 0; });
+        });
         person.no_similarity.push_back(
             unnamed.empty() ? ""
-                            : fmt::format("{} was never called by its name: unbounded", unnamed));
+            : answered      ? fmt::format("{} was never called by its name: unbounded", unnamed)
+                            : "no answers");
         person.similarity.emplace_back();
         if (unnamed.empty()) {
             person.similarity.back() = fit_similarity(one);

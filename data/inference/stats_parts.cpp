@@ -42,6 +42,9 @@ std::int64_t false_alarms(const PersonCell& cell) {
 }
 
 void add_sensitivity(const StatsReport& report, const Taken& trials, PersonCell& cell) {
+    if (!report.yes_no && report.table.alternatives < 2) {
+        return;  // one picture alone is told from nothing
+    }
     if (!report.yes_no) {
         cell.d_prime =
             d_prime(cell.k, cell.n, static_cast<std::int64_t>(report.table.alternatives));

@@ -166,7 +166,7 @@ part <- function(d, at) {
             say(paste0(here, '/k'), k); value[i, f, 'share'] <- k / n
             say(paste0(here, '/wilson_95'), suppressWarnings(prop.test(k, n, correct = FALSE)$conf.int))
             say(paste0(here, '/clopper_pearson_95'), binom.test(k, n)$conf.int)
-            if (!yes_no) {  # compared with the correction of the least answers of any friction
+            if (!yes_no && alternatives > 1) {  # compared with the correction of the least answers of any friction
                 say(paste0(here, '/d_prime'), d_prime(k, n, alternatives))
                 value[i, f, 'd_prime'] <- d_prime(k, n, alternatives, min(table(own$friction)))
             }

@@ -185,6 +185,10 @@ std::string measures_text(const StatsReport& report, const StatsPart& part) {
             }
         }
         for (std::size_t f = 1; f < frictions.size(); ++f) {
+            if (!one.effects[f] && one.means[f] && one.means[0]) {
+                text += fmt::format("    {:<20} {:>8}   nobody has a number under both\n",
+                                    fmt::format("{} - {}", frictions[f], frictions[0]), "-");
+            }
             if (one.effects[f]) {
                 text += fmt::format("    {:<20} {:>8}   {:<20}  {}\n",
                                     fmt::format("{} - {}", frictions[f], frictions[0]),

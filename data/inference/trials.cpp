@@ -168,6 +168,22 @@ TrialTable read_trials(const std::filesystem::path& file) {
                         file.string()));
     }
     TrialTable table = table_of_names(std::move(all));
+    const bool named = std::ranges::any_of(table.responses, [&](const std::string& response) {
+        return std::ranges::binary_search(table.shapes, response);
+    });
+    if (table.alternatives > 0 && !named) {  // Yes and No, or numbers, are not all wrong
+        constexpr std::size_t kShown = 5;
+        const auto some = [&](const std::vector<std::string>& names) {
+            const auto end =
+                names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kShown));
+            return fmt::format("{}{}", fmt::join(names.begin(), end, ", "),
+                               names.size() > kShown ? ", ..." : "");
+        };
+        throw CsvError(fmt::format(
+            "{}: no response is the name of a shape (responses: {}; shapes: {}): give the same "
+            "names in both, or answers that are yes and no, in lower case",
+            file.string(), some(table.responses), some(table.shapes)));
+    }
     table.source = file.string();
     return table;
 }

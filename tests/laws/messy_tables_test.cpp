@@ -63,6 +63,8 @@ TEST_CASE(
     of("fit", std::string("\xFF\xFEs\0t\0i\0", 8), "d.csv:1: the head is not UTF-8");
     of("fit", "stimulus;n;k\n0,5;10;2\n", "d.csv:1: the fields are parted by semicolons");
     of("stats", "subject\ttrial\tshape\nA\t1\ta\n", "d.csv:1: the fields are parted by tabs");
+    of("stats", "subject,trial,shape,friction,response\nA,1,a,on,Yes\nA,2,b,off,No\n",
+       "no response is the name of a shape (responses: No, Yes; shapes: a, b)");
     // A column that nobody reads may be there twice, and in any bytes.
     write(csv, "\xEF\xBB\xBFstimulus,n,k,note,note\r\n1,20,2,x,\xFC\r\n2,20,9,,\r\n3,20,18,,\r\n");
     CHECK(json_of({"fit", csv})["curves"][0]["answers"] == 60);
@@ -271,4 +273,20 @@ TEST_CASE("palpate stats shows Brier's score in its table", "[stats]") {
     CHECK_THAT(
         run({"stats", folder.file("d.csv"), "--simulations", "0"}).out,
         ContainsSubstring("Brier's score") && ContainsSubstring("A 0.133, B 0.250; mean 0.192"));
+}
+
+TEST_CASE(
+    "palpate stats of one picture, and of people who felt one friction each, ends and says so",
+    "[stats]") {
+    const TemporaryFolder folder;
+    const std::string csv = folder.file("d.csv");
+    const std::vector<std::string> words{"stats", csv, "--simulations", "0", "--permutations", "0"};
+    write(csv,
+          "subject,trial,shape,friction,response\nA,1,a,off,a\nA,2,a,on,a\nB,1,a,off,a\nB,2,a,on,"
+          "a\n");
+    CHECK(json_of(words)["applied"]["people"]["A"]["friction"]["off"]["d_prime"].is_null());
+    write(csv,
+          "subject,trial,shape,friction,response\nA,1,a,off,a\nA,2,b,off,a\nB,1,a,on,b\nB,2,b,on,"
+          "b\n");
+    CHECK_THAT(run(words).out, ContainsSubstring("nobody has a number under both"));
 }

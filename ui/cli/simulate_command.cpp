@@ -196,9 +196,9 @@ int run(const SimulateOptions& options) {
         case SimulationEnd::made:
             break;
     }
-    say("{}: {} of {} {}, in {:.1f} s.\nNext: palpate stats {} --kind simulated\n", file,
+    say("{}: {} of {}{}, in {:.1f} s.\nNext: palpate stats {} --kind simulated\n", file,
         counted(all, "simulated participant"), counted(first.plan().trials.size(), "trial"),
-        all == 1 ? "" : "each", static_cast<double>(monotonic_ns() - begun) * 1e-9,
+        all == 1 ? "" : " each", static_cast<double>(monotonic_ns() - begun) * 1e-9,
         shell_word(file));
     return 0;
 }
