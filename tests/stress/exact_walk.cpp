@@ -267,4 +267,31 @@ ExactAnswer exact_walk(const ExactOutline& outline,
     return answer;
 }
 
+bool outside_of_some(const ExactOutline& outline, const Vec2& h, double within) {
+    constexpr int kSamples = 256;
+    const auto from = [&h](const SpanRows& span, Real u) {
+        const Point at = point_of(span, u, 1.0L - u);
+        return Point{h.x - at.x, h.y - at.y};
+    };
+    for (const SpanRows& span : outline.on) {
+        for (int i = 1; i < kSamples; ++i) {
+            Real low = (i - 1.0L) / kSamples;
+            Real high = (i + 1.0L) / kSamples;
+            for (int step = 0; step < 60; ++step) {
+                const Real third = (high - low) / 3.0L;
+                const Point a = from(span, low + third);
+                const Point b = from(span, high - third);
+                const bool falls = dot(b, b) <= dot(a, a);
+                (falls ? low : high) += falls ? third : -third;
+            }
+            const Point r = from(span, low);
+            if (std::sqrt(dot(r, r)) <= within && low > 1e-6L && low < 1.0L - 1e-6L &&
+                turn(r, tangent_of(span, low, 1.0L - low)) <= 0.0L) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
 }  // namespace palpate::stress

@@ -42,4 +42,10 @@ struct ExactOutline {
                                      const engine::Vec2& h,
                                      double mu);
 
+/// Some curve has a foot of h, no farther than `within` and not at an end, whose normal says that h is outside: so it
+/// is where two curves lie upon each other back to back. By sampling and thirds.
+[[nodiscard]] bool outside_of_some(const ExactOutline& outline,
+                                   const engine::Vec2& h,
+                                   double within);
+
 }  // namespace palpate::stress

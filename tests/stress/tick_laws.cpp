@@ -127,10 +127,10 @@ void TickLaws::check_free(const Tick& now) {
                   : c.mu >= scene_->spec().friction.mu_d * (1.0 - 1e-15) &&
                         c.mu <= scene_->spec().friction.mu_s * (1.0 + 1e-15));
     if (free(c) && !c.skipped && (!started_ || (free(last_.contact) && !last_far_))) {
-        check("a hand inside is touched", !now.cp.inside || now.cp.distance <= kFootSlack * same_ ||
-                                              on_end_normal(now.cp.place, now.h) ||
-                                              on_knife_edge(now.cp.place) ||
-                                              beyond_another(now.h, now.cp.distance));
+        check("a hand inside is touched",
+              !now.cp.inside || now.cp.distance <= kFootSlack * same_ ||
+                  on_end_normal(now.cp.place, now.h) || on_knife_edge(now.cp.place) ||
+                  outside_of_some(exact_, now.h, now.cp.distance + kFootSlack * same_));
     }
 }
 
@@ -370,34 +370,6 @@ bool TickLaws::on_knife_edge(const Place& place) const noexcept {
         seam = outline.seam_beyond(place.index, place.parameter > 0.5);
     }
     return seam && outline.seams()[*seam].turn > engine::kPi - 1e-6;
-}
-
-/// Two curves lie upon each other back to back, closer than lengths are told apart: of two feet as near one says
-/// that HIP is outside. Found by sampling and thirds, far from the ends.
-bool TickLaws::beyond_another(const Vec2& h, double distance) const noexcept {
-    constexpr int kSamples = 256;
-    const auto from = [&h](const SpanRows& span, Real u) {
-        const Point at = point_of(span, u, 1.0L - u);
-        return Point{h.x - at.x, h.y - at.y};
-    };
-    for (const SpanRows& span : exact_.on) {
-        for (int i = 1; i < kSamples; ++i) {
-            Real low = (i - 1.0L) / kSamples;
-            Real high = (i + 1.0L) / kSamples;
-            for (int step = 0; step < 60; ++step) {
-                const Real third = (high - low) / 3.0L;
-                const Point a = from(span, low + third);
-                const Point b = from(span, high - third);
-                (dot(a, a) < dot(b, b) ? high : low) += dot(a, a) < dot(b, b) ? -third : third;
-            }
-            const Point r = from(span, low);
-            if (std::sqrt(dot(r, r)) <= distance + kFootSlack * same_ && low > 1e-6L &&
-                low < 1.0L - 1e-6L && turn(r, tangent_of(span, low, 1.0L - low)) <= 0.0L) {
-                return true;
-            }
-        }
-    }
-    return false;
 }
 
 bool TickLaws::in_corner(const Contact& contact) const noexcept {

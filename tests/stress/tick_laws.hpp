@@ -70,7 +70,6 @@ private:
     [[nodiscard]] double turn_of_last_bits(const engine::Place& place) const noexcept;
     [[nodiscard]] bool at_open_end(const engine::Place& place) const noexcept;
     [[nodiscard]] bool on_knife_edge(const engine::Place& place) const noexcept;
-    [[nodiscard]] bool beyond_another(const engine::Vec2& h, double distance) const noexcept;
     [[nodiscard]] bool on_end_normal(const engine::Place& place,
                                      const engine::Vec2& h) const noexcept;
     [[nodiscard]] bool in_corner(const engine::Contact& contact) const noexcept;
