@@ -14,9 +14,10 @@ bool encoder_stuck(EncoderWatch& watch,
     for (int i = 0; i < axes; ++i) {
         const auto axis = static_cast<std::size_t>(i);
         EncoderWatch::Still& still = watch.still[axis];
-        const bool free = axes > 2 && !(std::fabs(push[i]) > kPush);
-        if (!watch.started || counts[axis] != watch.counts[axis] || free) {
+        if (!watch.started || counts[axis] != watch.counts[axis]) {
             still = {.from = hip, .counts = counts};
+        } else if (axes > 2 && !(std::fabs(push[i]) > kPush)) {
+            still = {.from = hip, .counts = counts, .travel = still.travel};
         }
         const double stroke = glm::length(hip - still.from);
         if (stroke >= kStroke && counts != still.counts) {

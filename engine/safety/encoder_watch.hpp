@@ -40,7 +40,8 @@ struct EncoderWatch {
 ///
 /// Three straight axes are each alone, and one may well rest. It does not while its motor pushes by more than
 /// kPush: a hand that strokes to the side holds against it by its own force, which is never as steady as the
-/// 0.02 N of a count of 26 um at 800 N/m. So only such ticks count.
+/// 0.02 N of a count of 26 um at 800 N/m. So only strokes under such a push count, and those before and after a
+/// rest add up: over a hill the force comes and goes with every stroke.
 /// @param counts  of `axes` encoders, 2 or 3   @param hip  m
 /// @param push    force of each motor's axis at the tick before, N; of two axes no heed is taken of it
 [[nodiscard]] bool encoder_stuck(EncoderWatch& watch,
